@@ -1,0 +1,49 @@
+# Every target sets up what it needs in .venv; nothing is installed elsewhere.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RECORDINGS ?= articulography
+
+.PHONY: help demo test lint types bench articulography wheel clean
+
+help: ## list the targets
+	@grep -E '^[a-z]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
+
+$(VENV)/ready: pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.12") if sys.version_info < (3, 11) else 0'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[speech,plot,dev]'
+	touch $@
+
+demo: $(VENV)/ready ## speak a sentence and draw how its curves were made
+	@mkdir -p out
+	@$(BIN)/lipsync-lang run "Please buy five more maps before Bob moves away." \
+	  -l english -c facefx -o out/demo.wav -o out/demo.json -o out/demo.csv --plot out/demo.png
+	@echo
+	@echo "Listen to out/demo.wav and look at out/demo.png: every curve, stage by stage."
+	@echo "out/demo.csv and out/demo.json are the animation, 60 frames a second."
+	@echo "Next, try a sentence of your own, or ask why the mouth stands as it does:"
+	@echo "  $(BIN)/lipsync-lang run \"Hello, world\" -l english -c facefx -o out/hello.csv --plot out/hello.png"
+	@echo "  $(BIN)/lipsync-lang explain \"Hello, world\" -l english -c facefx --at 0.42"
+
+test: $(VENV)/ready ## run the tests
+	$(BIN)/python -m pytest -n auto
+
+lint: $(VENV)/ready ## check style
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/ready ## check types
+	$(BIN)/mypy
+
+bench: $(VENV)/ready ## print how fast things are
+	$(BIN)/python benchmarks/speed.py
+
+articulography: $(VENV)/ready ## compare curves with recordings of real mouths: make articulography RECORDINGS=folder
+	$(BIN)/python benchmarks/articulography.py $(RECORDINGS)
+
+wheel: $(VENV)/ready ## build the wheel into dist/
+	$(BIN)/python -m build --wheel
+
+clean: ## remove what was built
+	rm -rf $(VENV) build dist out

@@ -1,0 +1,41 @@
+"""What goes wrong, in words a user can act on.
+
+Every error the library raises on purpose is a `LipsyncError`; the command line prints
+its message and nothing else.
+"""
+
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+class LipsyncError(Exception):
+    """Something the user can mend; the message says what, where and how."""
+
+
+class PackError(LipsyncError):
+    """One or more packs are unsound, or cannot be found."""
+
+
+class ScheduleError(LipsyncError):
+    """Timed phonemes that cannot be performed."""
+
+
+class SpeechError(LipsyncError):
+    """Text or audio that cannot become speech here."""
+
+
+class OutputError(LipsyncError):
+    """A result that cannot be written where it was asked for."""
+
+
+def did_you_mean(word: str, known: "Iterable[str]") -> str:
+    """Return a hint naming the nearest known word, or the known words when none is near."""
+    names = sorted(known)
+    near = get_close_matches(word, names, n=1) or [n for n in names if n.lower() == word.lower()]
+    if near:
+        return f"did you mean '{near[0]}'?"
+    shown = ", ".join(names[:24]) + (", ..." if len(names) > 24 else "")  # noqa: PLR2004 a line's worth
+    return f"known: {shown}" if names else "none is known"

@@ -1,0 +1,1 @@
+"""Phonology: labels and the notations they are written in."""

@@ -1,0 +1,13 @@
+"""Schedules: timed phonemes, whoever timed them.
+
+Times are seconds. A schedule is contiguous: phoneme i lasts from ``times[i]`` to
+``times[i + 1]``. Silence is a phoneme like any other, written `SILENCE`. Labels are kept as
+the file or the engine wrote them; a language pack turns them into common phonemes.
+
+One file per input format; `reader` is all that makes a format known.
+"""
+
+from lipsync_lang.schedules.registry import READERS, read_schedule, reader
+from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
+
+__all__ = ["READERS", "SILENCE", "Audio", "Schedule", "Word", "read_schedule", "reader"]

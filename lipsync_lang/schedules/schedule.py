@@ -1,0 +1,195 @@
+"""The one form in which timed phonemes travel through the program."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.errors import ScheduleError
+
+SILENCE = "_"
+"""The label of silence, in every notation."""
+
+SNAP = 5e-4
+"""Seconds; smaller gaps and overlaps between neighbours are rounding, and are closed."""
+
+LONGEST = 86_400.0
+"""Seconds; a boundary past this is not in seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Audio:
+    """Mono sound: int16 samples at a rate in hertz."""
+
+    samples: npt.NDArray[np.int16]
+    rate: int
+
+    @property
+    def seconds(self) -> float:
+        """Length of the sound."""
+        return len(self.samples) / self.rate
+
+
+@dataclass(frozen=True)
+class Word:
+    """A word and the phonemes that speak it: ``labels[first:stop]``."""
+
+    text: str
+    first: int
+    stop: int
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Contiguous timed phonemes, with words and sound where there are some.
+
+    Parameters
+    ----------
+    labels : n phonemes, in one notation
+    times : (n + 1,) boundaries in seconds, strictly rising
+    words : in order, not overlapping
+    notation : the labels' notation, or None to let the language pack recognise it
+    language : name of the language pack the labels were made for, if known
+    audio : the sound, whose zero is time zero
+    estimated : True where the times come from a rule, not from a voice
+    source : what to call this schedule in messages
+    """
+
+    labels: tuple[str, ...]
+    times: npt.NDArray[np.float64]
+    words: tuple[Word, ...] = ()
+    notation: str | None = None
+    language: str | None = None
+    audio: Audio | None = None
+    estimated: bool = False
+    source: str = field(default="schedule")
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be performed, saying where and how to mend it."""
+        times = np.array(self.times, dtype=np.float64)
+        times.setflags(write=False)
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "labels", tuple(self.labels))
+        object.__setattr__(self, "words", tuple(self.words))
+        _check(self.source, self.labels, times)
+        _check_words(self.source, self.words, len(self.labels))
+
+    @classmethod
+    def from_intervals(
+        cls, intervals: Iterable[tuple[str, float, float]], *, source: str = "schedule", **rest: Any
+    ) -> Self:
+        """Build a schedule from (label, start, end) rows.
+
+        Neighbours may miss each other by `SNAP`; a larger gap or overlap is an error that
+        names the row.
+        """
+        rows = list(intervals)
+        labels: list[str] = []
+        times: list[float] = []
+        for number, (label, start, end) in enumerate(rows):
+            here = f"{source}: phoneme {number} ({label!r})"
+            _check_number(here, start)
+            _check_number(here, end)
+            if times and start > times[-1] + SNAP:
+                raise ScheduleError(
+                    f"{here} starts at {start:g} s, but the one before ends at {times[-1]:g} s: "
+                    f"a gap. Write silence there: ({SILENCE!r}, {times[-1]:g}, {start:g})"
+                )
+            if times and start < times[-1] - SNAP:
+                raise ScheduleError(
+                    f"{here} starts at {start:g} s, before the one before ends at {times[-1]:g} s: "
+                    "they overlap. Move one of the two boundaries"
+                )
+            times = times or [start]
+            labels.append(label)
+            times.append(end)
+        return cls(tuple(labels), np.array(times, dtype=np.float64), source=source, **rest)
+
+    @property
+    def start(self) -> float:
+        """Seconds at which the first phoneme starts."""
+        return float(self.times[0])
+
+    @property
+    def end(self) -> float:
+        """Seconds at which the last phoneme ends."""
+        return float(self.times[-1])
+
+    def moved(self, seconds: float) -> Self:
+        """Return this schedule later by some seconds, without its sound."""
+        return replace(self, times=self.times + seconds, audio=None)
+
+    def stretched(self, factor: float) -> Self:
+        """Return this schedule slower by a factor about its start, without its sound."""
+        return replace(self, times=self.start + (self.times - self.start) * factor, audio=None)
+
+    def word_at(self, index: int) -> Word | None:
+        """Return the word that phoneme `index` belongs to."""
+        return next((w for w in self.words if w.first <= index < w.stop), None)
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+
+def words_from_spans(schedule: Schedule, spans: list[tuple[str, float, float]]) -> tuple[Word, ...]:
+    """Give each timed word the phonemes whose middle lies in it; words without any are dropped."""
+    middles = (schedule.times[:-1] + schedule.times[1:]) / 2
+    words: list[Word] = []
+    for text, start, end in spans:
+        first, stop = (int(i) for i in middles.searchsorted([start, end]))
+        if words:
+            first = max(first, words[-1].stop)
+        if text.strip() and first < stop:
+            words.append(Word(text, first, stop))
+    return tuple(words)
+
+
+def _check_number(here: str, seconds: object) -> None:
+    if isinstance(seconds, bool) or not isinstance(seconds, (int, float, np.number)):
+        raise ScheduleError(f"{here}: {seconds!r} is not a time; times are numbers of seconds")
+    if not np.isfinite(seconds):
+        raise ScheduleError(f"{here}: time is {seconds}; every time must be a finite number")
+
+
+def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -> None:
+    if not labels:
+        raise ScheduleError(f"{source}: has no phonemes; give at least one, with its start and end")
+    if times.shape != (len(labels) + 1,):
+        raise ScheduleError(
+            f"{source}: {len(labels)} phonemes need {len(labels) + 1} boundaries, got {times.size}"
+        )
+    if not np.isfinite(times).all():
+        at = int(np.flatnonzero(~np.isfinite(times))[0])
+        raise ScheduleError(f"{source}: boundary {at} is {times[at]}; times must be finite numbers")
+    steps = np.diff(times)
+    if (steps <= 0).any():
+        at = int(np.flatnonzero(steps <= 0)[0])
+        what = "has no length" if steps[at] == 0 else "ends before it starts: times run backwards"
+        mend = "give it some time, or leave it out" if steps[at] == 0 else "sort the rows by time"
+        raise ScheduleError(
+            f"{source}: phoneme {at} ({labels[at]!r}, {times[at]:g} to {times[at + 1]:g} s) {what};"
+            f" {mend}"
+        )
+    if np.abs(times).max() > LONGEST:
+        raise ScheduleError(
+            f"{source}: reaches {np.abs(times).max():g} s, past a day; are the times in "
+            "milliseconds, samples or frames? They must be seconds"
+        )
+
+
+def _check_words(source: str, words: Sequence[Word], count: int) -> None:
+    for word in words:
+        if not 0 <= word.first < word.stop <= count:
+            raise ScheduleError(
+                f"{source}: word {word.text!r} covers phonemes {word.first} to {word.stop - 1}, "
+                f"but the schedule has 0 to {count - 1}"
+            )
+    for left, right in pairwise(words):
+        if right.first < left.stop:
+            raise ScheduleError(
+                f"{source}: words {left.text!r} and {right.text!r} share phoneme {right.first}; "
+                "words are in order and do not overlap"
+            )
