@@ -1,0 +1,235 @@
+"""Speech by eSpeak NG, which runs in a process of its own.
+
+A fresh process per text keeps the library's licence, its crashes and its memory apart from ours,
+and makes the same text sound the same, byte for byte. What it answers are events at sample
+positions; `espeak_events` makes contiguous phonemes of them, `words` the words.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import unicodedata
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.schedules import SILENCE, Audio, Schedule
+from lipsync_lang.speech.espeak_events import intervals, read_events
+from lipsync_lang.speech.words import find_words
+
+MAGIC = b"lipsync1"
+WORKER = Path(__file__).with_name("espeak_worker.py")
+
+SLOWEST, FASTEST = 80, 350
+"""Words per minute; faster speech is squeezed afterwards, and its events are not."""
+
+LONGEST = 50_000
+"""Characters, about an hour of speech; a longer text is a book, and comes in lines."""
+
+PAUSE = 0.05
+"""Seconds; a shorter silence between two sounds is articulation, not a pause."""
+
+_SHOWN = 60
+_IGNORED = {0x00AD, 0x200B, 0x200E, 0x200F, 0x2060, 0xFEFF}
+_IGNORED |= {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+
+
+@dataclass
+class Espeak:
+    """eSpeak NG as a speech engine.
+
+    Parameters
+    ----------
+    python : the interpreter that runs the worker; name one where this one is embedded in a host
+    worker : the script that it runs
+    patience : seconds to wait for an answer, beyond a hundredth of one per character
+    """
+
+    python: str = sys.executable
+    worker: Path = WORKER
+    patience: float = 20.0
+
+    def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
+        """Speak a text with a voice of the library: a language code, title or identifier.
+
+        A variant may follow the voice, as in ``en-us+f3``.
+
+        Raises
+        ------
+        SpeechError
+            There is nothing to say, no such voice, the library is missing, or it failed.
+        """
+        rate = _rate(words_per_minute)
+        spoken = _plain(text)
+        header, sound = self._ask("speak", text=spoken, voice=voice, rate=rate)
+        return _schedule(header, sound, spoken)
+
+    def voices(self) -> dict[str, str]:
+        """Return the voices of the library: language code and title."""
+        header, _ = self._ask("voices")
+        return {str(name): str(title) for name, title in header["voices"].items()}
+
+    def _ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, bytes]:
+        """Run the worker for one request and return its answer's header and sound."""
+        library, data = _library()
+        request: dict[str, Any] = {"library": library, "data": data.name, "task": task}
+        request |= {"text": text, "voice": voice, "rate": rate}
+        try:
+            done = subprocess.run(  # noqa: S603 our own script, no shell
+                [self.python, "-I", "-S", str(self.worker)],
+                input=json.dumps(request).encode("ascii"),
+                capture_output=True,
+                cwd=data.parent,
+                timeout=self.patience + len(text) / 100,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as late:
+            raise SpeechError(
+                f"eSpeak NG did not finish within {late.timeout:.0f} s with {_quoted(text)}; "
+                "try again, or split the text"
+            ) from None
+        except OSError as error:
+            raise SpeechError(
+                f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
+            ) from None
+        if done.returncode:
+            raise SpeechError(_ending(done.returncode, done.stderr, text, voice))
+        header, sound = _unframe(done.stdout)
+        if "error" in header:
+            raise SpeechError(_refusal(header, voice))
+        return header | {"said": _said(done.stderr)}, sound
+
+
+def _library() -> tuple[str, Path]:
+    """Find the library and its data without loading either."""
+    try:
+        import espeakng_loader
+    except ImportError:
+        raise SpeechError(
+            "speaking text needs eSpeak NG, which is not installed; "
+            'get it with: pip install "lipsync-lang[speech]"'
+        ) from None
+    try:
+        library, data = espeakng_loader.get_library_path(), Path(espeakng_loader.get_data_path())
+    except RuntimeError as error:
+        raise SpeechError(f"eSpeak NG is not installed whole: {error}; install it anew") from None
+    for path in (Path(library), data):
+        if not path.exists():
+            raise SpeechError(f"eSpeak NG is not installed whole: no {path}; install it anew")
+    return library, data
+
+
+def _rate(words_per_minute: int | None) -> int:
+    if words_per_minute is None:
+        return 0
+    if not SLOWEST <= words_per_minute <= FASTEST:
+        raise SpeechError(
+            f"{words_per_minute} words per minute: eSpeak NG speaks {SLOWEST} to {FASTEST}; "
+            "stretch the schedule for more"
+        )
+    return int(words_per_minute)
+
+
+def _plain(text: str) -> str:
+    """Blank out, one for one, characters that steer the library or that are none."""
+    plain = "".join(" " if _steers(c) else c for c in text)
+    if not plain.strip():
+        raise SpeechError("there is no text to speak; write at least one word")
+    if not any(c.isalnum() for c in plain):
+        raise SpeechError(
+            f"{_quoted(text)} has no letter or digit, so there is nothing to say; "
+            "write at least one word"
+        )
+    if len(plain) > LONGEST:
+        raise SpeechError(
+            f"the text has {len(plain)} characters, more than {LONGEST}; speak it line by line"
+        )
+    return plain
+
+
+def _steers(character: str) -> bool:
+    """Tell whether a character is a command, a lone surrogate, unassigned or a hidden mark."""
+    if unicodedata.category(character) in {"Cc", "Cs", "Co", "Cn"}:
+        return character != "\n"
+    return ord(character) in _IGNORED
+
+
+def _quoted(text: str) -> str:
+    return repr(text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "...")
+
+
+def _ending(code: int, stderr: bytes, text: str, voice: str) -> str:
+    """Say how the worker ended, and what to try."""
+    how = f"ended with code {code}"
+    if code < 0:
+        names = {int(s): s.name for s in signal.Signals}
+        how = f"crashed ({names.get(-code, f'signal {-code}')})"
+    return (
+        f"eSpeak NG {how} in the voice '{voice}' with {_quoted(text)}"
+        + _said(stderr)
+        + "; try another voice, or a shorter text"
+    )
+
+
+def _said(stderr: bytes) -> str:
+    """Return the last line that the library printed, to end a sentence with."""
+    lines = stderr.decode("utf-8", "replace").strip().splitlines()
+    return f" ({lines[-1].strip()})" if lines else ""
+
+
+def _unframe(raw: bytes) -> tuple[Any, bytes]:
+    """Take an answer apart, believing none of it."""
+    start = len(MAGIC) + 4
+    garbage = SpeechError("eSpeak NG gave no answer that makes sense; try again")
+    if not raw.startswith(MAGIC) or len(raw) < start:
+        raise garbage
+    end = start + int.from_bytes(raw[len(MAGIC) : start], "little")
+    try:
+        header = json.loads(raw[start:end])
+    except ValueError:
+        raise garbage from None
+    if not isinstance(header, dict) or len(raw) - end != header.get("bytes", 0):
+        raise garbage
+    return header, raw[end:]
+
+
+def _refusal(header: dict[str, Any], voice: str) -> str:
+    match header["error"]:
+        case "voice":
+            return f"eSpeak NG has no voice '{voice}'; {did_you_mean(voice, header['known'])}"
+        case "variant":
+            variant = voice.partition("+")[2]
+            hint = did_you_mean(variant, header["known"])
+            return f"eSpeak NG has no voice variant '{variant}'; {hint}"
+        case "data":
+            return "eSpeak NG cannot read its data; install it anew"
+        case _:
+            return f"eSpeak NG could not speak the text (status {header.get('status')})"
+
+
+def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
+    """Make a schedule of the worker's answer."""
+    try:
+        samples = np.frombuffer(sound, dtype=np.int16)
+        rate = int(header["rate"])
+        sounds, marks = read_events(header["events"], header["spelled"], len(samples))
+        labels, bounds, index = intervals(sounds, int(PAUSE * rate))
+    except (KeyError, ValueError, TypeError, AttributeError):
+        raise SpeechError("eSpeak NG gave no answer that makes sense; try again") from None
+    if all(label == SILENCE for label in labels):
+        raise SpeechError(
+            f"eSpeak NG says nothing for {_quoted(text)} in this voice{header['said']}; "
+            "is the text in the voice's script?"
+        )
+    return Schedule(
+        tuple(labels),
+        np.array(bounds) / rate,
+        words=find_words(text, [(at, index[number]) for at, number in marks], labels),
+        notation="ipa",
+        audio=Audio(samples, rate),
+        source=f"speech {_quoted(text)}",
+    )

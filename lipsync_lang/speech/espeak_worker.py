@@ -1,0 +1,206 @@
+"""The child process that loads eSpeak NG, speaks one text, and ends.
+
+Run by path, never imported by the package: it knows the standard library alone, so that the
+engine and its licence stay in a process of their own. One JSON request comes in on stdin; the
+answer goes out on stdout as `MAGIC`, the length of a JSON header (4 bytes, little-endian), the
+header, and the sound as int16 in the machine's byte order.
+
+Requests are ``{"library", "data", "task": "speak" | "voices", "voice", "text", "rate"}``;
+`rate` is in words per minute, 0 for the engine's own. `data` is relative to the working
+directory: eSpeak NG keeps its data path in a short buffer, and reads it in the system's encoding.
+"""
+
+import ctypes
+import json
+import os
+import sys
+from typing import Any
+
+MAGIC = b"lipsync1"
+
+OUTPUT_SYNCHRONOUS = 2
+PHONEME_EVENTS, PHONEME_IPA, DONT_EXIT = 0x1, 0x2, 0x8000
+CHARS_UTF8 = 0x1  # neither SSML (0x10) nor [[phonemes]] (0x100): text is only ever text
+PARAMETER_RATE = 1
+POSITION_CHARACTER = 1
+EVENT_NONE, EVENT_WORD, EVENT_PHONEME, EVENT_SAMPLERATE = 0, 1, 7, 8
+BUFFER_MS = 500  # each buffer holds so many events; the default is tight
+NAME_BYTES = 8  # longer names are cut by the library
+SEPARATOR = "\x1f"
+
+
+class _Id(ctypes.Union):
+    _fields_ = (("number", ctypes.c_int), ("string", ctypes.c_char * 8), ("p", ctypes.c_void_p))
+
+
+class _Event(ctypes.Structure):
+    _fields_ = (
+        ("type", ctypes.c_int),
+        ("unique", ctypes.c_uint),
+        ("text_position", ctypes.c_int),
+        ("length", ctypes.c_int),
+        ("milliseconds", ctypes.c_int),
+        ("sample", ctypes.c_int),
+        ("user_data", ctypes.c_void_p),
+        ("id", _Id),
+    )
+
+
+class _Voice(ctypes.Structure):
+    _fields_ = (
+        ("name", ctypes.c_char_p),
+        ("languages", ctypes.c_void_p),
+        ("identifier", ctypes.c_char_p),
+        ("rest", ctypes.c_ubyte * 32),
+    )
+
+
+_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(_Event))
+
+
+def _text(raw: bytes | None) -> str:
+    return (raw or b"").decode("utf-8", "replace").strip()
+
+
+def _languages(address: int) -> list[tuple[int, str]]:
+    """Read (priority, language) pairs: a byte, a C string, again, until a zero byte."""
+    found = []
+    while priority := ctypes.string_at(address, 1)[0]:
+        name = ctypes.string_at(address + 1)
+        found.append((priority, _text(name)))
+        address += len(name) + 2
+    return found
+
+
+def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, str]]]]:
+    """Return each voice's identifier, title and (priority, language) pairs."""
+    library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(_Voice))
+    rows, voices = [], []
+    for pointer in library.espeak_ListVoices(None):
+        if not pointer:
+            break
+        rows.append(pointer.contents)
+    for row in rows:
+        languages = _languages(row.languages) if row.languages else []
+        voices.append((_text(row.identifier), _text(row.name), languages))
+    return voices
+
+
+def find_voice(voices: list[tuple[str, str, list[tuple[int, str]]]], wanted: str) -> str | None:
+    """Return the identifier of a voice by identifier, its last part, title or language.
+
+    The library's own search knows no language but the first of each voice, takes variants for
+    voices, and speaks on in its default voice when it finds none.
+    """
+    key = wanted.lower()
+    for identifier, title, _ in voices:
+        if key in (identifier.lower(), identifier.lower().rpartition("/")[2], title.lower()):
+            return identifier
+    ranked = [
+        (priority, number)
+        for number, (_, _, languages) in enumerate(voices)
+        for priority, language in languages
+        if language.lower() == key
+    ]
+    return voices[min(ranked)[1]][0] if ranked else None
+
+
+def _names(voices: list[tuple[str, str, list[tuple[int, str]]]]) -> dict[str, str]:
+    """Map the first language code of each voice, which `find_voice` takes, to its title."""
+    return {
+        (languages[0][1] if languages else identifier): title
+        for identifier, title, languages in voices
+    }
+
+
+def _variants(data: str) -> list[str]:
+    folder = os.path.join(data, "voices", "!v")  # noqa: PTH118 pathlib costs a tenth of the start
+    return sorted(os.listdir(folder)) if os.path.isdir(folder) else []  # noqa: PTH112, PTH208
+
+
+def collect(library: ctypes.CDLL, text: str) -> tuple[int, list[list[Any]], bytearray]:
+    """Speak a text; return the library's status, its events in order, and the sound."""
+    events: list[list[Any]] = []
+    sound = bytearray()
+
+    def receive(samples: int | None, count: int, pointer: "ctypes._Pointer[_Event]") -> int:
+        if samples and count > 0:
+            sound.extend(ctypes.string_at(samples, 2 * count))
+        number = 0
+        while pointer[number].type != EVENT_NONE:
+            event = pointer[number]
+            if event.type == EVENT_PHONEME:
+                address = ctypes.addressof(event) + _Event.id.offset
+                name = ctypes.string_at(address, NAME_BYTES).split(b"\0")[0]
+                events.append(["phoneme", event.sample, name.decode("latin-1")])
+            elif event.type == EVENT_WORD:
+                events.append(["word", event.sample, event.text_position])
+            number += 1
+        return 0
+
+    callback = _CALLBACK(receive)
+    library.espeak_SetSynthCallback(callback)
+    raw = text.encode("utf-8") + b"\0"
+    length = ctypes.c_size_t(len(raw))
+    status = library.espeak_Synth(raw, length, 0, POSITION_CHARACTER, 0, CHARS_UTF8, None, None)
+    return status, events, sound
+
+
+def spell(library: ctypes.CDLL, text: str) -> list[str]:
+    """Return the phonemes of a text by their whole names, stress marks included."""
+    library.espeak_TextToPhonemes.restype = ctypes.c_char_p
+    buffer = ctypes.create_string_buffer(text.encode("utf-8"))
+    pointer = ctypes.c_void_p(ctypes.addressof(buffer))
+    names: list[str] = []
+    while pointer.value:
+        clause = library.espeak_TextToPhonemes(
+            ctypes.byref(pointer), CHARS_UTF8, PHONEME_IPA | ord(SEPARATOR) << 8
+        )
+        names += _text(clause).replace(SEPARATOR, " ").split()
+    return names
+
+
+def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
+    """Do what a request asks; return the header and the sound."""
+    library = ctypes.CDLL(request["library"])
+    rate = library.espeak_Initialize(
+        OUTPUT_SYNCHRONOUS,
+        BUFFER_MS,
+        os.fsencode(request["data"]),
+        PHONEME_EVENTS | PHONEME_IPA | DONT_EXIT,
+    )
+    if rate <= 0:
+        return {"error": "data"}, b""
+    voices = list_voices(library)
+    if request["task"] == "voices":
+        return {"voices": _names(voices)}, b""
+    base, plus, variant = request["voice"].partition("+")
+    identifier = find_voice(voices, base)
+    variants = _variants(request["data"])
+    if plus and variant not in variants:
+        return {"error": "variant", "known": variants}, b""
+    if not identifier or library.espeak_SetVoiceByName((identifier + plus + variant).encode()):
+        return {"error": "voice", "known": sorted(_names(voices))}, b""
+    if request["rate"]:
+        library.espeak_SetParameter(PARAMETER_RATE, request["rate"], 0)
+    status, events, sound = collect(library, request["text"])
+    if status:
+        return {"error": "synthesis", "status": status}, b""
+    cut = any(kind == "phoneme" and len(name) == NAME_BYTES for kind, _, name in events)
+    spelled = spell(library, request["text"]) if cut else []
+    return {"rate": rate, "events": events, "spelled": spelled, "bytes": len(sound)}, sound
+
+
+def main() -> None:
+    """Answer the request on stdin; whatever the library prints goes to stderr."""
+    out = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    header, sound = answer(json.load(sys.stdin.buffer))
+    raw = json.dumps(header).encode("ascii")
+    out.write(MAGIC + len(raw).to_bytes(4, "little") + raw + sound)
+    out.flush()
+    os._exit(0)  # the library's own clean-up has nothing left to give
+
+
+if __name__ == "__main__":
+    main()
