@@ -1,0 +1,170 @@
+"""Rules of a pose set that work against each other."""
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from lipsync_lang.packs.faults import Fault
+from lipsync_lang.packs.models import AtMost, PoseSet, Threshold
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.source import Loc
+
+FREE = 2.0
+"""A threshold that two weights never pass: it binds nothing."""
+
+
+def conflicts(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Yield what keeps constraints from being met, or contacts from being seen."""
+    yield from _pairs(poseset)
+    yield from _circles(poseset)
+    yield from _outranked(poseset)
+    yield from _together(poseset)
+    yield from _pressed(poseset)
+
+
+@dataclass(frozen=True)
+class _Order:
+    """Who yields to whom in a pose set."""
+
+    model: PoseSet
+
+    def rank(self, pose: str) -> int:
+        """Return the place in `priority`; poses not named stand above all."""
+        order = self.model.priority
+        return order.index(pose) if pose in order else len(order)
+
+    def threshold(self, one: str, other: str) -> float:
+        """Return what two poses may add up to."""
+        for pair in self.model.constraints.pairs:
+            if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
+                return pair.threshold
+        return self.model.constraints.default
+
+
+def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """No pair is constrained twice, none with itself, and in each one pose yields."""
+    order = _Order(poseset.model)
+    seen: dict[tuple[object, ...], int] = {}
+    for index, pair in enumerate(poseset.model.constraints.pairs):
+        loc = ("constraints", "pairs", index)
+        threshold = isinstance(pair, Threshold)
+        one, other = pair.between if isinstance(pair, Threshold) else (pair.pose, pair.at_most)
+        key = (threshold, *(sorted((one, other)) if threshold else (one, other)))
+        if one == other:
+            yield poseset.fault(
+                loc, "P216", f"'{one}' is constrained with itself", "name two poses"
+            )
+        elif key in seen:
+            line = poseset.where(("constraints", "pairs", seen[key])).line
+            what = f"'{one}' and '{other}' are constrained twice"
+            yield poseset.fault(loc, "P216", what, f"first in line {line}; keep one of the two")
+        elif threshold and order.rank(one) == order.rank(other) and _known(poseset, one, other):
+            what = f"neither '{one}' nor '{other}' yields: `priority` names neither"
+            yield poseset.warning(loc, "W302", what, "name the one that yields in `priority`")
+        seen.setdefault(key, index)
+
+
+def _circles(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """No pose waits, through `at_most`, for itself."""
+    rules = [
+        (index, pair.pose, pair.at_most)
+        for index, pair in enumerate(poseset.model.constraints.pairs)
+        if isinstance(pair, AtMost) and pair.pose != pair.at_most
+    ]
+    waits: dict[str, set[str]] = {}
+    for _, pose, other in rules:
+        waits.setdefault(pose, set()).add(other)
+    for index, pose, other in rules:
+        path = path_between(waits, other, pose)
+        if path:
+            what = f"constraints run in a circle: {' -> '.join((pose, *path))}"
+            hint = "a pose cannot wait for itself; drop one"
+            yield poseset.fault(("constraints", "pairs", index), "P206", what, hint)
+
+
+def path_between(waits: Mapping[str, Collection[str]], start: str, goal: str) -> tuple[str, ...]:
+    """Return how `start` waits for `goal`, or nothing."""
+    came: dict[str, str] = {start: ""}
+    todo = [start]
+    while todo:
+        pose = todo.pop()
+        if pose == goal:
+            path = [pose]
+            while came[path[-1]]:
+                path.append(came[path[-1]])
+            return tuple(reversed(path))
+        for other in sorted(waits.get(pose, ())):
+            if other not in came:
+                came[other] = pose
+                todo.append(other)
+    return ()
+
+
+def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
+    """Map each contact pose to its highest floor and the contact that sets it."""
+    floors: dict[str, tuple[float, str]] = {}
+    for name, contact in model.contacts.items():
+        for pose, floor in contact.floor.items():
+            if floor > 0 and floor > floors.get(pose, (0.0, ""))[0]:
+                floors[pose] = floor, name
+    return floors
+
+
+def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    model, order, floors = poseset.model, _Order(poseset.model), _floors(poseset.model)
+    for pose, (_, name) in floors.items():
+        loc = ("contacts", name, "floor", pose)
+        for other in model.poses:
+            above = order.rank(other) > order.rank(pose) and other not in floors
+            if above and order.threshold(pose, other) < FREE:
+                what = f"'{pose}' has to yield to '{other}', so that the contact may not be seen"
+                hint = f"put '{pose}' after '{other}' in `priority`"
+                yield poseset.fault(loc, "P207", what, hint, key=True)
+    for pair in model.constraints.pairs:
+        if not isinstance(pair, AtMost):
+            continue
+        for name, contact in model.contacts.items():
+            if contact.floor.get(pair.pose, 0) > contact.floor.get(pair.at_most, 0):
+                loc = ("contacts", name, "floor", pair.pose)
+                what = f"'{pair.pose}' never passes '{pair.at_most}', which is not held as high"
+                hint = f"drop the constraint, or hold '{pair.at_most}' as well"
+                yield poseset.fault(loc, "P207", what, hint, key=True)
+
+
+def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    model, order = poseset.model, _Order(poseset.model)
+    for (one, (low, _)), (other, (high, _)) in combinations(_floors(model).items(), 2):
+        threshold = order.threshold(one, other)
+        if threshold < FREE and threshold < low + high:
+            index = next(
+                (
+                    n
+                    for n, pair in enumerate(model.constraints.pairs)
+                    if isinstance(pair, Threshold) and set(pair.between) == {one, other}
+                ),
+                None,
+            )
+            stated: Loc = ("constraints", "default")
+            loc = stated if index is None else ("constraints", "pairs", index, "threshold")
+            what = (
+                f"'{one}' and '{other}' may add up to {threshold:g}, "
+                f"but their contacts need {low + high:g}"
+            )
+            yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
+
+
+def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    floors = _floors(poseset.model)
+    for name, contact in poseset.model.contacts.items():
+        for pose in contact.ceiling:
+            if pose in floors:
+                loc = ("contacts", name, "ceiling", pose)
+                what = f"'{pose}' gets a ceiling here, but contact '{floors[pose][1]}' holds it up"
+                yield poseset.fault(loc, "P209", what, "leave it out of one of the two", key=True)
+
+
+def _known(poseset: "Pack[PoseSet]", *poses: str) -> bool:
+    return all(pose in poseset.model.poses for pose in poses)

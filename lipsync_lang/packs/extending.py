@@ -1,0 +1,71 @@
+"""A language that states only what differs from another, read as a whole."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
+
+from lipsync_lang.errors import PackError, did_you_mean
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.packs.models import Language
+
+WHOLE = ("g2p", "tts")
+"""Fields that a child has as a whole or not at all."""
+
+BY_LABEL = ("adds", "durations", "words", "examples", "reasons")
+"""Fields in which a child's entries stand over its parent's."""
+
+
+def extended(library: "Library", path: Path) -> "Pack[Language]":
+    """Load a language with everything it takes over.
+
+    Raises
+    ------
+    PackFaults
+        One of the files is unsound, the parent is unknown, or the languages run in a circle.
+    """
+    from lipsync_lang.packs.library import Pack
+
+    line = _line(library, path)
+    model = line[-1].model
+    for child in reversed(line[:-1]):
+        model = merge(model, child.model)
+    return Pack(model, tuple(pack.source for pack in line))
+
+
+def merge(parent: "Language", child: "Language") -> "Language":
+    """Lay a language over the one it extends; its own tests only are its tests."""
+    stated = child.model_fields_set
+    taken = {name: getattr(parent, name) for name in WHOLE if name not in stated}
+    taken |= {name: {**getattr(parent, name), **getattr(child, name)} for name in BY_LABEL}
+    taken["silence"] = tuple(dict.fromkeys((*parent.silence, *child.silence)))
+    notations = {name: dict(labels) for name, labels in parent.notations.items()}
+    for name, labels in child.notations.items():
+        notations.setdefault(name, {}).update(labels)
+    return child.model_copy(update={**taken, "notations": notations})
+
+
+def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
+    """Load a language, its parent, and so on to the last."""
+    line: list[Pack[Language]] = []
+    while True:
+        pack = cast("Pack[Language]", library.load(path, "language", path.stem))
+        line.append(pack)
+        parent = pack.model.extends
+        if parent is None:
+            return line
+        try:
+            path = library.find("language", parent)
+        except PackError:
+            hint = did_you_mean(parent, {found.name for found in library.names("language")})
+            fault = pack.fault(("extends",), "P210", f"unknown language '{parent}'", hint)
+            raise library.failing(fault) from None
+        if path in {member.path for member in line}:
+            names = " -> ".join([*(member.model.name for member in line), path.stem])
+            fault = pack.fault(
+                ("extends",),
+                "P211",
+                f"languages extend each other in a circle: {names}",
+                "one of them must stand alone",
+            )
+            raise library.failing(fault)

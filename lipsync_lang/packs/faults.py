@@ -1,0 +1,135 @@
+"""What is wrong in a file: where it stands, what it is, and how to mend it."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Literal
+
+from lipsync_lang.errors import PackError
+
+Severity = Literal["fault", "warning"]
+
+CODES: dict[str, str] = {
+    # P0: the file as YAML
+    "P001": "The file cannot be opened.",
+    "P002": "The file is larger than any pack.",
+    "P003": "The file is not UTF-8 text.",
+    "P004": "The file starts with a byte order mark.",
+    "P005": "The file holds a character that no text holds.",
+    "P006": "The file is empty.",
+    "P007": "A tab stands where YAML wants spaces.",
+    "P008": "The file is not sound YAML.",
+    "P009": "The file holds more than one document.",
+    "P010": "The file nests deeper than any pack.",
+    "P011": "The file has more values than any pack, once its aliases are written out.",
+    "P012": "An alias has no anchor, or lies within its own.",
+    "P013": "A merge key (`<<`) is used.",
+    "P014": "A tag (`!`) is used.",
+    "P015": "A key is stated twice.",
+    "P016": "A key is not plain text.",
+    "P017": "The file asks for another version of YAML.",
+    # P1: the form of one pack
+    "P101": "A field is unknown.",
+    "P102": "A field is missing.",
+    "P103": "A value is of the wrong type.",
+    "P104": "A number is out of range.",
+    "P105": "A number is not finite.",
+    "P106": "A name or label is malformed.",
+    "P107": "A word is none of the known ones.",
+    "P108": "A list has too few or too many items.",
+    "P109": "The kind of pack is unknown, or does not belong here.",
+    "P110": "The pack is in a newer format than this program reads.",
+    "P111": "The pack's name is not that of its file or folder.",
+    "P112": "A bigram key has three or more parts, which are reserved for longer units.",
+    "P113": "The times of a curve fall.",
+    "P114": "The shares of a phoneme's time do not fit its parts.",
+    "P115": "Fields of one entry contradict each other.",
+    "P116": "Text is empty.",
+    # P2: what one part says of another
+    "P201": "A pose is unknown to the pose set.",
+    "P202": "A common phoneme is unknown.",
+    "P203": "A pose set is unknown.",
+    "P204": "A bank or rig belongs to another pose set.",
+    "P205": "An entry stands twice in a list.",
+    "P206": "Constraints run in a circle.",
+    "P207": "A contact pose has to yield to another pose.",
+    "P208": "Two contact poses may not stand together as high as their floors.",
+    "P209": "A ceiling presses on a pose that a contact holds up.",
+    "P210": "A language is unknown.",
+    "P211": "Languages extend each other in a circle.",
+    "P212": "A rig is unknown.",
+    "P213": "A file that a pack names is missing.",
+    "P214": "A channel is unknown to the rig.",
+    "P215": "A phoneme of the common pack is declared again.",
+    "P216": "A pair of poses is constrained twice, or a pose with itself.",
+    "P217": "A notation is unknown to the language.",
+    # W3: sound, but probably not meant
+    "W301": "A pose has no target, so that drafts never move it.",
+    "W302": "A constraint binds two poses of equal priority, so that neither yields.",
+    "W303": "A file lies among the packs but is not read.",
+    "W304": "An installed distribution offers packs that cannot be found.",
+    "W305": "Two languages have one tag, so that only the first answers to it.",
+    "W306": "A bigram's own curve falls short of a contact that its phoneme demands.",
+}
+"""What each code means, for ever: a meaning never changes, and a code is never used again."""
+
+
+@dataclass(frozen=True, order=True)
+class Fault:
+    """One thing wrong at one place of one file; prints itself.
+
+    Parameters
+    ----------
+    file : as shown to the user
+    line, column : from 1
+    code : one of `CODES`
+    what : the matter in the file's own words
+    hint : how to mend it, or empty
+    severity : a warning does not make a pack unsound
+    """
+
+    file: str
+    line: int
+    column: int
+    code: str
+    what: str
+    hint: str = ""
+    severity: Severity = "fault"
+
+    def __post_init__(self) -> None:
+        """Refuse a code nobody could look up."""
+        if self.code not in CODES:
+            raise ValueError(f"unknown fault code {self.code!r}; add it to CODES first")
+
+    def __str__(self) -> str:
+        hint = f"\n  hint: {_visible(self.hint)}" if self.hint else ""
+        mark = "warning: " if self.severity == "warning" else ""
+        place = f"{_visible(self.file)}:{self.line}:{self.column}"
+        return f"{place}: {self.code} {mark}{_visible(self.what)}{hint}"
+
+    def to_dict(self) -> dict[str, str | int]:
+        """Return the fault as JSON holds it."""
+        return asdict(self)
+
+
+def _visible(text: str) -> str:
+    """Write out characters that do not show, so that a message is one line and harmless."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+class PackFaults(PackError):  # noqa: N818 it carries faults, and is raised as them
+    """Packs that cannot be used as they stand; prints every fault of theirs."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(map(str, self.faults)))
+
+
+def shown(path: Path) -> str:
+    """Return a path as messages show it: relative to the current folder when below it."""
+    try:
+        return str(path.relative_to(Path.cwd()))
+    except (ValueError, OSError):
+        return str(path)

@@ -1,0 +1,289 @@
+"""Where packs are found, without reading any YAML.
+
+Places are searched in order: the folders given, those of the environment variable, the
+project, installed distributions, and what comes with the program. The first pack of a name
+shadows the others.
+"""
+
+import os
+import re
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from lipsync_lang.errors import PackError, did_you_mean
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+Kind = Literal["language", "poseset", "character"]
+
+GROUP = "lipsync_lang.packs"
+"""The entry point group of distributions that bring packs."""
+
+VARIABLE = "LIPSYNC_LANG_PATH"
+"""The environment variable that lists folders to search."""
+
+COMMON = "common"
+"""The file of `languages` that states the common phonemes, and is no language."""
+
+FOLDERS: dict[Kind, str] = {
+    "language": "languages",
+    "poseset": "posesets",
+    "character": "characters",
+}
+"""The folder in which packs of a kind lie."""
+
+POSESET = "poseset.yaml"
+"""The file of a pose set's folder that states its poses."""
+
+PARTS = {"banks": "bank", "rigs": "rig"}
+"""The folders of a pose set, and the kind of pack in each."""
+
+WORDS: dict[Kind, str] = {"language": "language", "poseset": "pose set", "character": "character"}
+"""What messages call each kind."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_TAG = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
+_KIND = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
+
+
+class Root(NamedTuple):
+    """A folder that holds `languages`, `posesets` or `characters`, and why it is searched."""
+
+    path: Path
+    origin: str
+
+
+class Found(NamedTuple):
+    """A pack that exists, and the one that is found in its place, if any."""
+
+    name: str
+    path: Path
+    root: Root
+    shadowed_by: Path | None
+
+
+class Finder:
+    """The pack files that can be found from here.
+
+    Parameters
+    ----------
+    paths : folders to search first
+    project : the project's folder, searched next; None for no project
+
+    Attributes
+    ----------
+    roots : the folders searched, in order, each once
+    missing : entry points of installed distributions whose packs cannot be found
+    """
+
+    def __init__(self, paths: Sequence[str | Path] = (), project: Path | None = Path()) -> None:
+        self.paths = tuple(Path(path).absolute() for path in paths)
+        self.project = None if project is None else project.absolute()
+        self.missing: list[EntryPoint] = []
+        self._listed: dict[tuple[Path, Kind], dict[str, Path]] = {}
+        self.roots = tuple(self._search())
+
+    def names(self, kind: Kind) -> list[Found]:
+        """List every pack of a kind, shadowed ones included, by name and then by order."""
+        found: list[Found] = []
+        first: dict[str, Path] = {}
+        for root in self.roots:
+            for name, path in self._list(root.path, kind).items():
+                found.append(Found(name, path, root, first.get(name)))
+                first.setdefault(name, path)
+        return sorted(found, key=lambda f: f.name)
+
+    def find(self, kind: Kind, name: str) -> Path:
+        """Return the file of the first pack of that name.
+
+        A language answers to its tag as well, where no file has the name.
+
+        Raises
+        ------
+        PackError
+            There is none; the message names the nearest.
+        """
+        for path in self.lookup(kind, name):
+            return Path(path)
+        raise self.unknown(name, kind)
+
+    def lookup(self, kind: str, name: str) -> tuple[str, ...]:
+        """Return the files found for a name, in order; none where there are none.
+
+        Beyond the kinds that have names of their own, `phonemes` finds the common phonemes,
+        `banks` and `rigs` those of a pose set: beside it, and before those in the same place of
+        every folder that is searched earlier, so that a project adds to a pose set it does not own.
+        """
+        if kind == "phonemes":
+            commons = (root.path / FOLDERS["language"] / f"{name}.yaml" for root in self.roots)
+            return tuple(str(path) for path in commons if path.is_file())[:1]
+        if kind in PARTS:
+            return tuple(map(str, self._parts(kind, name)))
+        if kind not in WORDS:
+            raise ValueError(f"nothing of kind {kind!r} can be looked up")
+        path = self._first(kind, name)
+        if path is None and kind == "language":
+            path = self._tagged(name)
+        return () if path is None else (str(path),)
+
+    def unknown(self, name: str, *kinds: Kind) -> PackError:
+        """Return the error that says there is no such pack, and which one may be meant."""
+        known = {found.name for kind in kinds for found in self.names(kind)}
+        return PackError(f"unknown {WORDS[kinds[0]]} '{name}': {did_you_mean(name, known)}")
+
+    def _first(self, kind: Kind, name: str) -> Path | None:
+        found = (self._list(root.path, kind).get(name) for root in self.roots)
+        return next((path for path in found if path is not None), None)
+
+    def _parts(self, kind: str, poseset: str) -> Iterator[Path]:
+        """Yield the banks or rigs of a pose set, folder by folder."""
+        home = self._first("poseset", poseset)
+        for root in self.roots if home is not None else ():
+            folder = root.path / FOLDERS["poseset"] / poseset
+            yield from yaml_files(folder / kind).values()
+            if folder / POSESET == home:
+                return
+
+    def _tagged(self, tag: str) -> Path | None:
+        """Find the first language with a tag."""
+        for root in self.roots:
+            for name, path in self._list(root.path, "language").items():
+                if self._first("language", name) == path and tag_of(path) == tag.lower():
+                    return path
+        return None
+
+    def _list(self, root: Path, kind: Kind) -> dict[str, Path]:
+        """Map the names of a folder's packs to their files, in order of name."""
+        key = root, kind
+        if key not in self._listed:
+            self._listed[key] = _packs(root / FOLDERS[kind], kind)
+        return self._listed[key]
+
+    def _search(self) -> Iterator[Root]:
+        """Yield the folders to search, each once."""
+        seen: set[Path] = set()
+        for path, origin in self._places():
+            real = path.resolve()
+            if real not in seen:
+                seen.add(real)
+                yield Root(path, origin)
+
+    def _places(self) -> Iterator[tuple[Path, str]]:
+        for path in self.paths:
+            if not path.is_dir():
+                raise PackError(f"{path}: no such folder; name one that holds packs")
+            yield path, "path"
+        for entry in os.environ.get(VARIABLE, "").split(os.pathsep):
+            if entry and Path(entry).is_dir():
+                yield Path(entry).absolute(), VARIABLE
+        if self.project is not None:
+            yield self.project, "project"
+        for entry_point in installed():
+            folder = location(entry_point)
+            if folder is None:
+                self.missing.append(entry_point)
+            else:
+                yield folder, f"installed: {distribution(entry_point)}"
+        yield built_in(), "built-in"
+
+
+def beside(pack: Path, name: str) -> Path | None:
+    """Return a file that a pack names, if it exists and lies within the folder of the packs."""
+    path = pack.parent / name
+    within = path.resolve().is_relative_to(pack.parent.parent.resolve())
+    return path if within and path.is_file() else None
+
+
+def built_in() -> Path:
+    """Return the folder of the packs that come with the program."""
+    package = Path(__file__).resolve().parents[1]
+    carried = package / "data"
+    return carried if (carried / FOLDERS["language"]).is_dir() else package.parent
+
+
+def installed() -> "list[EntryPoint]":
+    """List the entry points by which distributions offer packs."""
+    if not any(map(_offers_packs, sys.path)):
+        return []
+    from importlib.metadata import entry_points
+
+    return sorted(entry_points(group=GROUP), key=lambda e: (distribution(e), e.name))
+
+
+def _offers_packs(folder: str) -> bool:
+    """Say whether a distribution in a folder has our group: 10 times as fast as asking for it."""
+    for entry in entries(Path(folder or ".")):
+        if entry.suffix in (".dist-info", ".egg-info", ".egg"):
+            inner = entry / "EGG-INFO" if entry.suffix == ".egg" else entry
+            try:
+                if f"[{GROUP}]".encode() in (inner / "entry_points.txt").read_bytes():
+                    return True
+            except OSError:
+                continue
+    return False
+
+
+def location(entry_point: "EntryPoint") -> Path | None:
+    """Return the folder that an entry point names, without running any of its code."""
+    from importlib.util import find_spec
+
+    top, *rest = entry_point.value.split(":")[0].strip().split(".")
+    try:
+        spec = find_spec(top)
+    except (ImportError, ValueError):
+        return None
+    if spec is None:
+        return None
+    folders = [Path(f) for f in spec.submodule_search_locations or ()]
+    if not folders and spec.origin and not rest:
+        folders = [Path(spec.origin).parent]
+    found = (folder.joinpath(*rest) for folder in folders)
+    return next((folder for folder in found if folder.is_dir()), None)
+
+
+def distribution(entry_point: "EntryPoint") -> str:
+    """Return the name of the distribution that an entry point belongs to."""
+    return entry_point.dist.name if entry_point.dist is not None else entry_point.name
+
+
+def tag_of(path: Path) -> str:
+    """Return the tag that a language's file states, in small letters, or nothing."""
+    return _stated(_TAG, path).lower()
+
+
+def entries(folder: Path) -> list[Path]:
+    """List a folder in order of name; a missing one is empty."""
+    try:
+        return sorted(folder.iterdir())
+    except OSError:
+        return []
+
+
+def yaml_files(folder: Path) -> dict[str, Path]:
+    """Map names to the YAML files of a folder, in order of name."""
+    found = (path for path in entries(folder) if path.suffix == ".yaml" and path.is_file())
+    return {path.stem: path for path in found if _NAME.fullmatch(path.stem)}
+
+
+def _packs(folder: Path, kind: Kind) -> dict[str, Path]:
+    if kind == "poseset":
+        named = {p.name: p / POSESET for p in entries(folder) if _NAME.fullmatch(p.name)}
+        return {name: path for name, path in named.items() if path.is_file()}
+    found = yaml_files(folder)
+    if kind == "language":
+        found.pop(COMMON, None)
+        return found
+    # a character's banks lie beside it
+    return {name: path for name, path in found.items() if _stated(_KIND, path) != "bank"}
+
+
+def _stated(field: "re.Pattern[bytes]", path: Path) -> str:
+    """Return what a file states in a plain field, without reading YAML."""
+    try:
+        found = field.search(path.read_bytes())
+    except OSError:
+        return ""
+    return found.group(1).decode("ascii") if found else ""

@@ -1,0 +1,263 @@
+"""Packs by name: found, read, and checked for their form.
+
+Every look-up and every file read is noted, so that what was compiled from them can be kept as
+long as both stay the same.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
+
+from lipsync_lang.errors import PackError
+from lipsync_lang.packs.faults import Fault, PackFaults, shown
+from lipsync_lang.packs.finding import (
+    COMMON,
+    FOLDERS,
+    Finder,
+    Found,
+    Kind,
+    Root,
+    beside,
+    distribution,
+)
+from lipsync_lang.packs.source import Loc, Source, read_bytes, scan
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+    from lipsync_lang.packs import models
+
+M = TypeVar("M", bound="models.Pack")
+
+
+class Place(NamedTuple):
+    """A place in a file; prints itself."""
+
+    file: Path
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{shown(self.file)}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, eq=False)
+class Pack(Generic[M]):
+    """A pack that has been loaded: what it says, and where it says it.
+
+    `sources` are the files that state it, the nearest first: a language that extends another
+    stands in two.
+    """
+
+    model: M
+    sources: tuple[Source, ...]
+
+    @property
+    def path(self) -> Path:
+        """The pack's own file."""
+        return self.sources[0].path
+
+    @property
+    def source(self) -> Source:
+        """The pack's own file as data."""
+        return self.sources[0]
+
+    @property
+    def lineage(self) -> tuple[str, ...]:
+        """The pack's own name and, for a language, those it extends."""
+        return tuple(source.data["name"] for source in self.sources)
+
+    def where(self, loc: Loc, *, key: bool = False) -> Place:
+        """Return the place that states the value at `loc`, or its key."""
+        source = max(self.sources, key=lambda s: s.known(loc))
+        return Place(source.path, *source.where(loc, key=key))
+
+    def fault(self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False) -> Fault:
+        """Return a fault at the place that states the value at `loc`."""
+        place = self.where(loc, key=key)
+        return Fault(shown(place.file), place.line, place.column, code, what, hint)
+
+    def warning(
+        self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False
+    ) -> Fault:
+        """Return a warning at the place that states the value at `loc`."""
+        return replace(self.fault(loc, code, what, hint, key=key), severity="warning")
+
+
+class Library:
+    """The packs that can be found from here.
+
+    Parameters
+    ----------
+    paths : folders to search first
+    project : the project's folder, searched next; None for no project
+
+    Attributes
+    ----------
+    lookups : (kind, name) -> the files found for it, in order; `Finder.lookup` repeats it
+    files : path -> SHA-256 of the bytes read
+    faults : every fault met so far, in order
+    """
+
+    def __init__(self, paths: Sequence[str | Path] = (), project: Path | None = Path()) -> None:
+        self.finder = Finder(paths, project)
+        self.paths, self.project = self.finder.paths, self.finder.project
+        self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
+        self.files: dict[str, str] = {}
+        self.faults: list[Fault] = [_missing(e) for e in self.finder.missing]
+        self._loaded: dict[tuple[Path, str | None, str | None], _Inspected] = {}
+
+    @property
+    def roots(self) -> tuple[Root, ...]:
+        """The folders searched, in order."""
+        return self.finder.roots
+
+    def names(self, kind: Kind) -> list[Found]:
+        """List every pack of a kind, shadowed ones included, by name and then by order."""
+        return self.finder.names(kind)
+
+    def find(self, kind: Kind, name: str) -> Path:
+        """Return the file of the first pack of that name, or of a language with that tag.
+
+        Raises
+        ------
+        PackError
+            There is none; the message names the nearest.
+        """
+        found = self._lookup(kind, name)
+        if not found:
+            raise self.finder.unknown(name, kind)
+        return found[0]
+
+    def common(self) -> "Pack[models.Phonemes]":
+        """Load the common phonemes."""
+        found = self._lookup("phonemes", COMMON)
+        if not found:
+            raise PackError(
+                f"no {FOLDERS['language']}/{COMMON}.yaml is found in any place searched"
+            )
+        return cast("Pack[models.Phonemes]", self.load(found[0], "phonemes", COMMON))
+
+    def language(self, name: str) -> "Pack[models.Language]":
+        """Load a language, what it extends included."""
+        from lipsync_lang.packs.extending import extended
+
+        return extended(self, self.find("language", name))
+
+    def poseset(self, name: str) -> "Pack[models.PoseSet]":
+        """Load a pose set."""
+        path = self.find("poseset", name)
+        return cast("Pack[models.PoseSet]", self.load(path, "poseset", path.parent.name))
+
+    def banks(self, poseset: str) -> "list[Pack[models.Bank]]":
+        """Load every bank of a pose set, in the order of their file names."""
+        return cast("list[Pack[models.Bank]]", self._load_all(self.banks_of(poseset), "bank"))
+
+    def rigs(self, poseset: str) -> "list[Pack[models.Rig]]":
+        """Load every rig of a pose set, in the order of their file names."""
+        return cast("list[Pack[models.Rig]]", self._load_all(self.rigs_of(poseset), "rig"))
+
+    def banks_of(self, poseset: str) -> list[Path]:
+        """List the bank files of a pose set."""
+        self.find("poseset", poseset)
+        return self._lookup("banks", poseset)
+
+    def rigs_of(self, poseset: str) -> list[Path]:
+        """List the rig files of a pose set."""
+        self.find("poseset", poseset)
+        return self._lookup("rigs", poseset)
+
+    def character(self, name: str) -> "Pack[models.Character]":
+        """Load a character; a pose set's name stands for its bare self."""
+        found = self._lookup("character", name)
+        if found:
+            return cast("Pack[models.Character]", self.load(found[0], "character", name))
+        if not self.finder.lookup("poseset", name):
+            raise self.finder.unknown(name, "character", "poseset")
+        from lipsync_lang.packs.models import Character
+
+        poseset = self.poseset(name)
+        title = poseset.model.title
+        bare = Character(kind="character", format=1, name=name, poseset=name, title=title)
+        return Pack(bare, poseset.sources)
+
+    def character_banks(self, character: "Pack[models.Character]") -> "list[Pack[models.Bank]]":
+        """Load the bank files that a character names, in its order."""
+        paths = []
+        for number, name in enumerate(character.model.banks):
+            path = beside(character.path, name)
+            if path is None:
+                what, hint = (
+                    f"there is no file '{name}'",
+                    f"it belongs in {shown(character.path.parent)}",
+                )
+                fault = character.fault(("banks", number), "P213", what, hint)
+                raise self.failing(fault)
+            paths.append(path)
+        return cast("list[Pack[models.Bank]]", self._load_all(paths, "bank"))
+
+    def load(
+        self, path: Path, kind: str | None = None, name: str | None = None
+    ) -> "Pack[models.Pack]":
+        """Load one file, of any kind and name unless these are given.
+
+        Raises
+        ------
+        PackFaults
+            The file is unsound; every fault of its form.
+        """
+        model, source, faults = self.inspect(path, kind, name)
+        if faults or model is None:
+            raise PackFaults(faults)
+        return Pack(model, (source,))
+
+    def inspect(self, path: Path, kind: str | None = None, name: str | None = None) -> "_Inspected":
+        """Read one file once: its model, or None, its source, and the faults of its form."""
+        key = path, kind, name
+        if key not in self._loaded:
+            from lipsync_lang.packs.form import validated
+
+            content = read_bytes(path)
+            self.files[str(path)] = sha256(content).hexdigest()
+            source = scan(path, content)
+            model, faults = validated(source, kind=kind, name=name)
+            self.faults.extend(faults)
+            self._loaded[key] = _Inspected(model, source, faults)
+        return self._loaded[key]
+
+    def failing(self, *faults: Fault) -> PackFaults:
+        """Note faults, and return them as an error to raise."""
+        self.faults.extend(faults)
+        return PackFaults(faults)
+
+    def _lookup(self, kind: str, name: str) -> list[Path]:
+        found = self.lookups[kind, name] = self.finder.lookup(kind, name)
+        return [Path(path) for path in found]
+
+    def _load_all(self, paths: Sequence[Path], kind: str) -> "list[Pack[models.Pack]]":
+        packs: list[Pack[models.Pack]] = []
+        faults: list[Fault] = []
+        for path in paths:
+            try:
+                packs.append(self.load(path, kind, path.stem))
+            except PackFaults as error:
+                faults.extend(error.faults)
+        if faults:
+            raise PackFaults(faults)
+        return packs
+
+
+class _Inspected(NamedTuple):
+    """One file as it was read."""
+
+    model: "models.Pack | None"
+    source: Source
+    faults: tuple[Fault, ...]
+
+
+def _missing(entry_point: "EntryPoint") -> Fault:
+    what = f"'{distribution(entry_point)}' offers packs in '{entry_point.value}', which is missing"
+    hint = "install it again, or remove it"
+    return Fault("installed distributions", 1, 1, "W304", what, hint, "warning")

@@ -1,0 +1,70 @@
+"""The form of every kind of pack: one class, one sentence."""
+
+from lipsync_lang.packs.forms import Pack
+from lipsync_lang.packs.language_models import (
+    G2P,
+    TTS,
+    Language,
+    Phoneme,
+    Phonemes,
+    Rewrite,
+    Sounds,
+    Test,
+)
+from lipsync_lang.packs.pose_models import (
+    AtMost,
+    Bank,
+    Bigram,
+    Channel,
+    Character,
+    Constraints,
+    Contact,
+    Edit,
+    Line,
+    Motion,
+    Pose,
+    PoseSet,
+    Rig,
+    Target,
+    Threshold,
+    WordCurves,
+)
+
+__all__ = [
+    "G2P",
+    "MODELS",
+    "TTS",
+    "AtMost",
+    "Bank",
+    "Bigram",
+    "Channel",
+    "Character",
+    "Constraints",
+    "Contact",
+    "Edit",
+    "Language",
+    "Line",
+    "Motion",
+    "Pack",
+    "Phoneme",
+    "Phonemes",
+    "Pose",
+    "PoseSet",
+    "Rewrite",
+    "Rig",
+    "Sounds",
+    "Target",
+    "Test",
+    "Threshold",
+    "WordCurves",
+]
+
+MODELS: dict[str, type[Pack]] = {
+    "phonemes": Phonemes,
+    "language": Language,
+    "poseset": PoseSet,
+    "bank": Bank,
+    "character": Character,
+    "rig": Rig,
+}
+"""The model of each kind of pack."""

@@ -1,0 +1,306 @@
+"""The form of what animators write: pose sets, banks, characters and rigs.
+
+A validator here sees one file; what needs two files or two places is in `checks`. Times are in
+seconds, normalised times and weights from 0 to 1, angles in degrees.
+"""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic_core import PydanticCustomError
+
+from lipsync_lang.packs.forms import (
+    BigramKey,
+    Common,
+    Curves,
+    Data,
+    Name,
+    NotNegative,
+    OrEmpty,
+    OrOne,
+    Pack,
+    PoseName,
+    Positive,
+    Short,
+    Strict,
+    Text,
+    Unit,
+)
+
+
+class Pose(Strict):
+    """One face or tongue shape."""
+
+    title: str = ""
+    """The shape in words."""
+    region: str = ""
+    """The part of the face it moves."""
+
+
+class Threshold(Strict):
+    """Two poses that must not add up to more than a threshold."""
+
+    between: tuple[PoseName, PoseName]
+    """The two poses."""
+    threshold: Annotated[float, Field(gt=0, le=2)]
+    """The most they may add up to."""
+
+
+class AtMost(Strict):
+    """A pose that never passes another."""
+
+    pose: PoseName
+    """The pose that yields."""
+    at_most: PoseName
+    """The pose it never passes."""
+
+
+def _constraint_form(value: Data) -> str:
+    """Tell the two forms of a constraint apart."""
+    if isinstance(value, AtMost):
+        return "<at_most>"
+    at_most = isinstance(value, dict) and ("at_most" in value or "pose" in value)
+    return "<at_most>" if at_most else "<between>"
+
+
+Constraint = Annotated[
+    Annotated[Threshold, Tag("<between>")] | Annotated[AtMost, Tag("<at_most>")],
+    Discriminator(_constraint_form),
+]
+
+
+class Constraints(Strict):
+    """Which poses make way for which."""
+
+    default: Annotated[float, Field(gt=0, le=2)] = 2.0
+    """The threshold of pairs that are not listed; 2 leaves them alone."""
+    pairs: tuple[Constraint, ...] = ()
+    """Pairs with a threshold of their own, and poses that never pass another."""
+
+
+class Contact(Strict):
+    """What must be seen whenever certain phonemes are heard."""
+
+    phonemes: tuple[Common, ...] = Field(min_length=1)
+    """The phonemes that demand it."""
+    floor: dict[PoseName, Unit] = Field(default={})
+    """How far these poses must rise."""
+    ceiling: dict[PoseName, Unit] = Field(default={})
+    """How far these poses may rise."""
+
+
+class Motion(Strict):
+    """How curves are joined and kept from moving too fast; what is not stated is the usual."""
+
+    preset: Text | None = None
+    """A named set of values that the others here refine."""
+    stitch: Literal["max", "crossfade"] | None = None
+    """How overlapping bigrams join."""
+    warp: Literal["anchored", "linear"] | None = None
+    """How a bigram fits its two phonemes."""
+    smooth: Literal["closing", "chord", "none"] | None = None
+    """How valleys between peaks are filled."""
+    window: NotNegative | None = None
+    """Seconds; valleys narrower than this are filled."""
+    speed_limit: Positive | None = None
+    """Weight per second that no pose passes."""
+    silence_reach: NotNegative | None = None
+    """Seconds of a pause in which the mouth still moves."""
+    contacts: Literal["hold", "free"] | None = None
+    """Whether contacts are held."""
+    limit: Literal["before", "after"] | None = None
+    """Whether speed is limited before or after constraints."""
+
+
+class Target(Strict):
+    """How poses stand at a phoneme, and how strongly they insist."""
+
+    weights: dict[PoseName, Unit] = Field(default={})
+    """The weight of each pose."""
+    dominance: dict[PoseName, NotNegative] = Field(default={})
+    """How strongly each pose insists against the neighbours' targets."""
+
+
+def _target(value: Data) -> Data:
+    """Part the poses of a target from its reserved key."""
+    if not isinstance(value, dict) or "weights" in value:
+        return value
+    rest = {pose: weight for pose, weight in value.items() if pose != "dominance"}
+    if "dominance" not in value:
+        return {"weights": rest}
+    return {"weights": rest, "dominance": value["dominance"]}
+
+
+FlatTarget = Short(
+    _target,
+    forms=lambda _: [
+        {
+            "type": "object",
+            "description": Target.__doc__,
+            "properties": {
+                "dominance": {
+                    "type": "object",
+                    "description": Target.model_fields["dominance"].description,
+                    "additionalProperties": {"type": "number", "minimum": 0},
+                }
+            },
+            "additionalProperties": {"type": "number", "minimum": 0, "maximum": 1},
+        }
+    ],
+)
+
+Targets = Annotated[tuple[Annotated[Target, FlatTarget], ...], Field(min_length=1), OrOne]
+
+
+class PoseSet(Pack):
+    """The poses of a family of faces, how they get along, and where they stand in speech."""
+
+    kind: Literal["poseset"]
+    """The kind of pack."""
+    poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(min_length=1)
+    """Every pose, in the order of the curves."""
+    constraints: Constraints = Constraints()
+    """Which poses make way for which."""
+    priority: tuple[PoseName, ...] = ()
+    """Poses that yield, lowest first; poses not named never yield."""
+    contacts: dict[Text, Contact] = Field(default={})
+    """What must be seen, at any speed and frame rate."""
+    motion: Motion = Motion()
+    """How curves are joined and kept from moving too fast."""
+    targets: dict[Common, Targets] = Field(default={})
+    """How poses stand at each phoneme; several in a row for a sound that moves."""
+    measures: dict[Text, dict[PoseName, float]] = Field(default={})
+    """Read-outs for quality reports: sums of gain times pose."""
+    model: Text | None = None
+    """A model file to show the poses on."""
+
+
+class Bigram(Strict):
+    """The curves of one phone bigram, in normalised time."""
+
+    word: str | None = None
+    """A word in which it is heard."""
+    status: Literal["drafted", "edited", "approved"] = "edited"
+    """How far a person has seen to it."""
+    boundary: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    """Where the first phoneme ends."""
+    contact: Literal["hold", "free"] = "hold"
+    """Whether the contacts of its phonemes are held."""
+    interpolation: Literal["bspline", "linear"] | None = None
+    """The kind of curve, where it differs from the bank's."""
+    why: str | None = None
+    """Why it is as it is."""
+    curves: Curves
+    """A curve for each pose that moves."""
+
+
+class Bank(Pack):
+    """Curves for bigrams over the poses of one pose set."""
+
+    kind: Literal["bank"]
+    """The kind of pack."""
+    poseset: Name
+    """The pose set whose poses move."""
+    language: Name | None = None
+    """The language it is meant for; none means all."""
+    style: Text = "neutral"
+    """The manner of speaking."""
+    interpolation: Literal["bspline", "linear"] = "bspline"
+    """The kind of curve."""
+    bigrams: dict[BigramKey, Bigram] = Field(default={})
+    """Curves by bigram."""
+
+
+class WordCurves(Strict):
+    """Curves of a whole word, over the word's normalised time."""
+
+    curves: Curves
+    """A curve for each pose that moves."""
+
+
+class Edit(Strict):
+    """Curves for one place of a line, addressed by word and phoneme index."""
+
+    word: Annotated[int, Field(ge=0)] | None = None
+    """The word, from 0."""
+    phoneme: Annotated[int, Field(ge=0)] | None = None
+    """The phoneme, from 0; of the word where one is named, else of the line."""
+    curves: Curves = Field(default={})
+    """A curve for each pose that moves."""
+
+
+class Line(Strict):
+    """Edits of one recorded line, which survive a new recording."""
+
+    edits: tuple[Edit, ...] = ()
+    """Edits in order; a later one wins."""
+
+
+class Character(Pack):
+    """A face that speaks: a pose set, a bank layer of its own, and a rig."""
+
+    kind: Literal["character"]
+    """The kind of pack."""
+    poseset: Name
+    """The pose set whose poses move."""
+    bigrams: dict[BigramKey, Bigram] = Field(default={})
+    """The character's own bigrams."""
+    banks: tuple[Text, ...] = ()
+    """Files of more of them, beside the character."""
+    words: dict[Text, WordCurves] = Field(default={})
+    """Words it says in its own way."""
+    lines: dict[Text, Line] = Field(default={})
+    """Lines with edits of their own."""
+    motion: Motion = Motion()
+    """What differs from the pose set's motion."""
+    rig: Name | None = None
+    """The rig that drives the model."""
+    model: Text | None = None
+    """The model file."""
+
+
+Vector = tuple[float, float, float]
+
+
+class Channel(Strict):
+    """A shape or bone of a model, driven by a sum of gain times pose."""
+
+    gains: dict[PoseName, float]
+    """How much of it each pose moves."""
+    range: tuple[float, float] | None = None
+    """The least and the most it takes."""
+    at_most: Text | None = None
+    """The channel it never passes."""
+    node: Text | None = None
+    """The bone it turns or moves; a shape where none is named."""
+    rotation: Vector | None = None
+    """The axis it turns about, gains being degrees."""
+    translation: Vector | None = None
+    """The way it moves, in the model's units for a gain of 1."""
+
+    @model_validator(mode="after")
+    def _bone_fits(self) -> Self:
+        if self.range is not None and self.range[0] > self.range[1]:
+            what = "`range` runs from its most to its least; turn it round"
+            raise PydanticCustomError("P115", what, {"field": "range"})
+        moves = [f for f in ("rotation", "translation") if getattr(self, f) is not None]
+        if moves and self.node is None:
+            what = "`{field}` moves a bone, but `node` names none"
+            raise PydanticCustomError("P115", what, {"field": moves[0]})
+        if self.node is not None and len(moves) != 1:
+            what = "`node` needs one of `rotation` and `translation`"
+            raise PydanticCustomError("P115", what, {"field": "node"})
+        return self
+
+
+class Rig(Pack):
+    """How poses drive the shapes and bones of a real model, and how those are called."""
+
+    kind: Literal["rig"]
+    """The kind of pack."""
+    poseset: Name
+    """The pose set whose poses drive it."""
+    channels: dict[Text, Channel] = Field(min_length=1)
+    """What is driven, by name."""
+    names: dict[Text, tuple[Text, ...]] = Field(default={})
+    """Other spellings of a channel's name."""

@@ -1,0 +1,160 @@
+"""Whatever slip of the hand befalls a shipped pack: located faults or a sound pack, never a crash.
+
+Edits are seeded by their number, so that one that fails can be run again.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from lipsync_lang.packs import checks
+from lipsync_lang.packs.faults import Fault
+from lipsync_lang.packs.finding import built_in
+from lipsync_lang.packs.form import validated
+from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.source import scan
+
+EDITS = 2_400
+BATCH = 100
+ROOT = built_in()
+FILES = sorted([*ROOT.glob("languages/*.yaml"), *ROOT.glob("posesets/*/**/*.yaml")])
+assert FILES, "a sweep over nothing passes"
+
+INSERTS = [
+    ":", ": ", "-", "- ", "[", "]", "{", "}", ",", "#", " #", "'", '"', "&a ", "*a", "!", "!!int ",
+    "|", ">", "%", "@", "`", "?", "? ", "<<: ", "\t", "\n", "\r\n", "\n\n  ", "---\n", "...\n",
+    "\\", "\0", "\x07", "\u2028", "\ufeff", "\ud7ff", "é", "𝕏", "~", "null", "[[", "]]", "{{",
+]  # fmt: skip
+VALUES = [
+    "", "~", "null", "true", "no", "0", "-1", "1e999", ".nan", "-.inf", "9" * 400, "0x", "1,5",
+    "[]", "{}", "[[]]", "[1, 2, 3]", "{a: b}", "'", '"\\ud800"', "text", "_", "a-b-c",
+    "[[1, 0], [0, 1]]",
+    "../../etc/passwd", "kind", "&x [*x]", "*nobody", "!!python/object:os.system x",
+]  # fmt: skip
+
+
+def delete(rng: Random, text: str) -> str:
+    start = rng.randrange(len(text))
+    return text[:start] + text[start + rng.choice((1, 1, 2, 5, 40)) :]
+
+
+def duplicate(rng: Random, text: str) -> str:
+    start = rng.randrange(len(text))
+    stop = start + rng.choice((1, 2, 8, 60))
+    return text[:stop] + text[start:stop] + text[stop:]
+
+
+def swap(rng: Random, text: str) -> str:
+    at = rng.randrange(max(1, len(text) - 1))
+    return text[:at] + text[at + 1 : at + 2] + text[at] + text[at + 2 :]
+
+
+def insert(rng: Random, text: str) -> str:
+    at = rng.randrange(len(text))
+    return text[:at] + rng.choice(INSERTS) + text[at:]
+
+
+def lines(rng: Random, text: str) -> str:
+    """Drop, repeat, move, indent or cut off a line."""
+    rows = text.splitlines(keepends=True)
+    one, other = rng.randrange(len(rows)), rng.randrange(len(rows))
+    kind = rng.randrange(5)
+    if kind == 0:
+        del rows[one]
+    elif kind == 1:
+        rows.insert(other, rows[one])
+    elif kind == 2:
+        rows[one], rows[other] = rows[other], rows[one]
+    elif kind == 3:
+        rows[one] = rng.choice((" ", "  ", "\t", "    ")) + rows[one]
+    else:
+        rows = [*rows[:one], rows[one][: rng.randrange(len(rows[one]) + 1)]]
+    return "".join(rows)
+
+
+def value(rng: Random, text: str) -> str:
+    """Put another value behind a colon or into a list."""
+    places = [at for at, letter in enumerate(text) if letter in ":,["]
+    at = rng.choice(places or [len(text) - 1]) + 1
+    stop = at
+    while stop < len(text) and text[stop] not in ",]}\n":
+        stop += 1
+    return f"{text[:at]} {rng.choice(VALUES)}{text[stop:]}"
+
+
+def spoil(rng: Random, text: str) -> bytes:
+    """Break the bytes themselves."""
+    content = bytearray(text.encode())
+    content[rng.randrange(len(content))] = rng.randrange(256)
+    return bytes(content)
+
+
+SLIPS: tuple[Callable[[Random, str], str], ...] = (
+    delete, duplicate, swap, insert, insert, lines, lines, value, value, value,
+)  # fmt: skip
+
+
+def edited(number: int) -> tuple[Path, bytes]:
+    """Return a shipped file, and what it holds after one to three slips."""
+    rng = Random(number)  # noqa: S311 repeatable, not secret
+    path = rng.choices(FILES, [1 / (8_000 + file.stat().st_size) for file in FILES])[0]
+    text = path.read_bytes().decode()
+    for _ in range(rng.choice((1, 1, 2, 3))):
+        text = rng.choice(SLIPS)(rng, text) or "xx"
+    return path, spoil(rng, text) if rng.random() < 0.05 else text.encode()
+
+
+@cache
+def shipped() -> Library:
+    return Library(project=None)
+
+
+def compared(pack: Pack) -> list[Fault]:
+    """Run the checks that the kind of pack is due."""
+    library, model = shipped(), pack.model
+    common = library.common().model
+    phonemes = set(common.phonemes)
+    if model.kind == "phonemes":
+        return [*checks.check_phonemes(pack)]
+    if model.kind == "language":
+        return [*checks.check_language(pack, common)]
+    if model.kind == "poseset":
+        return [*checks.check_poseset(pack, phonemes)]
+    poseset = library.poseset(pack.path.parent.parent.name).model
+    if model.kind == "bank":
+        return [*checks.check_bank(pack, poseset, phonemes, ())]
+    return [*checks.check_rig(pack, poseset)]
+
+
+@pytest.mark.parametrize("first", range(0, EDITS, BATCH))
+def test_a_slip_gives_located_faults_or_a_sound_pack(first):
+    for number in range(first, first + BATCH):
+        path, content = edited(number)
+        source = scan(path, content)
+        pack, faults = validated(source)
+        found = list(faults) if pack is None else compared(Pack(pack, (source,)))
+        assert pack is not None or faults, f"edit {number}"
+        rows = (
+            content.decode("utf-8", "replace").replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        )
+        for fault in found:
+            assert 1 <= fault.line <= len(rows), f"edit {number}: {fault}"
+            assert 1 <= fault.column <= len(rows[fault.line - 1]) + 1, f"edit {number}: {fault}"
+            assert str(fault).replace("\n  hint", "  hint").isprintable()
+
+
+def test_the_edits_do_break_packs():
+    """The sweep is worth something: most edits are faults, of many codes, and some are not."""
+    codes: dict[str, int] = {}
+    sound = 0
+    for number in range(0, EDITS, 8):
+        path, content = edited(number)
+        pack, faults = validated(scan(path, content))
+        sound += pack is not None
+        for fault in faults:
+            codes[fault.code] = codes.get(fault.code, 0) + 1
+    assert len(codes) >= 10
+    assert 0 < sound < EDITS / 8 / 2

@@ -1,0 +1,281 @@
+"""Every way a pack can be wrong: its code, and the exact place it is reported at."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from packs_tree import TREE, plant, put
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.building import DEEPEST
+from lipsync_lang.packs.faults import CODES, Fault, PackFaults
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.source import LARGEST
+from lipsync_lang.packs.validate import validate
+
+COMMON = "languages/common.yaml"
+PARENT = "languages/parent.yaml"
+CHILD = "languages/child.yaml"
+POSESET = "posesets/face/poseset.yaml"
+BANK = "posesets/face/banks/common.yaml"
+RIG = "posesets/face/rigs/model.yaml"
+ANNA = "characters/anna.yaml"
+
+
+@dataclass(frozen=True)
+class Bad:
+    """A change to a sound pack: what to replace by what, and every fault that must come of it.
+
+    A fault is (code, line, place) in the changed file, the place being a column or the text that
+    starts there; `old` None adds or replaces the whole file.
+    """
+
+    name: str
+    file: str
+    old: str | None
+    new: str | bytes
+    faults: tuple[tuple[str, int, int | str], ...]
+    hint: str = ""
+
+
+BILLION_LAUGHS = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
+    f"{new}: &{new} [{', '.join([f'*{old}'] * 9)}]\n"
+    for old, new in zip("abcdefg", "bcdefgh", strict=True)
+)
+
+BAD = [
+    # the file as YAML
+    Bad("larger than a pack", PARENT, None, b"#" * (LARGEST + 1), (("P002", 1, 1),)),
+    Bad("latin 1", PARENT, "title: Parent", b"title: caf\xe9", (("P003", 5, 11),), "UTF-8"),
+    Bad("utf 16", PARENT, None, "kind: language".encode("utf-16"), (("P003", 1, 1),), "UTF-8"),
+    Bad("byte order mark", PARENT, None, b"\xef\xbb\xbfkind: language", (("P004", 1, 1),), "BOM"),
+    Bad("nul", PARENT, "title: Parent", "title: Pa\0rent", (("P005", 5, 10),)),
+    Bad("escaped control", PARENT, "title: Parent", 'title: "a\\u0007"', (("P005", 5, '"a'),)),
+    Bad("half a surrogate", PARENT, "title: Parent", 'title: "a\\uD800"', (("P005", 5, '"a'),)),
+    Bad("empty", PARENT, None, "", (("P006", 1, 1),), "kind"),
+    Bad("only blanks", PARENT, None, "\n  \n", (("P006", 1, 1),)),
+    Bad("only a comment", PARENT, None, "# later\n", (("P006", 1, "# later"),)),
+    Bad("tab", POSESET, "  FV: {}", "\tFV: {}", (("P007", 8, 1),), "spaces"),
+    Bad("open bracket", PARENT, "adds: [yu]", "adds: [yu", (("P008", 7, ": {engi"),), "line 6"),
+    Bad("colon in text", PARENT, "title: Parent", "title: Parent: one", (("P008", 5, ": one"),)),
+    Bad("two documents", CHILD, "words:", "---\nwords:", (("P009", 10, "---"),), "---"),
+    Bad("deep", PARENT, "[yu]", "[" * 100_000, (("P010", 6, 7 + DEEPEST - 1),), "bracket"),
+    Bad("billion laughs", PARENT, None, BILLION_LAUGHS, (("P011", 7, "*f, *f,"),)),
+    Bad("no anchor", PARENT, "title: Parent", "title: *x", (("P012", 5, "*x"),), "&x"),
+    Bad("own anchor", PARENT, "adds: [yu]", "adds: &x [yu, *x]", (("P012", 6, "*x]"),)),
+    Bad("merge key", CHILD, "  own: {x: yu}", "  own: {<<: {x: yu}}", (("P013", 9, "<<: {x:"),)),
+    Bad("python tag", CHILD, "extends: parent", "extends: !!python/name:os.system parent",
+        (("P014", 5, "!!pytho"),)),
+    Bad("own tag", CHILD, "{x: yu}", "!foo {x: yu}", (("P014", 9, "!foo {x"),)),
+    Bad("duplicates go on", CHILD, "words:", "tag: qab\nname: child\nwords:",
+        (("P015", 10, "tag: qa"), ("P015", 11, "name: c")), "line 4"),
+    Bad("duplicate and unknown", CHILD, "words:", "tag: qab\nwrds: {}\nwords:",
+        (("P015", 10, "tag: qa"), ("P101", 11, "wrds: {"))),
+    Bad("key in brackets", CHILD, "{x: yu}", "{[x]: yu}", (("P016", 9, "[x]: yu"),)),
+    Bad("yaml 1.1", CHILD, "kind: language", "%YAML 1.1\n---\nkind: language",
+        (("P017", 2, "---"),)),
+    # the form of one pack
+    Bad("unknown field", POSESET, "motion:", "moton:", (("P101", 19, "moton:"),), "'motion'"),
+    Bad("unknown inner field", POSESET, "region: jaw", "regin: jaw",
+        (("P101", 6, "regin:"),), "'region'"),
+    Bad("two faults", POSESET, "threshold: 0.5", "threshhold: 3",
+        (("P102", 13, "{betwee"), ("P101", 13, "threshh")), "threshold"),
+    Bad("missing name", CHILD, "name: child\n", "", (("P102", 1, "kind: l"),)),
+    Bad("missing kind", CHILD, "kind: language\n", "", (("P102", 1, "format:"),)),
+    Bad("a list", CHILD, None, "- a\n", (("P103", 1, "- a"),), "kind"),
+    Bad("text for a number", POSESET, "threshold: 0.5", "threshold: abc", (("P103", 13, "abc}"),)),
+    Bad("decimal comma", POSESET, "window: 0.13", "window: '0,13'",
+        (("P103", 19, "'0,13',"),), "point"),
+    Bad("true for text", PARENT, "title: Parent", "title: true", (("P103", 5, "true"),), "quotes"),
+    Bad("true for a number", POSESET, "open: 1,", "open: true,", (("P103", 24, "true, P"),)),
+    Bad("union form once", PARENT, "Y: yu", "Y: 3", (("P103", 12, '3, 2: a, "~"'),)),
+    Bad("a number in a list of labels", PARENT, "[f, a]}", "[f, 1]}", (("P103", 12, "1]}"),)),
+    Bad("a number among names", PARENT, "adds: [yu]", "adds: [yu, 3]", (("P103", 6, "3]"),)),
+    Bad("target of text", POSESET, "f: {FV: 0.9}", "f: [{FV: 0.9}, much]",
+        (("P103", 22, "much]"),)),
+    Bad("above 1", POSESET, "FV: 0.9}", "FV: 1.4}", (("P104", 22, "1.4}"),)),
+    Bad("below 0", BANK, "[0.2, 1]", "[-0.2, 1]", (("P104", 7, "-0.2, 1"),)),
+    Bad("no speed", POSESET, "speed_limit: 15", "speed_limit: 0", (("P104", 19, "0}"),)),
+    Bad("infinite", POSESET, "open: 1,", "open: .inf,", (("P105", 24, ".inf, P"),)),
+    Bad("not a number", BANK, "boundary: 0.4", "boundary: .nan", (("P105", 7, ".nan, c"),)),
+    Bad("too long a number", POSESET, "open: 1,", f"open: {'9' * 5000},",
+        (("P105", 24, "9999999"),)),
+    Bad("name with a slash", CHILD, "name: child", "name: ../child",
+        (("P106", 3, "../chil"), ("P111", 3, "../chil"))),
+    Bad("label in capitals", COMMON, "yu: {title", "YU: {title", (("P106", 11, "YU: {ti"),)),
+    Bad("tag with a space", CHILD, "tag: qaa-XX", "tag: qaa XX",
+        (("P106", 4, "qaa XX"),), "BCP 47"),
+    Bad("one phoneme", BANK, "p-yu:", "p:", (("P106", 8, "p:"),)),
+    Bad("line break in a pose", POSESET, "  FV: {}", '  "F\\nV": {}', (("P106", 8, '"F'),)),
+    Bad("unknown engine", PARENT, "engine: rules", "engine: rule",
+        (("P107", 7, "rule, r"),), "'rules'"),
+    Bad("unknown class", PARENT, "{vowel: 0.1", "{vowl: 0.1", (("P107", 9, "vowl: 0"),), "'vowel'"),
+    Bad("format as text", CHILD, "format: 1", "format: '1'", (("P107", 2, "'1'"),)),
+    Bad("one point", BANK, "[[0.2, 0], [1, 0]]", "[[0.2, 0]]", (("P108", 7, "[[0.2,"),)),
+    Bad("three numbers", BANK, "[0.2, 1]", "[0.2, 1, 1]", (("P108", 7, "[0.2, 1"),)),
+    Bad("one pose in a pair", POSESET, "[open, PBM]", "[open]", (("P108", 13, "[open],"),)),
+    Bad("unknown kind", CHILD, "kind: language", "kind: langage",
+        (("P109", 1, "langage"),), "'language'"),
+    Bad("kind elsewhere", BANK, "kind: bank", "kind: rig", (("P109", 1, "rig"),), "folder"),
+    Bad("newer", CHILD, "format: 1", "format: 2\nnew: {}", (("P110", 2, "2"),), "newer version"),
+    Bad("other name", CHILD, "name: child", "name: kid", (("P111", 3, "kid"),), "rename"),
+    Bad("name of a pose set", POSESET, "name: face", "name: visage", (("P111", 3, "visage"),)),
+    Bad("three parts", BANK, "p-yu:", "p-yu-f:", (("P112", 8, "p-yu-f:"),)),
+    Bad("times fall", BANK, "[0.6, 0]", "[0.1, 0]", (("P113", 7, "[0.1, 0"),)),
+    Bad("shares short", PARENT, "[0.4, 0.6]", "[0.4, 0.5]", (("P114", 14, "[0.4, 0"),)),
+    Bad("a share too many", PARENT, "[0.4, 0.6]", "[0.4, 0.3, 0.3]", (("P114", 14, "[0.4, 0"),)),
+    Bad("range reversed", RIG, "[0, 1]", "[1, 0]", (("P115", 6, "[1, 0]}"),)),
+    Bad("bone without node", RIG, "node: Jaw, ", "", (("P115", 8, "[1, 0,"),)),
+    Bad("node without turn", RIG, "rotation: [1, 0, 0], ", "", (("P115", 8, "Jaw, ga"),)),
+    Bad("empty text", PARENT, "from: m", "from: ''", (("P116", 7, "'', to:"),)),
+    # across places and files
+    Bad("pose in a pair", POSESET, "between: [open, PBM]", "between: [open, PMB]",
+        (("P201", 13, "PMB], t"),), "'PBM'"),
+    Bad("pose in at_most", POSESET, "at_most: open", "at_most: opn", (("P201", 14, "opn}"),)),
+    Bad("pose in priority", POSESET, "[open, FV, PBM]", "[open, FV, PMB]", (("P201", 15, "PMB]"),)),
+    Bad("pose in a floor", POSESET, "floor: {FV", "floor: {VF", (("P201", 18, "VF: 0.8"),)),
+    Bad("pose in a target", POSESET, "a: [{open", "a: [{opn", (("P201", 23, "opn: 0."),)),
+    Bad("pose in dominance", POSESET, "PBM: 6", "PMB: 6", (("P201", 21, "PMB: 6,"),)),
+    Bad("pose in a measure", POSESET, "{open: 1,", "{opn: 1,", (("P201", 24, "opn: 1,"),)),
+    Bad("pose in a bank", BANK, "{FV: [[0", "{VF: [[0", (("P201", 7, "VF: [[0"),), "known: FV"),
+    Bad("pose in a rig", RIG, "{PBM: 0.6}", "{PMB: 0.6}", (("P201", 7, "PMB: 0."),)),
+    Bad("pose in a word", ANNA, "moi: {curves: {open", "moi: {curves: {opn",
+        (("P201", 7, "opn: [["),)),
+    Bad("pose in a line", ANNA, "1, curves: {open", "1, curves: {opn", (("P201", 8, "opn: [["),)),
+    Bad("pose in an own bigram", ANNA, "f-a: {curves: {}", "f-a: {curves: {x: [[0, 0], [1, 0]]}",
+        (("P201", 5, "x: [[0,"),)),
+    Bad("phoneme in base", COMMON, "[p, f, a]", "[p, f, a, q]", (("P202", 12, "q]"),)),
+    Bad("phoneme it is like", COMMON, "like: a", "like: yu", (("P202", 11, "yu, cla"),)),
+    Bad("phoneme of a label", PARENT, "P: p,", "P: q,", (("P202", 12, "q, Y: y"),)),
+    Bad("phoneme in a list", PARENT, "no: [f, a]", "no: [f, q]", (("P202", 12, "q]}"),)),
+    Bad("phoneme in shares", PARENT, "to: [p, f]", "to: [p, q]", (("P202", 14, "q], sha"),)),
+    Bad("phoneme in a word", PARENT, "moi: [p, a]", "moi: [p, q]", (("P202", 15, "q]}"),)),
+    Bad("phoneme in a test", PARENT, "phonemes: [p, a]", "phonemes: [p, q]",
+        (("P202", 19, "q], sou"),)),
+    Bad("phoneme in a contact", POSESET, "phonemes: [p]", "phonemes: [q]",
+        (("P202", 17, "q], flo"),)),
+    Bad("phoneme with a target", POSESET, "  f: {FV", "  q: {FV", (("P202", 22, "q: {FV:"),)),
+    Bad("phoneme in a bank", BANK, "  p-yu:", "  p-q:", (("P202", 8, "p-q:"),)),
+    Bad("added but unknown", CHILD, "words:", "adds: {zz: null}\nwords:",
+        (("P202", 10, "zz: nul"),)),
+    Bad("of another language", BANK, "language: null", "language: child\nstyle: angry", ()),
+    Bad("pose set unknown", ANNA, "poseset: face", "poseset: fce", (("P203", 4, "fce"),), "'face'"),
+    Bad("bank of another", BANK, "poseset: face", "poseset: crab", (("P204", 4, "crab"),), "move"),
+    Bad("rig of another", RIG, "poseset: face", "poseset: crab", (("P204", 4, "crab"),)),
+    Bad("twice in priority", POSESET, "[open, FV, PBM]", "[open, FV, PBM, FV]",
+        (("P205", 15, "FV]"),)),
+    Bad("added twice", PARENT, "adds: [yu]", "adds: [yu, yu]", (("P205", 6, "yu]"),)),
+    Bad("circle of at_most", POSESET, "- {pose: wide, at_most: open}",
+        "- {pose: wide, at_most: open}\n    - {pose: open, at_most: wide}",
+        (("P206", 14, "{pose:"), ("P206", 15, "{pose:")), "drop one"),
+    Bad("no circle with a threshold", POSESET, "{pose: wide, at_most: open}",
+        "{pose: wide, at_most: open}\n    - {between: [open, wide], threshold: 1}", ()),
+    Bad("circle of channels", RIG, "{open: 0.7},", "{open: 0.7}, at_most: lips,",
+        (("P206", 6, "lips, r"), ("P206", 7, "jawOpen"))),
+    Bad("contact yields", POSESET, "[open, FV, PBM]", "[PBM, open, FV]", (("P207", 17, "PBM: 0."),),
+        "after 'open'"),
+    Bad("contact below another", POSESET, "{pose: wide, at_most", "{pose: PBM, at_most",
+        (("P207", 17, "PBM: 0."),), "hold 'open'"),
+    Bad("contacts exclude each other", POSESET, "{pose: wide, at_most: open}",
+        "{between: [FV, PBM], threshold: 1}", (("P208", 14, "1}"),), "raise"),
+    Bad("contacts exclude each other by default", POSESET, "default: 2.0", "default: 1.0",
+        (("P208", 11, "1.0"), ("P207", 17, "PBM: 0."), ("P207", 18, "FV: 0.8"))),
+    Bad("ceiling on a contact", POSESET, "floor: {FV: 0.8}", "floor: {FV: 0.8}, ceiling: {PBM: 0}",
+        (("P209", 18, "PBM: 0}"),)),
+    Bad("parent unknown", CHILD, "extends: parent", "extends: parnt",
+        (("P210", 5, "parnt"),), "'parent'"),
+    Bad("bank's language", BANK, "language: null", "language: chld",
+        (("P210", 5, "chld"),), "'child'"),
+    Bad("extends itself", CHILD, "extends: parent", "extends: child", (("P211", 5, "child"),)),
+    Bad("rig unknown", ANNA, "rig: model", "rig: modl", (("P212", 10, "modl"),), "'model'"),
+    Bad("bank missing", ANNA, "[anna-bank.yaml]", "[anna-bank.yaml, x.yaml]",
+        (("P213", 6, "x.yaml]"),)),
+    Bad("lexicon missing", PARENT, "engine: rules,", "engine: lexicon, file: x.txt,",
+        (("P213", 7, "x.txt,"),)),
+    Bad("channel unknown", RIG, "at_most: jawOpen", "at_most: jawopen", (("P214", 7, "jawopen"),)),
+    Bad("named channel unknown", RIG, "names: {jawOpen", "names: {jawopen",
+        (("P214", 9, "jawopen"),)),
+    Bad("declared again", CHILD, "words:", "adds: {yu: {class: vowel}}\nwords:",
+        (("P215", 10, "yu: {cl"),)),
+    Bad("pair twice", POSESET, "{pose: wide, at_most: open}",
+        "{between: [PBM, open], threshold: 0.6}", (("P216", 14, "{betwee"),), "line 13"),
+    Bad("pair of one", POSESET, "[open, PBM], thr", "[open, open], thr",
+        (("P216", 13, "{betwee"),)),
+    Bad("notation unknown", PARENT, "engine: rules,", "engine: rules, notation: irst,",
+        (("P217", 7, "irst, r"),), "'first'"),
+    # warnings
+    Bad("pose without target", POSESET, "wide: 0.1", "FV: 0.1", (("W301", 9, "wide:"),)),
+    Bad("tie", POSESET, "{pose: wide, at_most: open}\npriority: [open, FV, PBM]",
+        "{between: [wide, FV], threshold: 1}\npriority: [open, PBM]", (("W302", 14, "{betwee"),)),
+    Bad("other suffix", "languages/extra.yml", None, CHILD, (("W303", 1, "languag"),), "rename"),
+]  # fmt: skip
+
+
+def faults_of(root: Path) -> list[Fault]:
+    """Return every fault of the packs below a folder."""
+    return validate(Library([root], project=None), [root])
+
+
+def test_the_tree_is_sound(tmp_path):
+    assert faults_of(plant(tmp_path)) == []
+
+
+@pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.name)
+def test_a_bad_pack_gives_its_faults_at_their_places(bad, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plant(tmp_path)
+    content = bad.new if isinstance(bad.new, bytes) else bad.new.encode()
+    if bad.old is not None:
+        whole = TREE[bad.file].encode()
+        assert whole.count(bad.old.encode()) == 1, "the change must be plain"
+        content = whole.replace(bad.old.encode(), content)
+    put(tmp_path, bad.file, content)
+
+    found = faults_of(tmp_path)
+
+    here = [fault for fault in found if fault.file == str(Path(bad.file))]
+    assert [(f.code, f.line) for f in here] == [(code, line) for code, line, _ in bad.faults]
+    lines = content.decode("utf-8", "replace").split("\n")
+    for fault, (_, _, place) in zip(here, bad.faults, strict=True):
+        if isinstance(place, int):
+            assert fault.column == place
+        else:
+            assert lines[fault.line - 1][fault.column - 1 :].startswith(place)
+    if bad.hint:
+        assert any(bad.hint in fault.hint for fault in here)
+
+
+def test_every_code_is_met_by_a_bad_pack():
+    met = {code for bad in BAD for code, _, _ in bad.faults}
+    elsewhere = {
+        "P001": "test_packs_library: a missing file",
+        "W304": "test_packs_library: a broken distribution",
+        "W305": "test_packs_library: two languages of one tag",
+        "W306": "test_resolver: an edited bigram that does not close",
+    }
+    assert met.isdisjoint(elsewhere)
+    assert met | set(elsewhere) == set(CODES)
+
+
+def test_a_fault_prints_where_what_and_how_to_mend_it():
+    fault = Fault("a.yaml", 14, 22, "P201", "unknown pose 'opne'", "did you mean 'open'?")
+    assert str(fault) == "a.yaml:14:22: P201 unknown pose 'opne'\n  hint: did you mean 'open'?"
+    assert str(Fault("a", 1, 2, "P201", "x")) == "a:1:2: P201 x"
+    assert json.loads(json.dumps(fault.to_dict()))["line"] == 14
+
+
+def test_faults_sort_by_place():
+    faults = [Fault(f, line, 1, "P201", "x") for f in "ba" for line in (10, 9)]
+    assert [(f.file, f.line) for f in sorted(faults)] == [("a", 9), ("a", 10), ("b", 9), ("b", 10)]
+
+
+def test_a_code_nobody_can_look_up_is_refused():
+    with pytest.raises(ValueError, match="P999"):
+        Fault("a.yaml", 1, 1, "P999", "x")
+
+
+def test_pack_faults_print_all_of_them():
+    error = PackFaults([Fault("a", 1, 1, "P201", "x"), Fault("a", 2, 1, "P202", "y")])
+    assert str(error) == "a:1:1: P201 x\na:2:1: P202 y"
+    assert isinstance(error, LipsyncError)
