@@ -1,0 +1,107 @@
+"""Compare curves with real mouths: Pearson r of read-outs on articulograph recordings.
+
+    python benchmarks/articulography.py FOLDER
+
+FOLDER holds, for each recording, NAME.ema.csv (time_s and coil positions in mm, axis 1 front to
+back, axis 2 upwards) and NAME.phones.tsv (start, end, label in German SAMPA). The read-outs are
+the pose set's `measures`, the same for every method and never fitted. Only speech is compared: not
+the pauses, not the frames where a coil was lost, and of a last phone that runs on into silence
+as long as phones are elsewhere.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import lipsync_lang as ll
+from lipsync_lang.quality.baselines import keyframes, read_out
+
+NEAREST = {
+    "a": "A:", "a:": "A:", "e": "e", "e:": "e", "E": "e", "E:": "e", "i": "i:", "i:": "i:",
+    "I": "I", "o": "@U", "o:": "@U", "O": "O:", "u": "u:", "u:": "u:", "U": "U", "@": "@",
+    "6": "@", "aI": "aI", "aU": "aU", "OY": "OI", "x": "h", "C": "S", "r": "h", "R": "h",
+    "kh": "k", "ph": "p", "th": "t", "?": "h",
+}  # fmt: skip
+"""The English SAMPA label with the nearest mouth, where the German one is another."""
+
+PAUSES = ("<p:>", "&p:", "H#")
+LONGEST_LAST = 0.1
+FPS = 200.0
+AXES = {
+    "aperture": lambda coil: coil("upper_lip_2") - coil("lower_lip_2"),
+    "protrusion": lambda coil: -(coil("upper_lip_1") + coil("lower_lip_1")) / 2,
+    "tongue_tip": lambda coil: coil("t_tip_2"),
+}
+"""What the coils say of each measure."""
+
+
+def recordings(folder: Path) -> list[tuple[str, ll.Schedule, dict[str, np.ndarray], np.ndarray]]:
+    """Read every recording: name, schedule, (T,) signals by measure, (T,) times; lost as NaN."""
+    found = []
+    for path in sorted(folder.glob("*.ema.csv")):
+        names = path.open(encoding="utf-8").readline().strip().split(",")
+        table = np.genfromtxt(path, delimiter=",", skip_header=1)
+        columns = {name: table[:, i] for i, name in enumerate(names)}
+
+        def coil(name: str, columns: dict[str, np.ndarray] = columns) -> np.ndarray:
+            return np.where(columns[name] == 0, np.nan, columns[name])
+
+        rows = []
+        for line in path.with_name(path.name.replace(".ema.csv", ".phones.tsv")).open():
+            start, end, label = line.split()
+            label = ll.schedules.SILENCE if label in PAUSES else NEAREST.get(label, label)
+            if float(end) > float(start):
+                rows.append((label, float(start), float(end)))
+        last = max(i for i, row in enumerate(rows) if row[0] != ll.schedules.SILENCE)
+        label, start, end = rows[last]
+        rows[last:] = [(label, start, min(end, start + LONGEST_LAST))]
+        schedule = ll.Schedule.from_intervals(rows, source=path.name, notation="sampa")
+        signals = {measure: of(coil) for measure, of in AXES.items()}
+        found.append((path.name.removesuffix(".ema.csv"), schedule, signals, columns["time_s"]))
+    return found
+
+
+def correlate(
+    animation: ll.Animation, gains: dict[str, float], signal: np.ndarray, times: np.ndarray
+) -> float:
+    """Return Pearson r over speech."""
+    schedule = animation.schedule
+    spoken = [i for i, label in enumerate(schedule.labels) if label != ll.schedules.SILENCE]
+    inside = (times >= schedule.times[spoken[0]]) & (times <= schedule.times[spoken[-1] + 1])
+    inside &= np.isfinite(signal)
+    ours = np.interp(times[inside], animation.times, read_out(animation, gains))
+    return float(np.corrcoef(ours, signal[inside])[0, 1]) if np.ptp(ours) else 0.0
+
+
+def main(folder: Path) -> int:
+    """Print the table."""
+    lines = recordings(folder)
+    if not lines:
+        print(f"{folder} holds no recordings (NAME.ema.csv beside NAME.phones.tsv)")
+        return 1
+    performer = ll.resolve("english", "facefx")
+    methods = {
+        "draft": performer.perform,
+        "draft, linear warp": performer.with_motion({"warp": "linear"}).perform,
+        "draft, cross-fade": performer.with_motion({"stitch": "crossfade"}).perform,
+        "draft, paper's motion": performer.with_motion("paper").perform,
+        "keyframes at centres": lambda schedule, fps: keyframes(performer, schedule, fps),
+    }
+    print(f"Pearson r, {performer.character} speaking {performer.language}, at {FPS:g} fps")
+    for measure, gains in performer.compiled.measures.items():
+        print(
+            f"\n{measure:<24}" + "".join(f"{name[-14:]:>16}" for name, *_ in lines) + f"{'mean':>8}"
+        )
+        for method, perform in methods.items():
+            values = [
+                correlate(perform(schedule, fps=FPS), gains, signals[measure], times)
+                for _, schedule, signals, times in lines
+            ]
+            row = "".join(f"{value:>16.3f}" for value in values)
+            print(f"  {method:<22}{row}{np.mean(values):>8.3f}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1] if len(sys.argv) > 1 else "articulography")))

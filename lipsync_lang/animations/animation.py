@@ -1,0 +1,62 @@
+"""What a performance is: times, poses, weights, and the way back to what made them."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.schedules.schedule import Schedule
+
+if TYPE_CHECKING:
+    from lipsync_lang.trace import Explanation
+
+
+@dataclass(frozen=True, eq=False)
+class Animation:
+    """Pose weights at every frame.
+
+    Parameters
+    ----------
+    times : (T,) seconds; below zero where the mouth moves before the sound
+    poses : P names
+    weights : (T, P) in [0, 1]
+    fps : frames per second
+    schedule : what was spoken
+    performer : what performed it; explains any frame
+    """
+
+    times: npt.NDArray[np.float64]
+    poses: tuple[str, ...]
+    weights: npt.NDArray[np.float64]
+    fps: float
+    schedule: Schedule
+    performer: Any = None
+
+    def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
+        """Return the (T,) curve of one pose."""
+        if pose not in self.poses:
+            from lipsync_lang.errors import did_you_mean
+
+            raise LipsyncError(f"no pose '{pose}' here; {did_you_mean(pose, self.poses)}")
+        return self.weights[:, self.poses.index(pose)]
+
+    def cut(self) -> Self:
+        """Return the frames within the schedule only: no lead-in or tail, so no promise of rest."""
+        half = 0.5 / self.fps
+        inside = (self.times > self.schedule.start - half) & (self.times < self.schedule.end + half)
+        return replace(self, times=self.times[inside], weights=self.weights[inside])
+
+    def save(self, path: str | Path) -> None:
+        """Write to a file whose suffix names the format (``lipsync-lang formats`` lists them)."""
+        from lipsync_lang.animations.registry import save
+
+        save(self, Path(path))
+
+    def explain(self, seconds: float) -> "Explanation":
+        """Say why each pose stands where it stands at a time."""
+        from lipsync_lang.trace import explain
+
+        return explain(self, seconds)

@@ -1,0 +1,17 @@
+"""Comma-separated values, for spreadsheets and scripts."""
+
+from typing import TextIO
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.registry import writer
+
+
+@writer("csv", suffix=".csv")
+def write_csv(animation: Animation, out: TextIO) -> None:
+    """One row per frame: time_s, then a column per pose."""
+    out.write(",".join(["time_s", *animation.poses]) + "\n")
+    row = ",".join(["%.6f", *["%.5f"] * len(animation.poses)]) + "\n"
+    table = np.column_stack([animation.times, animation.weights])
+    out.writelines(row % tuple(values) for values in table.tolist())

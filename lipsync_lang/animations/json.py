@@ -1,0 +1,33 @@
+"""JSON, for programs: the curves, and the phonemes and words they belong to."""
+
+import json
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.registry import writer
+
+
+@writer("json", suffix=".json")
+def write_json(animation: Animation, out: TextIO) -> None:
+    """Pose names, a list of weights per frame, and the phonemes and words performed."""
+    schedule = animation.schedule
+    times = [round(t, 6) for t in schedule.times.tolist()]
+    document = {
+        "format": "lipsync-lang animation 1",
+        "fps": animation.fps,
+        "start": round(float(animation.times[0]), 6),
+        "estimated": schedule.estimated,
+        "poses": list(animation.poses),
+        "phonemes": [
+            {"label": label, "start": start, "end": end}
+            for label, start, end in zip(schedule.labels, times, times[1:], strict=False)
+        ],
+        "words": [
+            {"text": w.text, "start": times[w.first], "end": times[w.stop]} for w in schedule.words
+        ],
+    }
+    head = json.dumps(document, ensure_ascii=False, indent=1)
+    rows = (json.dumps([round(v, 5) for v in row]) for row in animation.weights.tolist())
+    out.write(head[: head.rindex("\n}")] + ',\n "frames": [\n  ')
+    out.write(",\n  ".join(rows))
+    out.write("\n ]\n}\n")

@@ -1,0 +1,85 @@
+"""Which output formats are known, and writing to one of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from io import TextIOWrapper
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import BinaryIO, TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files import atomic
+
+WriteText = Callable[[Animation, TextIO], None]
+WriteBytes = Callable[[Animation, BinaryIO], None]
+
+
+@dataclass(frozen=True)
+class Writer:
+    """One output format: its name, suffix and what writes it to an open stream."""
+
+    name: str
+    suffix: str
+    title: str
+    write: WriteBytes
+
+
+WRITERS: dict[str, Writer] = {}
+
+
+def writer(name: str, *, suffix: str) -> Callable[[WriteText], WriteText]:
+    """Register ``(animation, text stream) -> None`` as the writer of a text format."""
+
+    def register(write: WriteText) -> WriteText:
+        def encoded(animation: Animation, out: BinaryIO) -> None:
+            text = TextIOWrapper(out, encoding="utf-8", newline="", write_through=True)
+            write(animation, text)
+            text.flush()
+            text.detach()
+
+        WRITERS[name] = Writer(name, suffix, _title(write), encoded)
+        return write
+
+    return register
+
+
+def binary_writer(name: str, *, suffix: str) -> Callable[[WriteBytes], WriteBytes]:
+    """Register ``(animation, byte stream) -> None`` as the writer of a binary format."""
+
+    def register(write: WriteBytes) -> WriteBytes:
+        WRITERS[name] = Writer(name, suffix, _title(write), write)
+        return write
+
+    return register
+
+
+def _title(write: Callable[..., None]) -> str:
+    return (write.__doc__ or "").strip().splitlines()[0]
+
+
+def load_writers() -> dict[str, Writer]:
+    """Import every module of this folder, so that each has registered itself."""
+    from lipsync_lang import animations
+
+    for module in iter_modules(animations.__path__):
+        import_module(f"{animations.__name__}.{module.name}")
+    return WRITERS
+
+
+def find_writer(path: Path) -> Writer:
+    """Return the writer for a path's suffix, or say which suffixes there are."""
+    known = {w.suffix: w for w in load_writers().values()}
+    if path.suffix.lower() not in known:
+        raise OutputError(
+            f"{path}: no writer for '{path.suffix}'; known: {', '.join(sorted(known))}"
+        )
+    return known[path.suffix.lower()]
+
+
+def save(animation: Animation, path: Path) -> None:
+    """Write an animation to `path`, whole or not at all."""
+    chosen = find_writer(path)
+    with atomic(path) as stream:
+        chosen.write(animation, stream)

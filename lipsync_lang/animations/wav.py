@@ -1,0 +1,21 @@
+"""The sound itself, beside its curves."""
+
+import wave
+from typing import BinaryIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.registry import binary_writer
+from lipsync_lang.errors import OutputError
+
+
+@binary_writer("wav", suffix=".wav")
+def write_wav(animation: Animation, out: BinaryIO) -> None:
+    """The speech, 16 bit mono; its first sample is time zero of the curves."""
+    audio = animation.schedule.audio
+    if audio is None:
+        raise OutputError("there is no sound to write: the schedule came without audio")
+    with wave.open(out, "wb") as sound:
+        sound.setnchannels(1)
+        sound.setsampwidth(2)
+        sound.setframerate(audio.rate)
+        sound.writeframes(audio.samples.astype("<i2").tobytes())

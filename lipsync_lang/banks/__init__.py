@@ -1,0 +1,1 @@
+"""Banks: curves for phone bigrams, drafted and written."""

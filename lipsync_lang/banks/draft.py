@@ -1,0 +1,104 @@
+"""Draft bigrams from targets: a complete bank at once, to be improved where it matters.
+
+The paper's animators draw every bigram by hand (3.1.2, 5.2). A pose set that says how each pose
+should stand at each common phoneme, and how strongly, has them all drawn for it. Where two
+phonemes meet, their targets are weighed by dominance (Cohen and Massaro 1993)::
+
+    f(x) = sum_i D_i(x) T_i(x) / sum_i D_i(x),   D_i(x) = dominance_i exp(-SHARPNESS |x - m_i|)
+
+over the bigram's normalised time x, with the two phonemes' middles m at 1/4 and 3/4. A strong
+target so begins within its neighbour: rounding starts before a rounded vowel, and a "p" pushes
+the jaw up while the vowel still sounds.
+
+Outside the two middles f fades to rest, because there the neighbouring bigrams know better: where
+they overlap, the larger curve wins, and what is left is each bigram's passage from the middle of
+its first phoneme to the middle of its second.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.curve import bspline
+
+TIMES: Floats = np.array([0, 0.15, 0.35, 0.5, 0.65, 0.85, 1])
+"""(n,) control times of a drafted curve: few and round, closest where one phoneme passes into the
+other."""
+
+SHARPNESS = 10.0
+"""Per unit of normalised time: how fast a phoneme's say falls away from its middle."""
+
+PASSIVE = 0.1
+"""Dominance of a pose that a phoneme does not mention: the neighbour's wish spreads into it."""
+
+STIFFNESS = 0.03
+"""How much an even control polygon, easy to edit, is worth against a nearer curve."""
+
+DECIMALS = 2
+"""Drafted values are as round as those written to a bank, so that writing changes nothing."""
+
+FAINT = 0.015
+"""A smaller control value is rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """How the poses stand at one phoneme."""
+
+    weights: Floats
+    """(m, P) in [0, 1]; more than one row where the phoneme moves, as a diphthong does."""
+    dominance: Floats
+    """(P,) positive: how strongly it wants them so."""
+
+
+def draft(first: list[Target], second: list[Target]) -> Floats:
+    """Draft bigrams.
+
+    Parameters
+    ----------
+    first, second : B targets each; bigram b passes from ``first[b]`` to ``second[b]``
+
+    Returns
+    -------
+    (B, P, n) control values in [0, 1] at `TIMES`, such that the smooth curve they control, not the
+    control points, is as near to f as it can be
+    """
+    at, solve, shape = _fit()
+    coming = np.stack([_profile(t, at, 0.0) for t in first])
+    going = np.stack([_profile(t, at, 0.5) for t in second])
+    early = _dominance(first, at, 0.25)
+    late = _dominance(second, at, 0.75)
+    wanted = (early * coming + late * going) / (early + late)
+    wanted *= np.minimum(1, 4 * np.minimum(at, 1 - at))[:, None]
+    wanted = wanted.swapaxes(1, 2)
+    values = np.zeros((*wanted.shape[:2], len(TIMES)))
+    for _ in range(4):
+        values = (values + (wanted - values @ shape) @ solve).clip(0, 1)
+    values[values < FAINT] = 0
+    return values.round(DECIMALS)
+
+
+def _profile(target: Target, at: Floats, start: float) -> Floats:
+    """Return (K, P): a phoneme's own target over the half of a bigram that begins at `start`."""
+    rows = len(target.weights)
+    middles = start + (np.arange(rows) + 1) / (rows + 1) / 2
+    return np.stack([np.interp(at, middles, pose) for pose in target.weights.T], axis=1)
+
+
+def _dominance(targets: list[Target], at: Floats, middle: float) -> Floats:
+    """Return (B, K, P): each phoneme's say over normalised time."""
+    fall: Floats = np.exp(-SHARPNESS * np.abs(at - middle))
+    return fall[:, None] * np.stack([t.dominance for t in targets])[:, None, :]
+
+
+@cache
+def _fit() -> tuple[Floats, Floats, Floats]:
+    """Return times (K,), the stiffened least-squares fit (K, n) and each point's curve (n, K)."""
+    at = np.linspace(0, 1, 49)
+    units = np.stack([np.column_stack((TIMES, unit)) for unit in np.eye(len(TIMES))])
+    shape = bspline(units, at)
+    bend = np.diff(np.eye(len(TIMES)), 2, axis=0)
+    stiff = STIFFNESS * len(at) / len(TIMES) * bend.T @ bend
+    return at, shape.T @ np.linalg.inv(shape @ shape.T + stiff), shape

@@ -1,0 +1,128 @@
+"""Put drafts where a person can edit them: YAML out of the resolver, into a bank file."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+
+Points = list[list[float]]
+
+
+@dataclass(frozen=True)
+class Drafts:
+    """Drafted bigrams of one pose set, ready to be written."""
+
+    poseset: str
+    bigrams: dict[str, dict[str, Points]]
+    """For each bigram, such as `l-ow`, control points by pose."""
+
+
+def draft_bigrams(
+    library: "Library", language: str, character: str, wanted: Sequence[str] = ()
+) -> Drafts:
+    """Draft bigrams from the targets of a character's pose set, whatever banks hold of them.
+
+    Parameters
+    ----------
+    wanted : bigrams such as `l-ow`; none means every one that no bank answers
+
+    Raises
+    ------
+    LipsyncError
+        A wanted bigram is not one of this language, or its phonemes have no targets.
+    """
+    from lipsync_lang.resolver.layers import Shelf
+
+    shelf = Shelf.open(library, language, character)
+    pairs = {"-".join(pair): pair for pair in shelf.pairs()}
+    for key in wanted:
+        if key not in pairs:
+            raise LipsyncError(f"no bigram '{key}' in {language}; {did_you_mean(key, pairs)}")
+    chosen = list(wanted) or [key for key, pair in pairs.items() if shelf.authored(pair) is None]
+    rows = shelf.drafts([pairs[key] for key in chosen])
+    missing = [key for key in chosen if pairs[key] not in rows]
+    if missing and wanted:
+        raise LipsyncError(
+            f"{shelf.poseset.model.name} has no targets to draft {', '.join(missing)} from; "
+            f"add them in {shelf.poseset.path}"
+        )
+    return Drafts(
+        shelf.poseset.model.name,
+        {
+            "-".join(pair): {
+                shelf.poses[pose]: [[float(t), float(v)] for t, v in points]
+                for pose, points in row.curves.items()
+            }
+            for pair, row in rows.items()
+        },
+    )
+
+
+def draft_yaml(drafts: Drafts) -> str:
+    """Return drafts as the text of a bank's `bigrams`."""
+    if not drafts.bigrams:
+        return "bigrams: {}\n"
+    lines = ["bigrams:"]
+    for key, curves in drafts.bigrams.items():
+        lines += [f"  {key}:", "    status: drafted", "    curves:" + ("" if curves else " {}")]
+        width = max(map(len, curves), default=0) + 1
+        lines += [f"      {pose + ':':<{width}} {_flow(points)}" for pose, points in curves.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _flow(points: Points) -> str:
+    return "[" + ", ".join(f"[{t:g}, {v:g}]" for t, v in points) + "]"
+
+
+def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
+    """Add drafts to a bank file, leaving every bigram that is there as it is.
+
+    Parameters
+    ----------
+    path : the bank; None is `common.yaml` of the pose set in the project's own folder
+
+    Returns
+    -------
+    What was done, in a line
+    """
+    from ruamel.yaml.comments import CommentedMap
+
+    from lipsync_lang.packs.edit import edit_pack, flow
+
+    if path is None:
+        path = Path("posesets") / drafts.poseset / "banks" / "common.yaml"
+    new: list[str] = []
+
+    def add(bank: CommentedMap) -> None:
+        bigrams = bank.get("bigrams") or CommentedMap()
+        for key, curves in drafts.bigrams.items():
+            if key not in bigrams:
+                lines = CommentedMap((pose, flow(_plain(p))) for pose, p in curves.items())
+                bigrams[key] = CommentedMap(status="drafted", curves=lines)
+                new.append(key)
+        bigrams.fa.set_block_style()
+        bank["bigrams"] = bigrams
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    edit_pack(path, add, create=_empty_bank(drafts.poseset, path))
+    kept = len(drafts.bigrams) - len(new)
+    there = f"; {kept} were there already and stay as they are" if kept else ""
+    return f"{len(new)} drafted bigrams put into {path}{there}"
+
+
+def _plain(points: Points) -> list[list[float]]:
+    """Write 0 and 1 as people do."""
+    return [[int(n) if n == int(n) else n for n in point] for point in points]
+
+
+def _empty_bank(poseset: str, path: Path) -> str:
+    return (
+        "# Bigrams that a person edited or approved; all others are drafted from the targets.\n"
+        f"kind: bank\nformat: 1\nname: {path.stem}\nposeset: {poseset}\nlanguage: null\n"
+        "style: neutral\ninterpolation: bspline\nbigrams: {}\n"
+    )

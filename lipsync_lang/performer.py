@@ -1,0 +1,188 @@
+"""A performer: a resolved language-character pair, ready for any schedule."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING, Self
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
+from lipsync_lang.phonology.labels import Notation, Value, recognise
+from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.perform import Performance, perform
+from lipsync_lang.pipeline.track import lay_track
+from lipsync_lang.schedules.schedule import Schedule
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from lipsync_lang.resolver.compiled import Compiled, Report
+
+FASTEST = 1000.0
+"""Most frames per second; beyond it the number is a mistake."""
+
+
+@dataclass(frozen=True, eq=False)
+class Performer:
+    """What `resolve` returns."""
+
+    compiled: "Compiled"
+    motion: Motion
+    unknown: str = "error"
+    """What becomes of labels no notation maps: an `error`, or `rest`."""
+
+    @property
+    def language(self) -> str:
+        """Name of the language pack."""
+        return self.compiled.language
+
+    @property
+    def character(self) -> str:
+        """Name of the character."""
+        return self.compiled.character
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Pose names, in the order of an animation's columns."""
+        return self.compiled.poses
+
+    @property
+    def report(self) -> "Report":
+        """What of this pair comes from which layer."""
+        return self.compiled.report
+
+    def with_motion(self, change: "Mapping[str, object] | str | None") -> Self:
+        """Return this performer with some motion settings changed."""
+        from lipsync_lang.resolver.settings import motion_with
+
+        return replace(self, motion=motion_with(self.motion, change))
+
+    def perform(self, schedule: Schedule, fps: float = 60) -> Animation:
+        """Animate a schedule.
+
+        Parameters
+        ----------
+        schedule : timed phonemes in any notation of the language
+        fps : output frames per second, from 1 to 1000
+
+        Raises
+        ------
+        ScheduleError
+            A label is in no notation of the language.
+        """
+        performance = self.performance(schedule, fps)
+        times = performance.frames.times()
+        return Animation(times, self.poses, performance.weights(), fps, schedule, self)
+
+    def performance(self, schedule: Schedule, fps: float) -> Performance:
+        """Prepare a performance whose stages can be looked at one by one."""
+        if not 1 <= fps <= FASTEST:
+            raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
+        ids, times, source = self.common_phonemes(schedule)
+        track = lay_track(ids, times, source, self.compiled.tables, self.motion)
+        return perform(self.compiled.tables, track, self.motion, fps)
+
+    def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
+        """Map a schedule's labels to common phonemes.
+
+        Returns
+        -------
+        (m,) numbers of common phonemes, (m + 1,) boundaries in seconds, (m,) the index of the
+        scheduled phoneme each came from
+        """
+        values = self._values(schedule)
+        if all(len(value) == 1 for value in values):
+            numbers = np.array([self._numbers[value[0][0]] for value in values])
+            return numbers, schedule.times, np.arange(len(numbers))
+        ids: list[int] = []
+        starts: list[float] = []
+        source: list[int] = []
+        times = schedule.times.tolist()
+        for index, value in enumerate(values):
+            at, length = times[index], times[index + 1] - times[index]
+            for name, share in value:
+                ids.append(self._numbers[name])
+                starts.append(at)
+                source.append(index)
+                at += share * length
+        if not ids:
+            raise ScheduleError(
+                f"{schedule.source}: all its labels are mute; there is no sound in it"
+            )
+        starts[0] = times[0]
+        return np.array(ids), np.array([*starts, times[-1]]), np.array(source)
+
+    def _values(self, schedule: Schedule) -> list[Value]:
+        """Return what each label stands for, words of the language's own said its way."""
+        notation = self.notation(schedule)
+        values = [notation.find(label) for label in schedule.labels]
+        own = self.compiled.words if schedule.language == self.language else {}
+        for word in schedule.words if own else ():
+            sounds = own.get(word.text.casefold())
+            if sounds:
+                values[word.first : word.stop] = _spread(sounds, word.stop - word.first)
+        unknown = [i for i, value in enumerate(values) if value is None]
+        if unknown and self.unknown != "rest":
+            raise ScheduleError(self._unknown(schedule, unknown, notation))
+        rest: Value = ((self.compiled.phonemes[0], 1.0),)
+        return [rest if value is None else value for value in values]
+
+    def notation(self, schedule: Schedule) -> Notation:
+        """Return the notation of a schedule's labels: the one it states, else the likeliest."""
+        name = schedule.notation
+        if name is None:
+            name = self._recognised.get(schedule)
+        if name is None:
+            name = recognise(schedule.labels, self._notations)
+            self._recognised[schedule] = name
+        if name not in self._notations:
+            raise ScheduleError(
+                f"{schedule.source}: {self.language} has no notation '{name}'; "
+                f"{did_you_mean(name, self._notations)}"
+            )
+        return self._notations[name]
+
+    @cached_property
+    def _notations(self) -> dict[str, Notation]:
+        silence: Value = ((self.compiled.phonemes[0], 1.0),)
+        return {
+            name: Notation(table, self.compiled.silences, silence)
+            for name, table in self.compiled.notations.items()
+        }
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {name: number for number, name in enumerate(self.compiled.phonemes)}
+
+    @cached_property
+    def _recognised(self) -> "WeakKeyDictionary[Schedule, str]":
+        return WeakKeyDictionary()
+
+    def _unknown(self, schedule: Schedule, at: list[int], notation: Notation) -> str:
+        name = next(n for n, known in self._notations.items() if known is notation)
+        lines = [
+            f"{schedule.source}: phoneme {i} ({schedule.labels[i]!r}, {schedule.times[i]:g} to "
+            f"{schedule.times[i + 1]:g} s) is not in the {name} of {self.language}; "
+            f"{notation.suggest(schedule.labels[i])}"
+            for i in at[:8]
+        ]
+        more = f"\n... and {len(at) - 8} more" if len(at) > 8 else ""  # noqa: PLR2004 a screenful
+        mend = (
+            f"\nAdd them to {self.language}'s notations, name the notation they are in, "
+            "or ask for unknown labels at rest"
+        )
+        return "\n".join(lines) + more + mend
+
+
+def _spread(sounds: tuple[str, ...], count: int) -> list[Value]:
+    """Share a word's common phonemes out over the labels it was given, in order."""
+    cuts = [round(i * len(sounds) / count) for i in range(count + 1)]
+    spread = []
+    for low, high in pairwise(cuts):
+        here = sounds[low:high] or sounds[min(low, len(sounds) - 1) :][:1]
+        spread.append(tuple((name, 1 / len(here)) for name in here))
+    return spread

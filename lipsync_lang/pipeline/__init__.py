@@ -1,0 +1,27 @@
+"""From a track of common phonemes to pose curves (paper, section 3.2).
+
+Arrays in, arrays out: no files, no clock, no names. Throughout:
+
+- times are seconds, rates are frames per second, weights are in [0, 1];
+- ``(P, T)`` is poses by frames, ``(n,)`` phonemes, ``(B,)`` rows of the bigram tables;
+- row 0 of the tables is rest: what a bigram that nobody has looks like.
+
+Order: surround and pair, warp, stitch, smooth, hold contacts, limit speed, constrain. Where it
+differs from the paper, the function that differs says so.
+"""
+
+from lipsync_lang.pipeline.motion import PRESETS, Motion
+from lipsync_lang.pipeline.perform import Performance, perform
+from lipsync_lang.pipeline.tables import Contact, Tables
+from lipsync_lang.pipeline.track import Track, lay_track
+
+__all__ = [
+    "PRESETS",
+    "Contact",
+    "Motion",
+    "Performance",
+    "Tables",
+    "Track",
+    "lay_track",
+    "perform",
+]

@@ -1,0 +1,71 @@
+"""Constrain: poses that fight each other make room, by priority (paper 3.2.2, figure 9)."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats
+
+FREE = 2.0
+"""A constraint at this threshold never binds: two weights add up to no more."""
+
+
+class Cap(NamedTuple):
+    """Pose `low` yields to pose `high`: together at most `threshold`."""
+
+    low: int
+    high: int
+    threshold: float
+
+
+def caps(thresholds: Floats, priority: Floats) -> tuple[Cap, ...]:
+    """List the pairs that can bind, from the highest yielding pose down.
+
+    Parameters
+    ----------
+    thresholds : (P, P) symmetric, in (0, 2]
+    priority : (P,) larger wins; ties leave both alone
+
+    Notes
+    -----
+    A pose is final before any below it is lowered, so one pass satisfies all pairs at once.
+    """
+    order = np.argsort(-priority, kind="stable")
+    return tuple(
+        Cap(int(low), int(high), float(thresholds[low, high]))
+        for low in order
+        for high in order
+        if priority[high] > priority[low] and thresholds[low, high] < FREE
+    )
+
+
+def constrain(
+    weights: Floats, binding: Sequence[Cap], at_most: Sequence[tuple[int, int]] = ()
+) -> Floats:
+    """Lower each pose until no pair passes its threshold.
+
+    From the highest priority down, for every binding pair a over b::
+
+        c_b = min(c_b, max(0, C[a, b] - c_a))
+
+    The paper prints this as c_b - (C - c_a - c_b), with its sign turned round. Then a pose that
+    must never stand above another is lowered to it.
+
+    Parameters
+    ----------
+    weights : (P, T) in [0, 1]
+    binding : as from `caps`
+    at_most : (pose, other) pairs, each other final before it is used
+
+    Returns
+    -------
+    (P, T); the input stays unchanged
+    """
+    out = weights.copy()
+    for low, high, threshold in binding:
+        room = threshold - out[high]
+        np.minimum(out[low], np.maximum(room, 0, out=room), out=out[low])
+    for pose, other in at_most:
+        np.minimum(out[pose], out[other], out=out[pose])
+    return out

@@ -1,0 +1,61 @@
+"""Hold contacts: lips that must meet do meet, however short the sound.
+
+Not in the paper: there a fast "p" is as weak as its curve. Here every phoneme that demands a
+contact holds it for as long as a viewer needs to see it.
+"""
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.pipeline.tables import Contact
+from lipsync_lang.pipeline.track import Track
+
+MARGIN = 0.030
+"""Seconds of a phoneme, at each side, in which the contact may still be closing or opening."""
+
+SHORTEST = 0.042
+"""Seconds for which a contact is held at least: one frame of film."""
+
+
+def demands(contact: Contact, track: Track) -> Bools:
+    """Tell which phonemes of a track demand a contact: (n,)."""
+    return contact.phonemes[track.ids] & ~track.waived
+
+
+def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: int) -> Bools:
+    """Tell the frames over which a contact is held.
+
+    A phoneme holds over its span less `MARGIN` on each side, widened about its middle to
+    `SHORTEST` and to one frame. Neighbours that demand the same hold on through their boundary.
+
+    Parameters
+    ----------
+    wanted : (n,) as from `demands`
+    first : seconds of frame 0
+
+    Returns
+    -------
+    (count,)
+    """
+    at = np.flatnonzero(wanted)
+    start, end = track.bounds[at], track.bounds[at + 1]
+    reach = max(SHORTEST, 1 / fps) / 2
+    middle = (start + end) / 2
+    low = np.minimum(start + np.where(wanted[at - 1], 0.0, MARGIN), middle - reach)
+    high = np.maximum(end - np.where(wanted[at + 1], 0.0, MARGIN), middle + reach)
+    begin = np.ceil((low - first) * fps - 1e-6).astype(np.intp)
+    stop = np.floor((high - first) * fps + 1e-6).astype(np.intp) + 1
+    held = np.zeros(count, bool)
+    for a, b in zip(np.maximum(begin, 0).tolist(), stop.tolist(), strict=True):
+        held[a:b] = True
+    return held
+
+
+def hold(curves: Floats, contact: Contact, held: Bools) -> Floats:
+    """Raise (P, T) curves to the contact's floor and lower them to its ceiling where held."""
+    out = curves.copy()
+    for pose in contact.raised:
+        np.maximum(out[pose], contact.floor[pose], out=out[pose], where=held)
+    for pose in contact.lowered:
+        np.minimum(out[pose], contact.ceiling[pose], out=out[pose], where=held)
+    return out

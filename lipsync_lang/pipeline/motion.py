@@ -1,0 +1,40 @@
+"""How curves become motion: every setting, its default, and the paper's own values."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Settings of the runtime stages; a pose set, a character and a call may each change some."""
+
+    stitch: Literal["max", "crossfade"] = "max"
+    """How overlapping bigrams join: the larger (paper 3.2.1), or a fade from one to the next."""
+
+    warp: Literal["anchored", "linear"] = "anchored"
+    """Pin each bigram's own phoneme boundary to the spoken one, or stretch it evenly (paper)."""
+
+    smooth: Literal["closing", "chord", "none"] = "closing"
+    """Fill valleys by morphological closing, by the paper's chord between maxima, or not at all."""
+
+    window: float = 0.13
+    """Seconds; valleys narrower than this are filled."""
+
+    speed_limit: float = 15.0
+    """Weight per second that no pose exceeds (paper 3.2.3)."""
+
+    silence_reach: float = 0.25
+    """Seconds of silence that a bigram may use on its silent side."""
+
+    contacts: Literal["hold", "free"] = "hold"
+    """Whether phonemes that demand a contact are sure to get it."""
+
+    limit: Literal["before", "after"] = "before"
+    """Speed is limited before the constraints, or after them (paper)."""
+
+
+PRESETS = {
+    "default": Motion(),
+    "paper": Motion(warp="linear", smooth="chord", window=0.18, contacts="free", limit="after"),
+}
+"""Named settings: `paper` is the method to the letter of sections 3.2.1 to 3.2.3."""

@@ -1,0 +1,164 @@
+"""The stages in their order: a track in, weights out, in blocks so that cost stays linear."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.pipeline.constrain import constrain
+from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
+from lipsync_lang.pipeline.limit import envelope, lower_envelope, rest_at_ends
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.smooth import chord, closing, closing_within
+from lipsync_lang.pipeline.stitch import stitch
+from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.pipeline.track import Track
+from lipsync_lang.pipeline.warp import Place, locate, warp
+
+BLOCK = 8192
+"""Frames worked on at once; the arrays of a block stay near the processor."""
+
+
+class Stage(NamedTuple):
+    """What one stage made of the curves."""
+
+    name: str
+    curves: Floats
+    """(P, T)"""
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Output frames: frame k lies at ``start + (first + k) / fps`` seconds."""
+
+    start: float
+    first: int
+    count: int
+    fps: float
+
+    def times(self, begin: int = 0, stop: int | None = None) -> Floats:
+        """Return the seconds of frames `begin` to `stop`."""
+        stop = self.count if stop is None else stop
+        return self.start + np.arange(self.first + begin, self.first + stop) / self.fps
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """A track on its way through the stages."""
+
+    tables: Tables
+    track: Track
+    motion: Motion
+    frames: Frames
+    held: tuple[tuple[Bools, Bools], ...]
+    """For each contact: (n,) the phonemes that demand it and (T,) the frames that hold it."""
+    smoothed: Bools
+    """(P, n) the phonemes over which a pose is smoothed: a contact pose where it is demanded."""
+
+    def weights(self) -> Floats:
+        """Run every stage: (T, P)."""
+        if self.frames.count <= BLOCK or self.motion.smooth == "chord":
+            last = self.stages(0, self.frames.count)[-1]
+            return np.ascontiguousarray(last.curves.T)
+        out = np.empty((self.frames.count, len(self.tables.priority)))
+        halo = self.halo()
+        for begin in range(0, self.frames.count, BLOCK):
+            stop = min(begin + BLOCK, self.frames.count)
+            low, high = max(0, begin - halo), min(self.frames.count, stop + halo)
+            curves = self.stages(low, high)[-1].curves
+            out[begin:stop] = curves[:, begin - low : stop - low].T
+        return out
+
+    def halo(self) -> int:
+        """Frames on either side of a block that its own frames depend on."""
+        seconds = self.motion.window + 2 / self.motion.speed_limit
+        return math.ceil(seconds * self.frames.fps) + 4
+
+    def stages(self, begin: int, stop: int) -> list[Stage]:
+        """Run the stages on frames `begin` to `stop`, keeping what each one made."""
+        place = locate(self.track, self.frames.times(begin, stop))
+        ending, beginning = warp(self.tables, self.track, place)
+        return list(self._run(ending, beginning, place, begin, stop))
+
+    def _run(
+        self, ending: Floats, beginning: Floats, place: Place, begin: int, stop: int
+    ) -> Iterator[Stage]:
+        tables, motion = self.tables, self.motion
+        step = motion.speed_limit / self.frames.fps
+        curves = stitch(ending, beginning, place, motion.stitch)
+        yield Stage("stitch", curves)
+        curves = self._smooth(curves, place)
+        curves = rest_at_ends(curves, step, head=begin == 0, tail=stop == self.frames.count)
+        yield Stage("smooth", curves)
+        if motion.contacts == "hold":
+            curves = np.minimum(curves, tables.tops[:, None])
+            for contact, (_, frames) in zip(tables.contacts, self.held, strict=True):
+                curves = hold(curves, contact, frames[begin:stop])
+            yield Stage("hold", curves)
+        if motion.limit == "after":
+            curves = constrain(curves, tables.caps, tables.at_most)
+            yield Stage("constrain", curves)
+            curves = self._limit(curves, step)
+            yield Stage("limit", curves)
+        else:
+            curves = self._limit(curves, step)
+            yield Stage("limit", curves)
+            curves = constrain(curves, tables.caps, tables.at_most)
+            yield Stage("constrain", curves)
+
+    def _smooth(self, curves: Floats, place: Place) -> Floats:
+        frames = self.motion.window * self.frames.fps
+        if self.motion.smooth == "none":
+            return curves
+        if self.motion.smooth == "chord":
+            return chord(curves, frames)
+        width = max(1, round(frames))
+        if self.motion.contacts == "free":
+            return closing(curves, width)
+        return closing_within(curves, self.smoothed[:, place.phoneme], width)
+
+    def _limit(self, curves: Floats, step: float) -> Floats:
+        if self.motion.contacts == "free":
+            return lower_envelope(curves, step)
+        return envelope(curves, step, upper=self.tables.held)
+
+
+def lay_frames(track: Track, motion: Motion, fps: float) -> Frames:
+    """Choose the frames of an animation: the schedule's, a lead-in and a tail.
+
+    The mouth may move up to `motion.silence_reach` before the first sound and after the last, and
+    earlier only where a slow speed limit needs it; silence in the schedule is used first.
+    """
+    opening, closing_ = 0.0, 0.0
+    if track.source[0] >= 0:
+        opening = float(track.bounds[1]) - track.start
+    if track.source[-1] >= 0:
+        closing_ = track.end - float(track.bounds[-2])
+    flank = max(SHORTEST, 1 / fps) / 2 + 1 / motion.speed_limit
+    length = track.end - track.start
+    first = -_frames_before(opening, motion.silence_reach, flank, fps)
+    after = _frames_before(closing_, motion.silence_reach, flank, fps)
+    last = math.ceil(length * fps - 1e-6) + after
+    return Frames(track.start, first, last - first + 1, fps)
+
+
+def _frames_before(silence: float, reach: float, flank: float, fps: float) -> int:
+    """Count the frames that are needed outside a schedule with some silence at its edge."""
+    reached = math.floor((reach - silence) * fps + 1e-6)
+    return max(0, reached, math.ceil((flank - silence) * fps - 1e-6))
+
+
+def perform(tables: Tables, track: Track, motion: Motion, fps: float) -> Performance:
+    """Prepare a track's performance: its frames, and where its contacts are held."""
+    frames = lay_frames(track, motion, fps)
+    first = frames.start + frames.first / fps
+    held = []
+    smoothed = np.repeat(~tables.held[:, None], len(track.ids), axis=1)
+    for contact in tables.contacts:
+        wanted = demands(contact, track)
+        held.append((wanted, held_frames(wanted, track, first, fps, frames.count)))
+        smoothed |= (contact.floor > 0)[:, None] & wanted
+    return Performance(tables, track, motion, frames, tuple(held), smoothed)

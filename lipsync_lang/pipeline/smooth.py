@@ -1,0 +1,65 @@
+"""Smooth: fill the valley between peaks that follow each other closely (paper 3.2.1, figure 8).
+
+The paper joins two local maxima that share a window by a chord. Taken literally that is
+discontinuous (a maximum that appears by 1e-6 changes the curve by the depth of a valley) and
+depends on the order in which maxima are paired. `closing` fills every valley narrower than the
+window up to the lower of its sides: it is idempotent, local, and never magnifies a change.
+"""
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+
+
+def closing(curves: Floats, frames: int) -> Floats:
+    """Close (P, T) curves morphologically with a flat window of some frames; rest is outside."""
+    if frames <= 1:
+        return curves
+    rows, count = curves.shape
+    padded = np.zeros((rows, count + 2 * (frames - 1)))
+    padded[:, frames - 1 : frames - 1 + count] = curves
+    return _running(np.minimum, _running(np.maximum, padded, frames), frames)
+
+
+def _running(take: np.ufunc, curves: Floats, frames: int) -> Floats:
+    """Fold every window of some frames: windows of 1, 2, 4, ... frames, then two that overlap."""
+    width = 1
+    while 2 * width <= frames:
+        curves = take(curves[:, :-width], curves[:, width:])
+        width *= 2
+    if width < frames:
+        rest = frames - width
+        curves = take(curves[:, :-rest], curves[:, rest:])
+    return curves
+
+
+def closing_within(curves: Floats, inside: Bools, frames: int) -> Floats:
+    """Close (P, T) curves only where `inside`, (P, T), and only from what is inside.
+
+    Contact poses are smoothed within one run of the phonemes that demand them; across the
+    run's ends a valley is a vowel, which must stay open.
+    """
+    return np.where(inside, closing(np.where(inside, curves, 0.0), frames), curves)
+
+
+def chord(curves: Floats, frames: float) -> Floats:
+    """Join neighbouring local maxima at most `frames` apart by a straight line (the paper's way).
+
+    One pass over the maxima of the given curves; a flat top counts by its two ends.
+    """
+    out = curves.copy()
+    for row, curve in zip(out, curves, strict=True):
+        peaks = _peaks(curve)
+        near = np.diff(peaks) <= frames
+        for a, b in zip(peaks[:-1][near], peaks[1:][near], strict=True):
+            row[a : b + 1] = np.linspace(curve[a], curve[b], b - a + 1)
+    return out
+
+
+def _peaks(curve: Floats) -> Ints:
+    """Return the frames of local maxima; a flat top gives its first and its last."""
+    first = np.concatenate(([0], np.flatnonzero(np.diff(curve)) + 1))
+    last = np.append(first[1:] - 1, len(curve) - 1)
+    level = np.concatenate(([-1.0], curve[first], [-1.0]))
+    top = (level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])
+    return np.union1d(first[top], last[top])

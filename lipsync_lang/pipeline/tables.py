@@ -1,0 +1,84 @@
+"""Everything a performance looks up, compiled to arrays."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.pipeline.constrain import Cap, caps
+
+RESOLUTION = 128
+"""Steps of normalised time at which a bigram's curves are tabulated."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """What some phonemes demand to be seen: poses held up to a floor, others under a ceiling."""
+
+    phonemes: Bools
+    """(N,) True where the common phoneme demands it."""
+    floor: Floats
+    """(P,) least weight while held; 0 demands nothing."""
+    ceiling: Floats
+    """(P,) greatest weight while held; 1 forbids nothing."""
+
+    @cached_property
+    def raised(self) -> list[int]:
+        """Poses that it holds up."""
+        return [int(pose) for pose in np.flatnonzero(self.floor > 0)]
+
+    @cached_property
+    def lowered(self) -> list[int]:
+        """Poses that it keeps down."""
+        return [int(pose) for pose in np.flatnonzero(self.ceiling < 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """A language and a character, ready to be performed."""
+
+    curves: Singles
+    """(B, RESOLUTION + 1, P) weights over normalised time; row 0 is rest."""
+    boundary: Floats
+    """(B,) where in normalised time the first phoneme ends."""
+    free: Bools
+    """(B,) True where a bigram waives the contacts of its two phonemes."""
+    pairs: Ints
+    """(N, N) row of each ordered pair of common phonemes."""
+    silence: int
+    """Which common phoneme is silence."""
+    contacts: tuple[Contact, ...]
+    thresholds: Floats
+    """(P, P) symmetric, in (0, 2]."""
+    priority: Floats
+    """(P,) larger wins; infinite never yields."""
+    at_most: tuple[tuple[int, int], ...] = ()
+    """(pose, other): pose never above other, in an order in which each other is final."""
+
+    @cached_property
+    def caps(self) -> tuple[Cap, ...]:
+        """Constraints that can bind, in the order in which they are applied."""
+        return caps(self.thresholds, self.priority)
+
+    @cached_property
+    def held(self) -> Bools:
+        """(P,) True for the poses that some contact holds up."""
+        return self.floors > 0
+
+    @cached_property
+    def floors(self) -> Floats:
+        """(P,) the highest floor of any contact."""
+        floors = np.zeros(len(self.priority))
+        for contact in self.contacts:
+            floors = np.maximum(floors, contact.floor)
+        return floors
+
+    @cached_property
+    def tops(self) -> Floats:
+        """(P,) greatest weight that leaves room for every contact pose it outranks."""
+        tops = np.ones(len(self.priority))
+        for low, high, threshold in self.caps:
+            if self.floors[low] > 0:
+                tops[high] = min(tops[high], threshold - self.floors[low])
+        return tops

@@ -1,0 +1,78 @@
+"""Surround and pair: common phonemes in time, silence on both sides (paper 3.2.1, figure 6)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.tables import Tables
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """n phonemes, silence first and last, and the n - 1 bigrams between neighbours."""
+
+    ids: Ints
+    """(n,) common phonemes."""
+    bounds: Floats
+    """(n + 1,) seconds."""
+    reach: Floats
+    """(n,) seconds of each phoneme that a bigram uses: all of a sound, some of a silence."""
+    rows: Ints
+    """(n - 1,) table row of each bigram."""
+    boundary: Floats
+    """(n - 1,) normalised time at which the bigram passes from its first phoneme to its second."""
+    waived: Bools
+    """(n,) True where a bigram of the phoneme waives its contacts."""
+    source: Ints
+    """(n,) index of the scheduled phoneme each came from; -1 for the silence around."""
+    start: float
+    """Seconds at which the schedule starts: a frame lies there."""
+    end: float
+    """Seconds at which it ends."""
+
+
+def lay_track(ids: Ints, times: Floats, source: Ints, tables: Tables, motion: Motion) -> Track:
+    """Surround common phonemes with silence and pair neighbours.
+
+    Bigram (p_i, p_i+1) covers (t_i, t_i+2). Silence lends a bigram at most
+    `motion.silence_reach`, at the side of the sound.
+
+    Parameters
+    ----------
+    ids : (m,) common phonemes
+    times : (m + 1,) boundaries in seconds, rising
+    source : (m,) where each came from
+    """
+    start, end = float(times[0]), float(times[-1])
+    quiet = ids == tables.silence
+    again = np.flatnonzero(quiet[1:] & quiet[:-1]) + 1
+    if again.size:
+        ids, source, quiet = (np.delete(a, again) for a in (ids, source, quiet))
+        times = np.delete(times, again)
+    far = max(motion.silence_reach, 1e-9)
+    head, tail = not quiet[0], not quiet[-1]
+    bounds = np.concatenate((times[:1] - far, times, times[-1:] + far))
+    bounds = bounds[None if head else 1 : None if tail else -1]
+    if not head:
+        bounds[0] = min(bounds[0], bounds[1] - far)
+    if not tail:
+        bounds[-1] = max(bounds[-1], bounds[-2] + far)
+    around = np.array([tables.silence])
+    nowhere = np.array([-1])
+    ids = np.concatenate((around[:head], ids, around[:tail]))
+    source = np.concatenate((nowhere[:head], source, nowhere[:tail]))
+
+    length = bounds[1:] - bounds[:-1]
+    reach = np.where(ids == tables.silence, np.minimum(length, far), length)
+    rows = tables.pairs[ids[:-1], ids[1:]]
+    if motion.warp == "anchored":
+        boundary = tables.boundary[rows]
+    else:
+        boundary = reach[:-1] / (reach[:-1] + reach[1:])
+    free = tables.free[rows]
+    waived = np.zeros(len(ids), bool)
+    waived[:-1] |= free
+    waived[1:] |= free
+    return Track(ids, bounds, reach, rows, boundary, waived, source, start, end)

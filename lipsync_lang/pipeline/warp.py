@@ -1,0 +1,69 @@
+"""Warp: where in its bigrams a frame lies, and the curves' values there (paper 3.2.1)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.pipeline.track import Track
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Each frame's phoneme, and how far it is through it."""
+
+    phoneme: Ints
+    """(T,) index into the track."""
+    coming: Floats
+    """(T,) share of the phoneme passed, as the second of a bigram; past 1 the bigram is over."""
+    going: Floats
+    """(T,) share passed as the first of the next bigram; below 0 that has not begun."""
+
+
+def locate(track: Track, times: Floats) -> Place:
+    """Find each frame's phoneme. A sound has one share; a silence is left, then entered anew."""
+    phoneme = np.searchsorted(track.bounds, times, side="right") - 1
+    phoneme = np.minimum(np.maximum(phoneme, 0), len(track.ids) - 1)
+    reach = track.reach[phoneme]
+    coming = (times - track.bounds[phoneme]) / reach
+    going = 1 - (track.bounds[phoneme + 1] - times) / reach
+    return Place(phoneme, coming, going)
+
+
+def warp(tables: Tables, track: Track, place: Place) -> tuple[Floats, Floats]:
+    """Read the two bigrams that cover each frame.
+
+    The track's `boundary` is pinned onto the spoken one, so time is stretched by one factor
+    on each side of it. The paper stretches evenly over the whole span: then `boundary` is
+    where the spoken one falls, and the factors are equal.
+
+    Returns
+    -------
+    (T, P), (T, P): the bigram that ends with the frame's phoneme, and the one that begins with it
+    """
+    last = len(track.rows)
+    if last == 0:  # nothing but silence
+        still = np.zeros((len(place.phoneme), tables.curves.shape[-1]))
+        return still, still
+    before, after = place.phoneme - 1, np.minimum(place.phoneme, last - 1)
+    ends = (before >= 0) & (place.coming <= 1)
+    begins = (place.phoneme < last) & (place.going >= 0)
+    pin = track.boundary[before]
+    rows = np.stack((track.rows[before] * ends, track.rows[after] * begins))
+    position = np.stack((pin + (1 - pin) * place.coming, track.boundary[after] * place.going))
+    ending, beginning = _read(tables, rows, position)
+    return ending, beginning
+
+
+def _read(tables: Tables, rows: Ints, position: Floats) -> Floats:
+    """Interpolate table rows at normalised positions: (2, T), (2, T) -> (2, T, P)."""
+    steps = np.minimum(np.maximum(position * RESOLUTION, 0), RESOLUTION - 1e-9)
+    low = steps.astype(np.intp)
+    part = (steps - low)[..., None]
+    flat = tables.curves.reshape(-1, tables.curves.shape[-1])
+    index = rows * (RESOLUTION + 1) + low
+    under = flat.take(index, axis=0)
+    over = flat.take(index + 1, axis=0)
+    over -= under
+    return under + over * part

@@ -1,0 +1,202 @@
+"""Compiled pairs on disk, so that a warm start reads no YAML.
+
+A cache file is believed only if it is whole (its digest fits its bytes), ours (its mark and the
+digest of the code that compiled it fit) and fresh: every lookup made while compiling still finds
+the same files, and every file read still has the same content. Anything else is compiled anew.
+Nothing in it is executed.
+"""
+
+import json
+import os
+from collections.abc import Sequence
+from dataclasses import asdict
+from functools import cache
+from hashlib import blake2b, sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang import __version__
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.tables import Contact, Tables
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.resolver.compiled import Compiled
+
+MARK = b"lipsync-lang compiled pair, v1.\n"
+DIGEST = 32
+"""Bytes of the digest; with the mark a multiple of 64, so that arrays are aligned."""
+
+COMPILERS = ("banks", "packs", "pipeline", "resolver")
+"""Folders of the code that turns packs into tables; if it changes, so must the tables."""
+
+VARIABLE = "LIPSYNC_LANG_CACHE"
+"""Environment variable: another folder for the cache, or `off`."""
+
+
+def folder() -> Path | None:
+    """Return where compiled pairs are kept; None where the user wants no cache."""
+    named = os.environ.get(VARIABLE)
+    if named is not None:
+        return None if named in ("", "off") else Path(named)
+    from platformdirs import user_cache_path
+
+    return user_cache_path("lipsync-lang")
+
+
+@cache
+def compiler() -> str:
+    """Return a digest of the code that compiles."""
+    package = Path(__file__).parents[1]
+    whole = sha256(__version__.encode())
+    for folder in COMPILERS:
+        for path in sorted((package / folder).glob("*.py")):
+            whole.update(path.read_bytes())
+    return whole.hexdigest()
+
+
+def _path(language: str, character: str, paths: Sequence[Path]) -> Path | None:
+    where = folder()
+    if where is None:
+        return None
+    key = json.dumps([language, character, [str(p.absolute()) for p in paths], str(Path.cwd())])
+    return where / f"{sha256(key.encode()).hexdigest()[:32]}.pair"
+
+
+def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | None":
+    """Return a compiled pair if the cache has it, whole, ours and fresh."""
+    path = _path(language, character, paths)
+    try:
+        content = path.read_bytes() if path else b""
+        return _decode(content, paths) if content else None
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, UnicodeError):
+        return None  # whatever is wrong with it, it is not believed
+
+
+def save(compiled: "Compiled", language: str, character: str, library: "Library") -> None:
+    """Put a compiled pair into the cache; where that cannot be written, do without."""
+    from lipsync_lang.errors import OutputError
+    from lipsync_lang.files import atomic
+
+    path = _path(language, character, library.paths)
+    if path is None:
+        return
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic(path) as stream:
+            stream.write(_encode(compiled, library))
+    except (OSError, OutputError):
+        return
+
+
+def _encode(compiled: "Compiled", library: "Library") -> bytes:
+    tables = compiled.tables
+    arrays: dict[str, np.ndarray[Any, Any]] = {
+        "curves": tables.curves,
+        "boundary": tables.boundary,
+        "free": tables.free,
+        "pairs": tables.pairs,
+        "thresholds": tables.thresholds,
+        "priority": tables.priority,
+    }
+    for number, contact in enumerate(tables.contacts):
+        for part in ("phonemes", "floor", "ceiling"):
+            arrays[f"contact.{number}.{part}"] = getattr(contact, part)
+    body, places = bytearray(), {}
+    for name, array in arrays.items():
+        body += b"\0" * (-len(body) % 64)
+        places[name] = [array.dtype.str, list(array.shape), len(body)]
+        body += np.ascontiguousarray(array).tobytes()
+    plain = {
+        name: getattr(compiled, name)
+        for name in compiled.__dataclass_fields__
+        if name not in ("tables", "motion", "report")
+    }
+    head = {
+        "compiler": compiler(),
+        "lookups": [[*key, list(found)] for key, found in library.lookups.items()],
+        "files": library.files,
+        "plain": plain,
+        "motion": asdict(compiled.motion),
+        "report": asdict(compiled.report),
+        "silence": tables.silence,
+        "at_most": tables.at_most,
+        "arrays": places,
+    }
+    text = json.dumps(head, ensure_ascii=False).encode()
+    rest = len(text).to_bytes(8, "little") + text
+    rest += b"\0" * (-len(rest) % 64) + bytes(body)
+    return MARK + blake2b(rest, digest_size=DIGEST).digest() + rest
+
+
+def _decode(content: bytes, paths: Sequence[Path]) -> "Compiled | None":
+    if not content.startswith(MARK):
+        return None
+    start = len(MARK) + DIGEST
+    rest = memoryview(content)[start:]
+    if blake2b(rest, digest_size=DIGEST).digest() != content[len(MARK) : start]:
+        return None
+    size = int.from_bytes(rest[:8], "little")
+    head = json.loads(bytes(rest[8 : 8 + size]))
+    if head["compiler"] != compiler() or not _fresh(head, paths):
+        return None
+    body = rest[8 + size + (-(8 + size) % 64) :]
+    return _compiled(head, body)
+
+
+def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
+    """Tell whether every lookup finds, and every file holds, what it did when compiling."""
+    from lipsync_lang.packs.finding import Finder
+
+    finder = Finder(paths)
+    return all(
+        finder.lookup(kind, name) == tuple(found) for kind, name, found in head["lookups"]
+    ) and all(
+        sha256(Path(path).read_bytes()).hexdigest() == digest
+        for path, digest in head["files"].items()
+    )
+
+
+def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
+    from lipsync_lang.resolver.compiled import Compiled, Origin, Report
+
+    def array(name: str) -> np.ndarray[Any, Any]:
+        dtype, shape, offset = head["arrays"][name]
+        count = int(np.prod(shape, dtype=np.int64))
+        return np.frombuffer(body, np.dtype(dtype), count, offset).reshape(shape)
+
+    plain = head["plain"]
+    contacts = [
+        Contact(*(array(f"contact.{n}.{part}") for part in ("phonemes", "floor", "ceiling")))
+        for n in range(len(plain["contact_names"]))
+    ]
+    tables = Tables(
+        **{n: array(n) for n in ("curves", "boundary", "free", "pairs", "thresholds", "priority")},
+        silence=head["silence"],
+        contacts=tuple(contacts),
+        at_most=tuple((pose, other) for pose, other in head["at_most"]),
+    )
+    origins = [
+        Origin((pair[0], pair[1]), layer, status, tuple(places), word)
+        for pair, layer, status, places, word in plain.pop("origins")
+    ]
+    notations = {
+        name: {label: tuple((p, s) for p, s in value) for label, value in table.items()}
+        for name, table in plain.pop("notations").items()
+    }
+    words = {text: tuple(sounds) for text, sounds in plain.pop("words").items()}
+    report: dict[str, Any] = {
+        k: tuple(v) if isinstance(v, list) else v for k, v in head["report"].items()
+    }
+    rest: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
+    return Compiled(
+        **rest,
+        origins=tuple(origins),
+        notations=notations,
+        words=words,
+        tables=tables,
+        motion=Motion(**head["motion"]),
+        report=Report(**report),
+    )

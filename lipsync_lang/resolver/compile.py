@@ -1,0 +1,150 @@
+"""Compile a pair: every pack of it, checked, layered and sampled into tables."""
+
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.packs.faults import Fault, shown
+from lipsync_lang.phonology.labels import Value
+from lipsync_lang.pipeline.arrays import Floats, Singles
+from lipsync_lang.pipeline.curve import bspline, polyline
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
+from lipsync_lang.resolver.layers import Row, Shelf
+from lipsync_lang.resolver.settings import motion_with
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library
+
+
+def compile_pair(library: "Library", language: str, character: str) -> Compiled:
+    """Read the packs of a pair and compile them; the package says which layers there are."""
+    shelf = Shelf.open(library, language, character)
+    common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
+    rows = list(shelf.rows())
+    pairs = np.zeros((len(shelf.phonemes), len(shelf.phonemes)), np.intp)
+    for number, row in enumerate(rows, start=1):
+        a, b = (shelf.phonemes.index(p) for p in row.origin.pair)
+        pairs[a, b] = number if row.origin.layer != "gap" else 0
+    tables = Tables(
+        curves=_tabulate(rows, len(shelf.poses)),
+        boundary=np.array([0.5, *(r.boundary for r in rows)]),
+        free=np.array([False, *(r.free for r in rows)]),
+        pairs=pairs,
+        silence=0,
+        contacts=tuple(shelf.contacts()),
+        thresholds=shelf.thresholds(),
+        priority=shelf.priority(),
+        at_most=tuple(shelf.at_most()),
+    )
+    model = spoken.model
+    return Compiled(
+        language=model.name,
+        character=who.model.name,
+        poseset=poseset.model.name,
+        poses=shelf.poses,
+        phonemes=shelf.phonemes,
+        notations={n: {k: _value(s) for k, s in t.items()} for n, t in model.notations.items()},
+        silences=(*common.model.silence_labels, *model.silence, common.model.silence),
+        words={text.casefold(): tuple(sounds) for text, sounds in model.words.items()},
+        origins=(Origin(("", ""), "gap", "", ()), *(r.origin for r in rows)),
+        contact_names=tuple(poseset.model.contacts),
+        tables=tables,
+        motion=_motion(poseset.model.motion, who.model.motion),
+        measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
+        report=_report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
+        voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
+    )
+
+
+def _value(sounds: "models.Sounds") -> Value:
+    even = tuple(1 / len(sounds.to) for _ in sounds.to)
+    return tuple(zip(sounds.to, sounds.shares or even, strict=True))
+
+
+def _motion(*layers: "models.Motion") -> Motion:
+    motion = Motion()
+    for layer in layers:
+        motion = motion_with(motion, layer.model_dump(exclude_none=True))
+    return motion
+
+
+def _tabulate(rows: list[Row], poses: int) -> Singles:
+    """Sample every bigram's curves: (B, RESOLUTION + 1, P), row 0 at rest."""
+    at = np.linspace(0, 1, RESOLUTION + 1)
+    out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
+    alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
+    for number, row in enumerate(rows, start=1):
+        for pose, points in row.curves.items():
+            alike.setdefault((len(points), row.linear), []).append((number, pose, points))
+    for (_, linear), curves in alike.items():
+        points = np.stack([control for _, _, control in curves])
+        sampled = (polyline if linear else bspline)(points, at).clip(0, 1)
+        out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled
+    return out
+
+
+ENOUGH = 0.9
+"""Share of a contact's floor that a curve should reach by itself."""
+
+
+def _warnings(shelf: Shelf, rows: list[Row], tables: Tables) -> list[Fault]:
+    """List what is sound but probably not meant: weak contacts, and words nobody performs."""
+    found = [f for f in shelf.library.faults if f.severity == "warning"]
+    names = list(shelf.poseset.model.contacts)
+    for number, row in enumerate(rows, start=1):
+        if row.place is None or row.free:
+            continue
+        edge = round(row.boundary * RESOLUTION)
+        halves = tables.curves[number, : edge + 1], tables.curves[number, edge:]
+        for phoneme, half in zip(row.origin.pair, halves, strict=True):
+            for name, contact in zip(names, tables.contacts, strict=True):
+                if not contact.phonemes[shelf.phonemes.index(phoneme)]:
+                    continue
+                for pose in contact.raised:
+                    top, floor = float(half[:, pose].max()), float(contact.floor[pose])
+                    if top < ENOUGH * floor:
+                        found.append(_short(row, phoneme, name, shelf.poses[pose], top, floor))
+    return found
+
+
+def _short(row: Row, phoneme: str, contact: str, pose: str, top: float, floor: float) -> Fault:  # noqa: PLR0913, PLR0917 what the message says
+    file, line, column = row.place or ("", 0, 0)
+    what = (
+        f"{'-'.join(row.origin.pair)} brings {pose} to {top:.2f} at {phoneme}, where contact "
+        f"'{contact}' wants {floor:g}"
+    )
+    hint = "it is held up all the same; raise the curve, or say `contact: free` if it may be missed"
+    return Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
+
+
+def _report(shelf: Shelf, origins: list[Origin], warnings: list[Fault]) -> Report:
+    silence = shelf.common.model.silence
+    base = set(shelf.common.model.base)
+    spoken = [o for o in origins if silence not in o.pair]
+
+    def by_layer(some: list[Origin]) -> dict[str, dict[str, int]]:
+        counts = Counter((o.layer, o.status) for o in some)
+        return {
+            layer: {status: n for (one, status), n in sorted(counts.items()) if one == layer}
+            for layer in LAYERS
+            if any(one == layer for one, _ in counts)
+        }
+
+    return Report(
+        language=shelf.language.model.name,
+        character=shelf.character.model.name,
+        poseset=shelf.poseset.model.name,
+        phonemes=shelf.phonemes[1:],
+        added=tuple(p for p in shelf.phonemes[1:] if p not in base),
+        layers=by_layer(spoken),
+        silence_layers=by_layer([o for o in origins if silence in o.pair]),
+        shared=sum(base.issuperset(o.pair) for o in spoken),
+        extra=sum(not base.issuperset(o.pair) for o in spoken),
+        gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
+        warnings=tuple(str(fault) for fault in warnings),
+    )

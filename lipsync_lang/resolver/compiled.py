@@ -1,0 +1,98 @@
+"""What resolving gives: tables and names as plain data, and a report of where they came from."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from lipsync_lang.phonology.labels import Value
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.tables import Tables
+
+LAYERS = ("character", "language", "shared", "like", "draft", "gap")
+"""Where a bigram can come from, in the order of looking."""
+
+Pair = tuple[str, str]
+
+
+class Origin(NamedTuple):
+    """Where a bigram's curves came from."""
+
+    pair: Pair
+    layer: str
+    status: str
+    """drafted, edited or approved; a draft is never called authored."""
+    places: tuple[str, ...]
+    """file:line:column of the bigram, or of the two targets it was drafted from."""
+    word: str | None = None
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a language-character pair has, and what it lacks."""
+
+    language: str
+    character: str
+    poseset: str
+    phonemes: tuple[str, ...]
+    """Common phonemes of the language, silence aside."""
+    added: tuple[str, ...]
+    """Those beyond the base."""
+    layers: dict[str, dict[str, int]]
+    """Bigrams by layer, then status; silence aside."""
+    silence_layers: dict[str, dict[str, int]]
+    """Bigrams into and out of silence, likewise."""
+    shared: int
+    """Bigrams over the base phonemes, which every language has."""
+    extra: int
+    """Bigrams that only this language's own phonemes need."""
+    gaps: tuple[str, ...]
+    """Bigrams that nothing answers."""
+    warnings: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        total = self.shared + self.extra
+        counted = f"{self.shared} shared"
+        if self.added:
+            counted += f", {self.extra} added by {', '.join(self.added)}"
+        lines = [
+            f"{self.language} on {self.character} (pose set {self.poseset})",
+            f"{len(self.phonemes)} common phonemes: {' '.join(self.phonemes)}",
+            f"{total} bigrams: {counted}",
+            *_layer_lines(self.layers),
+            f"{sum(sum(s.values()) for s in self.silence_layers.values())} more with silence",
+            *_layer_lines(self.silence_layers),
+        ]
+        if self.gaps:
+            lines.append(f"gaps: {', '.join(self.gaps)}")
+        return "\n".join([*lines, *self.warnings])
+
+
+def _layer_lines(layers: dict[str, dict[str, int]]) -> list[str]:
+    return [
+        f"  {layer:<10}{sum(statuses.values()):>5}  "
+        + ", ".join(f"{count} {status or 'unanswered'}" for status, count in statuses.items())
+        for layer, statuses in layers.items()
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """Everything a performer needs, as plain data and arrays; this is what the cache keeps."""
+
+    language: str
+    character: str
+    poseset: str
+    poses: tuple[str, ...]
+    phonemes: tuple[str, ...]
+    """Common phonemes, silence first; their index is their number in the tables."""
+    notations: dict[str, dict[str, Value]]
+    silences: tuple[str, ...]
+    words: dict[str, tuple[str, ...]]
+    origins: tuple[Origin, ...]
+    """One for each table row; that of row 0, rest, is empty."""
+    contact_names: tuple[str, ...]
+    tables: Tables
+    motion: Motion
+    measures: dict[str, dict[str, float]]
+    report: Report
+    voice: tuple[str, str] | None
+    """Speech engine and voice, where the language has one."""

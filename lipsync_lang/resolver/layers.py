@@ -1,0 +1,266 @@
+"""The packs of one pair side by side, and what each layer of them says of a bigram."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from graphlib import TopologicalSorter
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
+from lipsync_lang.packs import checks
+from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.models import AtMost, Threshold
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.tables import Contact
+from lipsync_lang.resolver.compiled import Origin, Pair
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library, Pack, Place
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One bigram on its way into the tables."""
+
+    origin: Origin
+    curves: dict[int, Floats]
+    """Control points (n, 2) by pose number."""
+    linear: bool = False
+    boundary: float = 0.5
+    free: bool = False
+    place: "Place | None" = None
+    """Where a bank states it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shelf:
+    """The packs of one pair, side by side."""
+
+    common: "Pack[models.Phonemes]"
+    language: "Pack[models.Language]"
+    character: "Pack[models.Character]"
+    poseset: "Pack[models.PoseSet]"
+    banks: "tuple[Pack[models.Bank], ...]"
+    own_banks: "tuple[Pack[models.Bank], ...]"
+    """Those that the character names."""
+    library: "Library"
+
+    @classmethod
+    def open(cls, library: "Library", language: str, character: str) -> Self:
+        """Load and check every pack of a pair.
+
+        Raises
+        ------
+        PackError
+            A pack is missing or unsound, or two of them do not fit.
+        """
+        who = library.character(character)
+        shelf = cls(
+            library.common(),
+            library.language(language),
+            who,
+            library.poseset(who.model.poseset),
+            tuple(library.banks(who.model.poseset)),
+            tuple(library.character_banks(who)),
+            library,
+        )
+        shelf.refuse_faults()
+        return shelf
+
+    def refuse_faults(self) -> None:
+        """Raise every fault that keeps these packs from being performed together.
+
+        Phonemes that this pair does not know may well be another language's.
+        """
+        common, poseset = self.common.model, self.poseset.model
+        rigs = {path.stem for path in self.library.rigs_of(poseset.name)}
+        spoken = {found.name for found in self.library.names("language")}
+        strict = [
+            *checks.check_phonemes(self.common),
+            *checks.check_language(self.language, common),
+        ]
+        lenient = [*checks.check_poseset(self.poseset, self.phonemes)]
+        for bank in (*self.banks, *self.own_banks):
+            lenient += checks.check_bank(bank, poseset, self.phonemes, spoken)
+        if self.character.path != self.poseset.path:
+            lenient += checks.check_character(self.character, poseset, self.phonemes, rigs)
+        found = [*strict, *(f for f in lenient if f.code != "P202")]
+        faults = [f for f in found if f.severity == "fault"]
+        if faults:
+            raise PackFaults(sorted(set(faults)))
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Pose names, in the order of the curves."""
+        return tuple(self.poseset.model.poses)
+
+    @property
+    def phonemes(self) -> tuple[str, ...]:
+        """Silence, the base, and what the language adds."""
+        model = self.common.model
+        return (
+            model.silence,
+            *model.base,
+            *(a for a in self.language.model.adds if a not in model.base),
+        )
+
+    def likes(self) -> dict[str, str]:
+        """For each added phoneme, the one it is like."""
+        found = {}
+        for name, own in self.language.model.adds.items():
+            phoneme = own or self.common.model.phonemes.get(name)
+            if phoneme is not None and phoneme.like is not None:
+                found[name] = phoneme.like
+        return found
+
+    @cached_property
+    def layers(self) -> dict[str, dict[Pair, Row]]:
+        """Bigrams of the first three layers; within a layer the earlier file wins."""
+        own = self.character
+        character = dict(self._bank_rows("character", own, own.model.bigrams, linear=False))
+        for bank in self.own_banks:
+            character = {**dict(self._pack_rows("character", bank)), **character}
+        layers: dict[str, dict[Pair, Row]] = {"character": character, "language": {}, "shared": {}}
+        for bank in self.banks:
+            if bank.model.style != "neutral":
+                continue
+            spoken = bank.model.language
+            if spoken is None or spoken in self.language.lineage:
+                layer = "shared" if spoken is None else "language"
+                layers[layer] = {**dict(self._pack_rows(layer, bank)), **layers[layer]}
+        return layers
+
+    def _pack_rows(self, layer: str, bank: "Pack[models.Bank]") -> Iterator[tuple[Pair, Row]]:
+        linear = bank.model.interpolation == "linear"
+        return self._bank_rows(layer, bank, bank.model.bigrams, linear=linear)
+
+    def _bank_rows(
+        self, layer: str, pack: "Pack[Any]", bigrams: "Mapping[str, models.Bigram]", *, linear: bool
+    ) -> Iterator[tuple[Pair, Row]]:
+        for key, bigram in bigrams.items():
+            first, second = key.split("-")
+            place = pack.where(("bigrams", key), key=True)
+            origin = Origin((first, second), layer, bigram.status, (str(place),), bigram.word)
+            curves = {
+                self.poses.index(pose): np.array(points, float)
+                for pose, points in bigram.curves.items()
+            }
+            straight = bigram.interpolation == "linear" or (linear and not bigram.interpolation)
+            free = bigram.contact == "free"
+            yield (first, second), Row(origin, curves, straight, bigram.boundary, free, place)
+
+    def rows(self) -> Iterator[Row]:
+        """Answer every ordered pair, in the order of the phonemes."""
+        everyone = self.pairs()
+        found = {pair: self.authored(pair) for pair in everyone}
+        drafts = self.drafts([pair for pair in everyone if found[pair] is None])
+        for pair in everyone:
+            gap = Row(Origin(pair, "gap", "", ()), {})
+            yield found[pair] or drafts.get(pair, gap)
+
+    def pairs(self) -> list[Pair]:
+        """Every ordered pair of phonemes but silence with itself."""
+        silence = self.common.model.silence
+        return [(a, b) for a in self.phonemes for b in self.phonemes if {a, b} != {silence}]
+
+    def authored(self, pair: Pair) -> Row | None:
+        """Return what a bank says of a pair, or of the pair it is like."""
+        for layer in self.layers.values():
+            if pair in layer:
+                return layer[pair]
+        likes = self.likes()
+        alike = (likes.get(pair[0], pair[0]), likes.get(pair[1], pair[1]))
+        if alike == pair:
+            return None
+        for layer in self.layers.values():
+            if alike in layer:
+                row = layer[alike]
+                return replace(row, origin=row.origin._replace(pair=pair, layer="like"))
+        return None
+
+    def drafts(self, pairs: list[Pair]) -> dict[Pair, Row]:
+        """Draft the pairs whose two phonemes have targets."""
+        targets = self._targets()
+        able = [pair for pair in pairs if pair[0] in targets and pair[1] in targets]
+        if not able:
+            return {}
+        values = draft([targets[a][0] for a, _ in able], [targets[b][0] for _, b in able])
+        drafts = {}
+        for pair, poses in zip(able, values, strict=True):
+            places = tuple(targets[p][1] for p in pair if targets[p][1])
+            moving = np.flatnonzero(poses.any(axis=1))
+            curves = {int(pose): np.column_stack((TIMES, poses[pose])) for pose in moving}
+            drafts[pair] = Row(Origin(pair, "draft", "drafted", places), curves)
+        return drafts
+
+    def _targets(self) -> dict[str, tuple[Target, str]]:
+        """For each phoneme its target and where that is written; silence rests unless told."""
+        model = self.poseset.model
+        likes = self.likes()
+        found = {}
+        for phoneme in self.phonemes:
+            name = phoneme if phoneme in model.targets else likes.get(phoneme, phoneme)
+            if name in model.targets:
+                place = str(self.poseset.where(("targets", name)))
+                found[phoneme] = (self._target(model.targets[name]), place)
+        silence = self.common.model.silence
+        if found and silence not in found:
+            still = np.zeros((1, len(self.poses)))
+            found[silence] = (Target(still, np.ones(len(self.poses))), "")
+        return found
+
+    def _target(self, steps: "Iterable[models.Target]") -> Target:
+        steps = tuple(steps)
+        weights = [[step.weights.get(pose, 0.0) for pose in self.poses] for step in steps]
+        dominance = [
+            next(
+                (step.dominance[pose] for step in steps if pose in step.dominance),
+                1.0 if any(pose in step.weights for step in steps) else PASSIVE,
+            )
+            for pose in self.poses
+        ]
+        return Target(np.array(weights), np.maximum(dominance, 1e-6))
+
+    def contacts(self) -> Iterator[Contact]:
+        """Contacts as arrays; an added phoneme demands what the one it is like demands."""
+        likes = self.likes()
+        named = {p for c in self.poseset.model.contacts.values() for p in c.phonemes}
+        for contact in self.poseset.model.contacts.values():
+            demands = [
+                p in contact.phonemes or (p not in named and likes.get(p) in contact.phonemes)
+                for p in self.phonemes
+            ]
+            floor = [contact.floor.get(pose, 0.0) for pose in self.poses]
+            ceiling = [contact.ceiling.get(pose, 1.0) for pose in self.poses]
+            yield Contact(np.array(demands), np.array(floor), np.array(ceiling))
+
+    def thresholds(self) -> Floats:
+        """Constraints as a symmetric (P, P) array."""
+        constraints = self.poseset.model.constraints
+        out = np.full((len(self.poses),) * 2, constraints.default)
+        for pair in constraints.pairs:
+            if isinstance(pair, Threshold):
+                a, b = (self.poses.index(pose) for pose in pair.between)
+                out[a, b] = out[b, a] = pair.threshold
+        return out
+
+    def at_most(self) -> list[tuple[int, int]]:
+        """Pairs (pose, other), sorted so that every other is final before it is used."""
+        rules = [
+            (self.poses.index(p.pose), self.poses.index(p.at_most))
+            for p in self.poseset.model.constraints.pairs
+            if isinstance(p, AtMost)
+        ]
+        graph: dict[int, set[int]] = {}
+        for pose, other in rules:
+            graph.setdefault(pose, set()).add(other)
+        order = list(TopologicalSorter(graph).static_order())
+        return sorted(rules, key=lambda rule: order.index(rule[0]))
+
+    def priority(self) -> Floats:
+        """(P,) larger wins; a pose that is not named never yields."""
+        rank = {pose: float(i) for i, pose in enumerate(self.poseset.model.priority)}
+        return np.array([rank.get(pose, np.inf) for pose in self.poses])

@@ -1,0 +1,48 @@
+"""Motion settings by name, from packs, calls and the command line."""
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from math import isfinite
+from typing import Any, get_args, get_type_hints
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.pipeline.motion import PRESETS, Motion
+
+SLOWEST = 1e-3
+"""Least speed limit, in weight per second."""
+
+
+def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Motion:
+    """Return motion settings with some changed: by a preset's name, by values, or by both."""
+    if change is None:
+        return base
+    settings = {"preset": change} if isinstance(change, str) else dict(change)
+    preset = settings.pop("preset", None)
+    if preset is not None:
+        if preset not in PRESETS:
+            raise LipsyncError(f"no motion preset '{preset}'; {did_you_mean(str(preset), PRESETS)}")
+        base = PRESETS[str(preset)]
+    known = {f.name for f in fields(Motion)}
+    changed: dict[str, Any] = {}
+    for name, value in settings.items():
+        if name not in known:
+            raise LipsyncError(f"no motion setting '{name}'; {did_you_mean(name, known)}")
+        changed[name] = _checked(name, value, getattr(base, name))
+    return replace(base, **changed)
+
+
+def _checked(name: str, value: object, like: object) -> object:
+    """Return a motion setting's value in its own type, or say what is wrong with it."""
+    choices = get_args(get_type_hints(Motion)[name])
+    if choices:
+        if value not in choices:
+            raise LipsyncError(f"motion.{name} is {value!r}; it is one of {', '.join(choices)}")
+        return value
+    try:
+        number = float(value)  # type: ignore[arg-type]  # what is no number is told so below
+    except (TypeError, ValueError):
+        number = float("nan")
+    least = SLOWEST if name == "speed_limit" else 0.0
+    if not isfinite(number) or number < least:
+        raise LipsyncError(f"motion.{name} is {value!r}; it is a number from {least:g}, as {like}")
+    return number
