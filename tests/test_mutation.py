@@ -4,12 +4,14 @@ Edits are seeded by their number, so that one that fails can be run again.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from random import Random
 
 import pytest
 
+from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.packs import checks
 from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import built_in
@@ -18,6 +20,7 @@ from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.source import scan
 
 EDITS = 2_400
+RESOLVED = 300
 BATCH = 100
 ROOT = built_in()
 FILES = sorted([*ROOT.glob("languages/*.yaml"), *ROOT.glob("posesets/*/**/*.yaml")])
@@ -158,3 +161,30 @@ def test_the_edits_do_break_packs():
             codes[fault.code] = codes.get(fault.code, 0) + 1
     assert len(codes) >= 10
     assert 0 < sound < EDITS / 8 / 2
+
+
+SCHEDULE = Schedule.from_intervals(
+    [("HH", 0.0, 0.08), ("AH", 0.08, 0.15), ("P", 0.15, 0.2), ("IY", 0.2, 0.4), ("_", 0.4, 0.9)],
+    notation="arpabet",
+)
+
+
+@pytest.mark.parametrize("first", range(0, RESOLVED, BATCH))
+def test_what_is_sound_resolves_and_performs_within_its_promises(first, tmp_path):
+    for number in range(first, first + BATCH):
+        path, content = edited(number)
+        source = scan(path, content)
+        if validated(source)[0] is None:
+            continue
+        shadow = tmp_path / str(number) / path.relative_to(ROOT)
+        shadow.parent.mkdir(parents=True)
+        shadow.write_bytes(content)
+        try:
+            performer = resolve(
+                "english", "facefx", paths=[tmp_path / str(number)], cache=False, gaps="rest"
+            )
+            weights = replace(performer, unknown="rest").perform(SCHEDULE, fps=30).weights
+        except LipsyncError:  # told in words; anything else is a failure
+            continue
+        assert weights.min() >= 0, f"edit {number}"
+        assert weights.max() <= 1, f"edit {number}"

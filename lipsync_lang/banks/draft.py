@@ -66,12 +66,13 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     control points, is as near to f as it can be
     """
     at, solve, shape = _fit()
-    coming = np.stack([_profile(t, at, 0.0) for t in first])
-    going = np.stack([_profile(t, at, 0.5) for t in second])
+    coming = np.stack([_profile(t, at) for t in first])
+    going = np.stack([_profile(t, at - 0.5) for t in second])
     early = _dominance(first, at, 0.25)
     late = _dominance(second, at, 0.75)
     wanted = (early * coming + late * going) / (early + late)
-    wanted *= np.minimum(1, 4 * np.minimum(at, 1 - at))[:, None]
+    wanted *= np.stack([_rise(t, at) for t in first])[..., None]
+    wanted *= np.stack([_rise(t, 1 - at) for t in second])[..., None]
     wanted = wanted.swapaxes(1, 2)
     values = np.zeros((*wanted.shape[:2], len(TIMES)))
     for _ in range(4):
@@ -80,11 +81,20 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     return values.round(DECIMALS)
 
 
-def _profile(target: Target, at: Floats, start: float) -> Floats:
-    """Return (K, P): a phoneme's own target over the half of a bigram that begins at `start`."""
-    rows = len(target.weights)
-    middles = start + (np.arange(rows) + 1) / (rows + 1) / 2
-    return np.stack([np.interp(at, middles, pose) for pose in target.weights.T], axis=1)
+def _middles(target: Target) -> Floats:
+    """Return (m,) when a phoneme, half a bigram long, stands at each of its steps."""
+    steps = len(target.weights)
+    return (np.arange(steps) + 1) / (steps + 1) / 2
+
+
+def _profile(target: Target, at: Floats) -> Floats:
+    """Return (K, P): a phoneme's own target, `at` counted from its start."""
+    return np.stack([np.interp(at, _middles(target), pose) for pose in target.weights.T], axis=1)
+
+
+def _rise(target: Target, at: Floats) -> Floats:
+    """Return (K,): the rise from rest at a bigram's edge to the first step of its phoneme."""
+    return np.minimum(1, at / _middles(target)[0])
 
 
 def _dominance(targets: list[Target], at: Floats, middle: float) -> Floats:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.errors import LipsyncError, OutputError, PackError, did_you_mean
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -99,6 +99,7 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
     new: list[str] = []
 
     def add(bank: CommentedMap) -> None:
+        _refuse_other(path, bank, drafts.poseset)
         bigrams = bank.get("bigrams") or CommentedMap()
         for key, curves in drafts.bigrams.items():
             if key not in bigrams:
@@ -108,11 +109,26 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
         bigrams.fa.set_block_style()
         bank["bigrams"] = bigrams
 
-    path.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix != ".yaml":
+        raise OutputError(f"{path}: is no name for a bank; end it in .yaml")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        why = error.strerror or error
+        raise OutputError(f"{path.parent}: cannot be made: {why}; name another place") from None
     edit_pack(path, add, create=_empty_bank(drafts.poseset, path))
     kept = len(drafts.bigrams) - len(new)
     there = f"; {kept} were there already and stay as they are" if kept else ""
     return f"{len(new)} drafted bigrams put into {path}{there}"
+
+
+def _refuse_other(path: Path, bank: object, poseset: str) -> None:
+    """Raise where a file is something else than a bank of a pose set."""
+    stated = bank if isinstance(bank, dict) else {}
+    if (stated.get("kind"), stated.get("poseset")) != ("bank", poseset):
+        raise PackError(f"{path}: is not a bank of {poseset}; name another file for the drafts")
+    if not isinstance(stated.get("bigrams") or {}, dict):
+        raise PackError(f"{path}: its bigrams are no mapping; write `bigrams: {{}}` there")
 
 
 def _plain(points: Points) -> list[list[float]]:

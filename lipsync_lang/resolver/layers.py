@@ -13,6 +13,7 @@ from lipsync_lang.packs import checks
 from lipsync_lang.packs.faults import PackFaults
 from lipsync_lang.packs.models import AtMost, Threshold
 from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair
 
@@ -213,14 +214,20 @@ class Shelf:
         return found
 
     def _target(self, steps: "Iterable[models.Target]") -> Target:
+        """Return a target as arrays.
+
+        A pose that is not named yields to the neighbours, unless a constraint sets it against one
+        that is: who wants the jaw open does not want the lips pressed.
+        """
         steps = tuple(steps)
         weights = [[step.weights.get(pose, 0.0) for pose in self.poses] for step in steps]
+        stated = {pose: value for step in steps for pose, value in step.dominance.items()}
+        mentioned = {pose for step in steps for pose in step.weights}
+        wanted = np.any(weights, axis=0)
+        against = (self.thresholds() < FREE) @ wanted
         dominance = [
-            next(
-                (step.dominance[pose] for step in steps if pose in step.dominance),
-                1.0 if any(pose in step.weights for step in steps) else PASSIVE,
-            )
-            for pose in self.poses
+            stated.get(pose, 1.0 if pose in mentioned or opposed else PASSIVE)
+            for pose, opposed in zip(self.poses, against, strict=True)
         ]
         return Target(np.array(weights), np.maximum(dominance, 1e-6))
 
