@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.edits import overlays
 from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
 from lipsync_lang.phonology.labels import Notation, Value, recognise
 from lipsync_lang.pipeline.arrays import Floats, Ints
@@ -20,6 +21,7 @@ from lipsync_lang.schedules.schedule import Schedule
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.resolver.compiled import Compiled, Report
 
 FASTEST = 1000.0
@@ -61,30 +63,38 @@ class Performer:
 
         return replace(self, motion=motion_with(self.motion, change))
 
-    def perform(self, schedule: Schedule, fps: float = 60) -> Animation:
+    def perform(self, schedule: Schedule, fps: float = 60, *, line: str | None = None) -> Animation:
         """Animate a schedule.
 
         Parameters
         ----------
         schedule : timed phonemes in any notation of the language
         fps : output frames per second, from 1 to 1000
+        line : the name of a line, where the character has edits of it
 
         Raises
         ------
         ScheduleError
             A label is in no notation of the language.
         """
-        performance = self.performance(schedule, fps)
+        performance = self.performance(schedule, fps, line=line)
         times = performance.frames.times()
-        return Animation(times, self.poses, performance.weights(), fps, schedule, self)
+        return Animation(times, self.poses, performance.weights(), fps, schedule, self, line)
 
-    def performance(self, schedule: Schedule, fps: float) -> Performance:
+    def performance(
+        self, schedule: Schedule, fps: float, *, line: str | None = None
+    ) -> Performance:
         """Prepare a performance whose stages can be looked at one by one."""
         if not 1 <= fps <= FASTEST:
             raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
         ids, times, source = self.common_phonemes(schedule)
         track = lay_track(ids, times, source, self.compiled.tables, self.motion)
-        return perform(self.compiled.tables, track, self.motion, fps)
+        own: tuple[Overlay, ...] = ()
+        if line is not None or self.compiled.word_edits:
+            silent = np.ones(len(schedule), bool)
+            silent[source[ids != self.compiled.tables.silence]] = False
+            own = overlays(self.compiled, schedule, silent.tolist(), line)
+        return perform(self.compiled.tables, track, self.motion, fps, own)
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
         """Map a schedule's labels to common phonemes.
@@ -172,8 +182,8 @@ class Performer:
         ]
         more = f"\n... and {len(at) - 8} more" if len(at) > 8 else ""  # noqa: PLR2004 a screenful
         mend = (
-            f"\nAdd them to {self.language}'s notations, name the notation they are in, "
-            "or ask for unknown labels at rest"
+            f"\nAdd them to {self.language}'s notations, name the notation they are in "
+            "(--notation NAME), or ask for unknown labels at rest (--unknown rest)"
         )
         return "\n".join(lines) + more + mend
 

@@ -24,6 +24,7 @@ VISIBLE = 5e-4
 
 DONE = {
     "stitch": "the larger of the overlapping bigrams",
+    "overlay": "the character's own curve of this word or line",
     "smooth": "a valley filled, or kept at rest at the ends",
     "limit": "held to the speed limit",
 }
@@ -118,7 +119,7 @@ def explain(animation: "Animation", seconds: float) -> Explanation:
         raise LipsyncError(
             f"{seconds:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
         )
-    performance = performer.performance(animation.schedule, animation.fps)
+    performance = performer.performance(animation.schedule, animation.fps, line=animation.line)
     frame = int(np.abs(performance.frames.times() - seconds).argmin())
     return _explain_frame(animation, performer, performance, frame)
 

@@ -26,6 +26,7 @@ class Animation:
     fps : frames per second
     schedule : what was spoken
     performer : what performed it; explains any frame
+    line : the name of the line, where the character's edits of it were used
     """
 
     times: npt.NDArray[np.float64]
@@ -34,6 +35,7 @@ class Animation:
     fps: float
     schedule: Schedule
     performer: Any = None
+    line: str | None = None
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""

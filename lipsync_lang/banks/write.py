@@ -118,8 +118,11 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
         raise OutputError(f"{path.parent}: cannot be made: {why}; name another place") from None
     edit_pack(path, add, create=_empty_bank(drafts.poseset, path))
     kept = len(drafts.bigrams) - len(new)
-    there = f"; {kept} were there already and stay as they are" if kept else ""
-    return f"{len(new)} drafted bigrams put into {path}{there}"
+    stay = "was there already and stays as it is"
+    if kept > 1:
+        stay = "were there already and stay as they are"
+    there = f"; {kept} {stay}" if kept else ""
+    return f"{len(new)} drafted bigram{'' if len(new) == 1 else 's'} put into {path}{there}"
 
 
 def _refuse_other(path: Path, bank: object, poseset: str) -> None:

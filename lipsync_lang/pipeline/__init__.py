@@ -6,8 +6,8 @@ Arrays in, arrays out: no files, no clock, no names. Throughout:
 - ``(P, T)`` is poses by frames, ``(n,)`` phonemes, ``(B,)`` rows of the bigram tables;
 - row 0 of the tables is rest: what a bigram that nobody has looks like.
 
-Order: surround and pair, warp, stitch, smooth, hold contacts, limit speed, constrain. Where it
-differs from the paper, the function that differs says so.
+Order: surround and pair, warp, stitch, lay over, smooth, hold contacts, limit speed, constrain.
+Where it differs from the paper, the function that differs says so.
 """
 
 from lipsync_lang.pipeline.motion import PRESETS, Motion

@@ -12,6 +12,7 @@ from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
 from lipsync_lang.pipeline.limit import envelope, lower_envelope, rest_at_ends
 from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.overlay import Overlay, lay_over
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.tables import Tables
@@ -55,6 +56,7 @@ class Performance:
     frames: Frames
     held: tuple[tuple[Bools, Bools], ...]
     """For each contact: (n,) the phonemes that demand it and (T,) the frames that hold it."""
+    overlays: tuple[Overlay, ...]
     smoothed: Bools
     """(P, n) the phonemes over which a pose is smoothed: a contact pose where it is demanded."""
 
@@ -90,6 +92,9 @@ class Performance:
         step = motion.speed_limit / self.frames.fps
         curves = stitch(ending, beginning, place, motion.stitch)
         yield Stage("stitch", curves)
+        if self.overlays:
+            curves = lay_over(curves, self.overlays, self.frames.times(begin, stop))
+            yield Stage("overlay", curves)
         curves = self._smooth(curves, place)
         curves = rest_at_ends(curves, step, head=begin == 0, tail=stop == self.frames.count)
         yield Stage("smooth", curves)
@@ -139,19 +144,20 @@ def lay_frames(track: Track, motion: Motion, fps: float) -> Frames:
         closing_ = track.end - float(track.bounds[-2])
     flank = max(SHORTEST, 1 / fps) / 2 + 1 / motion.speed_limit
     length = track.end - track.start
-    first = -_frames_before(opening, motion.silence_reach, flank, fps)
-    after = _frames_before(closing_, motion.silence_reach, flank, fps)
-    last = math.ceil(length * fps - 1e-6) + after
+    first = -_frames_until(0, -opening, motion.silence_reach, flank, fps)
+    last = _frames_until(length, length - closing_, motion.silence_reach, flank, fps)
     return Frames(track.start, first, last - first + 1, fps)
 
 
-def _frames_before(silence: float, reach: float, flank: float, fps: float) -> int:
-    """Count the frames that are needed outside a schedule with some silence at its edge."""
-    reached = math.floor((reach - silence) * fps + 1e-6)
-    return max(0, reached, math.ceil((flank - silence) * fps - 1e-6))
+def _frames_until(edge: float, sound: float, reach: float, flank: float, fps: float) -> int:
+    """Count the frames up to a schedule's edge and what is needed past its outermost sound."""
+    reached = math.floor((sound + reach) * fps + 1e-6)
+    return max(math.ceil(edge * fps - 1e-6), reached, math.ceil((sound + flank) * fps - 1e-6))
 
 
-def perform(tables: Tables, track: Track, motion: Motion, fps: float) -> Performance:
+def perform(
+    tables: Tables, track: Track, motion: Motion, fps: float, overlays: tuple[Overlay, ...] = ()
+) -> Performance:
     """Prepare a track's performance: its frames, and where its contacts are held."""
     frames = lay_frames(track, motion, fps)
     first = frames.start + frames.first / fps
@@ -161,4 +167,4 @@ def perform(tables: Tables, track: Track, motion: Motion, fps: float) -> Perform
         wanted = demands(contact, track)
         held.append((wanted, held_frames(wanted, track, first, fps, frames.count)))
         smoothed |= (contact.floor > 0)[:, None] & wanted
-    return Performance(tables, track, motion, frames, tuple(held), smoothed)
+    return Performance(tables, track, motion, frames, tuple(held), overlays, smoothed)

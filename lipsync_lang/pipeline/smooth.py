@@ -34,12 +34,23 @@ def _running(take: np.ufunc, curves: Floats, frames: int) -> Floats:
 
 
 def closing_within(curves: Floats, inside: Bools, frames: int) -> Floats:
-    """Close (P, T) curves only where `inside`, (P, T), and only from what is inside.
+    """Close (P, T) curves only where `inside`, (P, T), each run of frames there by itself.
 
     Contact poses are smoothed within one run of the phonemes that demand them; across the
     run's ends a valley is a vowel, which must stay open.
     """
-    return np.where(inside, closing(np.where(inside, curves, 0.0), frames), curves)
+    out = closing(curves, frames)
+    some = np.flatnonzero(~inside.all(axis=1))
+    out[some] = curves[some]
+    pose, at = np.nonzero(inside[some])
+    if frames > 1 and at.size:  # runs in one row, so far apart that no window touches two
+        ends = (np.diff(at) != 1) | (np.diff(pose) != 0)
+        apart = np.arange(at.size)
+        apart[1:] += np.cumsum(ends) * (frames - 1)
+        row = np.zeros((1, apart[-1] + 1))
+        row[0, apart] = curves[some[pose], at]
+        out[some[pose], at] = closing(row, frames)[0, apart]
+    return out
 
 
 def chord(curves: Floats, frames: float) -> Floats:

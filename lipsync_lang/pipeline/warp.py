@@ -8,6 +8,9 @@ from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
 
+TOUCH = 1e-7
+"""Seconds within which a frame lies on a boundary: rounding must not choose its phoneme."""
+
 
 @dataclass(frozen=True, eq=False)
 class Place:
@@ -23,11 +26,12 @@ class Place:
 
 def locate(track: Track, times: Floats) -> Place:
     """Find each frame's phoneme. A sound has one share; a silence is left, then entered anew."""
-    phoneme = np.searchsorted(track.bounds, times, side="right") - 1
+    phoneme = np.searchsorted(track.bounds, times + TOUCH, side="right") - 1
     phoneme = np.minimum(np.maximum(phoneme, 0), len(track.ids) - 1)
     reach = track.reach[phoneme]
-    coming = (times - track.bounds[phoneme]) / reach
-    going = 1 - (track.bounds[phoneme + 1] - times) / reach
+    passed, left = times - track.bounds[phoneme], track.bounds[phoneme + 1] - times
+    coming = np.where(np.abs(passed - reach) <= TOUCH, 1.0, np.maximum(passed, 0) / reach)
+    going = np.where(np.abs(left - reach) <= TOUCH, 0.0, 1 - left / reach)
     return Place(phoneme, coming, going)
 
 

@@ -1,8 +1,9 @@
 """Compile a pair: every pack of it, checked, layered and sampled into tables."""
 
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -51,6 +52,10 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         notations={n: {k: _value(s) for k, s in t.items()} for n, t in model.notations.items()},
         silences=(*common.model.silence_labels, *model.silence, common.model.silence),
         words={text.casefold(): tuple(sounds) for text, sounds in model.words.items()},
+        word_edits=_plain({w.casefold(): e.curves for w, e in who.model.words.items()}),
+        line_edits=_plain(
+            {name: [e.model_dump() for e in line.edits] for name, line in who.model.lines.items()}
+        ),
         origins=(Origin(("", ""), "gap", "", ()), *(r.origin for r in rows)),
         contact_names=tuple(poseset.model.contacts),
         tables=tables,
@@ -59,6 +64,13 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         report=_report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
         voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
     )
+
+
+def _plain(data: Any) -> Any:
+    """Return nested data in lists, as it comes back from the cache."""
+    if isinstance(data, Mapping):
+        return {key: _plain(value) for key, value in data.items()}
+    return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
 
 
 def _value(sounds: "models.Sounds") -> Value:

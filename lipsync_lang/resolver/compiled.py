@@ -1,7 +1,7 @@
 """What resolving gives: tables and names as plain data, and a report of where they came from."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lipsync_lang.phonology.labels import Value
 from lipsync_lang.pipeline.motion import Motion
@@ -87,6 +87,10 @@ class Compiled:
     notations: dict[str, dict[str, Value]]
     silences: tuple[str, ...]
     words: dict[str, tuple[str, ...]]
+    word_edits: dict[str, dict[str, Any]]
+    """The character's own curves of whole words: control points by word, then pose."""
+    line_edits: dict[str, list[dict[str, Any]]]
+    """By line, edits with `word`, `phoneme` and `curves`."""
     origins: tuple[Origin, ...]
     """One for each table row; that of row 0, rest, is empty."""
     contact_names: tuple[str, ...]

@@ -1,0 +1,86 @@
+"""Edits of words and lines: addressed by what is said, never by seconds.
+
+So they survive a new recording: word 2 is the third word wherever it falls, and phoneme 0 of it
+its first sound, pauses not counted.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.pipeline.curve import bspline
+from lipsync_lang.pipeline.overlay import Overlay
+from lipsync_lang.pipeline.tables import RESOLUTION
+
+if TYPE_CHECKING:
+    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.schedules.schedule import Schedule
+
+Curves = Mapping[str, Sequence[Sequence[float]]]
+"""Control points by pose."""
+
+
+def overlays(
+    compiled: "Compiled", schedule: "Schedule", silent: Sequence[bool], line: str | None
+) -> tuple[Overlay, ...]:
+    """Find what a character says in its own way in a schedule.
+
+    Parameters
+    ----------
+    silent : for each scheduled phoneme, whether it is silence
+    line : the name of the line, whose own edits lie over the character's words
+
+    Raises
+    ------
+    LipsyncError
+        The character has no edits of that line, or they name a word or phoneme that is not there.
+    """
+    if line is not None and line not in compiled.line_edits:
+        raise LipsyncError(
+            f"{compiled.character} has no edits of line '{line}'; "
+            f"{did_you_mean(line, compiled.line_edits)}"
+        )
+    found: list[Overlay] = []
+    for word in schedule.words if compiled.word_edits else ():
+        curves = compiled.word_edits.get(word.text.casefold())
+        if curves:
+            found += _laid(compiled, curves, schedule, word.first, word.stop)
+    for number, edit in enumerate(compiled.line_edits[line] if line is not None else ()):
+        here = f"edit {number} of line '{line}'"
+        first, stop = _span(here, schedule, silent, edit)
+        found += _laid(compiled, edit["curves"], schedule, first, stop)
+    return tuple(found)
+
+
+def _laid(
+    compiled: "Compiled", curves: Curves, schedule: "Schedule", first: int, stop: int
+) -> Iterator[Overlay]:
+    start, end = float(schedule.times[first]), float(schedule.times[stop])
+    at = np.linspace(0, 1, RESOLUTION + 1)
+    for pose, points in curves.items():
+        values = bspline(np.array([points], np.float64), at)[0].clip(0, 1)
+        yield Overlay(start, end, compiled.poses.index(pose), values)
+
+
+def _span(
+    here: str, schedule: "Schedule", silent: Sequence[bool], edit: Mapping[str, Any]
+) -> tuple[int, int]:
+    """Return the scheduled phonemes an edit covers: a phoneme, a word, or the whole line."""
+    first, stop = 0, len(schedule)
+    if edit.get("word") is not None:
+        if edit["word"] >= len(schedule.words):
+            count = len(schedule.words)
+            raise LipsyncError(f"{here} is for word {edit['word']}, but the line has {count} words")
+        word = schedule.words[edit["word"]]
+        first, stop = word.first, word.stop
+    if edit.get("phoneme") is None:
+        return first, stop
+    spoken = [index for index in range(first, stop) if not silent[index]]
+    if edit["phoneme"] >= len(spoken):
+        raise LipsyncError(
+            f"{here} is for phoneme {edit['phoneme']}, but there are {len(spoken)}, pauses aside"
+        )
+    index = spoken[edit["phoneme"]]
+    return index, index + 1
