@@ -2,20 +2,16 @@
 
 Along the time axis the sound, the words and the phonemes; below them a row for every pose that
 moves. A row shows the bigrams, the stitched curve and the final one, and shades what each stage
-between them changed: what it added lies under the final curve, what it took away above.
+in between changed: what it added lies under the final curve, what it took away above.
 
 Units: x is seconds; y is inches from the top of a strip, so that every size below is a real one.
 """
 
-import math
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields
-from functools import cached_property
+from dataclasses import fields
 from itertools import pairwise
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any, BinaryIO
-from unicodedata import combining, east_asian_width
 
 import numpy as np
 
@@ -23,22 +19,29 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.motion import PRESETS, Motion
-from lipsync_lang.pipeline.perform import Performance, Stage
+from lipsync_lang.pipeline.perform import Stage
+from lipsync_lang.render.view import (
+    AXIS,
+    FOOT,
+    HEAD,
+    LANE,
+    LEFT,
+    RIGHT,
+    SHOWN,
+    SOUND,
+    VISIBLE,
+    WIDTH,
+    View,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lipsync_lang.performer import Performer
 
-FORMATS: dict[str, dict[str, Any] | None] = {
-    "png": None,
-    "svg": {"Date": None},
-    "pdf": {"CreationDate": None},
-    "jpg": None,
-    "webp": None,
-}
-"""Formats that can be drawn, and what keeps the clock out of the file."""
+FORMATS: dict[str, dict[str, Any] | None] = dict.fromkeys(("png", "svg", "pdf", "jpg", "webp"))
+FORMATS |= {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+"""What can be drawn, and what keeps the clock out of the file."""
 
 RC = {
     "font.size": 9,
@@ -46,45 +49,33 @@ RC = {
     "svg.fonttype": "none",
     "svg.hashsalt": "lipsync-lang",
     "pdf.fonttype": 42,
-    "legend.handlelength": 1.5,
-    "legend.columnspacing": 1.6,
 }
 """What differs from matplotlib's own defaults; the user's are left out."""
 
-STRIP, SHOWN = 6.5, 60.0
-"""Seconds: a longer line is wrapped into several strips, and the picture ends after `SHOWN`."""
+DPI = 100
+TITLE = 130  # characters of a line that its title has room for
+THINNED = 4  # of a bigram's tabulated steps every fourth is drawn
 
-WIDTH, DPI = 15.0, 100
-HEAD, AXIS, RIGHT = 0.95, 0.55, 0.15
-SOUND, LANE, GAP = 0.45, 0.19, 0.14
-TALLEST_ROW, LOWEST_ROW, ALL_ROWS = 0.8, 0.32, 80.0
-"""Inches: the page, its margins, the bands and the rows; all rows together keep to `ALL_ROWS`."""
-
-LANES = 3
-"""Lines of text over which crowded labels of a band are spread."""
-
-VISIBLE = 5e-3
-"""Weight below which a pose rests, and a stage has changed nothing to be seen."""
-
-THINNED = 4
-"""Of a bigram's tabulated steps every fourth is drawn."""
-
-TITLE = 130
-"""Characters of a line that fit its title."""
-
-BIGRAMS = (("#cfe5f5", "#86b8dc"), ("#f1e4bf", "#cdb56b"))
+BIGRAMS = (("#d3e7f6", "#6ba6d3"), ("#f3e8c8", "#c2a54d"))
 """Fill and edge of every other bigram."""
 
 STAGES = {
     "stitch": ("stitched", "#444444"),
-    "smooth": ("smoothed", "#009e73"),
-    "hold": ("contacts held", "#cc79a7"),
-    "limit": ("speed limited", "#0072b2"),
-    "constrain": ("constrained", "#d55e00"),
+    "overlay": ("own words", "#c9b458"),
+    "smooth": ("smoothed", "#66c4ab"),
+    "rest": ("brought to rest", "#b9b9b9"),
+    "hold": ("contacts held", "#dca2c2"),
+    "limit": ("speed limited", "#5fa4cf"),
+    "constrain": ("constrained", "#e88f55"),
 }
-"""What a stage did, and its colour (Okabe and Ito's, safe for the colour-blind)."""
+"""What a stage did, and its colour (tints of Okabe and Ito's, safe for the colour-blind)."""
 
-FINAL, INK, RULE, SILENT, OUTSIDE = "black", "#333333", "#c4c4c4", "#f6f6f6", "#e9e9e9"
+FINAL, INK, SOUND_INK = "black", "#333333", "#777777"
+RULE, SILENT, OUTSIDE = "#c4c4c4", "#f5f5f5", "#e6e6e6"
+STITCHED: dict[str, Any] = {"lw": 1.0, "ls": (0, (1, 1))}
+THIN: dict[str, Any] = {"color": RULE, "lw": 0.6, "zorder": 0.5}
+GATE: dict[str, Any] = {"facecolor": "none", "edgecolor": "#b8408a", "lw": 1.2, "zorder": 4.5}
+"""The box that a pose must stay in while a contact is held."""
 
 
 def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
@@ -93,7 +84,7 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
     Parameters
     ----------
     stream : open for bytes
-    format : a key of `FORMATS`, in any case
+    format : one of `FORMATS`, in any case
 
     Raises
     ------
@@ -106,12 +97,10 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
     if animation.performer is None:
         raise OutputError("this animation was not performed here; its stages cannot be drawn")
     try:
-        import matplotlib as mpl
+        import matplotlib as mpl  # noqa: F401 its absence hides behind modules loaded before
         from matplotlib import style
     except ImportError:
-        raise OutputError(
-            'a picture needs matplotlib: pip install "lipsync-lang[plot]"'
-        ) from None
+        raise OutputError('a picture needs matplotlib: pip install "lipsync-lang[plot]"') from None
     with warnings.catch_warnings(), style.context(RC, after_reset=True):
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
@@ -119,61 +108,190 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
         figure.savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
 
 
-@dataclass(frozen=True)
-class Band:
-    """Labels along the time axis."""
+def _page(view: View) -> "Figure":
+    from matplotlib.figure import Figure
 
-    name: str
-    texts: Sequence[str]
-    starts: Floats
-    ends: Floats
-    size: float
-    lanes: Sequence[int]
+    schedule = view.animation.schedule
+    texts = [word.text for word in schedule.words] or schedule.labels
+    title = shorten(" ".join(texts), TITLE, placeholder=" …")
+    height = HEAD + view.strips * (view.height + AXIS) + FOOT
+    figure = Figure(figsize=(WIDTH, height))
+    figure.text(LEFT / WIDTH, 1 - 0.12 / height, title, size=13, weight="bold", va="top")
+    figure.text(LEFT / WIDTH, 1 - 0.4 / height, _subtitle(view), size=10, color=INK, va="top")
+    _legend(figure, view, 1 - 0.64 / height)
+    edges = np.linspace(view.begin, view.end, view.strips + 1).tolist()
+    for number, limits in enumerate(pairwise(edges)):
+        bottom = height - HEAD - (number + 1) * view.height - number * AXIS
+        place = (view.left / WIDTH, bottom / height)
+        size = (1 - (view.left + RIGHT) / WIDTH, view.height / height)
+        axes = figure.add_axes((*place, *size), xlim=limits, ylim=(view.height, 0))
+        for draw in (_scales, _grounds, _sound, _labels, _bigrams, _changes, _curves):
+            draw(axes, view)
+    return figure
 
-    @property
-    def height(self) -> float:
-        return LANE * (max(self.lanes, default=0) + 1)
+
+def _subtitle(view: View) -> str:
+    animation, motion = view.animation, view.performance.motion
+    parts = [view.performer.language, view.performer.character, f"{animation.fps:g} fps"]
+    named = [name for name, preset in PRESETS.items() if preset == motion != Motion()]
+    names = [field.name for field in fields(Motion)]
+    changed = [name for name in names if getattr(motion, name) != getattr(Motion(), name)]
+    settings = [f"{name} {getattr(motion, name)}" for name in changed]
+    if settings:
+        parts.append(f"motion: {', '.join(named or settings)}")
+    if animation.schedule.estimated:
+        parts.append("times are estimated")
+    if view.end < animation.times[-1]:
+        parts.append(f"the first {SHOWN:g} s of {animation.times[-1] - view.begin:.1f} s")
+    if view.resting:
+        parts.append(f"at rest: {shorten(', '.join(view.resting), TITLE, placeholder=' …')}")
+    return "   ·   ".join(parts)
 
 
-class View:
-    """The numbers of a picture, before any drawing."""
+def _legend(figure: "Figure", view: View, top: float) -> None:
+    from matplotlib.legend_handler import HandlerTuple
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
 
-    def __init__(self, animation: Animation) -> None:
-        self.animation = animation
-        self.performer: Performer = animation.performer
-        self.performance: Performance = self.performer.performance(
-            animation.schedule, animation.fps
-        )
-        self.begin = float(animation.times[0])
-        self.end = min(float(animation.times[-1]), self.begin + SHOWN)
-        self.strips = math.ceil((self.end - self.begin) / STRIP - 1e-9) or 1
-        self.seconds = max(self.end - self.begin, 1 / animation.fps) / self.strips
-        names = [_width(pose, 10) for pose in animation.poses]
-        self.left = 0.45 + max(*names, _width("phonemes", 9))
-        self.scale = (WIDTH - self.left - RIGHT) / self.seconds
+    (first, ink), *rest = [_look(stage) for stage in view.stages]
+    entries: dict[str, Any] = {
+        "bigrams": tuple(Patch(facecolor=fill, edgecolor=edge) for fill, edge in BIGRAMS),
+        first: Line2D([], [], color=ink, **STITCHED),
+        **{name: Patch(facecolor=colour) for name, colour in rest},
+        "final": Line2D([], [], color=FINAL, lw=2),
+    }
+    if view.gates:
+        entries["contact: the curve stays inside"] = Patch(**GATE)
+    figure.legend(
+        list(entries.values()), list(entries), ncols=len(entries), loc="upper left",
+        bbox_to_anchor=(LEFT / WIDTH, top), frameon=False, borderpad=0, borderaxespad=0,
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
+    )  # fmt: skip
 
-    @cached_property
-    def times(self) -> Floats:
-        """Return seconds of the frames whose stages are shown."""
-        times = self.performance.frames.times()
-        return times[times <= self.end + 1 / self.animation.fps]
 
-    @cached_property
-    def stages(self) -> list[Stage]:
-        performance = self.performance
-        stop = min(performance.frames.count, len(self.times) + performance.halo())
-        if performance.motion.smooth == "chord":  # its tops may be as long as the whole
-            stop = performance.frames.count
-        made = performance.stages(0, stop)
-        return [Stage(name, curves[:, : len(self.times)]) for name, curves in made]
+def _look(stage: Stage) -> tuple[str, str]:
+    return STAGES.get(stage.name, (stage.name, INK))
 
-    @cached_property
-    def moving(self) -> Bools:
-        """Return (P,) True for the poses that move in any stage."""
-        return np.max([stage.curves.max(axis=1) for stage in self.stages], axis=0) > VISIBLE
 
-    @cached_property
-    def row(self) -> float:
-        """Return the height of a pose's row."""
-        rows = max(1, int(self.moving.sum())) * self.strips
-        return min(TALLEST_ROW, max(LOWEST_ROW, ALL_ROWS / rows - GAP))
+def _scales(axes: "Axes", view: View) -> None:
+    """Name bands and poses at the left; rule each row at 0 and 1; count seconds below."""
+    from matplotlib.ticker import AutoMinorLocator, FormatStrFormatter, MaxNLocator
+
+    names = [(band.name, (band.top + band.bottom) / 2) for band in view.bands]
+    names += [(view.animation.poses[p], view.y(row, 0.5)) for row, p in enumerate(view.moving)]
+    axes.set_yticks([at for _, at in names], [name for name, _ in names], size=10)
+    axes.tick_params(axis="y", length=0, pad=22)
+    ends = [(view.y(row, end), f"{end}") for row in range(len(view.moving)) for end in (0, 1)]
+    axes.set_yticks([at for at, _ in ends], [end for _, end in ends], minor=True, size=7)
+    for row in range(len(view.moving)):
+        axes.axhline(view.y(row, 0), **THIN | {"color": INK})
+        axes.axhline(view.y(row, 1), **THIN)
+    axes.xaxis.set_major_locator(MaxNLocator(14, steps=[1, 2, 5, 10]))
+    axes.xaxis.set_minor_locator(AutoMinorLocator())
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g s"))
+    axes.spines[["left", "right", "top"]].set_visible(False)
+
+
+def _grounds(axes: "Axes", view: View) -> None:
+    """Shade silence, and more so what lies outside the schedule; rule the phoneme boundaries."""
+    schedule, track = view.animation.schedule, view.performance.track
+    silent = np.flatnonzero(track.ids == view.performance.tables.silence)
+    spans = [(track.bounds[i], track.bounds[i + 1], SILENT) for i in silent]
+    spans += [(view.begin, schedule.start, OUTSIDE), (schedule.end, view.end, OUTSIDE)]
+    for start, end, colour in spans:
+        if start < end:
+            axes.axvspan(start, end, color=colour, lw=0, zorder=0)
+    axes.vlines(track.bounds, view.bands[-1].bottom, view.height, **THIN)
+
+
+def _sound(axes: "Axes", view: View) -> None:
+    """Draw the sound: its extremes in each column of pixels."""
+    audio = view.animation.schedule.audio
+    if audio is None:
+        return
+    start, stop = (int(t * audio.rate) for t in np.clip(axes.get_xlim(), 0, audio.seconds))
+    step = max(1, round(audio.rate / (view.scale * DPI)))
+    count = (stop - start) // step
+    loudest = max(
+        1.0, *np.abs([audio.samples.min(initial=0), audio.samples.max(initial=0)], dtype=float)
+    )
+    columns = audio.samples[start : start + count * step].reshape(count, step) / loudest
+    if count:
+        times = (start + np.arange(count) * step) / audio.rate
+        low, high = (SOUND * (0.5 - 0.45 * take(columns, axis=1)) for take in (np.min, np.max))
+        axes.fill_between(times, low, high, color=SOUND_INK, lw=0.4)
+
+
+def _labels(axes: "Axes", view: View) -> None:
+    """Set every label at the middle of its span, in the strip that holds it."""
+    low, high = axes.get_xlim()
+    for band in view.bands:
+        axes.axhline(band.bottom, **THIN)
+        axes.vlines(np.unique(band.spans), band.top, band.bottom, **THIN)
+        middles = band.spans.mean(axis=1).tolist()
+        for text, middle, lane in zip(band.texts, middles, band.lanes, strict=True):
+            if low <= middle < high:
+                at = band.top + (lane + 0.575) * LANE
+                axes.text(middle, at, text, size=band.size, ha="center", va="center")
+
+
+def _bigrams(axes: "Axes", view: View) -> None:
+    """Draw each bigram's own curve over its span, every other one in the same hue."""
+    from matplotlib.collections import LineCollection, PolyCollection
+
+    track, curves = view.performance.track, view.performance.tables.curves[:, ::THINNED]
+    low, high = axes.get_xlim()
+    place = np.linspace(0, 1, curves.shape[1])
+    lines: list[list[Floats]] = [[] for _ in BIGRAMS]
+    for i, number in enumerate(track.rows.tolist()):
+        middle = track.bounds[i + 1]
+        ends = (middle - track.reach[i], middle, middle + track.reach[i + 1])
+        if ends[0] < high and ends[2] > low:
+            times = np.interp(place, (0, track.boundary[i], 1), ends)
+            for row, pose in enumerate(view.moving):
+                curve = curves[number, :, pose]
+                if curve.max() > VISIBLE:
+                    line = np.column_stack([times, view.y(row, curve)])
+                    feet = [(at, view.y(row, 0)) for at in (ends[0], ends[2])]
+                    lines[i % len(BIGRAMS)].append(np.vstack([feet[:1], line, feet[1:]]))
+    for shapes, (fill, edge) in zip(lines, BIGRAMS, strict=True):
+        axes.add_collection(PolyCollection(shapes, facecolor=fill, lw=0, alpha=0.7, zorder=2))
+        axes.add_collection(LineCollection(shapes, color=edge, lw=0.7, zorder=2.5))
+
+
+def _changes(axes: "Axes", view: View) -> None:
+    """Shade what each stage after the first added or took away."""
+    near = _near(axes, view.times)
+    times = view.times[near]
+    for before, after in pairwise(view.stages):
+        colour = _look(after)[1]
+        for row, pose in enumerate(view.moving):
+            old, new = before.curves[pose, near], after.curves[pose, near]
+            changed = np.abs(new - old) > VISIBLE
+            if changed.any():
+                changed = np.convolve(changed, np.ones(3))[1:-1] > 0  # to where the curves meet
+                lines = (times, view.y(row, old), view.y(row, new))
+                axes.fill_between(*lines, where=changed, color=colour, lw=0, zorder=3)
+
+
+def _curves(axes: "Axes", view: View) -> None:
+    """Draw the boxes of contacts, the stitched curve and, strongest, the final one."""
+    low, high = axes.get_xlim()
+    for row, start, end, least, greatest in view.gates:
+        if start < high and end > low:
+            axes.fill_between((start, end), view.y(row, least), view.y(row, greatest), **GATE)
+    first, times = view.stages[0], view.animation.times
+    stitched, final = _near(axes, view.times), _near(axes, times)
+    for row, pose in enumerate(view.moving):
+        curve = view.y(row, first.curves[pose, stitched])
+        axes.plot(view.times[stitched], curve, color=_look(first)[1], zorder=4, **STITCHED)
+        curve = view.y(row, view.animation.weights[final, pose])
+        axes.plot(times[final], curve, color=FINAL, lw=1.9, zorder=5)
+
+
+def _near(axes: "Axes", times: Floats) -> Bools:
+    """Tell the frames of a strip and the ones beside it."""
+    low, high = axes.get_xlim()
+    step = times[1] - times[0] if len(times) > 1 else 0.0
+    near: Bools = (times >= low - step) & (times <= high + step)
+    return near

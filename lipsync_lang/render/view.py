@@ -1,0 +1,148 @@
+"""What a picture of a line shows and where, before any drawing.
+
+Units: seconds along, inches from the top of a strip down, so that every size is a real one.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.perform import Performance, Stage
+
+if TYPE_CHECKING:
+    from lipsync_lang.performer import Performer
+
+STRIP, SHOWN = 6.5, 60.0
+"""Seconds: a longer line is wrapped into several strips, and the picture ends after `SHOWN`."""
+
+WIDTH, HEAD, AXIS, FOOT, LEFT, RIGHT = 15.0, 0.9, 0.5, 0.1, 0.15, 0.25
+SOUND, LANE, GAP, APART = 0.45, 0.18, 0.15, 0.04
+ROW, LOW_ROW, ALL_ROWS = 0.8, 0.3, 80.0
+"""Inches: the page and its margins; the bands; a row, and how far it shrinks on a full page."""
+
+LANES = 3
+"""Lines of text over which crowded labels of a band are spread."""
+
+VISIBLE = 5e-3
+"""Weight below which a pose rests, and a stage has changed nothing to be seen."""
+
+
+class Band(NamedTuple):
+    """Labels along the time axis, spread over lanes where they are crowded."""
+
+    name: str
+    texts: list[str]
+    spans: Floats
+    """(n, 2) seconds."""
+    lanes: list[int]
+    size: float
+    top: float
+    bottom: float
+
+
+class View:
+    """What a picture shows and where, before any drawing."""
+
+    def __init__(self, animation: Animation) -> None:
+        """Run the stages of as much as is shown."""
+        self.animation = animation
+        self.performer: Performer = animation.performer
+        self.performance = self.performer.performance(
+            animation.schedule, animation.fps, line=animation.line
+        )
+        self.begin = float(animation.times[0])
+        self.end = min(float(animation.times[-1]), self.begin + SHOWN)
+        self.end = max(self.end, self.begin + 1 / animation.fps)
+        self.strips = math.ceil((self.end - self.begin) / STRIP)
+        self.left = 0.5 + max(_width(name, 10) for name in (*animation.poses, "phonemes"))
+        self.scale = (WIDTH - self.left - RIGHT) * self.strips / (self.end - self.begin)
+        """Inches per second."""
+        self.times, self.stages = _stages(self.performance, self.end)
+        tops = np.max([stage.curves.max(axis=1) for stage in self.stages], axis=0)
+        self.moving = np.flatnonzero(tops > VISIBLE)
+        self.resting = [animation.poses[i] for i in np.flatnonzero(tops <= VISIBLE)]
+        self.gates = list(_gates(self))
+        self.bands = _bands(self)
+        self.row = float(np.clip(ALL_ROWS / self.strips / max(1, len(self.moving)), LOW_ROW, ROW))
+        first = self.bands[-1].bottom + GAP
+        self.tops = first + np.arange(len(self.moving)) * (self.row + GAP)
+        self.height = first + len(self.moving) * (self.row + GAP)
+
+    def y(self, row: int, weights: Floats | float) -> Any:
+        """Place weights in a pose's row."""
+        return self.tops[row] + self.row * (1 - weights)
+
+
+def _stages(performance: Performance, end: float) -> tuple[Floats, list[Stage]]:
+    """Run the stages on the frames up to `end`; return their times and curves."""
+    times = performance.frames.times()
+    times = times[times < end + 1 / performance.frames.fps]
+    stop = min(performance.frames.count, len(times) + performance.halo())
+    if performance.motion.smooth == "chord":  # its tops may be as long as the whole
+        stop = performance.frames.count
+    stages = performance.stages(0, stop)
+    return times, [Stage(name, curves[:, : len(times)]) for name, curves in stages]
+
+
+def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:
+    """Yield where contacts hold a pose: row, seconds from and to, least and greatest weight."""
+    performance = view.performance
+    if performance.motion.contacts != "hold":
+        return
+    half = 0.5 / performance.frames.fps
+    for contact, (_, frames) in zip(performance.tables.contacts, performance.held, strict=True):
+        change = np.flatnonzero(np.diff(frames[: len(view.times)], prepend=False, append=False))
+        for first, stop in change.reshape(-1, 2).tolist():
+            for row, pose in enumerate(view.moving):
+                least, greatest = float(contact.floor[pose]), float(contact.ceiling[pose])
+                if (least, greatest) != (0, 1):
+                    start, end = view.times[first] - half, view.times[stop - 1] + half
+                    yield row, start, end, least, greatest
+
+
+def _bands(view: View) -> list[Band]:
+    """Lay out the words, the phonemes as spoken, and the common phonemes they became."""
+    schedule, track = view.animation.schedule, view.performance.track
+    names = view.performer.compiled.phonemes
+    spoken, common = (np.column_stack([b[:-1], b[1:]]) for b in (schedule.times, track.bounds))
+    words = [(spoken[word.first, 0], spoken[word.stop - 1, 1]) for word in schedule.words]
+    rows = [
+        ("words", [word.text for word in schedule.words], np.array(words).reshape(-1, 2), 10.0),
+        ("phonemes", schedule.labels, spoken, 9.0),
+        ("common", [names[number] for number in track.ids], common, 8.0),
+    ]
+    bands: list[Band] = []
+    for name, texts, spans, size in rows[0 if words else 1 :]:
+        top = bands[-1].bottom if bands else SOUND if schedule.audio else 0.0
+        bands.append(_band(view, name, texts, spans, size, top))
+    return bands
+
+
+def _band(  # noqa: PLR0913, PLR0917 a row of `_bands`
+    view: View, name: str, texts: Sequence[str], spans: Floats, size: float, top: float
+) -> Band:
+    """Put every label into the first lane that has room for it."""
+    spans = spans.clip(view.begin, view.end)
+    shown = np.flatnonzero(spans[:, 0] < spans[:, 1])
+    labels, spans = [" ".join(texts[i].split()) for i in shown.tolist()], spans[shown]
+    ends = [-math.inf] * LANES
+    lanes: list[int] = []
+    for label, middle in zip(labels, spans.mean(axis=1).tolist(), strict=True):
+        half = (_width(label, size) + APART) / view.scale / 2
+        room = (lane for lane in range(LANES) if ends[lane] <= middle - half)
+        lanes.append(next(room, ends.index(min(ends))))
+        ends[lanes[-1]] = middle + half
+    return Band(name, labels, spans, lanes, size, top, top + LANE * (max(lanes, default=0) + 1.15))
+
+
+def _width(text: str, size: float) -> float:
+    """Measure the inches of a text set in a size of points."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    font = FontProperties(size=size)
+    return float(text_to_path.get_text_width_height_descent(text, font, ismath=False)[0]) / 72

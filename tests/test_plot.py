@@ -1,0 +1,242 @@
+"""Pictures of a line: every format, every label, any length, and nothing left behind."""
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from html import unescape
+from importlib.util import find_spec
+from io import BytesIO
+from itertools import chain
+
+import numpy as np
+import pytest
+
+from lipsync_lang.errors import OutputError
+from lipsync_lang.pipeline import PRESETS
+from lipsync_lang.render.plot import FORMATS, STAGES, plot
+from lipsync_lang.resolver import resolve
+from lipsync_lang.schedules.schedule import Audio, Schedule, Word
+
+MAGIC = {
+    "png": b"\x89PNG\r\n\x1a\n",
+    "svg": b"<?xml",
+    "pdf": b"%PDF-",
+    "jpg": b"\xff\xd8\xff",
+    "webp": b"RIFF",
+}
+drawn = pytest.mark.skipif(
+    find_spec("matplotlib") is None, reason='needs matplotlib: pip install "lipsync-lang[plot]"'
+)
+
+
+@pytest.fixture(scope="module")
+def performer():
+    return resolve("english", "facefx", cache=False)
+
+
+@pytest.fixture(scope="module")
+def schedule():
+    tone = (8000 * np.sin(np.arange(16_000) / 9)).astype(np.int16)
+    return Schedule(
+        ("_", "h", "ə", "l", "oʊ", "w", "ɜː", "l", "d", "_"),
+        np.array([0, 0.05, 0.12, 0.18, 0.25, 0.45, 0.52, 0.75, 0.78, 0.85, 1.0]),
+        (Word("Hello", 1, 5), Word("world", 5, 9)),
+        notation="ipa",
+        audio=Audio(tone, 16_000),
+    )
+
+
+@pytest.fixture(scope="module")
+def animation(performer, schedule):
+    return performer.perform(schedule)
+
+
+def picture(animation, name="png"):
+    out = BytesIO()
+    plot(animation, out, name)
+    return out.getvalue()
+
+
+def texts(animation):
+    """Return every text of a picture, in the order of drawing."""
+    found = re.findall(r"<text[^>]*>([^<]*)</text>", picture(animation, "svg").decode())
+    return [unescape(text) for text in found]
+
+
+@drawn
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_format_is_drawn_alike_each_time(animation, name):
+    first = picture(animation, name)
+    assert first.startswith(MAGIC[name])
+    assert first == picture(animation, name.upper())
+
+
+@drawn
+def test_the_users_own_settings_neither_show_nor_change(animation):
+    import matplotlib as mpl
+
+    plain = picture(animation, "svg")
+    with mpl.rc_context({"font.size": 30, "axes.facecolor": "red", "svg.fonttype": "path"}):
+        before = dict(mpl.rcParams)
+        assert picture(animation, "svg") == plain
+        assert dict(mpl.rcParams) == before
+
+
+@drawn
+def test_words_phonemes_and_what_they_became_are_all_there(performer, schedule, animation):
+    shown = texts(animation)
+    for label in schedule.labels:
+        assert shown.count(label) >= schedule.labels.count(label), label
+    assert {"Hello", "world", "Hello world"} <= set(shown)
+    ids, *_ = performer.common_phonemes(schedule)
+    assert {performer.compiled.phonemes[number] for number in ids} <= set(shown)
+    assert any(
+        performer.language in text and performer.character in text and "60 fps" in text
+        for text in shown
+    )
+
+
+@drawn
+def test_only_poses_that_move_have_a_row(performer, animation):
+    shown = texts(animation)
+    moving = animation.weights.max(axis=0) > 0.01
+    assert moving.any()
+    assert not moving.all()
+    for pose, moves in zip(performer.poses, moving, strict=True):
+        assert (pose in shown) == moves, pose
+    resting = next(text for text in shown if "at rest: " in text)
+    for pose in np.array(performer.poses)[~moving]:
+        assert pose in resting
+
+
+@drawn
+@pytest.mark.parametrize("preset", PRESETS)
+def test_the_legend_names_the_stages_in_their_order(performer, schedule, preset):
+    changed = performer.with_motion(preset)
+    names = [STAGES[stage.name][0] for stage in changed.performance(schedule, 60).stages(0, 9)]
+    shown = texts(changed.perform(schedule))
+    assert [text for text in shown if text in names] == names
+    assert any(f"motion: {preset}" in text for text in shown) == (preset != "default")
+
+
+@drawn
+def test_a_changed_setting_is_in_the_title(performer, schedule):
+    shown = texts(performer.with_motion({"window": 0.1, "contacts": "free"}).perform(schedule))
+    assert any("motion: window 0.1, contacts free" in text for text in shown)
+
+
+@drawn
+@pytest.mark.parametrize("warp", ["anchored", "linear"])
+def test_the_bigrams_are_those_that_the_stitched_curve_joins(performer, schedule, warp):
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
+    from lipsync_lang.render.plot import _bigrams
+    from lipsync_lang.render.view import View
+
+    view = View(performer.with_motion({"warp": warp, "stitch": "max"}).perform(schedule, 240))
+    axes = Figure().add_axes((0, 0, 1, 1), xlim=(view.begin, view.end))
+    _bigrams(axes, view)
+    lines = [c.get_segments() for c in axes.collections if isinstance(c, LineCollection)]
+    highest = np.zeros((len(view.moving), len(view.times)))
+    for segment in chain.from_iterable(lines):
+        row = int(np.searchsorted(view.tops, segment[0, 1])) - 1
+        weights = 1 - (segment[:, 1] - view.tops[row]) / view.row
+        curve = np.interp(view.times, segment[1:-1, 0], weights[1:-1], left=0, right=0)
+        highest[row] = np.maximum(highest[row], curve)
+    np.testing.assert_allclose(highest, view.stages[0].curves[view.moving], atol=0.04)
+
+
+@drawn
+def test_contacts_are_marked_where_there_are_some(performer, schedule):
+    mark = "contact: the curve stays inside"
+    assert mark not in texts(performer.perform(schedule))
+    pressed = replace(schedule, labels=("_", "p", *schedule.labels[2:]))
+    assert mark in texts(performer.perform(pressed))
+
+
+@drawn
+def test_neither_sound_nor_words_are_needed(performer, schedule):
+    bare = replace(schedule, words=(), audio=None, estimated=True)
+    shown = texts(performer.perform(bare))
+    assert "words" not in shown
+    assert " ".join(schedule.labels) in shown
+    assert any("times are estimated" in text for text in shown)
+
+
+@drawn
+@pytest.mark.parametrize("fps", [1, 12, 1000])
+def test_the_shortest_line_is_drawn_at_any_rate(performer, fps):
+    short = Schedule(("t", "aɪ"), np.array([0.3, 0.301, 0.302]), notation="ipa")
+    animation = performer.perform(short, fps)
+    assert {"t", "aɪ"} <= set(texts(animation))
+    assert picture(animation.cut()).startswith(MAGIC["png"])
+
+
+@drawn
+def test_sound_may_be_silent_or_shorter_than_the_line(performer, schedule):
+    for samples in (0, 1, 4000):
+        audio = Audio(np.zeros(samples, np.int16), 16_000)
+        assert picture(performer.perform(replace(schedule, audio=audio)))
+
+
+@drawn
+def test_a_long_line_wraps_and_ends_after_a_minute(performer):
+    count = 900
+    labels = tuple("maptifows"[i % 9] if i % 9 not in {1, 4, 7} else "aɪ" for i in range(count))
+    words = tuple(Word(f"word{i}", i, i + 9) for i in range(0, count, 9))
+    line = Schedule(labels, np.arange(count + 1) * 0.1, words, notation="ipa")
+    animation = performer.perform(line, 30)
+    shown = texts(animation)
+    assert any("the first 60 s of 90" in text for text in shown)
+    assert shown.count("phonemes") == 10  # strips
+    assert "word0" in shown
+    assert "word585" in shown
+    assert "word621" not in shown
+    for word in words[:66]:
+        assert shown.count(word.text) == 1
+    height = int.from_bytes(picture(animation)[20:24], "big")
+    assert height < 12_000
+
+
+@drawn
+def test_text_in_any_script_is_kept_and_warns_of_nothing(performer, schedule):
+    words = (Word("नमस्ते 中文", 1, 5), Word("$x_1$ & <b>", 5, 9))
+    odd = performer.perform(replace(schedule, words=words))
+    assert {"नमस्ते 中文", "$x_1$ & <b>"} <= set(texts(odd))
+    for name in FORMATS:
+        assert picture(odd, name)
+
+
+def test_an_unknown_format_names_the_known_ones(animation):
+    with pytest.raises(OutputError, match=r"'bmp'; known: png, svg, pdf"):
+        picture(animation, "bmp")
+
+
+def test_an_animation_made_elsewhere_is_refused(animation):
+    with pytest.raises(OutputError, match="not performed here"):
+        picture(replace(animation, performer=None))
+
+
+def test_without_matplotlib_the_extra_is_named(animation, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(OutputError, match=r'pip install "lipsync-lang\[plot\]"'):
+        picture(animation)
+
+
+@drawn
+def test_matplotlib_is_loaded_late_and_never_its_global_state():
+    code = """
+import io, sys
+import numpy as np
+from lipsync_lang.render.plot import plot
+from lipsync_lang.resolver import resolve
+from lipsync_lang.schedules.schedule import Schedule
+assert "matplotlib" not in sys.modules
+line = Schedule(("t", "aɪ"), np.array([0, 0.1, 0.3]), notation="ipa")
+plot(resolve("english", "facefx", cache=False).perform(line), io.BytesIO())
+assert "matplotlib.pyplot" not in sys.modules
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
