@@ -27,7 +27,7 @@ demo: $(VENV)/ready ## speak a sentence and draw how its curves were made
 	@echo "  $(BIN)/lipsync-lang explain \"Hello, world\" -l english -c facefx --at 0.42"
 
 test: $(VENV)/ready ## run the tests
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist loadgroup
 
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .

@@ -23,7 +23,7 @@ def atomic(path: Path) -> Iterator[BinaryIO]:
         if path.is_dir():
             raise OutputError(f"{path}: is a folder; name a file in it")
         handle, name = tempfile.mkstemp(prefix=f".{path.name[:40]}-", dir=path.parent)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise _cannot_write(path, error) from None
     try:
         with os.fdopen(handle, "wb") as stream:
@@ -49,11 +49,13 @@ def write_all(outputs: Mapping[Path, Callable[[BinaryIO], None]]) -> None:
     """Write several files, all of them or none."""
     with ExitStack() as open_files:
         for path, write in outputs.items():
-            write(open_files.enter_context(atomic(path)))
+            stream = open_files.enter_context(atomic(path))
+            write(stream)
+            stream.flush()  # a full disk is noticed while nothing is in its place yet
 
 
-def _cannot_write(path: Path, error: OSError) -> OutputError:
-    parent = path.parent
-    if not parent.exists():
-        return OutputError(f"{path}: the folder {parent} does not exist; make it first")
-    return OutputError(f"{path}: cannot be written: {error.strerror or error}")
+def _cannot_write(path: Path, error: OSError | ValueError) -> OutputError:
+    if isinstance(error, FileNotFoundError):
+        return OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
+    why = getattr(error, "strerror", None) or error
+    return OutputError(f"{path}: cannot be written: {why}; name another place")

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.resolver.compiled import Compiled, Report
+    from lipsync_lang.trace import Explanation
 
 FASTEST = 1000.0
 """Most frames per second; beyond it the number is a mistake."""
@@ -95,6 +96,12 @@ class Performer:
             silent[source[ids != self.compiled.tables.silence]] = False
             own = overlays(self.compiled, schedule, silent.tolist(), line)
         return perform(self.compiled.tables, track, self.motion, fps, own)
+
+    def explain(self, animation: Animation, seconds: float) -> "Explanation":
+        """Say why each pose of an animation of this performer stands where it stands at a time."""
+        from lipsync_lang.trace import explain
+
+        return explain(animation, seconds)
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
         """Map a schedule's labels to common phonemes.

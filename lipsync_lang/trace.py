@@ -25,7 +25,8 @@ VISIBLE = 5e-4
 DONE = {
     "stitch": "the larger of the overlapping bigrams",
     "overlay": "the character's own curve of this word or line",
-    "smooth": "a valley filled, or kept at rest at the ends",
+    "smooth": "a valley filled",
+    "rest": "brought to rest at the ends",
     "limit": "held to the speed limit",
 }
 """What a stage that changed a value did to it; `hold` and `constrain` say more."""
@@ -97,10 +98,14 @@ class Explanation:
                 f"{bigram.layer}, {bigram.status or 'none'}"
             )
             lines.extend(f"    {place}" for place in bigram.places)
+        resting = []
         for pose in self.poses:
-            lines.append(f"  {pose.pose} = {pose.weight:.3f}")
-            lines.extend(f"    {s.stage:<9} {s.weight:.3f}  {s.why}" for s in pose.stages if s.why)
-        return "\n".join(lines)
+            steps = [f"    {s.stage:<9} {s.weight:.3f}  {s.why}" for s in pose.stages if s.why]
+            if steps:
+                lines += [f"  {pose.pose} = {pose.weight:.3f}", *steps]
+            else:
+                resting.append(pose.pose)
+        return "\n".join([*lines, f"  at rest: {', '.join(resting)}"] if resting else lines)
 
 
 def explain(animation: "Animation", seconds: float) -> Explanation:
@@ -109,11 +114,9 @@ def explain(animation: "Animation", seconds: float) -> Explanation:
     Raises
     ------
     LipsyncError
-        The time lies outside the animation, or nobody knows who performed it.
+        The time lies outside the animation.
     """
-    performer: Performer | None = animation.performer
-    if performer is None:
-        raise LipsyncError("this animation was not performed here; nothing is known of its making")
+    performer: Performer = animation.performer
     first, last = float(animation.times[0]), float(animation.times[-1])
     if not first <= seconds <= last:
         raise LipsyncError(
@@ -239,7 +242,7 @@ def _held(performer: "Performer", performance: Performance, pose: int, frame: in
 def _won(performer: "Performer", performance: Performance, pose: int, after: Stage) -> str:
     """Name the constraint that left a pose the least room."""
     rooms = [
-        (max(0.0, threshold - float(after.curves[high, 0])), high, threshold)
+        (threshold - float(after.curves[high, 0]), high, threshold)
         for low, high, threshold in performance.tables.caps
         if low == pose
     ]

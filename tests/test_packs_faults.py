@@ -279,3 +279,22 @@ def test_pack_faults_print_all_of_them():
     error = PackFaults([Fault("a", 1, 1, "P201", "x"), Fault("a", 2, 1, "P202", "y")])
     assert str(error) == "a:1:1: P201 x\na:2:1: P202 y"
     assert isinstance(error, LipsyncError)
+
+
+@pytest.mark.parametrize(
+    ("file", "slips", "codes"),
+    [
+        (POSESET, {"open: 0.45, wide": "open: 0.45, wdie", "PBM: 0.9": "PBM: 1.9"}, "P104 P201"),
+        (PARENT, {"P: p,": "P: q,", "vowel: 0.1,": "vowel: -1,"}, "P104 P202"),
+        (BANK, {"[0.2, 1]": "[0.2, 2]", "poseset: face": "poseset: fase"}, "P104 P204"),
+    ],
+)
+def test_faults_of_form_do_not_hide_faults_of_sense(file, slips, codes, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plant(tmp_path)
+    text = TREE[file]
+    for old, new in slips.items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    put(tmp_path, file, text)
+    assert sorted(f.code for f in faults_of(tmp_path) if f.file == file) == codes.split()

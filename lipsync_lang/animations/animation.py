@@ -59,6 +59,9 @@ class Animation:
 
     def explain(self, seconds: float) -> "Explanation":
         """Say why each pose stands where it stands at a time."""
-        from lipsync_lang.trace import explain
-
-        return explain(self, seconds)
+        if self.performer is None:
+            raise LipsyncError(
+                "this animation was not performed here; nothing is known of its making"
+            )
+        explanation: Explanation = self.performer.explain(self, seconds)
+        return explanation

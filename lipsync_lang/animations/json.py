@@ -17,6 +17,8 @@ def write_json(animation: Animation, out: TextIO) -> None:
         "fps": animation.fps,
         "start": round(float(animation.times[0]), 6),
         "estimated": schedule.estimated,
+        "language": schedule.language,
+        "notation": schedule.notation,
         "poses": list(animation.poses),
         "phonemes": [
             {"label": label, "start": start, "end": end}

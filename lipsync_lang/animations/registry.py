@@ -34,7 +34,7 @@ def writer(name: str, *, suffix: str) -> Callable[[WriteText], WriteText]:
 
     def register(write: WriteText) -> WriteText:
         def encoded(animation: Animation, out: BinaryIO) -> None:
-            text = TextIOWrapper(out, encoding="utf-8", newline="", write_through=True)
+            text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
             write(animation, text)
             text.flush()
             text.detach()
@@ -71,11 +71,11 @@ def load_writers() -> dict[str, Writer]:
 def find_writer(path: Path) -> Writer:
     """Return the writer for a path's suffix, or say which suffixes there are."""
     known = {w.suffix: w for w in load_writers().values()}
-    if path.suffix.lower() not in known:
-        raise OutputError(
-            f"{path}: no writer for '{path.suffix}'; known: {', '.join(sorted(known))}"
-        )
-    return known[path.suffix.lower()]
+    found = known.get(path.suffix.lower())
+    if found is None:
+        what = f"no writer for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
+        raise OutputError(f"{path}: {what}; end it in {', '.join(sorted(known))}")
+    return found
 
 
 def save(animation: Animation, path: Path) -> None:

@@ -13,7 +13,10 @@ def write_wav(animation: Animation, out: BinaryIO) -> None:
     """The speech, 16 bit mono; its first sample is time zero of the curves."""
     audio = animation.schedule.audio
     if audio is None:
-        raise OutputError("there is no sound to write: the schedule came without audio")
+        raise OutputError(
+            f"there is no sound to write: {animation.schedule.source} came without audio; "
+            "speak text instead, or leave the .wav out"
+        )
     with wave.open(out, "wb") as sound:
         sound.setnchannels(1)
         sound.setsampwidth(2)

@@ -77,6 +77,7 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     values = np.zeros((*wanted.shape[:2], len(TIMES)))
     for _ in range(4):
         values = (values + (wanted - values @ shape) @ solve).clip(0, 1)
+        values[..., [0, -1]] = 0
     values[values < FAINT] = 0
     return values.round(DECIMALS)
 

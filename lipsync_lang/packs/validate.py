@@ -19,6 +19,9 @@ from lipsync_lang.packs.finding import (
     tag_of,
 )
 from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.salvage import salvaged
+from lipsync_lang.packs.source import Source
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -106,6 +109,23 @@ class _Run:
         self.faults.update(faults)
         if model is not None:
             self._compare(Pack(model, (source,)))
+        elif source.data is not None:
+            self._rest(source, file.kind)
+
+    def _rest(self, source: Source, kind: str | None) -> None:
+        """Check what is sound of an unsound file, so that its other faults come at once."""
+        model = salvaged(source, kind)
+        if model is None:
+            return
+        before = set(self.faults)
+        if isinstance(model, Language):
+            if model.extends is None and self.common is not None:
+                pack = Pack(model, (source,))
+                self.faults.update(checks.check_language(pack, self.common.model))
+        else:
+            self._compare(Pack(model, (source,)))
+        # what is only probably not meant may come of what was left out
+        self.faults = before | {f for f in self.faults if f.severity == "fault"}
 
     def _compare(self, pack: "Pack[Any]") -> None:
         act: dict[str, Callable[[Pack[Any]], None]] = {

@@ -73,5 +73,6 @@ def _gap_message(report: Report) -> str:
     shown = ", ".join(report.gaps[:12]) + (", ..." if len(report.gaps) > 12 else "")  # noqa: PLR2004
     return (
         f"{report.character} has nothing for {len(report.gaps)} bigrams of {report.language}: "
-        f"{shown}. Give {report.poseset} targets for their phonemes, or ask for gaps at rest"
+        f"{shown}. Give {report.poseset} targets for their phonemes, "
+        "or ask for gaps at rest (--gaps rest)"
     )

@@ -1,9 +1,9 @@
 """Compiled pairs on disk, so that a warm start reads no YAML.
 
-A cache file is believed only if it is whole (its digest fits its bytes), ours (its mark and the
-digest of the code that compiled it fit) and fresh: every lookup made while compiling still finds
-the same files, and every file read still has the same content. Anything else is compiled anew.
-Nothing in it is executed.
+A cache file is believed only if it is whole (its digest fits its bytes), ours (its mark, the pair
+asked for and the digest of the code that compiled it fit) and fresh: every lookup made while
+compiling still finds the same files, and every file read still has the same content. Anything else
+is compiled anew. Nothing in it is executed.
 """
 
 import json
@@ -32,6 +32,9 @@ DIGEST = 32
 COMPILERS = ("banks", "packs", "pipeline", "resolver")
 """Folders of the code that turns packs into tables; if it changes, so must the tables."""
 
+KEPT = 100
+"""Pairs in the cache, some megabytes each; one more, and the oldest goes."""
+
 VARIABLE = "LIPSYNC_LANG_CACHE"
 """Environment variable: another folder for the cache, or `off`."""
 
@@ -57,20 +60,23 @@ def compiler() -> str:
     return whole.hexdigest()
 
 
-def _path(language: str, character: str, paths: Sequence[Path]) -> Path | None:
+def _key(language: str, character: str, paths: Sequence[Path]) -> str:
+    """Return what a pair is kept under: the question, and where it was asked."""
+    return json.dumps([language, character, [str(p.absolute()) for p in paths], str(Path.cwd())])
+
+
+def _path(key: str) -> Path | None:
     where = folder()
-    if where is None:
-        return None
-    key = json.dumps([language, character, [str(p.absolute()) for p in paths], str(Path.cwd())])
-    return where / f"{sha256(key.encode()).hexdigest()[:32]}.pair"
+    return where / f"{sha256(key.encode()).hexdigest()[:32]}.pair" if where else None
 
 
 def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | None":
     """Return a compiled pair if the cache has it, whole, ours and fresh."""
-    path = _path(language, character, paths)
+    key = _key(language, character, paths)
+    path = _path(key)
     try:
         content = path.read_bytes() if path else b""
-        return _decode(content, paths) if content else None
+        return _decode(content, key, paths) if content else None
     except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, UnicodeError):
         return None  # whatever is wrong with it, it is not believed
 
@@ -80,18 +86,27 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
     from lipsync_lang.errors import OutputError
     from lipsync_lang.files import atomic
 
-    path = _path(language, character, library.paths)
+    key = _key(language, character, library.paths)
+    path = _path(key)
     if path is None:
         return
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic(path) as stream:
-            stream.write(_encode(compiled, library))
+            stream.write(_encode(compiled, key, library))
+        _forget(path.parent)
     except (OSError, OutputError):
         return
 
 
-def _encode(compiled: "Compiled", library: "Library") -> bytes:
+def _forget(folder: Path) -> None:
+    """Delete the oldest pairs beyond those that are kept."""
+    made = sorted((path.stat().st_mtime, path) for path in folder.glob("*.pair"))
+    for _, path in made[:-KEPT]:
+        path.unlink(missing_ok=True)
+
+
+def _encode(compiled: "Compiled", key: str, library: "Library") -> bytes:
     tables = compiled.tables
     arrays: dict[str, np.ndarray[Any, Any]] = {
         "curves": tables.curves,
@@ -115,8 +130,9 @@ def _encode(compiled: "Compiled", library: "Library") -> bytes:
         if name not in ("tables", "motion", "report")
     }
     head = {
+        "key": key,
         "compiler": compiler(),
-        "lookups": [[*key, list(found)] for key, found in library.lookups.items()],
+        "lookups": [[*asked, list(found)] for asked, found in library.lookups.items()],
         "files": library.files,
         "plain": plain,
         "motion": asdict(compiled.motion),
@@ -131,7 +147,7 @@ def _encode(compiled: "Compiled", library: "Library") -> bytes:
     return MARK + blake2b(rest, digest_size=DIGEST).digest() + rest
 
 
-def _decode(content: bytes, paths: Sequence[Path]) -> "Compiled | None":
+def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None":
     if not content.startswith(MARK):
         return None
     start = len(MARK) + DIGEST
@@ -140,7 +156,7 @@ def _decode(content: bytes, paths: Sequence[Path]) -> "Compiled | None":
         return None
     size = int.from_bytes(rest[:8], "little")
     head = json.loads(bytes(rest[8 : 8 + size]))
-    if head["compiler"] != compiler() or not _fresh(head, paths):
+    if (head["key"], head["compiler"]) != (key, compiler()) or not _fresh(head, paths):
         return None
     body = rest[8 + size + (-(8 + size) % 64) :]
     return _compiled(head, body)

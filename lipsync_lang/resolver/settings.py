@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from math import isfinite
 from typing import Any, get_args, get_type_hints
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 
-SLOWEST = 1e-3
-"""Least speed limit, in weight per second."""
+RANGES = {"speed_limit": (1e-3, 1e6), "window": (0.0, 10.0), "silence_reach": (0.0, 10.0)}
+"""Least and greatest of each setting that is a number: weight per second, seconds, seconds."""
 
 
 def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Motion:
@@ -42,7 +41,9 @@ def _checked(name: str, value: object, like: object) -> object:
         number = float(value)  # type: ignore[arg-type]  # what is no number is told so below
     except (TypeError, ValueError):
         number = float("nan")
-    least = SLOWEST if name == "speed_limit" else 0.0
-    if not isfinite(number) or number < least:
-        raise LipsyncError(f"motion.{name} is {value!r}; it is a number from {least:g}, as {like}")
+    least, most = RANGES[name]
+    if isinstance(value, bool) or not least <= number <= most:  # which nan is not, either
+        raise LipsyncError(
+            f"motion.{name} is {value!r}; it is a number from {least:g} to {most:g}, as {like}"
+        )
     return number

@@ -14,13 +14,19 @@ SHAPE = '{"phonemes": [{"label": "HH", "start": 0.0, "end": 0.08}, ...], "words"
 def read_json(path: Path, content: bytes) -> Schedule:
     """Phonemes and words with their label or text, start and end in seconds."""
     try:
-        document = json.loads(content.decode("utf-8-sig"))
+        document = json.loads(content.decode("utf-8-sig"), parse_int=float)
     except UnicodeDecodeError as error:
-        raise ScheduleError(f"{path}: is not UTF-8 text (byte {error.start})") from None
+        raise ScheduleError(
+            f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        ) from None
     except json.JSONDecodeError as error:
-        raise ScheduleError(f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}") from None
+        raise ScheduleError(
+            f"{path}:{error.lineno}:{error.colno}: not JSON: {error.msg}; the form is {SHAPE}"
+        ) from None
     except RecursionError:
-        raise ScheduleError(f"{path}: is nested too deep for a schedule") from None
+        raise ScheduleError(
+            f"{path}: is nested too deep for a schedule; the form is {SHAPE}"
+        ) from None
     rows = document.get("phonemes") if isinstance(document, dict) else document
     if not isinstance(rows, list):
         raise ScheduleError(f"{path}: has no list of phonemes; the form is {SHAPE}")
@@ -31,7 +37,7 @@ def read_json(path: Path, content: bytes) -> Schedule:
         language=_text(document, "language"),
     )
     words = document.get("words") if isinstance(document, dict) else None
-    return schedule if not words else _with_words(path, schedule, words)
+    return schedule if words is None else _with_words(path, schedule, words)
 
 
 def _text(document: object, key: str) -> str | None:

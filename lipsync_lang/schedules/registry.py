@@ -68,14 +68,14 @@ def read_schedule(path: str | Path, notation: str | None = None) -> Schedule:
     known = {suffix: r for r in readers.values() for suffix in r.suffixes}
     found = known.get(path.suffix.lower())
     if found is None:
-        raise ScheduleError(
-            f"{path}: no reader for '{path.suffix}'; known: {', '.join(sorted(known))}"
-        )
+        what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
+        raise ScheduleError(f"{path}: {what}; known: {', '.join(sorted(known))}")
     try:
         if path.stat().st_size > LARGEST:
             raise ScheduleError(f"{path}: is larger than {LARGEST >> 20} MB; is it a schedule?")
         content = path.read_bytes()
-    except OSError as error:
-        raise ScheduleError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise ScheduleError(f"{path}: cannot be read: {why}; check the path") from None
     schedule = found.read(path, content)
     return replace(schedule, notation=notation) if notation else schedule

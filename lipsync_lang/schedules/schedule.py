@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from math import isfinite
 from typing import Any, Self
 
 import numpy as np
@@ -18,6 +19,9 @@ SNAP = 5e-4
 
 LONGEST = 86_400.0
 """Seconds; a boundary past this is not in seconds."""
+
+LASTING = 10.0
+"""Seconds; where most sounds last longer than this, they are not in seconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +73,7 @@ class Schedule:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be performed, saying where and how to mend it."""
-        times = np.array(self.times, dtype=np.float64)
+        times = _boundaries(self.source, self.times)
         times.setflags(write=False)
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "labels", tuple(self.labels))
@@ -101,8 +105,9 @@ class Schedule:
             if times and start < times[-1] - SNAP:
                 raise ScheduleError(
                     f"{here} starts at {start:g} s, before the one before ends at {times[-1]:g} s: "
-                    "they overlap. Move one of the two boundaries"
+                    "they overlap. Move one of the two boundaries, or put the rows in order"
                 )
+            _check_length(here, times[-1] if times else start, end)
             times = times or [start]
             labels.append(label)
             times.append(end)
@@ -138,7 +143,12 @@ def words_from_spans(schedule: Schedule, spans: list[tuple[str, float, float]]) 
     """Give each timed word the phonemes whose middle lies in it; words without any are dropped."""
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []
-    for text, start, end in spans:
+    for number, (text, start, end) in enumerate(spans):
+        here = f"{schedule.source}: word {number} ({text!r})"
+        _check_number(here, start)
+        _check_number(here, end)
+        if end < start:
+            _check_length(here, start, end)
         first, stop = (int(i) for i in middles.searchsorted([start, end]))
         if words:
             first = max(first, words[-1].stop)
@@ -148,15 +158,43 @@ def words_from_spans(schedule: Schedule, spans: list[tuple[str, float, float]]) 
 
 
 def _check_number(here: str, seconds: object) -> None:
-    if isinstance(seconds, bool) or not isinstance(seconds, (int, float, np.number)):
+    if isinstance(seconds, (bool, np.complexfloating)) or not isinstance(
+        seconds, (int, float, np.number)
+    ):
         raise ScheduleError(f"{here}: {seconds!r} is not a time; times are numbers of seconds")
-    if not np.isfinite(seconds):
+    try:
+        finite = isfinite(float(seconds))
+    except OverflowError:
+        finite = False
+    if not finite:
         raise ScheduleError(f"{here}: time is {seconds}; every time must be a finite number")
+
+
+def _check_length(here: str, start: float, end: float) -> None:
+    if end == start:
+        raise ScheduleError(
+            f"{here}, {start:g} to {end:g} s, has no length; give it some time, or leave it out"
+        )
+    if end < start:
+        raise ScheduleError(
+            f"{here}, {start:g} to {end:g} s, ends before it starts: times run backwards; "
+            "put them in order"
+        )
+
+
+def _boundaries(source: str, times: object) -> npt.NDArray[np.float64]:
+    try:
+        return np.array(times, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ScheduleError(f"{source}: boundaries must be numbers of seconds") from None
 
 
 def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -> None:
     if not labels:
         raise ScheduleError(f"{source}: has no phonemes; give at least one, with its start and end")
+    for number, label in enumerate(labels):
+        if not isinstance(label, str):
+            raise ScheduleError(f"{source}: phoneme {number}: {label!r} is not a label; use text")
     if times.shape != (len(labels) + 1,):
         raise ScheduleError(
             f"{source}: {len(labels)} phonemes need {len(labels) + 1} boundaries, got {times.size}"
@@ -167,15 +205,16 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
     steps = np.diff(times)
     if (steps <= 0).any():
         at = int(np.flatnonzero(steps <= 0)[0])
-        what = "has no length" if steps[at] == 0 else "ends before it starts: times run backwards"
-        mend = "give it some time, or leave it out" if steps[at] == 0 else "sort the rows by time"
-        raise ScheduleError(
-            f"{source}: phoneme {at} ({labels[at]!r}, {times[at]:g} to {times[at + 1]:g} s) {what};"
-            f" {mend}"
-        )
+        _check_length(f"{source}: phoneme {at} ({labels[at]!r})", times[at], times[at + 1])
     if np.abs(times).max() > LONGEST:
         raise ScheduleError(
             f"{source}: reaches {np.abs(times).max():g} s, past a day; are the times in "
+            "milliseconds, samples or frames? They must be seconds"
+        )
+    sounds = steps[[label != SILENCE for label in labels]]
+    if sounds.size and np.median(sounds) > LASTING:
+        raise ScheduleError(
+            f"{source}: its sounds last {np.median(sounds):g} s each; are the times in "
             "milliseconds, samples or frames? They must be seconds"
         )
 

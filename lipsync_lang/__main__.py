@@ -1,0 +1,7 @@
+"""``python -m lipsync_lang``: the command line."""
+
+import sys
+
+from lipsync_lang.cli import main
+
+sys.exit(main())

@@ -1,0 +1,63 @@
+"""What all tests share: where things are, a cache of their own, and the command line."""
+
+import os
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+import pytest
+
+from lipsync_lang.cli import main
+
+ROOT = Path(__file__).resolve().parents[1]
+DATA = "LIPSYNC_LANG_TEST_DATA"
+"""Environment variable: the folder of foreign recordings and alignments."""
+
+
+def pytest_configure(config):
+    """Keep away from the user's cache and packs, even while tests are collected."""
+    cache = TemporaryDirectory(prefix="lipsync-lang-cache-")
+    config.add_cleanup(cache.cleanup)
+    os.environ["LIPSYNC_LANG_CACHE"] = cache.name
+    os.environ.pop("LIPSYNC_LANG_PATH", None)
+
+
+@pytest.fixture(scope="session")
+def root():
+    """The repository."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def data():
+    """The folder of foreign recordings and alignments; tests that need it skip without it."""
+    folder = Path(os.environ.get(DATA) or ROOT.parent / "shared" / "data")
+    if not (folder / "alignments").is_dir():
+        pytest.skip(f"{folder} holds no recordings and alignments; {DATA} names such a folder")
+    return folder
+
+
+class Ended(NamedTuple):
+    """How a command ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def cli(capsys):
+    """Run a command in this process: what it returned, printed and said."""
+
+    def run(*arguments):
+        capsys.readouterr()
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as exit_:
+            code = exit_.code
+        assert code in (0, 1, 2)
+        ended = Ended(code, *capsys.readouterr())
+        assert "Traceback" not in ended.err
+        return ended
+
+    return run

@@ -1,0 +1,165 @@
+"""Animations and every writer of them."""
+
+import csv
+import json
+import wave
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lipsync_lang as ll
+from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.errors import LipsyncError, OutputError
+
+WRITERS = load_writers()
+assert WRITERS, "a sweep over nothing passes"
+every_writer = pytest.mark.parametrize("writer", WRITERS.values(), ids=WRITERS)
+
+FPS = 30
+NOISE = np.random.default_rng(0).integers(-32768, 32767, 4000).astype(np.int16)
+
+
+@pytest.fixture(scope="module")
+def animation():
+    schedule = ll.Schedule(
+        ("HH", "AH0", "L", "OW1", "_", "P"),
+        (0, 0.1, 0.2, 0.3, 0.5, 0.52, 0.6),
+        words=(ll.Word("hello", 0, 4), ll.Word("“p”, \\", 5, 6)),
+        notation="arpabet",
+        language="english",
+        audio=ll.Audio(NOISE, 8000),
+    )
+    return ll.resolve("english", "facefx").perform(schedule, fps=FPS)
+
+
+def written(writer, animation):
+    out = BytesIO()
+    writer.write(animation, out)
+    assert not out.closed, "the stream belongs to the caller"
+    return out.getvalue()
+
+
+def read_csv(content):
+    rows = list(csv.reader(content.decode("utf-8").splitlines()))
+    numbers = np.array(rows[1:], float)
+    return rows[0][0], tuple(rows[0][1:]), numbers[:, 0], numbers[:, 1:]
+
+
+def as_csv(content, animation):
+    first, poses, times, weights = read_csv(content)
+    assert (first, poses) == ("time_s", animation.poses)
+    np.testing.assert_allclose(times, animation.times, atol=1e-6)
+    np.testing.assert_allclose(weights, animation.weights, atol=1e-5)
+
+
+def as_json(content, animation):
+    document = json.loads(content)
+    frames = np.array(document["frames"])
+    times = document["start"] + np.arange(len(frames)) / document["fps"]
+    assert document["poses"] == list(animation.poses)
+    np.testing.assert_allclose(times, animation.times, atol=1e-5)
+    np.testing.assert_allclose(frames, animation.weights, atol=1e-5)
+    schedule = animation.schedule
+    assert [row["label"] for row in document["phonemes"]] == list(schedule.labels)
+    assert [row["text"] for row in document["words"]] == [word.text for word in schedule.words]
+    np.testing.assert_allclose([r["start"] for r in document["phonemes"]], schedule.times[:-1])
+    np.testing.assert_allclose([r["end"] for r in document["phonemes"]], schedule.times[1:])
+    assert (document["language"], document["notation"]) == (schedule.language, schedule.notation)
+
+
+def as_wav(content, animation):
+    audio = animation.schedule.audio
+    with wave.open(BytesIO(content)) as sound:
+        assert sound.getparams()[:4] == (1, 2, audio.rate, len(audio.samples))
+        samples = np.frombuffer(sound.readframes(len(audio.samples)), "<i2")
+    np.testing.assert_array_equal(samples, audio.samples)
+
+
+READ_BACK = {"csv": as_csv, "json": as_json, "wav": as_wav}
+
+
+def test_every_writer_is_read_back():
+    assert set(READ_BACK) == set(WRITERS)
+
+
+@every_writer
+def test_what_is_written_is_what_was_performed(writer, animation):
+    READ_BACK[writer.name](written(writer, animation), animation)
+    READ_BACK[writer.name](written(writer, animation.cut()), animation.cut())
+
+
+@every_writer
+def test_writing_twice_gives_the_same_bytes(writer, animation):
+    again = animation.performer.perform(animation.schedule, fps=FPS)
+    assert written(writer, animation) == written(writer, again)
+
+
+@every_writer
+def test_saving_writes_the_same_bytes(writer, animation, tmp_path):
+    for path in (tmp_path / f"line{writer.suffix}", tmp_path / f"loud{writer.suffix.upper()}"):
+        animation.save(path)
+        assert path.read_bytes() == written(writer, animation)
+        animation.save(str(path))
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@every_writer
+def test_every_writer_says_what_it_writes(writer):
+    assert writer.title.endswith(".")
+    assert writer.suffix == writer.suffix.lower()
+    assert writer.suffix.startswith(".")
+
+
+def test_every_module_of_the_folder_is_known():
+    folder = Path(ll.__file__).parent / "animations"
+    own = {"__init__", "animation", "registry"}
+    assert {path.stem for path in folder.glob("*.py")} - own == set(WRITERS)
+
+
+def test_the_lead_in_stays_before_time_zero(animation):
+    assert animation.times[0] == pytest.approx(-0.25, abs=1 / FPS)
+    assert animation.times[-1] == pytest.approx(0.85, abs=1 / FPS)
+    assert not animation.weights[[0, -1]].any()
+    assert json.loads(written(WRITERS["json"], animation))["start"] < 0
+    assert read_csv(written(WRITERS["csv"], animation))[2][0] < 0
+    late = ll.Schedule(("P",), (10, 10.1))
+    times = animation.performer.perform(late, fps=FPS).times
+    assert times[0] == pytest.approx(9.75, abs=1 / FPS)
+
+
+@pytest.mark.parametrize("fps", [12, 23.976, 30, 60, 120])
+def test_cutting_leaves_the_frames_of_the_schedule(fps, animation):
+    whole = animation.performer.perform(animation.schedule, fps=fps)
+    cut = whole.cut()
+    assert cut.times[0] == 0
+    assert cut.times[-1] == pytest.approx(0.6, abs=0.5 / fps)
+    assert len(cut.times) == len(cut.weights)
+    inside = np.isin(whole.times, cut.times)
+    np.testing.assert_array_equal(whole.weights[inside], cut.weights)
+    assert whole.times[~inside].size, "the animation itself is longer"
+
+
+def test_a_curve_is_had_by_its_name(animation):
+    for number, pose in enumerate(animation.poses):
+        np.testing.assert_array_equal(animation[pose], animation.weights[:, number])
+
+
+def test_a_schedule_without_sound_writes_no_wav_and_no_file(animation, tmp_path):
+    silent = replace(animation, schedule=replace(animation.schedule, audio=None))
+    with pytest.raises(OutputError, match="no sound to write: schedule came without audio; speak"):
+        silent.save(tmp_path / "line.wav")
+    assert not list(tmp_path.iterdir())
+
+
+def test_letters_that_no_file_holds_are_escaped(animation):
+    odd = replace(animation.schedule, words=(ll.Word("\ud800", 0, 1),))
+    content = written(WRITERS["json"], replace(animation, schedule=odd))
+    assert json.loads(content)["words"][0]["text"] == "\ud800"
+
+
+def test_an_animation_from_elsewhere_cannot_be_explained(animation):
+    with pytest.raises(LipsyncError, match="not performed here; nothing is known of its making"):
+        replace(animation, performer=None).explain(0.1)

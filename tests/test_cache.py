@@ -1,0 +1,412 @@
+"""The cache of compiled pairs: exact when warm, and never believed when in doubt."""
+
+import ast
+import os
+import random
+import shutil
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+from packs_tree import plant, put
+
+import lipsync_lang as ll
+from lipsync_lang.packs.library import Library
+from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.resolver import cache
+from lipsync_lang.resolver.compile import compile_pair
+
+SCHEDULE = ll.Schedule(("P", "Y", "no", "P"), [0, 0.1, 0.25, 0.4, 0.5], notation="first")
+PAIR = ("child", "anna")
+
+
+@pytest.fixture
+def store(tmp_path, monkeypatch):
+    """An empty cache, and a project folder with small packs to stand in."""
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.chdir(plant(tmp_path / "project"))
+    return tmp_path / "cache"
+
+
+def warm(language="child", character="anna", paths=()):
+    """Tell whether the cache answers."""
+    return cache.load(language, character, tuple(Path(p) for p in paths)) is not None
+
+
+def fill(*pair, **rest):
+    """Resolve a pair twice and return the cache's answer."""
+    ll.resolve(*(pair or PAIR), **rest)
+    assert warm(*(pair or PAIR), **rest)
+
+
+def only(store):
+    (path,) = store.glob("*.pair")
+    return path
+
+
+def assert_alike(one, other):
+    """Compare two compiled pairs to the last bit."""
+    for field in fields(one):
+        if field.name != "tables":
+            assert getattr(one, field.name) == getattr(other, field.name), field.name
+    for field in fields(Tables):
+        left, right = getattr(one.tables, field.name), getattr(other.tables, field.name)
+        if field.name == "contacts":
+            assert len(left) == len(right)
+            pairs = [(vars(a), vars(b)) for a, b in zip(left, right, strict=True)]
+            for name in ("phonemes", "floor", "ceiling"):
+                assert all(np.array_equal(a[name], b[name]) for a, b in pairs)
+        elif isinstance(left, np.ndarray):
+            assert left.dtype == right.dtype
+            assert np.array_equal(left, right), field.name
+        else:
+            assert left == right, field.name
+
+
+# Warm
+
+
+@pytest.mark.parametrize("pair", [PAIR, ("parent", "face"), ("qaa-XX", "anna")])
+def test_warm_equals_cold_exactly(pair, store):
+    cold = compile_pair(Library(), *pair)
+    fill(*pair)
+    assert only(store).is_file()
+    assert_alike(cold, cache.load(*pair, ()))
+
+
+def test_the_packs_of_the_program_are_kept_exactly(store, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    cold = compile_pair(Library(), "english", "facefx")
+    fill("en", "facefx")
+    assert_alike(cold, cache.load("en", "facefx", ()))
+    assert only(store)
+
+
+def test_a_warm_performance_is_the_same_to_the_last_bit(store):
+    cold = ll.resolve(*PAIR).perform(SCHEDULE)
+    kept = ll.resolve(*PAIR).perform(SCHEDULE)
+    fresh = ll.resolve(*PAIR, cache=False).perform(SCHEDULE)
+    assert np.array_equal(cold.weights, kept.weights)
+    assert np.array_equal(cold.weights, fresh.weights)
+    assert cold.explain(0.2) == kept.explain(0.2)
+    assert only(store)
+
+
+CHECK = """
+import sys
+from lipsync_lang.cli import main
+code = main(["run", "-l", "child", "-c", "anna", "--schedule", "line.json", "-o", "a.csv"])
+print(code, *sorted({name.partition(".")[0] for name in sys.modules}))
+"""
+
+
+def test_a_warm_run_reads_no_yaml(store):
+    put(Path(), "line.json", '[{"label": "P", "start": 0, "end": 0.2}]')
+    loaded = []
+    for _ in range(2):
+        command = [sys.executable, "-c", CHECK]
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
+        code, *modules = done.stdout.split()
+        assert code == "0", done.stderr
+        loaded.append(set(modules))
+    assert {"ruamel", "pydantic"} <= loaded[0], "the first run was to be cold"
+    assert not {"ruamel", "pydantic", "platformdirs", "praatio"} & loaded[1]
+    assert only(store)
+
+
+def test_gaps_and_motion_are_asked_for_anew(store):
+    put(Path(), "posesets/bare/poseset.yaml", BARE)
+    ll.resolve("parent", "bare", gaps="rest")
+    assert warm("parent", "bare")
+    with pytest.raises(ll.LipsyncError, match="bare has nothing for"):
+        ll.resolve("parent", "bare")
+    assert ll.resolve("parent", "bare", gaps="rest", motion={"window": 0.2}).motion.window == 0.2
+    assert only(store)
+
+
+BARE = "kind: poseset\nformat: 1\nname: bare\nposes: {open: {}}\n"
+
+
+def test_the_cache_can_be_turned_off(store, monkeypatch):
+    ll.resolve(*PAIR, cache=False)
+    for word in ("off", ""):
+        monkeypatch.setenv(cache.VARIABLE, word)
+        ll.resolve(*PAIR)
+    assert not store.exists()
+    assert not Path("off").exists()
+
+
+def test_the_oldest_pairs_are_forgotten(store, monkeypatch):
+    monkeypatch.setattr(cache, "KEPT", 2)
+    for number, (language, character) in enumerate([PAIR, ("child", "face"), ("parent", "face")]):
+        ll.resolve(language, character)
+        for path in store.glob("*.pair"):
+            os.utime(path, (path.stat().st_mtime, path.stat().st_mtime - 10 + number))
+    assert len(list(store.glob("*.pair"))) == 2
+    assert not warm("child", "anna")
+    assert warm("child", "face")
+    assert warm("parent", "face")
+
+
+# Stale
+
+
+def files_of(pair):
+    library = Library()
+    compile_pair(library, *pair)
+    return sorted(library.files)
+
+
+def test_every_file_that_was_read_counts(store):
+    found = files_of(PAIR)
+    names = {Path(path).relative_to(Path.cwd()).as_posix() for path in found}
+    assert names >= {
+        "languages/common.yaml",
+        "languages/parent.yaml",
+        "languages/child.yaml",
+        "posesets/face/poseset.yaml",
+        "posesets/face/banks/common.yaml",
+        "characters/anna.yaml",
+        "characters/anna-bank.yaml",
+    }
+    fill()
+    for path in map(Path, found):
+        content = path.read_bytes()
+        path.write_bytes(content + b"# seen\n")
+        assert not warm(), path
+        path.write_bytes(content)
+        assert warm(), "the same content is as good as new"
+        path.unlink()
+        assert not warm(), path
+        path.mkdir()
+        assert not warm(), path
+        path.rmdir()
+        path.write_bytes(content)
+    assert only(store)
+
+
+ADDED = {
+    "a language of that name": "languages/child.yaml",
+    "its parent": "languages/parent.yaml",
+    "the common phonemes": "languages/common.yaml",
+    "the character": "characters/anna.yaml",
+    "the pose set": "posesets/face/poseset.yaml",
+    "a bank": "posesets/face/banks/more.yaml",
+    "a rig": "posesets/face/rigs/more.yaml",
+}
+
+
+@pytest.mark.parametrize("name", ADDED.values(), ids=ADDED)
+@pytest.mark.parametrize("how", ["path", "variable"])
+def test_a_pack_that_is_found_earlier_counts(name, how, store, tmp_path, monkeypatch):
+    more = tmp_path / "more"
+    more.mkdir()
+    paths = [more] if how == "path" else []
+    if how == "variable":
+        monkeypatch.setenv("LIPSYNC_LANG_PATH", str(more))
+    fill(paths=paths)
+    put(more, name, "kind: nothing\n")
+    assert not warm(paths=paths)
+    assert only(store)
+
+
+def test_a_bank_that_is_added_or_deleted_counts(store):
+    fill()
+    text = "kind: bank\nformat: 1\nname: more\nposeset: face\nbigrams: {a-a: {curves: {}}}\n"
+    put(Path(), "posesets/face/banks/more.yaml", text)
+    assert not warm()
+    layers = ll.resolve(*PAIR).report.layers
+    fill()
+    Path("posesets/face/banks/more.yaml").unlink()
+    assert not warm()
+    assert ll.resolve(*PAIR).report.layers != layers
+    assert only(store)
+
+
+def test_a_character_named_like_its_pose_set_counts(store):
+    fill("child", "face")
+    text = "kind: character\nformat: 1\nname: face\nposeset: face\nmotion: {speed_limit: 3}\n"
+    put(Path(), "characters/face.yaml", text)
+    assert not warm("child", "face")
+    assert ll.resolve("child", "face").motion.speed_limit == 3
+    assert only(store)
+
+
+def test_a_language_named_like_a_tag_counts(store):
+    fill("qaa-XX", "face")
+    put(Path(), "languages/qaa-XX.yaml", "kind: language\nformat: 1\nname: qaa-XX\ntag: qab\n")
+    assert not warm("qaa-XX", "face")
+    assert only(store)
+
+
+def test_each_folder_has_its_own_pairs(store, tmp_path, monkeypatch):
+    fill()
+    monkeypatch.chdir(plant(tmp_path / "elsewhere", "characters/anna-bank.yaml"))
+    assert not warm()
+    with pytest.raises(ll.LipsyncError, match="anna-bank"):
+        ll.resolve(*PAIR)
+    assert only(store)
+
+
+def test_other_code_compiles_anew(store, tmp_path, monkeypatch):
+    fill()
+    package = Path(ll.__file__).parent
+    copy = tmp_path / "package"
+    for folder in cache.COMPILERS:
+        shutil.copytree(package / folder, copy / folder)
+    monkeypatch.setattr(cache, "__file__", str(copy / "resolver" / "cache.py"))
+    try:
+        cache.compiler.cache_clear()
+        assert warm(), "a copy of the same code is the same code"
+        for folder in cache.COMPILERS:
+            module = max((copy / folder).glob("*.py"))
+            text = module.read_bytes()
+            module.write_bytes(text + b"# changed\n")
+            cache.compiler.cache_clear()
+            assert not warm(), folder
+            module.write_bytes(text)
+        cache.compiler.cache_clear()
+        monkeypatch.setattr(cache, "__version__", "0.0.0")
+        assert not warm()
+    finally:
+        cache.compiler.cache_clear()
+    assert only(store)
+
+
+# Broken
+
+
+def test_what_is_cut_off_is_not_believed(store):
+    fill()
+    whole = only(store).read_bytes()
+    for length in {*range(0, len(whole), max(1, len(whole) // 50)), len(whole) - 1}:
+        only(store).write_bytes(whole[:length])
+        assert not warm(), length
+    only(store).write_bytes(whole + b"\0")
+    assert not warm()
+    only(store).write_bytes(whole)
+    assert warm()
+
+
+def test_what_is_damaged_is_not_believed(store):
+    fill()
+    whole = only(store).read_bytes()
+    chance = random.Random(0)  # noqa: S311 to repeat
+    places = [*range(80), *(chance.randrange(len(whole)) for _ in range(200))]
+    for place in places:
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << chance.randrange(8)
+        only(store).write_bytes(damaged)
+        assert not warm(), place
+
+
+FOREIGN = {
+    "nothing": b"",
+    "text": b"hello\n",
+    "a mark alone": cache.MARK,
+    "a mark and zeros": cache.MARK + bytes(1000),
+    "json": b"{}",
+    "another version": b"lipsync-lang compiled pair, v0.\n" + bytes(1000),
+}
+
+
+@pytest.mark.parametrize("content", FOREIGN.values(), ids=FOREIGN)
+def test_what_is_foreign_is_not_believed_and_made_anew(content, store):
+    fill()
+    only(store).write_bytes(content)
+    assert not warm()
+    fill()
+
+
+def test_another_pairs_file_is_not_believed(store):
+    fill()
+    mine = only(store)
+    fill("parent", "face")
+    (other,) = set(store.glob("*.pair")) - {mine}
+    shutil.copy(other, mine)
+    assert not warm()
+    assert ll.resolve(*PAIR).language == "child"
+
+
+def test_a_folder_in_a_files_place_is_left_alone(store):
+    fill()
+    path = only(store)
+    path.unlink()
+    path.mkdir()
+    assert ll.resolve(*PAIR).perform(SCHEDULE).weights.any()
+    assert path.is_dir()
+
+
+@pytest.mark.parametrize("where", ["file", "file/below", "/dev/null/cache", "x" * 5000])
+def test_a_cache_that_cannot_be_is_done_without(where, store, monkeypatch):
+    Path("file").touch()
+    monkeypatch.setenv(cache.VARIABLE, where)
+    for _ in range(2):
+        assert ll.resolve(*PAIR).perform(SCHEDULE).weights.any()
+    assert not store.exists()
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0, reason="as root every folder can be read"
+)
+@pytest.mark.parametrize("mode", [0o000, 0o300, 0o500])
+def test_a_closed_cache_folder_is_done_without(mode, store):
+    fill()
+    store.chmod(mode)
+    try:
+        assert ll.resolve(*PAIR).perform(SCHEDULE).weights.any()
+    finally:
+        store.chmod(0o700)
+
+
+CROWD = """
+import sys
+from lipsync_lang.packs.library import Library
+from lipsync_lang.resolver import cache
+from lipsync_lang.resolver.compile import compile_pair
+
+library = Library()
+compiled = compile_pair(library, "child", "anna")
+print("ready", flush=True)
+sys.stdin.readline()
+for _ in range(25):
+    cache.save(compiled, "child", "anna", library)
+    kept = cache.load("child", "anna", ())
+    assert kept is not None, "a file half written was met"
+    assert (kept.tables.curves == compiled.tables.curves).all()
+"""
+
+
+def test_processes_may_write_at_once(store):
+    command = [sys.executable, "-c", CROWD]
+    pipe = subprocess.PIPE
+    crowd = [
+        subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, encoding="utf-8")
+        for _ in range(3)
+    ]
+    for process in crowd:
+        assert process.stdout.readline() == "ready\n"
+    for process in crowd:
+        process.stdin.write("go\n")
+        process.stdin.flush()
+    for process in crowd:
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 0, errors
+    assert [path.name for path in store.iterdir()] == [only(store).name], "nothing left behind"
+
+
+def test_nothing_is_unpickled_or_executed():
+    banned = {"pickle", "marshal", "shelve", "dill", "joblib", "cloudpickle"}
+    for path in Path(ll.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Import):
+                assert not banned & {alias.name for alias in node.names}, path
+            elif isinstance(node, ast.ImportFrom):
+                assert node.module not in banned, path
+            elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id not in {"eval", "exec"}, path
+            elif isinstance(node, ast.keyword):
+                assert node.arg != "allow_pickle", path

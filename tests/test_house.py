@@ -1,0 +1,222 @@
+"""The house: who may know whom, and that what is data stays data."""
+
+import ast
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+import lipsync_lang as ll
+from lipsync_lang.packs.library import Library
+
+PACKAGE = Path(ll.__file__).parent
+MODULES = {p.relative_to(PACKAGE).as_posix(): ast.parse(p.read_bytes()) for p in
+           sorted(PACKAGE.rglob("*.py"))}  # fmt: skip
+assert MODULES, "a sweep over nothing passes"
+every_module = pytest.mark.parametrize("name", MODULES)
+
+
+# Arrows
+
+KNOWS = {
+    "errors": set(),
+    "files": {"errors"},
+    "packs": {"errors", "files"},
+    "pipeline": set(),
+    "phonology": {"errors"},
+    "schedules": {"errors", "files"},
+    "animations": {"errors", "files", "schedules", "trace"},
+    "speech": {"errors", "schedules"},
+    "banks": {"errors", "packs", "pipeline", "resolver"},
+    "resolver": {"banks", "errors", "files", "packs", "performer", "phonology", "pipeline"},
+}
+"""What the lower parts may import; whoever is not here may import all but the faces."""
+
+FACES = {"cli", "studio"}
+"""Nobody imports them."""
+
+
+def part(name):
+    """The part of the house that a module belongs to."""
+    return name.split("/")[0].removesuffix(".py")
+
+
+def imports(tree):
+    """Yield the full names of what a module imports of ours."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def arrows():
+    """Return the parts that each part imports, and where."""
+    known = {part(name) for name in MODULES}
+    found = defaultdict(dict)
+    for name, tree in MODULES.items():
+        for imported in imports(tree):
+            steps = imported.split(".")
+            if steps[0] == "lipsync_lang" and steps[1:2] and steps[1] in known - {part(name)}:
+                found[part(name)][steps[1]] = name
+    return found
+
+
+ARROWS = arrows()
+
+
+@pytest.mark.parametrize("here", KNOWS)
+def test_the_lower_parts_know_only_what_they_may(here):
+    assert here in {part(name) for name in MODULES}, "gone: remove it from KNOWS"
+    found = ARROWS[here]
+    extra = {name: place for name, place in found.items() if name not in KNOWS[here]}
+    assert not extra, f"{here} imports what it should not know"
+
+
+def test_nobody_imports_the_faces():
+    for here, found in ARROWS.items():
+        assert not FACES & set(found) or here == "__main__", f"{here} imports a face"
+
+
+def test_writers_know_only_the_schedule_itself():
+    for name, tree in MODULES.items():
+        if part(name) == "animations":
+            for imported in imports(tree):
+                if imported.startswith("lipsync_lang.schedules"):
+                    assert imported == "lipsync_lang.schedules.schedule.Schedule", name
+
+
+def test_what_runs_beside_the_program_imports_nothing_of_it():
+    for name, tree in MODULES.items():
+        if name.endswith("_worker.py"):
+            assert not [i for i in imports(tree) if i.startswith("lipsync_lang")], name
+
+
+# Data stays data
+
+
+def names_of_packs():
+    """Return every name that belongs into packs, and what it names."""
+    library = Library(project=None)
+    found = {}
+    common = library.common().model
+    found.update(dict.fromkeys((p for p in common.phonemes if len(p) > 1), "common phoneme"))
+    for one in library.names("poseset"):
+        model = library.poseset(one.name).model
+        found.update(dict.fromkeys(model.poses, "pose"))
+        found.update(dict.fromkeys((model.name, *model.contacts), "pose set"))
+    for one in library.names("language"):
+        model = library.language(one.name).model
+        for table in model.notations.values():
+            found.update(dict.fromkeys(filter(unmistakable, table), "label"))
+        found.update(dict.fromkeys(model.notations, "notation"))
+        found.update(dict.fromkeys((model.name, model.tag), "language"))
+    return {name: what for name, what in found.items() if len(name) > 1 or not name.isascii()}
+
+
+def unmistakable(label):
+    """Tell whether a label can be nothing else: `ʃ` and `HH`, but neither `in` nor `s`."""
+    return not label.isascii() or (len(label) > 1 and label.isalpha() and label.isupper())
+
+
+NAMES = names_of_packs()
+assert {"language", "pose", "pose set", "label", "common phoneme"} <= set(NAMES.values())
+
+TOLD_APART = {"language", "pose set", "pose"}
+"""Names that may not stand within longer text either."""
+
+ORDINARY = {
+    "open": "a verb",
+    "wide": "an adjective",
+    "lips": "a part of the face",
+    "teeth": "a part of the face",
+}
+"""Names of packs that are English words: looked for alone, not within text."""
+
+EXEMPT = {
+    ("cli.py", "english"): "the examples of --help can be typed as they stand",
+    ("cli.py", "facefx"): "the examples of --help can be typed as they stand",
+    ("schedules/json.py", "HH"): "the example of the format's form",
+    ("speech/espeak.py", "NG"): "eSpeak NG is the engine's name",
+    ("speech/espeak.py", "ipa"): "the notation that the engine itself writes",
+    ("phonology/labels.py", "label"): "letters of the IPA that are typed for one another",
+}
+"""(module, name or kind of name): why it may stand there; a cured one must go."""
+
+
+def texts(tree):
+    """Yield the strings of a module that the program uses: no docstrings, no format codes."""
+    told = {id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Expr)}
+    codes = {
+        id(inner)
+        for n in ast.walk(tree)
+        if isinstance(n, ast.FormattedValue) and n.format_spec
+        for inner in ast.walk(n.format_spec)
+    }
+    for node in ast.walk(tree):
+        text = isinstance(node, ast.Constant) and isinstance(node.value, str)
+        if text and id(node) not in told | codes:
+            yield node.value
+
+
+def named(text):
+    """Yield the names of packs that a string is or holds."""
+    if text in NAMES:
+        yield text
+        return
+    for word in set(re.findall(r"[\w-]+", text)):
+        what = NAMES.get(word)
+        unmistaken = what == "label" and word.isascii()
+        if len(word) > 1 and word not in ORDINARY and (what in TOLD_APART or unmistaken):
+            yield word
+
+
+def test_no_module_knows_the_name_of_a_language_a_phoneme_or_a_pose():
+    found = {
+        (name, word) for name, tree in MODULES.items() for t in texts(tree) for word in named(t)
+    }
+    used = {
+        key for name, word in found for key in ((name, word), (name, NAMES[word])) if key in EXEMPT
+    }
+    loose = {
+        (name, word)
+        for name, word in found
+        if (name, word) not in EXEMPT and (name, NAMES[word]) not in EXEMPT
+    }
+    assert not loose, "names that belong into packs"
+    assert used == set(EXEMPT), "cured: remove it from EXEMPT"
+
+
+# Habits
+
+
+def public(tree):
+    """Yield the classes and functions of a module that others may use."""
+    for node in tree.body:
+        if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and not node.name.startswith("_"):
+            yield node
+            if isinstance(node, ast.ClassDef):
+                yield from public(node)
+
+
+@every_module
+def test_everything_public_says_what_it_is(name):
+    tree = MODULES[name]
+    assert ast.get_docstring(tree), f"{name} says nothing"
+    for node in public(tree):
+        assert ast.get_docstring(node), f"{name}:{node.lineno} {node.name} says nothing"
+
+
+@every_module
+def test_only_the_command_line_prints(name):
+    calls = [n for n in ast.walk(MODULES[name]) if isinstance(n, ast.Call)]
+    prints = [n.lineno for n in calls if isinstance(n.func, ast.Name) and n.func.id == "print"]
+    assert name in {"cli.py", "commands.py"} or not prints
+
+
+@every_module
+def test_every_module_can_be_read_at_a_sitting(name):
+    lines = (PACKAGE / name).read_text("utf-8").count("\n")
+    assert lines <= 600, f"{name} has {lines} lines"

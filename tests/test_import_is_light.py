@@ -1,0 +1,78 @@
+"""Importing costs next to nothing: heavy libraries come in when they are used."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import lipsync_lang as ll
+
+HEAVY = {
+    "numpy",
+    "pydantic",
+    "ruamel",
+    "matplotlib",
+    "praatio",
+    "espeakng_loader",
+    "platformdirs",
+    "http",
+    "asyncio",
+    "importlib.metadata",
+}
+
+
+def modules_after(code):
+    """Return the modules that are loaded once some code has run in a process of its own."""
+    command = f"import json, sys\n{code}\nprint(json.dumps(sorted(sys.modules)), file=sys.stderr)"
+    options = {"capture_output": True, "encoding": "utf-8", "check": True, "timeout": 60}
+    done = subprocess.run([sys.executable, "-c", command], **options)  # noqa: PLW1510
+    return set(json.loads(done.stderr.splitlines()[-1]))
+
+
+BEFORE = modules_after("")
+assert not HEAVY & BEFORE, "a sweep over what is there anyway passes"
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import lipsync_lang",
+        "import lipsync_lang; dir(lipsync_lang)",
+        "import lipsync_lang.cli; lipsync_lang.cli.parser()",
+        "from lipsync_lang import LipsyncError",
+    ],
+)
+def test_importing_is_light(code):
+    assert not HEAVY & modules_after(code)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["run", "--help"], ["dance"]])
+def test_help_is_light(arguments):
+    code = (
+        "from lipsync_lang.cli import main\n"
+        f"try: main({arguments!r})\n"
+        "except SystemExit: print(file=sys.stderr)"
+    )
+    assert not HEAVY & modules_after(code)
+
+
+def test_performing_a_schedule_needs_no_speech_and_no_pictures():
+    code = (
+        "import lipsync_lang as ll\n"
+        "schedule = ll.Schedule(('HH', 'AY'), [0, 0.1, 0.3])\n"
+        "animation = ll.resolve('english', 'facefx').perform(schedule)\n"
+        "animation.explain(0.1)"
+    )
+    assert not {"matplotlib", "praatio", "espeakng_loader", "http"} & modules_after(code)
+
+
+@pytest.mark.parametrize("name", ll.__all__)
+def test_every_public_name_is_there(name):
+    assert getattr(ll, name) is not None
+    assert name in dir(ll)
+
+
+def test_a_name_that_is_not_there_is_told():
+    with pytest.raises(AttributeError, match="module 'lipsync_lang' has no attribute 'perfrom'"):
+        ll.perfrom  # noqa: B018 asking is the point

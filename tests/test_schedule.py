@@ -1,0 +1,218 @@
+"""Schedules: what they refuse, their words, and the readers that make them."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import lipsync_lang as ll
+from lipsync_lang.errors import ScheduleError
+from lipsync_lang.schedules import SILENCE
+from lipsync_lang.schedules.registry import load_readers
+from lipsync_lang.schedules.schedule import SNAP, words_from_spans
+
+LABELS = ("HH", "AH0", "L", "OW1")
+TIMES = (0, 0.1, 0.2, 0.3, 0.5)
+
+
+def make(**rest):
+    return ll.Schedule(LABELS, TIMES, **rest)
+
+
+@st.composite
+def intervals(draw):
+    """Contiguous rows."""
+    steps = draw(st.lists(st.floats(2e-3, 3), min_size=1, max_size=12))
+    times = draw(st.floats(-5, 100)) + np.concatenate(([0], np.cumsum(steps)))
+    labels = draw(st.lists(st.text(max_size=3), min_size=len(steps), max_size=len(steps)))
+    return list(zip(labels, times[:-1].tolist(), times[1:].tolist(), strict=True))
+
+
+# The form
+
+
+def test_a_schedule_keeps_its_own_times_unchangeable():
+    times = np.array(TIMES)
+    schedule = ll.Schedule(LABELS, times)
+    times[0] = -1
+    assert schedule.start == 0
+    with pytest.raises(ValueError, match="read-only"):
+        schedule.times[0] = 1
+    assert (schedule.end, len(schedule)) == (0.5, 4)
+
+
+@pytest.mark.parametrize(
+    ("labels", "times", "message"),
+    [
+        ((), (0,), "has no phonemes; give at least one"),
+        (LABELS, (0, 1), "4 phonemes need 5 boundaries, got 2"),
+        (LABELS, [TIMES], "4 phonemes need 5 boundaries, got 5"),
+        (("A",), 1.0, "1 phonemes? needs? 2 boundaries, got 1"),
+        (LABELS, (0, 0.1, float("nan"), 0.3, 0.5), "boundary 2 is nan; times must be finite"),
+        (LABELS, (0, 0.1, 0.2, 0.3, float("inf")), "boundary 4 is inf; times must be finite"),
+        (LABELS, (0, 0.1, 0.1, 0.3, 0.5), r"phoneme 1 \('AH0'\), 0.1 to 0.1 s, has no length; g"),
+        (LABELS, (0, 0.2, 0.1, 0.3, 0.5), r"phoneme 1 \('AH0'\), 0.2 to 0.1 s, ends before"),
+        (LABELS, (0, 100, 200, 300, 500), "sounds last 100 s each; are the times in milliseconds"),
+        (LABELS, (0, 1, 2, 3, 90_000), "reaches 90000 s, past a day; are the times in millisec"),
+        (LABELS, (-90_000, 1, 2, 3, 4), "reaches 90000 s, past a day; are the times in millisec"),
+        (LABELS, ("a", "b", "c", "d", "e"), "boundaries must be numbers of seconds"),
+        (LABELS, (0, None, {}, [], 1), "boundaries must be numbers of seconds"),
+        (LABELS, (0, 1, 2, 3, 10**400), "boundaries must be numbers of seconds"),
+        (("A", 5), (0, 1, 2), "phoneme 1: 5 is not a label; use text"),
+        ((None,), (0, 1), "phoneme 0: None is not a label; use text"),
+    ],
+)
+def test_what_cannot_be_performed_is_refused(labels, times, message):
+    with pytest.raises(ScheduleError, match=f"^line: .*{message}"):
+        ll.Schedule(labels, times, source="line")
+
+
+def test_a_long_pause_is_no_mistake():
+    ll.Schedule(("A", SILENCE, "B"), (0, 0.1, 3600, 3600.1))
+    ll.Schedule((SILENCE,), (0, 3600))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([ll.Word("hi", 0, 5)], "word 'hi' covers phonemes 0 to 4, but the schedule has 0 to 3"),
+        ([ll.Word("hi", -1, 2)], "word 'hi' covers phonemes -1 to 1"),
+        ([ll.Word("hi", 2, 2)], "word 'hi' covers"),
+        ([ll.Word("a", 0, 2), ll.Word("b", 1, 3)], "words 'a' and 'b' share phoneme 1; .* order"),
+        ([ll.Word("b", 2, 3), ll.Word("a", 0, 2)], "words 'b' and 'a' share phoneme 0"),
+    ],
+)
+def test_words_that_do_not_fit_are_refused(words, message):
+    with pytest.raises(ScheduleError, match=f"^line: {message}"):
+        make(words=words, source="line")
+
+
+def test_words_are_found_by_phoneme():
+    schedule = make(words=[ll.Word("hel", 0, 2), ll.Word("lo", 3, 4)])
+    found = [schedule.word_at(index) for index in range(4)]
+    assert [word and word.text for word in found] == ["hel", "hel", None, "lo"]
+
+
+def test_moving_and_stretching_keep_everything_but_the_sound():
+    audio = ll.Audio(np.zeros(100, np.int16), 100)
+    assert audio.seconds == 1
+    schedule = make(words=[ll.Word("hello", 0, 4)], language="x", audio=audio)
+    moved, slow = schedule.moved(2), schedule.moved(1).stretched(3)
+    np.testing.assert_allclose(moved.times, np.add(TIMES, 2))
+    np.testing.assert_allclose(slow.times, 1 + np.multiply(TIMES, 3))
+    for other in (moved, slow):
+        assert (other.labels, other.words, other.language) == (LABELS, schedule.words, "x")
+        assert other.audio is None
+
+
+# Rows
+
+
+@given(intervals())
+def test_contiguous_rows_become_a_schedule(rows):
+    schedule = ll.Schedule.from_intervals(rows)
+    assert schedule.labels == tuple(label for label, _, _ in rows)
+    assert schedule.times.tolist() == [rows[0][1], *(end for _, _, end in rows)]
+
+
+@given(intervals(), st.data())
+def test_rounding_between_rows_is_closed(rows, data):
+    noise = st.floats(-0.9 * SNAP, 0.9 * SNAP)
+    shaken = [(label, start + data.draw(noise), end) for label, start, end in rows]
+    schedule = ll.Schedule.from_intervals(shaken)
+    assert schedule.times.tolist() == [shaken[0][1], *(end for _, _, end in rows)]
+
+
+@given(intervals(), st.floats(2 * SNAP, 1), st.booleans())
+def test_gaps_and_overlaps_are_refused_with_the_row(rows, by, later):
+    label, start, end = rows[-1]
+    by = by if later else -by
+    rows = [("x", start - 2, start), (label, start + by, max(end, start + by) + 1)]
+    what = "a gap. Write silence there" if later else "they overlap. Move one of the two"
+    with pytest.raises(ScheduleError, match=rf"phoneme 1 .* starts at .*: {what}"):
+        ll.Schedule.from_intervals(rows)
+
+
+def test_rows_may_hold_numpys_numbers_but_no_others():
+    rows = [("a", np.float32(0), np.int64(1)), ("b", 1, np.float64(2))]
+    assert ll.Schedule.from_intervals(rows).times.tolist() == [0, 1, 2]
+    for odd in (True, np.True_, "1", None, 1j, np.complex64(1), np.array([1.0])):
+        with pytest.raises(ScheduleError, match=r"phoneme 0 \('a'\): .* is not a time; times are"):
+            ll.Schedule.from_intervals([("a", 0, odd)])
+
+
+def test_words_take_the_phonemes_whose_middle_they_cover():
+    schedule = make()
+    spans = [("he", 0, 0.16), (" ", 0.16, 0.2), ("llo", 0.16, 0.5), ("!", 0.45, 0.5)]
+    words = words_from_spans(schedule, spans)
+    assert [(w.text, w.first, w.stop) for w in words] == [("he", 0, 2), ("llo", 2, 4)]
+
+
+def test_words_that_overlap_share_no_phoneme():
+    words = words_from_spans(make(), [("a", 0, 0.3), ("b", 0.1, 0.5), ("c", 0, 0.5)])
+    assert [(w.text, w.first, w.stop) for w in words] == [("a", 0, 3), ("b", 3, 4)]
+
+
+# Readers
+
+READERS = load_readers()
+assert READERS, "a sweep over nothing passes"
+
+EXAMPLES = {
+    "json": json.dumps(
+        {
+            "notation": "arpabet",
+            "phonemes": [
+                {"label": label, "start": start, "end": end}
+                for label, start, end in zip(LABELS, TIMES, TIMES[1:], strict=False)
+            ],
+            "words": [{"text": "hello", "start": 0, "end": 0.5}],
+        }
+    ),
+    "textgrid": (
+        'File type = "ooTextFile"\nObject class = "TextGrid"\n\n0\n0.5\n<exists>\n2\n'
+        '"IntervalTier"\n"words"\n0\n0.5\n1\n0\n0.5\n"hello"\n'
+        '"IntervalTier"\n"phones"\n0\n0.5\n4\n'
+        + "".join(
+            f'{start}\n{end}\n"{label}"\n'
+            for label, start, end in zip(LABELS, TIMES, TIMES[1:], strict=False)
+        )
+    ),
+}
+"""The same line in every input format."""
+
+
+def test_every_reader_has_an_example():
+    assert set(EXAMPLES) == set(READERS)
+
+
+@pytest.mark.parametrize(
+    ("name", "suffix"), [(r.name, suffix) for r in READERS.values() for suffix in r.suffixes]
+)
+def test_every_reader_reads_its_example(name, suffix, tmp_path):
+    for path in (tmp_path / f"line{suffix}", tmp_path / f"loud{suffix.upper()}"):
+        path.write_text(EXAMPLES[name], "utf-8")
+        schedule = ll.read_schedule(path)
+        assert schedule.labels == LABELS
+        assert schedule.times.tolist() == list(TIMES)
+        assert schedule.words == (ll.Word("hello", 0, 4),)
+        assert schedule.source == str(path)
+        assert ll.read_schedule(str(path), notation="ipa").notation == "ipa"
+
+
+@pytest.mark.parametrize("reader", READERS.values(), ids=READERS)
+def test_every_reader_says_what_it_reads(reader):
+    assert reader.title.endswith(".")
+    assert all(suffix == suffix.lower() and suffix[0] == "." for suffix in reader.suffixes)
+
+
+@pytest.mark.parametrize("reader", READERS.values(), ids=READERS)
+@pytest.mark.parametrize("content", [b"", b"\0" * 99, b"\xff" * 9, b"hello", b"[" * 10_000])
+def test_every_reader_refuses_in_words(reader, content, tmp_path):
+    path = tmp_path / f"line{reader.suffixes[0]}"
+    path.write_bytes(content)
+    with pytest.raises(ScheduleError, match=r"line\.") as caught:
+        ll.read_schedule(path)
+    assert str(caught.value).startswith(str(path))

@@ -1,0 +1,147 @@
+"""The wheel, as a user gets it: installed alone, run from an empty folder. Takes half a minute."""
+
+import json
+import os
+import subprocess
+import sys
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import lipsync_lang as ll
+
+SCHEDULE = [{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY1", "start": 0.1, "end": 0.3}]
+UNREACHABLE = (
+    "Temporary failure in name resolution",
+    "Failed to establish a new connection",
+    "No matching distribution found",
+    "Connection refused",
+    "Network is unreachable",
+    "Read timed out",
+    "ProxyError",
+)
+"""What pip says where it has no index."""
+
+pytestmark = pytest.mark.xdist_group("wheel")
+
+
+def run(*command, **rest):
+    rest = {"capture_output": True, "encoding": "utf-8", "timeout": 300} | rest
+    return subprocess.run([str(part) for part in command], check=False, **rest)
+
+
+@pytest.fixture(scope="module")
+def dist(root, tmp_path_factory):
+    """A folder with the wheel and the source archive."""
+    folder = tmp_path_factory.mktemp("dist")
+    built = run(
+        sys.executable, "-m", "build", "--no-isolation", "--wheel", "--sdist", "--outdir", folder,
+        cwd=root,
+    )  # fmt: skip
+    assert built.returncode == 0, built.stdout + built.stderr
+    return folder
+
+
+@pytest.fixture(scope="module")
+def installed(dist, tmp_path_factory):
+    """The programs of an environment that has the wheel and what it requires, no more."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder, with_pip=True)
+    programs = folder / ("Scripts" if sys.platform == "win32" else "bin")
+    (wheel,) = dist.glob("*.whl")
+    options = ["--quiet", "--disable-pip-version-check", "--prefer-binary"]
+    done = run(programs / "python", "-m", "pip", "install", *options, wheel)
+    if done.returncode and any(words in done.stderr for words in UNREACHABLE):
+        pytest.skip("pip reaches no index to install the wheel's requirements from")
+    assert done.returncode == 0, done.stderr
+    return programs
+
+
+@pytest.fixture
+def start(installed, tmp_path, monkeypatch):
+    """Run the installed command in an empty folder, with nothing of the checkout around."""
+    for name in ("PYTHONPATH", "LIPSYNC_LANG_PATH", "VIRTUAL_ENV"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path.with_name("wheel-cache")))
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: run(installed / "lipsync-lang", *arguments)
+
+
+def members(archive):
+    """List the files of a wheel or a source archive, without the folder around the latter."""
+    if archive.suffix == ".whl":
+        return set(zipfile.ZipFile(archive).namelist())
+    with tarfile.open(archive) as tar:
+        return {name.partition("/")[2] for name in tar.getnames()}
+
+
+def tracked(root, *folders):
+    """List the files of some folders of the checkout that belong into a release."""
+    found = {path for folder in folders for path in (root / folder).rglob("*") if path.is_file()}
+    return {p.relative_to(root).as_posix() for p in found if "__pycache__" not in p.parts}
+
+
+def test_the_wheel_holds_the_code_and_the_packs_and_nothing_else(dist, root):
+    (wheel,) = dist.glob("*.whl")
+    packs = {f"lipsync_lang/data/{name}" for name in tracked(root, "languages", "posesets")}
+    code = tracked(root, "lipsync_lang")
+    assert "lipsync_lang/py.typed" in code
+    assert "lipsync_lang/data/languages/common.yaml" in packs
+    found = members(wheel)
+    about = {name for name in found if ".dist-info/" in name}
+    assert found - about == packs | code
+    assert any(name.endswith("/licenses/LICENSE") for name in about)
+
+
+def test_the_source_archive_holds_what_is_needed_to_build_and_test(dist, root):
+    (archive,) = dist.glob("*.tar.gz")
+    found = members(archive)
+    assert found >= tracked(root, "lipsync_lang", "languages", "posesets")
+    assert found >= {path for path in tracked(root, "tests") if path.endswith(".py")}
+    assert found >= {"LICENSE", "README.md", "pyproject.toml", "Makefile", "PKG-INFO"}
+
+
+def test_the_installed_program_runs_without_the_checkout(start, root):
+    done = start("--version")
+    assert done.stdout == f"lipsync-lang {ll.__version__}\n"
+    done = start("languages", "list", "--json")
+    rows = json.loads(done.stdout)
+    assert {path.stem for path in (root / "languages").glob("*.yaml")} - {"common"} == {
+        row["name"] for row in rows
+    }
+    for row in rows:
+        assert row["origin"] == "built-in"
+        assert not Path(row["path"]).is_relative_to(root)
+    assert "built-in" in start("posesets", "list").stdout
+    assert (start("validate").returncode, start("validate").stdout) == (0, "")
+
+
+def test_the_installed_program_resolves_and_performs(start, installed):
+    assert "441 shared" in start("resolve", "-l", "english", "-c", "facefx").stdout
+    Path("line.json").write_text(json.dumps(SCHEDULE))
+    command = ("run", "-l", "english", "-c", "facefx", "--schedule", "line.json")
+    for _ in ("cold", "warm"):
+        done = start(*command, "-o", "a.csv", "-o", "a.json")
+        assert (done.returncode, done.stdout) == (0, ""), done.stderr
+    assert Path("a.csv").read_text().startswith("time_s,open,")
+    code = "import lipsync_lang, sys; print(lipsync_lang.__file__, *sys.path, sep='\\n')"
+    places = run(installed / "python", "-c", code).stdout
+    checkout = str(Path(__file__).resolve().parents[1])
+    assert checkout + os.sep not in places + os.sep
+
+
+def test_extras_that_are_missing_are_named(start):
+    Path("line.json").write_text(json.dumps(SCHEDULE))
+    done = start("run", "Hello", "-l", "english", "-c", "facefx", "-o", "a.csv")
+    assert done.returncode == 2
+    assert done.stderr.startswith("lipsync-lang: speaking text needs eSpeak NG")
+    assert 'pip install "lipsync-lang[speech]"' in done.stderr
+    command = ("run", "-l", "english", "-c", "facefx", "--schedule", "line.json")
+    done = start(*command, "-o", "a.csv", "--plot", "a.png")
+    assert done.returncode == 2
+    assert 'pip install "lipsync-lang[plot]"' in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert {path.name for path in Path().iterdir()} == {"line.json"}
