@@ -30,11 +30,14 @@ class Motion:
     """Whether phonemes that demand a contact are sure to get it."""
 
     limit: Literal["before", "after"] = "before"
-    """Speed is limited before the constraints, or after them (paper)."""
+    """Speed is limited before the constraints, or after them (paper).
+
+    After them it can only lower curves, contacts included.
+    """
 
 
 PRESETS = {
     "default": Motion(),
     "paper": Motion(warp="linear", smooth="chord", window=0.18, contacts="free", limit="after"),
 }
-"""Named settings: `paper` is the method to the letter of sections 3.2.1 to 3.2.3."""
+"""Named settings: `paper` is as sections 3.2.1 to 3.2.3 have it."""

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.warp import TOUCH
 
 
 class Overlay(NamedTuple):
@@ -32,7 +33,7 @@ def lay_over(curves: Floats, overlays: Sequence[Overlay], times: Floats) -> Floa
     """
     out = curves.copy()
     for start, end, pose, values in overlays:
-        first, stop = np.searchsorted(times, (start, end))
+        first, stop = np.searchsorted(times, (start - TOUCH, end - TOUCH))
         here = (times[first:stop] - start) / (end - start)
         out[pose, first:stop] = np.interp(here, np.linspace(0, 1, len(values)), values)
     return out

@@ -96,8 +96,9 @@ class Performance:
             curves = lay_over(curves, self.overlays, self.frames.times(begin, stop))
             yield Stage("overlay", curves)
         curves = self._smooth(curves, place)
-        curves = rest_at_ends(curves, step, head=begin == 0, tail=stop == self.frames.count)
         yield Stage("smooth", curves)
+        curves = rest_at_ends(curves, step, head=begin == 0, tail=stop == self.frames.count)
+        yield Stage("rest", curves)
         if motion.contacts == "hold":
             curves = np.minimum(curves, tables.tops[:, None])
             for contact, (_, frames) in zip(tables.contacts, self.held, strict=True):
@@ -106,7 +107,7 @@ class Performance:
         if motion.limit == "after":
             curves = constrain(curves, tables.caps, tables.at_most)
             yield Stage("constrain", curves)
-            curves = self._limit(curves, step)
+            curves = lower_envelope(curves, step)  # an upper one would break constraints
             yield Stage("limit", curves)
         else:
             curves = self._limit(curves, step)

@@ -1,0 +1,197 @@
+"""Hypothesis strategies: tables, tracks, motions and frame rates as packs may bring them about."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+
+from lipsync_lang import resolve
+from lipsync_lang.pipeline.curve import bspline
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.overlay import Overlay
+from lipsync_lang.pipeline.perform import perform
+from lipsync_lang.pipeline.tables import RESOLUTION, Contact, Tables
+from lipsync_lang.pipeline.track import lay_track
+
+settings.register_profile(
+    "promises",
+    settings(),
+    deadline=None,
+    print_blob=True,
+    max_examples=60,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+settings.load_profile("promises")
+
+FREE = 2.0
+MOST_POSES = 6
+SECONDS = st.one_of(st.floats(0.005, 0.3), st.floats(0.005, 3.0), st.just(0.005), st.just(3.0))
+"""Lengths of phonemes."""
+
+ON_A_GRID = st.sampled_from([0.05, 0.1, 0.15, 0.2, 0.25, 0.5, 1.0])
+"""Lengths as an aligner writes them: boundaries lie on frames."""
+
+RATES = st.one_of(
+    st.sampled_from([60, 12, 15, 24000 / 1001, 24, 25, 30000 / 1001, 30, 50, 60, 100, 120, 240]),
+    st.floats(12, 240),
+)
+
+
+@cache
+def real():
+    """The performer of a built-in pair."""
+    return resolve("english", "facefx", cache=False)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Line:
+    """Common phonemes in time, and the tables that know them."""
+
+    tables: Tables
+    ids: np.ndarray
+    times: np.ndarray
+    edits: tuple[tuple[int, int, int], ...] = ()
+    """First phoneme, pose and seed of curves that a person laid over two phonemes."""
+
+    def _repr_pretty_(self, printer, _):
+        made = self.tables
+        own = "built-in" if len(made.priority) > MOST_POSES else f"silence={made.silence}"
+        printer.text(
+            f"Line({own}, ids={self.ids.tolist()}, times={self.times.tolist()}, edits={self.edits})"
+        )
+
+    def perform(self, motion, fps):
+        source = np.arange(len(self.ids))
+        track = lay_track(self.ids, self.times, source, self.tables, motion)
+        return perform(self.tables, track, motion, fps, tuple(self.overlays()))
+
+    def overlays(self):
+        for first, pose, seed in self.edits:
+            values = random_curves(np.random.default_rng(seed), 1)[:, 0]
+            stop = min(first + 2, len(self.ids))
+            yield Overlay(float(self.times[first]), float(self.times[stop]), pose, values)
+
+
+def random_points(rng):
+    """Control points of one curve: n from 2 to 9, times never falling, some of them repeated."""
+    count = rng.integers(2, 10)
+    times = np.sort(rng.random(count))
+    if rng.random() < 0.7:
+        times[0], times[-1] = 0, 1
+    if rng.random() < 0.2:
+        times = np.sort(times.round(1))
+    values = rng.random(count)
+    values[rng.random(count) < 0.3] = rng.integers(0, 2)
+    return np.column_stack((times, values))
+
+
+def random_curves(rng, poses):
+    """Tabulated curves of one bigram: (RESOLUTION + 1, P)."""
+    at = np.linspace(0, 1, RESOLUTION + 1)
+    out = np.zeros((RESOLUTION + 1, poses), np.float32)
+    for pose in np.flatnonzero(rng.random(poses) < 0.7):
+        out[:, pose] = bspline(random_points(rng)[None], at)[0].clip(0, 1)
+    return out
+
+
+@st.composite
+def tables(draw):
+    """Tables that keep what packs guarantee.
+
+    Contact poses outrank what they are constrained with, two of them have room for both floors,
+    no ceiling lies on a pose that is held up, and `at_most` runs in no circle.
+    """
+    poses, phonemes = draw(st.integers(1, 6)), draw(st.integers(2, 8))
+    kept = draw(st.integers(0, 2**32 - 1))
+    rng = np.random.default_rng(kept)
+    silence = draw(st.sampled_from([0, phonemes - 1]))
+    pairs = np.zeros((phonemes, phonemes), np.intp)
+    rows = 0
+    for a in range(phonemes):
+        for b in range(phonemes):
+            if not a == b == silence and rng.random() < 0.9:
+                rows += 1
+                pairs[a, b] = rows
+    curves = np.stack([random_curves(rng, poses) for _ in range(rows + 1)])
+    curves[0] = 0
+    boundary = np.where(rng.random(rows + 1) < 0.5, 0.5, rng.uniform(0.1, 0.9, rows + 1))
+    free = rng.random(rows + 1) < draw(st.sampled_from([0, 0, 0.1]))
+    free[0] = False
+
+    held = rng.random(poses) < draw(st.sampled_from([0, 0.4, 0.4]))
+    contacts = tuple(_contacts(rng, held, phonemes, silence)) if held.any() else ()
+    floors = np.max([np.zeros(poses), *(c.floor for c in contacts)], axis=0)
+    priority = rng.integers(0, 4, poses).astype(float)
+    priority[rng.random(poses) < 0.2] = np.inf
+    raised = held & np.isfinite(priority)
+    priority[raised] += rng.integers(0, 5)
+    thresholds = np.full((poses, poses), FREE)
+    for a in range(poses):
+        for b in range(a):
+            low = min((a, b), key=lambda pose: priority[pose])
+            least = 0.05
+            if held[a] and held[b]:
+                least = floors[a] + floors[b]
+            elif held[low]:
+                continue
+            if least < FREE and rng.random() < 0.6:
+                thresholds[a, b] = thresholds[b, a] = rng.uniform(least, FREE)
+    order = np.argsort(-priority, kind="stable")
+    at_most = tuple(
+        (int(pose), int(other))
+        for place, pose in enumerate(order)
+        for other in order[:place]
+        if not held[pose] and rng.random() < 0.15
+    )
+    return Tables(curves, boundary, free, pairs, silence, contacts, thresholds, priority, at_most)
+
+
+def _contacts(rng, held, phonemes, silence):
+    for _ in range(rng.integers(1, 3)):
+        floor = rng.choice([1, *rng.uniform(0.1, 1, 3)], len(held))
+        floor[~held | (rng.random(len(held)) < 0.3)] = 0
+        low = rng.choice([0, 0.1, rng.random()])
+        ceiling = np.where(~held & (rng.random(len(held)) < 0.4), low, 1.0)
+        wanted = rng.random(phonemes) < 0.5
+        wanted[silence] = False
+        yield Contact(wanted, floor, ceiling)
+
+
+@st.composite
+def lines(draw, known=None, *, pauses=True, longest=12):
+    """Phonemes from 5 ms to 3 s over random tables, or over those of the built-in pair."""
+    made = draw(tables()) if known is None else known
+    sounds = [i for i in range(len(made.pairs)) if i != made.silence]
+    of = st.sampled_from([*sounds, made.silence] if pauses else sounds)
+    ids = draw(st.lists(of, min_size=1, max_size=longest))
+    seconds = draw(st.sampled_from([SECONDS, SECONDS, ON_A_GRID]))
+    lengths = draw(st.lists(seconds, min_size=len(ids), max_size=len(ids)))
+    start = draw(st.sampled_from([0.0, 0.0, 0.137, 100.0, -3.3]))
+    first, pose = st.integers(0, len(ids) - 1), st.integers(0, len(made.priority) - 1)
+    edit = st.tuples(first, pose, st.integers(0, 2**32 - 1))
+    edits = draw(st.one_of(st.just([]), st.just([]), st.lists(edit, max_size=3)))
+    times = start + np.concatenate(([0.0], np.cumsum(lengths)))
+    return Line(made, np.array(ids), times, tuple(edits))
+
+
+def any_lines(**how):
+    """Lines over random tables and over the built-in pair alike."""
+    return st.one_of(lines(**how), st.deferred(lambda: lines(real().compiled.tables, **how)))
+
+
+def motions(**fixed):
+    """Motion settings, some of them fixed; each field is drawn, or the default."""
+    drawn = {
+        "stitch": st.sampled_from(["max", "crossfade"]),
+        "warp": st.sampled_from(["anchored", "linear"]),
+        "smooth": st.sampled_from(["closing", "closing", "chord", "none"]),
+        "window": st.one_of(st.just(0.13), st.floats(0, 0.4)),
+        "speed_limit": st.one_of(st.just(15.0), st.floats(0.5, 60)),
+        "silence_reach": st.one_of(st.just(0.25), st.just(0.0), st.floats(0.01, 0.6)),
+        "contacts": st.sampled_from(["hold", "hold", "free"]),
+        "limit": st.sampled_from(["before", "after"]),
+    }
+    chosen = {**drawn, **{name: st.just(value) for name, value in fixed.items()}}
+    return st.one_of(st.just(Motion(**fixed)), st.builds(Motion, **chosen))

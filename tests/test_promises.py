@@ -1,0 +1,367 @@
+"""What every animation keeps, whatever its packs, its schedule and its settings."""
+
+from dataclasses import replace
+from importlib import import_module
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from strategies import RATES, Line, any_lines, lines, motions, random_curves, real
+
+from lipsync_lang import Schedule, resolve
+from lipsync_lang.pipeline.limit import envelope, lower_envelope, upper_envelope
+from lipsync_lang.pipeline.motion import PRESETS, Motion
+from lipsync_lang.pipeline.smooth import chord, closing, closing_within
+
+EXACT = 1e-9
+MOVED = 1e-6
+LEAD = 0.25
+
+
+def weights_of(line, motion, fps):
+    performance = line.perform(motion, fps)
+    return performance, performance.weights()
+
+
+@given(any_lines(), motions(), RATES)
+def test_weights_stay_between_0_and_1(line, motion, fps):
+    performance, weights = weights_of(line, motion, fps)
+    assert weights.shape == (performance.frames.count, len(line.tables.priority))
+    assert np.isfinite(weights).all()
+    assert weights.min() >= 0
+    assert weights.max() <= 1
+
+
+def assert_constraints(tables, weights):
+    poses = range(len(tables.priority))
+    for low in poses:
+        for high in poses:
+            if tables.priority[high] > tables.priority[low]:
+                over = weights[:, low] + weights[:, high] > tables.thresholds[low, high] + EXACT
+                assert (weights[over, low] == 0).all(), (low, high)
+    for pose, other in tables.at_most:
+        assert (weights[:, pose] <= weights[:, other] + EXACT).all(), (pose, other)
+
+
+@given(any_lines(), motions(), RATES)
+def test_poses_make_room_for_those_that_outrank_them(line, motion, fps):
+    _, weights = weights_of(line, motion, fps)
+    tables = line.tables
+    poses = range(len(tables.priority))
+    for low in poses:
+        for high in poses:
+            if tables.priority[high] > tables.priority[low]:
+                over = weights[:, low] + weights[:, high] > tables.thresholds[low, high] + EXACT
+                assert (weights[over, low] <= EXACT).all(), (low, high)
+    for pose, other in tables.at_most:
+        assert (weights[:, pose] <= weights[:, other] + EXACT).all(), (pose, other)
+
+
+@given(any_lines(), motions(), RATES)
+def test_no_pose_passes_its_speed_limit_between_any_two_frames(line, motion, fps):
+    _, weights = weights_of(line, motion, fps)
+    step = motion.speed_limit / fps
+    assert np.abs(np.diff(weights, axis=0)).max(initial=0) <= step + EXACT
+    for stride in (2, 7):
+        assert np.abs(weights[stride:] - weights[:-stride]).max(initial=0) <= stride * step + EXACT
+
+
+@given(any_lines(), motions(), RATES)
+def test_curves_start_and_end_at_rest(line, motion, fps):
+    performance, weights = weights_of(line, motion, fps)
+    times = performance.frames.times()
+    assert np.abs(weights[[0, -1]]).max() <= 1e-5
+    assert times[0] <= line.times[0] + EXACT
+    assert times[-1] >= line.times[-1] - MOVED
+    nearest = np.abs(times - line.times[0]).min()
+    assert nearest <= EXACT, "a frame lies at the schedule's start"
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@given(line=any_lines(), fps=RATES)
+def test_a_lead_in_and_a_tail_last_a_quarter_of_a_second_at_most(preset, line, fps):
+    motion = Motion() if preset == "default" else PRESETS[preset]
+    times = line.perform(motion, fps).frames.times()
+    assert times[0] >= line.times[0] - LEAD - MOVED
+    assert times[-1] <= line.times[-1] + LEAD + MOVED
+
+
+def demanded(line, contact):
+    """The phonemes of a line that demand a contact: each one's span."""
+    tables = line.tables
+    around = [tables.silence, *line.ids, tables.silence]
+    rows = [tables.pairs[a, b] for a, b in pairwise(around)]
+    for index, phoneme in enumerate(line.ids):
+        waived = tables.free[rows[index]] or tables.free[rows[index + 1]]
+        if contact.phonemes[phoneme] and not waived:
+            yield line.times[index], line.times[index + 1]
+
+
+@given(any_lines(), motions(contacts="hold", limit="before"), RATES)
+def test_every_contact_is_seen_however_short_the_phoneme(line, motion, fps):
+    performance, weights = weights_of(line, motion, fps)
+    times = performance.frames.times()
+    for contact in line.tables.contacts:
+        up = (weights >= 0.9 * contact.floor - EXACT).all(axis=1)
+        down = (weights <= contact.ceiling + EXACT).all(axis=1)
+        for start, end in demanded(line, contact):
+            near = (times >= start - 0.5 / fps - MOVED) & (times <= end + 0.5 / fps + MOVED)
+            assert (near & up & down).any(), (start, end)
+
+
+@given(any_lines(), motions(contacts="hold", limit="before"), RATES)
+def test_floors_are_reached_in_full_for_42_ms_or_a_frame(line, motion, fps):
+    performance, weights = weights_of(line, motion, fps)
+    times = performance.frames.times()
+    for contact in line.tables.contacts:
+        for start, end in demanded(line, contact):
+            reach = max(0.042, 1 / fps) / 2
+            middle = (start + end) / 2
+            low, high = min(start + 0.03, middle - reach), max(end - 0.03, middle + reach)
+            held = (times >= low) & (times <= high)
+            assert (weights[held] >= contact.floor - EXACT).all()
+            assert (weights[held] <= contact.ceiling + EXACT).all()
+
+
+def dilate(mask, frames):
+    out = mask.copy()
+    for at in np.flatnonzero(mask):
+        out[max(0, at - frames) : at + frames + 1] = True
+    return out
+
+
+LOCAL = st.sampled_from(["closing", "none"]).flatmap(lambda smooth: motions(smooth=smooth))
+
+
+@given(any_lines(), LOCAL, RATES, st.data())
+def test_changing_a_bigram_changes_only_what_is_near_it(line, motion, fps, data):
+    performance, before = weights_of(line, motion, fps)
+    track = performance.track
+    rows = sorted({int(row) for row in track.rows if row})
+    assume(rows)
+    row = data.draw(st.sampled_from(rows))
+    curves = line.tables.curves.copy()
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))
+    curves[row] = random_curves(rng, curves.shape[-1])
+    tables = replace(line.tables, curves=curves)
+    after = replace(line, tables=tables).perform(motion, fps).weights()
+
+    times = performance.frames.times()
+    occurs, near = np.zeros(len(times), bool), np.zeros(len(times), bool)
+    far = motion.window + 1 / motion.speed_limit + 1 / fps
+    for at in np.flatnonzero(track.rows == row):
+        start = track.bounds[at + 1] - track.reach[at]
+        end = track.bounds[at + 1] + track.reach[at + 1]
+        occurs |= (times >= start - MOVED) & (times <= end + MOVED)
+        near |= (times >= start - far) & (times <= end + far)
+    changed = (np.abs(after - before) > EXACT).any(axis=1)
+    assert not changed[~near].any()
+
+    # The exact bound: closing looks one frame less than its window far, an envelope 1 / l_max
+    width = max(1, round(motion.window * fps)) if motion.smooth == "closing" else 1
+    frames = width - 1 + int(fps / motion.speed_limit + MOVED)
+    assert not changed[~dilate(occurs, frames)].any()
+
+
+def foreign(folder):
+    """A language of the same phonemes in other letters, and one phoneme more."""
+    phonemes = real().compiled.phonemes[1:]
+    (folder / "languages").mkdir()
+    labels = "".join(f"    q{i}: {name}\n" for i, name in enumerate(phonemes))
+    (folder / "languages" / "foreign.yaml").write_text(
+        "kind: language\nformat: 1\nname: foreign\ntag: qaa\nadds: [yu]\n"
+        f"notations:\n  letters:\n    q: yu\n{labels}",
+        encoding="utf-8",
+    )
+    return resolve("foreign", "facefx", paths=[folder], cache=False)
+
+
+@pytest.fixture(scope="module")
+def speakers(tmp_path_factory):
+    return real(), foreign(tmp_path_factory.mktemp("foreign"))
+
+
+@given(data=st.data(), fps=RATES, motion=motions())
+def test_the_same_phonemes_look_the_same_in_every_language(speakers, data, fps, motion):
+    english, other = speakers
+    line = data.draw(lines(english.compiled.tables))
+    names = [english.compiled.phonemes[i] for i in line.ids]
+    numbers = np.array([other.compiled.phonemes.index(name) for name in names])
+    ours = line.perform(motion, fps).weights()
+    theirs = replace(line, tables=other.compiled.tables, ids=numbers).perform(motion, fps).weights()
+    assert np.array_equal(ours, theirs)
+
+
+def test_the_same_phonemes_look_the_same_through_either_notation(speakers):
+    english, other = speakers
+    times = np.cumsum([0, 0.2, 0.08, 0.11, 0.07, 0.3, 0.09, 0.2])
+    ours = ("_", "HH", "AH0", "L", "OW1", "B", "_")
+    letters = {v: f"q{i}" for i, v in enumerate(english.compiled.phonemes[1:])}
+    theirs = ("_", *(letters[name] for name in ("h", "ah", "l", "ow", "bmp")), "_")
+    one = english.perform(Schedule(ours, times, notation="arpabet"), fps=50)
+    two = other.perform(Schedule(theirs, times, notation="letters"), fps=50)
+    assert np.array_equal(one.weights, two.weights)
+
+
+def stitched(performance):
+    return performance.stages(0, performance.frames.count)[0].curves
+
+
+@given(any_lines(pauses=False), motions(warp="anchored"), RATES, st.floats(0.2, 5))
+def test_stretching_a_schedule_stretches_the_stitched_curves(line, motion, fps, factor):
+    times = line.times[0] + (line.times - line.times[0]) * factor
+    assume(np.diff(times).min() > 1e-4)
+    one = line.perform(motion, fps)
+    two = replace(line, times=times).perform(motion, fps / factor)
+    assert two.motion is one.motion
+    # frame k of the one lies where frame k of the other does, once stretched
+    count = int((line.times[-1] - line.times[0]) * fps)
+    frames = np.arange(1, count)
+    on = (line.times - line.times[0]) * fps
+    frames = frames[np.abs(frames[:, None] - on).min(axis=1, initial=np.inf) > 1e-4]
+    a = stitched(one)[:, frames - one.frames.first]
+    b = stitched(two)[:, frames - two.frames.first]
+    assert np.abs(a - b).max(initial=0) <= MOVED
+
+
+@given(
+    any_lines(),
+    motions(),
+    RATES,
+    st.one_of(st.sampled_from([0.1, -0.3, 1, 1000.1]), st.floats(-100, 5000)),
+)
+def test_moving_a_schedule_moves_the_curves(line, motion, fps, seconds):
+    one, before = weights_of(line, motion, fps)
+    two, after = weights_of(replace(line, times=line.times + seconds), motion, fps)
+    assert (one.frames.first, one.frames.count) == (two.frames.first, two.frames.count)
+    assert np.abs(two.frames.times() - one.frames.times() - seconds).max() <= EXACT
+    assert np.abs(after - before).max() <= MOVED
+
+
+@pytest.mark.parametrize("fps", [50, 60, 100])
+def test_rounding_never_chooses_the_phoneme_of_a_frame_on_a_boundary(fps):
+    tables = real().compiled.tables
+    rng = np.random.default_rng(1)
+    for _ in range(40):
+        lengths = rng.choice([0.05, 0.1, 0.15, 0.2], 10)
+        ids = rng.integers(0, len(tables.pairs), 10)
+        line = Line(tables, ids, np.concatenate(([0], np.cumsum(lengths))))
+        before = line.perform(Motion(), fps).weights()
+        for seconds in (0.1, 0.3, 1000.1):
+            after = replace(line, times=line.times + seconds).perform(Motion(), fps).weights()
+            assert np.abs(after - before).max() <= MOVED
+
+
+module = import_module("lipsync_lang.pipeline.perform")
+
+
+@given(any_lines(longest=40), motions(), RATES, st.integers(1, 200))
+def test_blocks_agree_with_the_whole(line, motion, fps, block):
+    performance = line.perform(motion, fps)
+    block = max(block, performance.frames.count // 40)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "BLOCK", performance.frames.count)
+        whole = performance.weights()
+        patch.setattr(module, "BLOCK", block)
+        parts = performance.weights()
+    assert np.abs(whole - parts).max() <= MOVED
+
+
+@pytest.mark.parametrize("smooth", ["closing", "chord", "none"])
+def test_blocks_agree_with_the_whole_over_ten_minutes(smooth):
+    tables = real().compiled.tables
+    rng = np.random.default_rng(7)
+    ids = rng.integers(0, len(tables.pairs), 6000)
+    times = np.concatenate(([0], np.cumsum(rng.uniform(0.03, 0.17, 6000))))
+    performance = Line(tables, ids, times).perform(Motion(smooth=smooth), 60)
+    assert performance.frames.count > 3 * module.BLOCK
+    usual = performance.weights()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "BLOCK", performance.frames.count)
+        assert np.abs(performance.weights() - usual).max() <= MOVED
+    step = performance.motion.speed_limit / 60
+    assert np.abs(np.diff(usual, axis=0)).max() <= step + EXACT
+
+
+@given(any_lines(), motions(), RATES)
+def test_a_line_said_twice_is_the_same(line, motion, fps):
+    first = line.perform(motion, fps).weights()
+    assert np.array_equal(first, line.perform(motion, fps).weights())
+
+
+@given(lines(real().compiled.tables), RATES)
+def test_tables_are_never_written_to(line, fps):
+    kept = line.tables.curves.copy()
+    line.perform(Motion(), fps).weights()
+    line.perform(PRESETS["paper"], fps).weights()
+    assert np.array_equal(kept, line.tables.curves)
+
+
+CURVES = st.tuples(st.integers(1, 3), st.integers(1, 60), st.integers(0, 2**32 - 1)).map(
+    lambda drawn: np.random.default_rng(drawn[2]).random(drawn[:2]).round(drawn[2] % 3 + 1)
+)
+FRAMES = st.integers(1, 40)
+
+
+@given(CURVES, FRAMES)
+def test_closing_takes_nothing_away_and_a_second_time_does_nothing(curves, frames):
+    closed = closing(curves, frames)
+    assert (closed >= curves).all()
+    assert np.array_equal(closing(closed, frames), closed)
+    assert (closed.max(axis=1) == curves.max(axis=1)).all()
+
+
+@given(CURVES, FRAMES, st.floats(0, 0.5), st.integers(0, 2**32 - 1))
+def test_closing_never_magnifies_a_change(curves, frames, size, seed):
+    other = curves + np.random.default_rng(seed).uniform(-size, size, curves.shape)
+    other = np.maximum(other, 0)
+    change = np.abs(other - curves).max()
+    assert np.abs(closing(other, frames) - closing(curves, frames)).max() <= change + 1e-12
+
+
+@given(CURVES, FRAMES, st.integers(0, 2**32 - 1))
+def test_closing_within_runs_is_closing_each_run_alone(curves, frames, seed):
+    inside = np.random.default_rng(seed).random(curves.shape) < 0.7
+    found = closing_within(curves, inside, frames)
+    wanted = curves.copy()
+    for pose, mask in enumerate(inside):
+        edges = np.flatnonzero(np.diff(mask, prepend=False, append=False))
+        for a, b in zip(edges[::2], edges[1::2], strict=True):
+            wanted[pose, a:b] = closing(curves[pose : pose + 1, a:b], frames)[0]
+    assert np.array_equal(found, wanted)
+    assert np.array_equal(closing_within(found, inside, frames), found)
+
+
+@given(CURVES, FRAMES)
+def test_chords_never_leave_the_range_of_the_curve(curves, frames):
+    joined = chord(curves, frames)
+    assert (joined.min(axis=1) >= curves.min(axis=1) - EXACT).all()
+    assert (joined.max(axis=1) <= curves.max(axis=1) + EXACT).all()
+
+
+STEP = st.floats(0.01, 1.5)
+
+
+@given(CURVES, STEP)
+def test_envelopes_are_the_nearest_slow_curves(curves, step):
+    count = curves.shape[1]
+    reach = step * np.abs(np.arange(count)[:, None] - np.arange(count))
+    above, below = upper_envelope(curves, step), lower_envelope(curves, step)
+    assert np.abs(above - (curves[:, :, None] - reach).max(axis=1)).max() <= EXACT
+    assert np.abs(below - (curves[:, :, None] + reach).min(axis=1)).max() <= EXACT
+    which = np.arange(len(curves)) % 2 == 0
+    mixed = envelope(curves, step, upper=which)
+    assert np.array_equal(mixed[which], above[which])
+    assert np.array_equal(mixed[~which], below[~which])
+
+
+@given(STEP, st.integers(0, 2**32 - 1))
+def test_envelopes_stay_in_the_range_of_the_curve_over_any_length(step, seed):
+    rng = np.random.default_rng(seed)
+    curves = (rng.random((2, 4000)) < 0.3) * rng.choice([1.0, 0.3, 0.7], (2, 4000))
+    for bound in (upper_envelope, lower_envelope):
+        slow = bound(curves, step)
+        assert (slow.max(axis=1) <= curves.max(axis=1)).all()
+        assert (slow.min(axis=1) >= curves.min(axis=1)).all()
