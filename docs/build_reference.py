@@ -1,0 +1,461 @@
+# ruff: noqa: INP001 - a script, not a package
+"""Write the pages of `docs/reference` that repeat what the code says.
+
+    python docs/build_reference.py
+
+`tests/test_docs.py` makes them anew and compares. The pages depend on the code alone: not on the
+width of a terminal, the Python that runs this, or what packs lie about.
+"""
+
+import argparse
+import ast
+import inspect
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, get_args, get_type_hints
+
+from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.cli import parser
+from lipsync_lang.packs.faults import CODES
+from lipsync_lang.packs.models import MODELS
+from lipsync_lang.packs.schema import schema
+from lipsync_lang.pipeline import motion
+from lipsync_lang.schedules.registry import load_readers
+
+HERE = Path(__file__).parent / "reference"
+MADE = "<!-- Written by docs/build_reference.py; change the code, then run that. -->\n"
+
+Schema = dict[str, Any]
+
+
+def pages() -> dict[str, str]:
+    """Return every generated page by its file name."""
+    made = {
+        "commands.md": commands(),
+        "packs.md": packs(),
+        "faults.md": faults(),
+        "motion.md": motions(),
+        "formats.md": formats(),
+    }
+    return {name: f"{MADE}\n{text.strip()}\n" for name, text in made.items()}
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(_cell(c) for c in line) + " |" for line in lines)
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|")
+
+
+# Commands
+
+
+def commands() -> str:
+    """Describe every command of the parser."""
+    top = parser()
+    parts = [
+        "# Commands",
+        (
+            f"`lipsync-lang`: {_first_small(top.description or '')} "
+            "Data goes to the standard output, words to the standard error. The exit code is 0 "
+            "when all is sound, 1 when faults were found, and 2 when the command was not "
+            "understood or could not be done. `lipsync-lang COMMAND --help` prints the same as "
+            "this page."
+        ),
+        table(
+            ("command", "what it does"),
+            [
+                (f"[`{' '.join(path)}`](#{'-'.join(path)})", made.description or "")
+                for path, made in _leaves(top)
+            ],
+        ),
+    ]
+    for path, made in _leaves(top):
+        parts += [f"## {' '.join(path)}", made.description or "", _usage(path, made)]
+        rows = [(_called(a), _explained(a)) for a in _arguments(made)]
+        if rows:
+            parts.append(table(("argument", "meaning"), rows))
+        if made.epilog:
+            title, _, example = made.epilog.partition("\n")
+            parts.append(f"{title.capitalize()}\n\n```text\n{inspect.cleandoc(example)}\n```")
+    return "\n\n".join(parts)
+
+
+def _first_small(text: str) -> str:
+    return text[:1].lower() + text[1:]
+
+
+def _leaves(
+    made: argparse.ArgumentParser, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], argparse.ArgumentParser]]:
+    below = [a for a in made._actions if isinstance(a, argparse._SubParsersAction)]  # noqa: SLF001
+    if not below:
+        yield path, made
+    for action in below:
+        for name, child in action.choices.items():
+            if child.description is None:
+                child.description = ""
+            yield from _leaves(child, (*path, name))
+
+
+def _arguments(made: argparse.ArgumentParser) -> list[argparse.Action]:
+    hidden = (argparse._HelpAction, argparse._SubParsersAction)  # noqa: SLF001
+    return [a for a in made._actions if not isinstance(a, hidden)]  # noqa: SLF001
+
+
+def _value(action: argparse.Action) -> str:
+    if action.nargs == 0:
+        return ""
+    if action.choices and not action.metavar:
+        return "{" + ",".join(map(str, action.choices)) + "}"
+    return str(action.metavar or action.dest.upper())
+
+
+def _usage(path: Sequence[str], made: argparse.ArgumentParser) -> str:
+    words = []
+    positional = [a for a in _arguments(made) if not a.option_strings]
+    for action in (*positional, *(a for a in _arguments(made) if a.option_strings)):
+        name = min(action.option_strings, key=len, default="")
+        word = f"{name} {_value(action)}".strip()
+        repeated = isinstance(action, argparse._AppendAction)  # noqa: SLF001
+        more = "..." if repeated or action.nargs in ("*", "+") else ""
+        optional = not action.required if name else action.nargs in ("?", "*")
+        words.append(f"[{word}]{more}" if optional else f"{word}{more}")
+    lines, start = [], f"lipsync-lang {' '.join(path)}"
+    line = start
+    for word in words:
+        if len(line) + 1 + len(word) > 88:  # noqa: PLR2004 columns
+            lines.append(line)
+            line = " " * len(start)
+        line += f" {word}"
+    return "```text\n" + "\n".join([*lines, line]) + "\n```"
+
+
+def _called(action: argparse.Action) -> str:
+    value = _value(action)
+    names = [f"{name} {value}".strip() for name in action.option_strings] or [value]
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _explained(action: argparse.Action) -> str:
+    told = action.help or ""
+    if action.choices and action.metavar is None and not told:
+        told = "one of these"
+    return told if not (action.required and action.option_strings) else f"{told} (required)"
+
+
+# Packs
+
+ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes")
+
+WHERE = {
+    "language": "`languages/NAME.yaml`",
+    "poseset": "`posesets/NAME/poseset.yaml`",
+    "bank": "`posesets/POSESET/banks/NAME.yaml`, or beside a character that names it",
+    "character": "`characters/NAME.yaml`",
+    "rig": "`posesets/POSESET/rigs/NAME.yaml`",
+    "phonemes": "`languages/common.yaml`",
+}
+
+EXAMPLES = {
+    "languages/stage-english.yaml": """\
+kind: language
+format: 1
+name: stage-english
+tag: en-x-stage
+extends: english
+notations:
+  arpabet: {Q: _}              # a catch in the throat is silence here
+  ipa: {ts: {to: [d, s], shares: [0.4, 0.6]}}
+words: {tsar: [s, aa, r]}
+""",
+    "posesets/puppet/poseset.yaml": """\
+kind: poseset
+format: 1
+name: puppet
+poses:
+  jaw: {title: mouth open}
+  shut: {title: lips pressed}
+constraints:
+  pairs:
+    - {between: [jaw, shut], threshold: 0.5}
+priority: [jaw, shut]          # lowest first: jaw makes room for shut
+contacts:
+  lips: {phonemes: [bmp], floor: {shut: 0.9}, ceiling: {jaw: 0.1}}
+motion: {speed_limit: 12}
+targets:
+  _: {jaw: 0}
+  aa: {jaw: 0.9}
+  bmp: {shut: 1, dominance: {shut: 2, jaw: 6}}
+  ow: [{jaw: 0.7}, {jaw: 0.3}]
+""",
+    "posesets/puppet/banks/common.yaml": """\
+kind: bank
+format: 1
+name: common
+poseset: puppet
+bigrams:
+  bmp-aa:
+    word: spa
+    status: edited
+    curves:
+      jaw: [[0.4, 0], [0.6, 0.8], [0.9, 0.8], [1, 0]]
+      shut: [[0, 0], [0.2, 1], [0.4, 1], [0.6, 0]]
+""",
+    "characters/anna.yaml": """\
+kind: character
+format: 1
+name: anna
+poseset: puppet
+motion: {speed_limit: 8}
+bigrams:
+  aa-bmp: {status: edited, curves: {shut: [[0.4, 0], [0.7, 1], [0.9, 1], [1, 0]]}}
+""",
+    "posesets/puppet/rigs/head.yaml": """\
+kind: rig
+format: 1
+name: head
+poseset: puppet
+channels:
+  jawOpen: {gains: {jaw: 0.7}, range: [0, 1]}
+names: {jawOpen: [Jaw_Open, JAW_OPEN]}
+""",
+}
+"""A small project with one pack of each kind that people write; the tests validate it."""
+
+NOT_YET = """\
+Some fields are read and checked, but change nothing yet: a language's `g2p`, `durations` and
+`tests` (text is spoken with its `tts` voice, and `validate` does not speak), banks in another
+style than `neutral`, a character's `rig` and `model`, a pose set's `model`, and rigs altogether:
+an animation holds poses, not the channels of a model."""
+
+
+def packs() -> str:
+    """Describe every field of every kind of pack."""
+    parts = [
+        "# Packs",
+        (
+            "Packs are YAML files. Each starts with `kind`, `format: 1` and `name`, which is the "
+            "file's name without `.yaml`, or the folder's. `lipsync-lang validate` checks them; "
+            "`lipsync-lang schema KIND` prints the same as this page as JSON Schema, for editors "
+            "that complete and check while you type. What the codes in messages mean is in "
+            "[faults](faults.md)."
+        ),
+        (
+            "Packs are looked for, in this order, in the folders given with `--path`, in "
+            "those of the "
+            "environment variable `LIPSYNC_LANG_PATH`, in the current folder, in installed "
+            "distributions with the entry point group `lipsync_lang.packs`, and among the built-in "
+            "ones. The first of a name shadows the others, and `list` says so. Banks and "
+            "rigs add up "
+            "instead: a folder `posesets/NAME/banks` joins those of the pose set of that name, and "
+            "what is found earlier wins."
+        ),
+        NOT_YET,
+    ]
+    for kind in ORDER:
+        whole = schema(kind)
+        own = [path for path, text in EXAMPLES.items() if f"kind: {kind}\n" in text]
+        parts += [f"## {kind}", f"{whole['description']} In {WHERE[kind]}."]
+        parts += [f"```yaml\n# {path}\n{EXAMPLES[path]}```" for path in own]
+        told = {
+            f.alias or name: f.description or "" for name, f in MODELS[kind].model_fields.items()
+        }
+        parts.append(_fields(whole, kind, told))
+        for name, part in sorted(whole.get("$defs", {}).items()):
+            parts += [f"### {name}, in {kind}", part.get("description", ""), _fields(part, kind)]
+    return "\n\n".join(parts)
+
+
+def _fields(part: Schema, kind: str, told: Mapping[str, str] | None = None) -> str:
+    """List the fields of a model; `told` describes them where the schema may leave it out."""
+    needed = part.get("required", [])
+    rows = [
+        (
+            f"`{name}`",
+            _form(field, kind),
+            "required" if name in needed else _default(field),
+            (told or {}).get(name) or field.get("description", ""),
+        )
+        for name, field in part["properties"].items()
+    ]
+    return table(("field", "form", "unless stated", "meaning"), rows)
+
+
+def _default(field: Schema) -> str:
+    value = field.get("default")
+    if isinstance(value, dict):
+        return "as its fields say" if value else "empty"
+    if value is None or value == []:
+        return "not set"
+    return f"`{value}`" if value != "" else "empty"
+
+
+def _form(field: Schema, kind: str) -> str:  # noqa: C901, PLR0911 a line for each form
+    """Say in a few words what a value looks like."""
+    if "$ref" in field:
+        name = field["$ref"].rsplit("/", 1)[-1]
+        return f"[{name}](#{name.lower()}-in-{kind})"
+    if "const" in field:
+        return f"`{field['const']}`"
+    if "enum" in field:
+        return ", ".join(f"`{word}`" for word in field["enum"])
+    forms = field.get("anyOf") or field.get("oneOf")
+    if forms:
+        told = dict.fromkeys(_form(one, kind) for one in forms if one.get("type") != "null")
+        return " or ".join(told)
+    match field.get("type"):
+        case "array" if "prefixItems" in field:
+            return "[" + ", ".join(_form(one, kind) for one in field["prefixItems"]) + "]"
+        case "array":
+            return f"list of {_form(field.get('items', {}), kind)}"
+        case "object" if "additionalProperties" in field:
+            return f"mapping to {_form(field['additionalProperties'], kind)}"
+        case "object" if "patternProperties" in field:
+            inner = next(iter(field["patternProperties"].values()))
+            return f"mapping to {_form(inner, kind)}"
+        case "string":
+            return "text"
+        case "number" | "integer":
+            return _number(field)
+        case other:
+            return str(other or "anything")
+
+
+def _number(field: Schema) -> str:
+    bounds = [
+        f"{word} {field[key]:g}"
+        for key, word in (
+            ("minimum", "from"),
+            ("exclusiveMinimum", "above"),
+            ("maximum", "to"),
+            ("exclusiveMaximum", "below"),
+        )
+        if key in field
+    ]
+    return " ".join(["number", *bounds])
+
+
+# Faults
+
+GROUPS = {
+    "P0": "The file as YAML",
+    "P1": "The form of one pack",
+    "P2": "What one part says of another",
+    "W3": "Warnings: sound, but probably not meant",
+}
+
+
+def faults() -> str:
+    """List every code."""
+    parts = [
+        "# Faults",
+        "A fault says where it stands, what is wrong, and how to mend it:",
+        (
+            "```text\nlanguages/stage-english.yaml:7:16: P202 unknown phoneme 'bpm'\n"
+            "  hint: did you mean 'bmp'?\n```"
+        ),
+        (
+            "The code never changes its meaning. Codes with P keep a pack from being "
+            "used; those with "
+            "W are warnings, and leave it sound."
+        ),
+    ]
+    for start, title in GROUPS.items():
+        rows = [(code, told) for code, told in CODES.items() if code.startswith(start)]
+        parts += [f"## {title}", table(("code", "meaning"), rows)]
+    told = sum(code[:2] in GROUPS for code in CODES)
+    if told != len(CODES):
+        raise ValueError("a fault code belongs to no group of this page")
+    return "\n\n".join(parts)
+
+
+# Motion
+
+
+def motions() -> str:
+    """Describe every motion setting, with its value in each preset."""
+    told = _attribute_docstrings(motion)
+    hints = get_type_hints(motion.Motion)
+    names = list(motion.PRESETS)
+    rows = [
+        (
+            f"`{field.name}`",
+            ", ".join(f"`{choice}`" for choice in get_args(hints[field.name])) or "number",
+            *(f"`{getattr(motion.PRESETS[name], field.name)}`" for name in names),
+            told[field.name],
+        )
+        for field in fields(motion.Motion)
+    ]
+    return "\n\n".join(
+        [
+            "# Motion settings",
+            (
+                "How curves become motion. A setting may be changed, each over the one before, in "
+                "a pose set's `motion`, in a character's `motion`, and in a call: "
+                "`--set motion.window=0.1` on the command line, "
+                '`resolve(..., motion={"window": 0.1})` or '
+                '`performer.with_motion({"window": 0.1})` '
+                "in Python. A preset replaces all of them at once: `--set motion=paper`, "
+                '`motion="paper"`, or `preset: paper` in a pack. What the stages do is in '
+                "[curves](curves.md); how to choose is in "
+                "[tune the motion](../how-to/tune-the-motion.md)."
+            ),
+            table(("setting", "values", *(f"in `{n}`" for n in names), "meaning"), rows),
+            f"`PRESETS`: {told['PRESETS']}",
+        ]
+    )
+
+
+def _attribute_docstrings(module: Any) -> dict[str, str]:
+    """Return the strings that follow assignments, by the name assigned to."""
+    told: dict[str, str] = {}
+    for scope in ast.walk(ast.parse(inspect.getsource(module))):
+        body = getattr(scope, "body", None)
+        if not isinstance(body, list):
+            continue
+        for said, text in pairwise(body):
+            named = said.target if isinstance(said, ast.AnnAssign) else None
+            if isinstance(said, ast.Assign):
+                named = said.targets[0]
+            if isinstance(named, ast.Name) and isinstance(text, ast.Expr):
+                told[named.id] = inspect.cleandoc(ast.literal_eval(text.value))
+    return told
+
+
+# Formats
+
+
+def formats() -> str:
+    """List what can be read and written."""
+    read = [
+        (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title) for r in load_readers().values()
+    ]
+    written = [(w.name, f"`{w.suffix}`", w.title) for w in load_writers().values()]
+    return "\n\n".join(
+        [
+            "# Formats",
+            "The suffix of a file names its format. `lipsync-lang formats` prints these tables.",
+            "## Read: timed phonemes",
+            table(("name", "suffix", "what it holds"), sorted(read)),
+            (
+                "Details: [schedules as JSON](schedule-json.md) and how to "
+                "[use your own timings](../how-to/use-your-own-timings.md)."
+            ),
+            "## Written: animations",
+            table(("name", "suffix", "what it holds"), sorted(written)),
+            "Details: [animation files](animation-files.md).",
+        ]
+    )
+
+
+if __name__ == "__main__":
+    for name, text in pages().items():
+        (HERE / name).write_text(text, encoding="utf-8")
+        sys.stdout.write(f"{HERE / name}\n")

@@ -1,0 +1,236 @@
+"""What the documentation says is so: pages, links, packs, commands and Python."""
+
+import importlib.util
+import re
+import shlex
+import sys
+from difflib import unified_diff
+from pathlib import Path
+
+import pytest
+
+from lipsync_lang.cli import main
+from lipsync_lang.packs.finding import built_in
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted(p for p in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
+assert PAGES, "a sweep over nothing passes"
+
+FENCE = re.compile(r"^```(\w*)[ ]*([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+"""A fenced block: its language, what else its first line says, and its text."""
+
+NOT_RUN = {
+    "make": "sets up an environment of its own",
+    "git": "fetches what is here already",
+    ".ci/run": "runs these tests",
+    ".": "activates an environment",
+    "cd": "every page runs in one folder",
+    "mkdir": "folders are made where files are put",
+    "python": "runs a file of the page, whose block is run",
+}
+"""Commands of a console block that a test passes over, and why."""
+
+
+def named(page):
+    return str(page.relative_to(ROOT))
+
+
+def generator():
+    spec = importlib.util.spec_from_file_location(
+        "build_reference", ROOT / "docs/build_reference.py"
+    )
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+MADE = generator()
+
+
+# Pages that repeat what the code says
+
+
+@pytest.mark.parametrize("name", sorted(MADE.pages()))
+def test_generated_pages_are_up_to_date(name):
+    there = (ROOT / "docs/reference" / name).read_text(encoding="utf-8")
+    wanted = MADE.pages()[name]
+    differs = "\n".join(unified_diff(there.split("\n"), wanted.split("\n"), name, "code", n=0))
+    assert not differs, f"run python docs/build_reference.py\n{differs}"
+
+
+def test_every_field_code_and_setting_is_described():
+    bare = [
+        f"{name}: {line}"
+        for name, text in MADE.pages().items()
+        for line in text.split("\n")
+        if line.startswith("|") and line.endswith("|  |")
+    ]
+    assert not bare
+
+
+def test_the_packs_shown_are_sound(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for path, text in MADE.EXAMPLES.items():
+        write(Path(path), text)
+    code = main(["validate"])
+    shown = capsys.readouterr()
+    assert (code, shown.out) == (0, ""), shown.out
+    shown_kinds = {kind for t in MADE.EXAMPLES.values() for kind in re.findall(r"^kind: (\w+)", t)}
+    assert shown_kinds == set(MADE.ORDER) - {"phonemes"}, "the common phonemes are ours alone"
+
+
+# Links
+
+
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_links_lead_somewhere(page):
+    text = FENCE.sub("", page.read_text(encoding="utf-8"))
+    broken = []
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        there = (page.parent / path).resolve() if path else page
+        if not there.exists() or (anchor and anchor not in anchors(there)):
+            broken.append(target)
+    assert not broken
+
+
+def anchors(page):
+    """The anchors that a page's headings make."""
+    headings = re.findall(r"^#+ (.+)$", FENCE.sub("", page.read_text("utf-8")), re.MULTILINE)
+    plain = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
+    return {heading.replace(" ", "-") for heading in plain}
+
+
+def test_every_page_can_be_reached_from_the_readme():
+    seen, ahead = set(), [ROOT / "README.md"]
+    while ahead:
+        page = ahead.pop()
+        if page in seen or page.suffix != ".md":
+            continue
+        seen.add(page)
+        links = re.findall(r"\]\(([^)#\s]+)", FENCE.sub("", page.read_text(encoding="utf-8")))
+        ahead += [(page.parent / link).resolve() for link in links if ":" not in link]
+    assert set(PAGES) <= seen
+
+
+# What a reader does, in the order of the page
+
+
+def blocks(page):
+    """The fenced blocks of a page: language, what its first line says, text."""
+    return FENCE.findall(page.read_text(encoding="utf-8"))
+
+
+def steps(page):
+    """The blocks of a page that do something."""
+    return [
+        (language, told, text)
+        for language, told, text in blocks(page)
+        if language in ("console", "python") or "title=" in told
+    ]
+
+
+def write(path, text):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+
+
+def needs(page):
+    """The packages a page's steps need beyond the bare installation."""
+    done = "\n".join(text for language, _, text in steps(page) if language in ("console", "python"))
+    found = set()
+    if re.search(r"lipsync-lang (run|explain) ['\"\w]", done) or "ll.speak(" in done:
+        found.add("espeakng_loader")
+    if "--plot" in done:
+        found.add("matplotlib")
+    return sorted(found)
+
+
+DOING = [page for page in PAGES if steps(page)]
+assert DOING
+
+
+@pytest.mark.parametrize("page", DOING, ids=named)
+def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch, capsys):
+    for package in needs(page):
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{named(page)} needs {package}, which is an extra")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / ".cache"))
+    monkeypatch.delenv("LIPSYNC_LANG_PATH", raising=False)
+    scope = {"__name__": "__main__"}
+    for language, told, text in steps(page):
+        title = re.search(r'title="([^"]+)"', told)
+        if title:
+            write(Path(title[1]), text)
+        if language == "python":
+            exec(compile(text, named(page), "exec"), scope)  # noqa: S102 our own page
+            capsys.readouterr()
+        elif language == "console":
+            console(told, text, capsys)
+
+
+def console(told, text, capsys):
+    """Run the commands of a block; what it shows must be what they print, numbers aside."""
+    wanted = re.search(r"exit=(\d)", told)
+    parts = re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]
+    assert parts, f"no command in a console block: {text}"
+    for number, part in enumerate(parts):
+        command, _, shown = re.sub(r" \\\n\s*", " ", part).partition("\n")
+        words = shlex.split(command, comments=True)
+        if words[0] in NOT_RUN:
+            continue
+        assert words[0].removeprefix(".venv/bin/") == "lipsync-lang", command
+        code = run(words[1:])
+        captured = capsys.readouterr()
+        printed = masked(captured.out) + masked(captured.err)
+        last = number == len(parts) - 1
+        assert code == (int(wanted[1]) if wanted and last else 0), f"{command}\n{captured}"
+        at = 0
+        for line in masked(shown):
+            if line.strip() == "...":
+                continue
+            assert line in printed[at:], f"$ {command}\ndoes not print {line!r} there:\n{printed}"
+            at = printed.index(line, at) + 1
+
+
+def run(words):
+    target = None
+    if ">" in words:
+        target = Path(words[words.index(">") + 1])
+        words = words[: words.index(">")]
+    if target is None:
+        try:
+            return main(words)
+        except SystemExit as leaving:
+            return leaving.code or 0
+    with target.open("w", encoding="utf-8") as out:
+        stdout, sys.stdout = sys.stdout, out
+        try:
+            return main(words)
+        finally:
+            sys.stdout = stdout
+
+
+def masked(text):
+    """Lines with every number, and the folder of the built-in packs, made the same."""
+    text = text.replace(f"{built_in()}/", ".../")
+    lines = (re.sub(r"\d+(\.\d+)?", "#", line) for line in text.split("\n"))
+    return [re.sub(r"\s+", " ", line).rstrip() for line in lines if line.strip()]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_every_command_shown_is_one_that_is_run(page):
+    """A block in another language than console would not be run: only `make` text may be."""
+    if page.name in MADE.pages():
+        return
+    for language, _, text in blocks(page):
+        if language != "console":
+            assert not re.search(r"^\$ |^lipsync-lang ", text, re.MULTILINE), text
+
+
+@pytest.mark.parametrize("page", PAGES, ids=named)
+def test_pages_name_no_machine(page):
+    assert not re.search(r"/(work|home|Users|tmp|root)/", page.read_text(encoding="utf-8"))
