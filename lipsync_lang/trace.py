@@ -118,7 +118,8 @@ def explain(animation: "Animation", seconds: float) -> Explanation:
     """
     performer: Performer = animation.performer
     first, last = float(animation.times[0]), float(animation.times[-1])
-    if not first <= seconds <= last:
+    half = 0.5 / animation.fps
+    if not first - half <= seconds <= last + half:
         raise LipsyncError(
             f"{seconds:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
         )

@@ -167,7 +167,7 @@ def test_a_bigram_of_a_bank_is_named_with_its_layer_status_word_and_line(tmp_pat
 
 def test_a_time_outside_and_an_animation_of_nobody_are_told_of():
     animation = real().perform(SCHEDULE, fps=30)
-    for seconds in (animation.times[0] - 0.01, animation.times[-1] + 0.01, float("nan")):
+    for seconds in (animation.times[0] - 0.02, animation.times[-1] + 0.02, float("nan")):
         with pytest.raises(LipsyncError, match="is outside the animation, which runs from"):
             animation.explain(seconds)
     bare = Animation(animation.times, animation.poses, animation.weights, 30, SCHEDULE)

@@ -30,7 +30,7 @@ other."""
 SHARPNESS = 10.0
 """Per unit of normalised time: how fast a phoneme's say falls away from its middle."""
 
-PASSIVE = 0.1
+PASSIVE = 0.05
 """Dominance of a pose that a phoneme does not mention: the neighbour's wish spreads into it."""
 
 STIFFNESS = 0.03
