@@ -298,3 +298,10 @@ def test_faults_of_form_do_not_hide_faults_of_sense(file, slips, codes, tmp_path
         text = text.replace(old, new)
     put(tmp_path, file, text)
     assert sorted(f.code for f in faults_of(tmp_path) if f.file == file) == codes.split()
+
+
+def test_a_misspelt_pose_in_the_priority_is_one_fault(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plant(tmp_path)
+    put(tmp_path, POSESET, TREE[POSESET].replace("priority: [open,", "priority: [opne,"))
+    assert [fault.code for fault in faults_of(tmp_path)] == ["P201"]

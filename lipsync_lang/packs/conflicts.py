@@ -115,9 +115,11 @@ def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
 
 def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     model, order, floors = poseset.model, _Order(poseset.model), _floors(poseset.model)
+    misspelt = not set(model.priority) <= set(model.poses)
+    ranked = [pose for pose in model.poses if pose in model.priority or not misspelt]
     for pose, (_, name) in floors.items():
         loc = ("contacts", name, "floor", pose)
-        for other in model.poses:
+        for other in ranked:
             above = order.rank(other) > order.rank(pose) and other not in floors
             if above and order.threshold(pose, other) < FREE:
                 what = f"'{pose}' has to yield to '{other}', so that the contact may not be seen"
