@@ -41,13 +41,13 @@ def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: in
     start, end = track.bounds[at], track.bounds[at + 1]
     reach = max(SHORTEST, 1 / fps) / 2
     middle = (start + end) / 2
-    low = np.minimum(start + np.where(wanted[at - 1], 0.0, MARGIN), middle - reach)
-    high = np.maximum(end - np.where(wanted[at + 1], 0.0, MARGIN), middle + reach)
-    begin = np.ceil((low - first) * fps - 1e-6).astype(np.intp)
-    stop = np.floor((high - first) * fps + 1e-6).astype(np.intp) + 1
+    low = np.minimum(start + MARGIN * ~wanted[at - 1], middle - reach)
+    high = np.maximum(end - MARGIN * ~wanted[at + 1], middle + reach)
+    begin = np.ceil((low - first) * fps - 1e-6).tolist()
+    stop = np.floor((high - first) * fps + 1e-6).tolist()
     held = np.zeros(count, bool)
-    for a, b in zip(np.maximum(begin, 0).tolist(), stop.tolist(), strict=True):
-        held[a:b] = True
+    for a, b in zip(begin, stop, strict=True):
+        held[max(0, int(a)) : max(0, int(b) + 1)] = True
     return held
 
 

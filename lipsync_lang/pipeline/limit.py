@@ -54,6 +54,6 @@ def lower_envelope(curves: Floats, step: float) -> Floats:
     out = np.minimum.accumulate(curves - slope, axis=1)
     out += 2 * slope
     back: Floats = np.minimum.accumulate(out[:, ::-1], axis=1)[:, ::-1] - slope
-    least = curves.min(axis=1, keepdims=True)  # rounding must not leave the curve's own range
-    np.maximum(back, least, out=back)
+    # rounding must not leave the curve's own range
+    np.maximum(back, np.minimum.reduce(curves, axis=1, keepdims=True), out=back)
     return np.minimum(back, curves, out=back)

@@ -57,8 +57,8 @@ class Performance:
     held: tuple[tuple[Bools, Bools], ...]
     """For each contact: (n,) the phonemes that demand it and (T,) the frames that hold it."""
     overlays: tuple[Overlay, ...]
-    smoothed: Bools
-    """(P, n) the phonemes over which a pose is smoothed: a contact pose where it is demanded."""
+    demanded: Bools
+    """(H, n) for each contact pose, the phonemes that demand it: it is smoothed within these."""
 
     def weights(self) -> Floats:
         """Run every stage: (T, P)."""
@@ -122,9 +122,11 @@ class Performance:
         if self.motion.smooth == "chord":
             return chord(curves, frames)
         width = max(1, round(frames))
-        if self.motion.contacts == "free":
-            return closing(curves, width)
-        return closing_within(curves, self.smoothed[:, place.phoneme], width)
+        out = closing(curves, width)
+        held = self.tables.held
+        if self.motion.contacts == "hold" and held.any():
+            out[held] = closing_within(curves[held], self.demanded[:, place.phoneme], width)
+        return out
 
     def _limit(self, curves: Floats, step: float) -> Floats:
         if self.motion.contacts == "free":
@@ -163,9 +165,9 @@ def perform(
     frames = lay_frames(track, motion, fps)
     first = frames.start + frames.first / fps
     held = []
-    smoothed = np.repeat(~tables.held[:, None], len(track.ids), axis=1)
+    demanded = np.zeros((np.count_nonzero(tables.held), len(track.ids)), bool)
     for contact in tables.contacts:
         wanted = demands(contact, track)
         held.append((wanted, held_frames(wanted, track, first, fps, frames.count)))
-        smoothed |= (contact.floor > 0)[:, None] & wanted
-    return Performance(tables, track, motion, frames, tuple(held), overlays, smoothed)
+        demanded |= (contact.floor[tables.held] > 0)[:, None] & wanted
+    return Performance(tables, track, motion, frames, tuple(held), overlays, demanded)

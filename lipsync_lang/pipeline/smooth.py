@@ -34,22 +34,20 @@ def _running(take: np.ufunc, curves: Floats, frames: int) -> Floats:
 
 
 def closing_within(curves: Floats, inside: Bools, frames: int) -> Floats:
-    """Close (P, T) curves only where `inside`, (P, T), each run of frames there by itself.
+    """Close (R, T) curves only where `inside`, (R, T), each run of frames there by itself.
 
     Contact poses are smoothed within one run of the phonemes that demand them; across the
     run's ends a valley is a vowel, which must stay open.
     """
-    out = closing(curves, frames)
-    some = np.flatnonzero(~inside.all(axis=1))
-    out[some] = curves[some]
-    pose, at = np.nonzero(inside[some])
-    if frames > 1 and at.size:  # runs in one row, so far apart that no window touches two
-        ends = (np.diff(at) != 1) | (np.diff(pose) != 0)
-        apart = np.arange(at.size)
-        apart[1:] += np.cumsum(ends) * (frames - 1)
+    out = curves.copy()
+    flat = np.flatnonzero(inside)
+    if frames > 1 and flat.size:  # runs in one row, so far apart that no window touches two
+        fresh = (flat[1:] - flat[:-1] != 1) | (flat[1:] % curves.shape[1] == 0)
+        apart = np.arange(flat.size)
+        apart[1:] += np.cumsum(fresh) * (frames - 1)
         row = np.zeros((1, apart[-1] + 1))
-        row[0, apart] = curves[some[pose], at]
-        out[some[pose], at] = closing(row, frames)[0, apart]
+        row[0, apart] = out.ravel()[flat]
+        out.ravel()[flat] = closing(row, frames)[0, apart]
     return out
 
 

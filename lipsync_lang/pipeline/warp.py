@@ -54,8 +54,12 @@ def warp(tables: Tables, track: Track, place: Place) -> tuple[Floats, Floats]:
     ends = (before >= 0) & (place.coming <= 1)
     begins = (place.phoneme < last) & (place.going >= 0)
     pin = track.boundary[before]
-    rows = np.stack((track.rows[before] * ends, track.rows[after] * begins))
-    position = np.stack((pin + (1 - pin) * place.coming, track.boundary[after] * place.going))
+    rows = np.empty((2, len(before)), np.intp)
+    position = np.empty((2, len(before)))
+    np.multiply(track.rows[before], ends, out=rows[0])
+    np.multiply(track.rows[after], begins, out=rows[1])
+    position[0] = pin + (1 - pin) * place.coming
+    position[1] = track.boundary[after] * place.going
     ending, beginning = _read(tables, rows, position)
     return ending, beginning
 
