@@ -286,6 +286,11 @@ def test_pack_faults_print_all_of_them():
     [
         (POSESET, {"open: 0.45, wide": "open: 0.45, wdie", "PBM: 0.9": "PBM: 1.9"}, "P104 P201"),
         (PARENT, {"P: p,": "P: q,", "vowel: 0.1,": "vowel: -1,"}, "P104 P202"),
+        (
+            POSESET,
+            {"threshold: 0.5": "threshold: 5", "at_most: open": "at_most: 1", "FV: 0.9}": "VF: 1}"},
+            "P103 P104 P201",
+        ),
         (BANK, {"[0.2, 1]": "[0.2, 2]", "poseset: face": "poseset: fase"}, "P104 P204"),
     ],
 )

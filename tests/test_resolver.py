@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from lipsync_lang import PackError, resolve
+from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.resolver.compile import compile_pair
 
@@ -184,3 +185,11 @@ def test_motion_is_refined_by_pose_set_character_and_call(tmp_path):
     performer = resolve("english", "slow", paths=[tmp_path], cache=False, motion={"window": "0.2"})
     assert (performer.motion.warp, performer.motion.smooth) == ("linear", "chord")
     assert (performer.motion.speed_limit, performer.motion.window) == (5, 0.2)
+
+
+def test_a_faulty_pack_tells_all_its_faults_when_it_is_used(tmp_path):
+    text = (built_in() / "posesets" / "facefx" / "poseset.yaml").read_text()
+    text = text.replace("threshold: 0.5", "threshold: 5", 1).replace("{FV: 0.9", "{VF: 0.9")
+    write(tmp_path / "posesets" / "facefx" / "poseset.yaml", text)
+    with pytest.raises(PackError, match=r"(?s)P104.*at most 2.*P201 unknown pose 'VF'"):
+        compiled(tmp_path)

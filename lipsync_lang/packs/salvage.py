@@ -24,29 +24,31 @@ def salvaged(source: Source, kind: str | None = None) -> Pack | None:
         try:
             return MODELS[stated].model_validate(data)
         except ValidationError as error:
-            for loc in {report["loc"] for report in error.errors(include_url=False)}:
-                data = _without(data, loc)
-                if data is None:
-                    return None
+            reports = error.errors(include_url=False)
+            faulty = {_entry(data, report["loc"]) for report in reports}
+            if any(not entry or entry[0] in DEFINING for entry in faulty):
+                return None
+            for entry in faulty:
+                data = _without(data, entry)
     return None
 
 
-def _without(data: Any, loc: Loc) -> Any:
-    """Return a copy without the smallest named entry that holds a place; None if that defines."""
-    path: list[str | int] = []
-    inner = data
+def _entry(data: Any, loc: Loc) -> tuple[Any, ...]:
+    """Return the path of the smallest named entry that holds a place."""
+    path: list[Any] = []
     for step in loc:
-        if not isinstance(inner, dict) or step not in inner:
+        if not isinstance(data, dict) or step not in data:
             break
         path.append(step)
-        inner = inner[step]
-    if not path or path[0] in DEFINING:
-        return None
-    return _dropped(data, path)
+        data = data[step]
+    return tuple(path)
 
 
-def _dropped(data: dict[Any, Any], path: list[str | int]) -> dict[Any, Any]:
-    first, *rest = path
-    if not rest:
-        return {key: value for key, value in data.items() if key != first}
-    return {**data, first: _dropped(data[first], rest)}
+def _without(data: Any, entry: tuple[Any, ...]) -> Any:
+    """Return a copy without an entry, if it is there."""
+    first, *rest = entry
+    if not isinstance(data, dict) or first not in data:
+        return data
+    if rest:
+        return {**data, first: _without(data[first], tuple(rest))}
+    return {key: value for key, value in data.items() if key != first}

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from graphlib import TopologicalSorter
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -12,6 +13,7 @@ from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs import checks
 from lipsync_lang.packs.faults import PackFaults
 from lipsync_lang.packs.models import AtMost, Threshold
+from lipsync_lang.packs.validate import validate
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
@@ -58,16 +60,19 @@ class Shelf:
         PackError
             A pack is missing or unsound, or two of them do not fit.
         """
-        who = library.character(character)
-        shelf = cls(
-            library.common(),
-            library.language(language),
-            who,
-            library.poseset(who.model.poseset),
-            tuple(library.banks(who.model.poseset)),
-            tuple(library.character_banks(who)),
-            library,
-        )
+        try:
+            who = library.character(character)
+            shelf = cls(
+                library.common(),
+                library.language(language),
+                who,
+                library.poseset(who.model.poseset),
+                tuple(library.banks(who.model.poseset)),
+                tuple(library.character_banks(who)),
+                library,
+            )
+        except PackFaults as error:
+            raise _all_faults(library, error) from None
         shelf.refuse_faults()
         return shelf
 
@@ -271,3 +276,10 @@ class Shelf:
         """(P,) larger wins; a pose that is not named never yields."""
         rank = {pose: float(i) for i, pose in enumerate(self.poseset.model.priority)}
         return np.array([rank.get(pose, np.inf) for pose in self.poses])
+
+
+def _all_faults(library: "Library", error: PackFaults) -> PackFaults:
+    """Return the faults of a file with those that only show when it is compared with others."""
+    files = [Path(fault.file) for fault in error.faults if Path(fault.file).is_file()]
+    found = {*error.faults, *validate(library, files)}
+    return PackFaults(sorted(fault for fault in found if fault.severity == "fault"))
