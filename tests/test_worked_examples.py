@@ -306,6 +306,25 @@ def test_holding_raises_to_the_floor_and_lowers_to_the_ceiling():
     assert out.tolist() == [[0.2, 0.9, 1.0], [0.6, 0.1, 0.05]]
 
 
+def test_a_contact_pose_leaves_room_for_the_floor_of_one_that_it_outranks():
+    # both poses stand at 1 throughout; together at most 1.5, and pose 0 has to reach 0.7
+    ones = np.ones((RESOLUTION + 1, 2))
+    made = make_tables(
+        dict.fromkeys(EVERY_PAIR, ones),
+        contacts=(
+            Contact(np.array([False, True, False]), np.array([0.7, 0]), np.ones(2)),
+            Contact(np.array([False, False, True]), np.array([0, 0.8]), np.ones(2)),
+        ),
+        thresholds=np.array([[2, 1.5], [1.5, 2]]),
+    )
+    assert made.tops.tolist() == pytest.approx([1, 0.8])
+    track = line([P, A], [0, 0.5, 1], made, Motion())
+    performance = perform(made, track, Motion(), 20)
+    weights = performance.weights()[-performance.frames.first :]
+    # pose 1 gives way to 1.5 - 0.7 wherever it is, and pose 0 takes what is left
+    assert weights[:21] == pytest.approx(np.tile([0.7, 0.8], (21, 1)))
+
+
 # Figure 5: the whole chain, at 20 frames per second: 0.75 a frame
 
 
