@@ -43,6 +43,7 @@ _RANGE = {
     "less_than_equal": ("le", "at most"),
 }
 _PATTERNS = {
+    "^[a-z]+$": "a sound is called by small letters a to z; silence demands no contact",
     "^([a-z]+|_)$": "a common phoneme is called by small letters a to z, or '_'",
     "^[A-Za-z0-9][A-Za-z0-9_-]*$": "a name is letters, digits, '-' and '_'",
 }

@@ -52,6 +52,7 @@ def _plain(text: str) -> str:
 
 
 _COMMON = r"^([a-z]+|_)$"
+_SOUND = r"^[a-z]+$"
 _BIGRAM = r"([a-z]+|_)-([a-z]+|_)"
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
 
@@ -63,6 +64,9 @@ Text = Annotated[str, Field(min_length=1)]
 
 Common = Annotated[str, Field(pattern=_COMMON)]
 """The label of a common phoneme: small letters, or `_` for silence."""
+
+Sound = Annotated[str, Field(pattern=_SOUND)]
+"""The label of a common phoneme that is not silence."""
 
 Label = Annotated[str, Field(min_length=1, max_length=80)]
 """The label of a phoneme in some notation, as it is written there."""

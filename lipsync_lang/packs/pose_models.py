@@ -4,6 +4,7 @@ A validator here sees one file; what needs two files or two places is in `checks
 seconds, normalised times and weights from 0 to 1, angles in degrees.
 """
 
+from math import inf
 from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -22,6 +23,7 @@ from lipsync_lang.packs.forms import (
     PoseName,
     Positive,
     Short,
+    Sound,
     Strict,
     Text,
     Unit,
@@ -81,7 +83,7 @@ class Constraints(Strict):
 class Contact(Strict):
     """What must be seen whenever certain phonemes are heard."""
 
-    phonemes: tuple[Common, ...] = Field(min_length=1)
+    phonemes: tuple[Sound, ...] = Field(min_length=1)
     """The phonemes that demand it."""
     floor: dict[PoseName, Unit] = Field(default={})
     """How far these poses must rise."""
@@ -118,7 +120,9 @@ class Target(Strict):
     weights: dict[PoseName, Unit] = Field(default={})
     """The weight of each pose."""
     dominance: dict[PoseName, NotNegative] = Field(default={})
-    """How strongly each pose insists against the neighbours' targets."""
+    """How strongly each pose insists against the neighbours' targets; or one number for all."""
+    overall: NotNegative | None = None
+    """One dominance for all poses, but those that a constraint sets against a named one."""
 
 
 def _target(value: Data) -> Data:
@@ -128,7 +132,13 @@ def _target(value: Data) -> Data:
     rest = {pose: weight for pose, weight in value.items() if pose != "dominance"}
     if "dominance" not in value:
         return {"weights": rest}
-    return {"weights": rest, "dominance": value["dominance"]}
+    stated = value["dominance"]
+    if isinstance(stated, bool) or not isinstance(stated, (int, float)):
+        return {"weights": rest, "dominance": stated}
+    if not 0 <= stated < inf:
+        what = "`dominance` must be a finite number and at least 0, got {got}"
+        raise PydanticCustomError("P104", what, {"got": f"{stated:g}", "field": "dominance"})
+    return {"weights": rest, "overall": stated}
 
 
 FlatTarget = Short(
@@ -139,9 +149,14 @@ FlatTarget = Short(
             "description": Target.__doc__,
             "properties": {
                 "dominance": {
-                    "type": "object",
                     "description": Target.model_fields["dominance"].description,
-                    "additionalProperties": {"type": "number", "minimum": 0},
+                    "anyOf": [
+                        {
+                            "type": "object",
+                            "additionalProperties": {"type": "number", "minimum": 0},
+                        },
+                        {"type": "number", "minimum": 0},
+                    ],
                 }
             },
             "additionalProperties": {"type": "number", "minimum": 0, "maximum": 1},

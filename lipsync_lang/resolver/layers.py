@@ -227,13 +227,15 @@ class Shelf:
         steps = tuple(steps)
         weights = [[step.weights.get(pose, 0.0) for pose in self.poses] for step in steps]
         stated = {pose: value for step in steps for pose, value in step.dominance.items()}
+        overall = next((step.overall for step in steps if step.overall is not None), None)
         mentioned = {pose for step in steps for pose in step.weights}
         wanted = np.any(weights, axis=0)
         against = (self.thresholds() < FREE) @ wanted
-        dominance = [
-            stated.get(pose, 1.0 if pose in mentioned or opposed else PASSIVE)
-            for pose, opposed in zip(self.poses, against, strict=True)
-        ]
+        dominance = []
+        for pose, opposed in zip(self.poses, against, strict=True):
+            usual = 1.0 if pose in mentioned or opposed else PASSIVE
+            usual = usual if overall is None or opposed else overall
+            dominance.append(stated.get(pose, usual))
         return Target(np.array(weights), np.maximum(dominance, 1e-6))
 
     def contacts(self) -> Iterator[Contact]:
