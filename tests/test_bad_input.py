@@ -262,7 +262,7 @@ def test_words_of_another_form_are_refused(words, message, read):
         ("line.txt", "line.txt: no reader for '.txt'; known: .json, .textgrid"),
         ("line", "line: has no suffix to tell a format; known: .json, .textgrid"),
         ("", "has no suffix to tell a format"),
-        ("nul\0.json", "cannot be read: embedded null byte; check the path"),
+        ("nul\0.json", "cannot be read: .*embedded null .*; check the path"),
     ],
 )
 def test_files_that_cannot_be_read_are_told(name, message, tmp_path):
@@ -328,7 +328,7 @@ def test_motion_out_of_range_is_refused(value, performer):
         ("file/a.csv", "file/a.csv: cannot be written: Not a directory; name another place"),
         ("a.xyz", "a.xyz: no writer for '.xyz'; end it in .csv, .json"),
         ("a", "a: has no suffix to tell a format; end it in .csv, .json"),
-        ("nul\0.csv", "cannot be written: embedded null byte; name another place"),
+        ("nul\0.csv", "cannot be written: .*embedded null .*; name another place"),
         ("a.wav", "no sound to write: here came without audio; speak text instead, or leave the"),
     ],
 )
