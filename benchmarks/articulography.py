@@ -40,7 +40,7 @@ def recordings(folder: Path) -> list[tuple[str, ll.Schedule, dict[str, np.ndarra
     """Read every recording: name, schedule, (T,) signals by measure, (T,) times; lost as NaN."""
     found = []
     for path in sorted(folder.glob("*.ema.csv")):
-        names = path.open(encoding="utf-8").readline().strip().split(",")
+        names = path.read_text(encoding="utf-8").splitlines()[0].split(",")
         table = np.genfromtxt(path, delimiter=",", skip_header=1)
         columns = {name: table[:, i] for i, name in enumerate(names)}
 
@@ -48,7 +48,8 @@ def recordings(folder: Path) -> list[tuple[str, ll.Schedule, dict[str, np.ndarra
             return np.where(columns[name] == 0, np.nan, columns[name])
 
         rows = []
-        for line in path.with_name(path.name.replace(".ema.csv", ".phones.tsv")).open():
+        phones = path.with_name(path.name.replace(".ema.csv", ".phones.tsv"))
+        for line in phones.read_text(encoding="utf-8").splitlines():
             start, end, label = line.split()
             label = ll.schedules.SILENCE if label in PAUSES else NEAREST.get(label, label)
             if float(end) > float(start):

@@ -193,6 +193,7 @@ targets:
   _: {jaw: 0}
   aa: {jaw: 0.9}
   bmp: {shut: 1, dominance: {shut: 2, jaw: 6}}
+  h: {jaw: 0.4, dominance: 0.001}          # one number for all: takes the shape around it
   ow: [{jaw: 0.7}, {jaw: 0.3}]
 """,
     "posesets/puppet/banks/common.yaml": """\
