@@ -225,3 +225,57 @@ def test_a_draft_that_is_written_down_performs_as_the_draft_did(tmp_path):
     assert sum(origin.layer == "shared" for origin in compiled.origins) == 3
     assert np.array_equal(compiled.tables.curves, real().compiled.tables.curves)
     assert "bmp-aa:" in draft_yaml(drafts)
+
+
+POSES = "poses: {jaw: {}, shut: {}, round: {}}\n"
+
+
+def drafted(tmp_path, targets, *, constrained=True):
+    """Draft over a small pose set, and return the smooth curves by bigram and pose."""
+    pairs = "[{between: [jaw, shut], threshold: 0.5}]" if constrained else "[]"
+    folder = tmp_path / str(constrained) / "posesets" / "small"
+    folder.mkdir(parents=True)
+    (folder / "poseset.yaml").write_text(
+        f"kind: poseset\nformat: 1\nname: small\n{POSES}"
+        f"constraints: {{pairs: {pairs}}}\npriority: [jaw, shut]\n"
+        "targets:\n" + "".join(f"  {label}: {target}\n" for label, target in targets.items())
+    )
+    shelf = Shelf.open(Library([folder.parents[1]], project=None), "english", "small")
+    values = {}
+    for pair, row in shelf.drafts([(a, b) for a in targets for b in targets]).items():
+        for pose, points in row.curves.items():
+            values[pair, shelf.poses[pose]] = bspline(points[None], AT)[0]
+    return lambda a, b, pose: values.get(((a, b), pose), np.zeros(len(AT)))
+
+
+def test_one_low_dominance_for_all_takes_the_neighbours_shape_but_not_its_closure(tmp_path):
+    curve = drafted(
+        tmp_path,
+        {
+            "h": "{jaw: 0.3, dominance: 0.001}",
+            "w": "{jaw: 0.1, round: 0.8}",
+            "bmp": "{shut: 1, dominance: 6}",
+        },
+    )
+    assert curve("h", "w", "round")[FIRST] > 0.6
+    assert curve("h", "w", "jaw")[FIRST] < 0.15
+    assert curve("bmp", "h", "shut")[SECOND] < 0.15
+
+
+def test_a_pose_against_a_named_one_does_not_spread_into_its_phoneme(tmp_path):
+    targets = {"aa": "{jaw: 0.5}", "bmp": "{shut: 1}"}
+    apart = drafted(tmp_path, targets)("aa", "bmp", "shut")
+    freely = drafted(tmp_path, targets, constrained=False)("aa", "bmp", "shut")
+    before = slice(FIRST, HALF)
+    assert (apart[before] <= freely[before] + 1e-9).all()
+    assert apart[HALF - 10] < freely[HALF - 10] - 0.2
+
+
+def test_a_draft_starts_and_ends_at_rest():
+    drafts = draft([target(1.0), target(0.2, 5.0)], [target(0.3), target(1.0, 0.01)])
+    assert not drafts[..., 0].any()
+    assert not drafts[..., -1].any()
+    shelf = Shelf.open(Library(project=None), "english", "facefx")
+    for row in shelf.drafts(shelf.pairs()).values():
+        for points in row.curves.values():
+            assert points[0, 1] == points[-1, 1] == 0
