@@ -3,8 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RECORDINGS ?= articulography
+TEXTS ?= text
 
-.PHONY: help demo test lint types bench articulography wheel clean
+.PHONY: help demo test lint types bench articulography languages wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -12,7 +13,7 @@ help: ## list the targets
 $(VENV)/ready: pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.12") if sys.version_info < (3, 11) else 0'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[speech,plot,dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,dev]'
 	touch $@
 
 demo: $(VENV)/ready ## speak a sentence and draw how its curves were made
@@ -41,6 +42,9 @@ bench: $(VENV)/ready ## print how fast things are
 
 articulography: $(VENV)/ready ## compare curves with recordings of real mouths: make articulography RECORDINGS=folder
 	$(BIN)/python benchmarks/articulography.py $(RECORDINGS)
+
+languages: $(VENV)/ready ## print how every language reads: make languages TEXTS=folder
+	$(BIN)/python benchmarks/languages.py $(TEXTS)
 
 wheel: $(VENV)/ready ## build the wheel into dist/
 	$(BIN)/python -m build --wheel

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver import resolve
     from lipsync_lang.schedules.registry import read_schedule
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
-    from lipsync_lang.speaking import speak
+    from lipsync_lang.speaking import speak, transcribe
 
 _HOMES = {
     "Animation": "lipsync_lang.animations.animation",
@@ -38,6 +38,7 @@ _HOMES = {
     "read_schedule": "lipsync_lang.schedules.registry",
     "resolve": "lipsync_lang.resolver",
     "speak": "lipsync_lang.speaking",
+    "transcribe": "lipsync_lang.speaking",
 }
 
 __all__ = [
@@ -54,6 +55,7 @@ __all__ = [
     "read_schedule",
     "resolve",
     "speak",
+    "transcribe",
 ]
 
 

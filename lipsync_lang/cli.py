@@ -99,6 +99,11 @@ def parser() -> argparse.ArgumentParser:
     _add_checking(add)
     _add_packs(add)
     _add_bank(add)
+    voices_ = add("voices", commands.voices, "list the voices that speak text", "voices")
+    voices_.add_argument(
+        "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
+    )
+    _add_json(voices_)
     formats_ = add("formats", commands.formats, "list what can be read and written", "formats")
     _add_json(formats_)
     return top
@@ -118,6 +123,22 @@ def _add_performing(add: Add) -> None:
     )  # fmt: skip
     run_.add_argument("--plot", metavar="FILE", type=Path, help="draw every stage to a picture")
     run_.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
+
+    transcribe_ = add(
+        "transcribe",
+        commands.transcribe,
+        "show the phonemes and common phonemes that text becomes",
+        "transcribe 'Hello, world' -l english",
+    )
+    transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="what to read")
+    transcribe_.add_argument(
+        "--file", metavar="FILE", type=Path, help="read its lines, instead of a TEXT"
+    )
+    transcribe_.add_argument(
+        "-l", "--language", metavar="LANGUAGE", required=True, help="name or tag of a language"
+    )
+    _add_path(transcribe_)
+    _add_json(transcribe_)
 
     explain_ = add(
         "explain",
@@ -149,6 +170,11 @@ def _add_checking(add: Add) -> None:
         "validate languages/finnish.yaml",
     )
     validate_.add_argument("paths", metavar="PATH", type=Path, nargs="*", help="a file or a folder")
+    validate_.add_argument(
+        "--no-tests",
+        action="store_true",
+        help="leave out the languages' own tests (those of built-in ones run when they are named)",
+    )
     _add_path(validate_)
     _add_json(validate_)
 
@@ -163,16 +189,41 @@ def _add_checking(add: Add) -> None:
 
 def _add_packs(add: Add) -> None:
     for kind, title in (
-        ("languages", "list language packs, or show one"),
+        ("languages", "list language packs, show one, or draft a new one"),
         ("posesets", "list pose sets, or show one"),
         ("characters", "list characters, or show one"),
     ):
         packs_ = add(kind, commands.packs, title, f"{kind} list")
         packs_.set_defaults(kind=kind[:-1])
-        packs_.add_argument("action", choices=("list", "show"), nargs="?", default="list")
-        packs_.add_argument("name", metavar="NAME", nargs="?", help="the pack to show")
+        actions = ("list", "show", "new") if kind == "languages" else ("list", "show")
+        packs_.add_argument("action", choices=actions, nargs="?", default="list")
+        packs_.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to make")
+        if kind == "languages":
+            _add_new_language(packs_)
         _add_path(packs_)
         _add_json(packs_)
+
+
+def _add_new_language(made: argparse.ArgumentParser) -> None:
+    new = made.add_argument_group("what a new language is made from")
+    new.add_argument("--voice", metavar="VOICE", help="an eSpeak NG voice, such as sw")
+    new.add_argument("--epitran", metavar="CODE", help="a code of Epitran, such as xho-Latn")
+    new.add_argument(
+        "--lexicon", metavar="FILE", type=Path,
+        help="words and their phonemes in IPA: word, tab, phonemes with spaces",
+    )  # fmt: skip
+    new.add_argument(
+        "--inventory", metavar="FILE", type=Path,
+        help="PHOIBLE's table, or phonemes in IPA with spaces between them",
+    )  # fmt: skip
+    new.add_argument(
+        "--inventory-id", metavar="ID", help="PHOIBLE's number, or an ISO 639-3 code or name"
+    )
+    new.add_argument(
+        "--text", metavar="FILE", type=Path, help="sample lines, whose sounds are looked at"
+    )
+    new.add_argument("--tag", metavar="TAG", help="the language as BCP 47 writes it")
+    new.add_argument("--title", metavar="TITLE", help="the language's name for people")
 
 
 def _add_bank(add: Add) -> None:
@@ -230,7 +281,11 @@ def _add_line(made: argparse.ArgumentParser) -> None:
     )
     made.add_argument("--notation", metavar="NAME", help="the notation of the schedule's labels")
     made.add_argument("--line", metavar="NAME", help="the character's own edits of this line")
-    made.add_argument("--tts", metavar="ENGINE", help="another speech engine than the language's")
+    made.add_argument(
+        "--tts",
+        metavar="ENGINE",
+        help="another speech engine than the language's; none estimates times",
+    )
     made.add_argument("--fps", metavar="N", type=float, default=60.0, help="frames per second [60]")
     made.add_argument(
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",

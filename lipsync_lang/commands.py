@@ -7,7 +7,8 @@ import json
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ from lipsync_lang.errors import LipsyncError, OutputError
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.packs.faults import Fault
+    from lipsync_lang.packs.library import Library
     from lipsync_lang.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
 
@@ -96,7 +99,6 @@ def _motion(settings: list[str]) -> dict[str, object]:
 
 def _schedule(options: Namespace, performer: "Performer") -> "Schedule":
     from lipsync_lang.schedules.registry import read_schedule
-    from lipsync_lang.speaking import speak_as
 
     if (options.text is None) == (options.schedule is None):
         raise LipsyncError("give either a TEXT to speak or timed phonemes with --schedule FILE")
@@ -106,8 +108,7 @@ def _schedule(options: Namespace, performer: "Performer") -> "Schedule":
         return read_schedule(options.schedule, notation=options.notation)
     if options.notation is not None:
         raise LipsyncError("--notation is that of a --schedule; leave it out with a TEXT")
-    voice = performer.compiled.voice
-    return speak_as(options.text, performer.language, voice, engine=options.tts)
+    return performer.speaker.speak(options.text, engine=options.tts)
 
 
 def _summary(animation: "Animation", written: list[Path]) -> str:
@@ -119,6 +120,10 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
         f"{_count(len(animation.times), 'frame')} of {_count(len(animation.poses), 'pose')} "
         f"at {animation.fps:g} fps"
     )
+    if animation.schedule.estimated:
+        told += "\ntimes are estimated by classes of sounds; nothing speaks them"
+    if animation.schedule.unread:
+        told += f"\nnot read: {' '.join(animation.schedule.unread)}"
     if not written:
         return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
     return told + "".join(f"\nwrote {path}" for path in written)
@@ -151,6 +156,8 @@ def validate(options: Namespace) -> int:
 
     library = Library(options.path)
     faults = find_faults(library, options.paths or None)
+    if not options.no_tests:
+        faults = sorted({*faults, *_failing(library, options.paths)})
     if options.json:
         print(_json([fault.to_dict() for fault in faults]))
     else:
@@ -160,6 +167,30 @@ def validate(options: Namespace) -> int:
     warned = _count(len(faults) - real, "warning")
     print(f"{_count(real, 'fault')}, {warned}", file=sys.stderr)
     return FAULTS if real else SOUND
+
+
+def _failing(library: "Library", paths: list[Path]) -> Iterator["Fault"]:
+    """Try the tests of the languages in question, telling which is at work."""
+    from lipsync_lang.authoring.trial import doubts, languages_in, try_out
+
+    silence = library.common().model.silence
+    for pack in languages_in(library, paths):
+        with _working(f"trying {pack.model.name}"):
+            yield from try_out(library, pack).faults(silence)
+            yield from doubts(library, pack)
+
+
+@contextmanager
+def _working(what: str) -> Iterator[None]:
+    """Say on a terminal what is at work, and wipe it out afterwards."""
+    shows = sys.stderr is not None and sys.stderr.isatty()
+    if shows:
+        print(f"{what} ...", end="\r", file=sys.stderr, flush=True)
+    try:
+        yield
+    finally:
+        if shows:
+            print("\x1b[2K", end="\r", file=sys.stderr, flush=True)
 
 
 def schema(options: Namespace) -> int:
@@ -180,15 +211,51 @@ def packs(options: Namespace) -> int:
     from lipsync_lang.packs.library import Library
 
     library = Library(options.path)
+    if options.action == "new":
+        return _new_language(library, options)
     if options.action == "show":
         if options.name is None:
             raise LipsyncError(f"name the {options.kind} to show: {options.kind}s show NAME")
+        if options.kind == "language":
+            return _show_language(library, options)
         told = describe.show(library, options.kind, options.name)
     elif options.name is not None:
         raise LipsyncError(f"list takes no name; did you mean: {options.kind}s show {options.name}")
     else:
         told = describe.listing(library, options.kind)
     print(_json(told.data) if options.json else told.text)
+    return SOUND
+
+
+def _new_language(library: "Library", options: Namespace) -> int:
+    from lipsync_lang.authoring.draft import Wanted, draft
+
+    if options.name is None:
+        raise LipsyncError("name the new language: languages new NAME --voice sw")
+    wanted = Wanted(
+        options.name,
+        tag=options.tag,
+        title=options.title,
+        voice=options.voice,
+        epitran=options.epitran,
+        lexicon=options.lexicon,
+        inventory=options.inventory,
+        inventory_id=options.inventory_id,
+        texts=_lines(options.text) if options.text else (),
+    )
+    with _working(f"drafting {options.name}"):
+        made = draft(library, wanted)
+    print(made.write(), file=sys.stderr)
+    return SOUND
+
+
+def _show_language(library: "Library", options: Namespace) -> int:
+    from lipsync_lang.authoring.language import describe
+    from lipsync_lang.authoring.table import language_table
+
+    with _working(f"trying {options.name}"):
+        told = describe(library, library.language(options.name))
+    print(_json(told) if options.json else language_table(told))
     return SOUND
 
 
@@ -204,6 +271,54 @@ def bank(options: Namespace) -> int:
         print(write_drafts(drafts, options.to), file=sys.stderr)
     else:
         print(draft_yaml(drafts), end="")
+    return SOUND
+
+
+def transcribe(options: Namespace) -> int:
+    """Print what texts become: their phonemes and common phonemes, word by word."""
+    from lipsync_lang.authoring.table import transcript_table
+    from lipsync_lang.speaking import Speaker
+
+    texts = [options.text] if options.text is not None else _lines(options.file)
+    speaker = Speaker.of(options.language, options.path)
+    heard = list(speaker.transcribe(texts))
+    if options.json:
+        print(_json([speaker.told(transcript) for transcript in heard]))
+    else:
+        print("\n\n".join(transcript_table(speaker.told(t)) for t in heard))
+    lost = [t for t in heard if t.unmapped or t.unread]
+    for transcript in lost:
+        for what, which in (("no map for", transcript.unmapped), ("not read:", transcript.unread)):
+            if which:
+                print(f"{transcript.text[:40]}: {what} {' '.join(which)}", file=sys.stderr)
+    return FAULTS if any(t.unmapped for t in lost) else SOUND
+
+
+def _lines(file: Path | None) -> list[str]:
+    """Return the lines of a file that hold text."""
+    if file is None:
+        raise LipsyncError("give a TEXT, or a file of lines with --file FILE")
+    try:
+        lines = file.read_text("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise LipsyncError(
+            f"{file}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        ) from None
+    return [line for line in lines if line.strip()]
+
+
+def voices(options: Namespace) -> int:
+    """Print the voices of a speech engine."""
+    from lipsync_lang.authoring.table import columns
+    from lipsync_lang.errors import did_you_mean
+    from lipsync_lang.speech import ENGINES
+
+    if options.engine not in ENGINES:
+        raise LipsyncError(
+            f"no speech engine '{options.engine}'; {did_you_mean(options.engine, ENGINES)}"
+        )
+    found = ENGINES[options.engine].voices()
+    print(_json(found) if options.json else "\n".join(columns(sorted(found.items()))))
     return SOUND
 
 

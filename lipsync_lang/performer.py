@@ -11,6 +11,8 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.edits import overlays
 from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
 from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.motion import Motion
@@ -21,8 +23,10 @@ from lipsync_lang.schedules.schedule import Schedule
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lipsync_lang.phonology.nearest import Among, Nearest
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.resolver.compiled import Compiled, Report
+    from lipsync_lang.speaking import Speaker
     from lipsync_lang.trace import Explanation
 
 FASTEST = 1000.0
@@ -133,13 +137,26 @@ class Performer:
         starts[0] = times[0]
         return np.array(ids), np.array([*starts, times[-1]]), np.array(source)
 
+    def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
+        """Return what features alone made of a schedule's labels: each that no pack maps, once.
+
+        The common phonemes with their shares, what of the label is not shown, and how far it is
+        from what is. Empty for a language that maps all its labels itself.
+        """
+        notation, near = self.notation(schedule), self._near
+        if near is None or notation.nearest is None:
+            return {}
+        unmapped = (label for label in schedule.labels if notation.stated(label) is None)
+        found = {label: near.nearest(label) for label in unmapped}
+        return {label: nearest for label, nearest in found.items() if not nearest.unknown}
+
     def _values(self, schedule: Schedule) -> list[Value]:
         """Return what each label stands for, words of the language's own said its way."""
         notation = self.notation(schedule)
         values = [notation.find(label) for label in schedule.labels]
         own = self.compiled.words if schedule.language == self.language else {}
         for word in schedule.words if own else ():
-            sounds = own.get(word.text.casefold())
+            sounds = own.get(plain(word.text))
             if sounds:
                 values[word.first : word.stop] = _spread(sounds, word.stop - word.first)
         unknown = [i for i, value in enumerate(values) if value is None]
@@ -164,12 +181,35 @@ class Performer:
         return self._notations[name]
 
     @cached_property
+    def speaker(self) -> "Speaker":
+        """The language, ready to read and speak text; its character's words included."""
+        from lipsync_lang.phonology.manner import Manner
+        from lipsync_lang.speaking import Speaker
+
+        return Speaker(Manner.from_plain(self.compiled.manner), self._notations)
+
+    @cached_property
     def _notations(self) -> dict[str, Notation]:
         silence: Value = ((self.compiled.phonemes[0], 1.0),)
+        near = self._near.value if self._near is not None else None
         return {
-            name: Notation(table, self.compiled.silences, silence)
+            name: Notation(table, self.compiled.silences, silence, near if name == IPA else None)
             for name, table in self.compiled.notations.items()
         }
+
+    @cached_property
+    def _near(self) -> "Among | None":
+        from lipsync_lang.phonology.nearest import Among
+
+        data = self.compiled.nearest
+        return None if data is None else Among.from_plain(data)
+
+    @cached_property
+    def _hints(self) -> "Among | None":
+        """What finds the nearest for messages alone: it is read only once something is wrong."""
+        from lipsync_lang.resolver.nearest import among_shared
+
+        return self._near or among_shared(self.compiled.phonemes[1:])
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
@@ -179,12 +219,24 @@ class Performer:
     def _recognised(self) -> "WeakKeyDictionary[Schedule, str]":
         return WeakKeyDictionary()
 
+    def _hint(self, label: str, notation: str) -> str:
+        """Say which label may be meant, what one of the IPA is nearest to, or why it is none."""
+        known = self._notations[notation]
+        hints = [known.suggest(label)] if known.table else []
+        near = self._hints if notation == IPA else None
+        found = near.nearest(label) if near is not None else None
+        if found is not None and found.unknown:
+            hints.append(f"no IPA: {' '.join(found.unknown)}")
+        elif found is not None and found.value:
+            hints.append(f"nearest by its features: {' '.join(n for n, _ in found.value)}")
+        return "; ".join(hints)
+
     def _unknown(self, schedule: Schedule, at: list[int], notation: Notation) -> str:
         name = next(n for n, known in self._notations.items() if known is notation)
         lines = [
             f"{schedule.source}: phoneme {i} ({schedule.labels[i]!r}, {schedule.times[i]:g} to "
             f"{schedule.times[i + 1]:g} s) is not in the {name} of {self.language}; "
-            f"{notation.suggest(schedule.labels[i])}"
+            f"{self._hint(schedule.labels[i], name)}"
             for i in at[:8]
         ]
         more = f"\n... and {len(at) - 8} more" if len(at) > 8 else ""  # noqa: PLR2004 a screenful
@@ -196,10 +248,16 @@ class Performer:
 
 
 def _spread(sounds: tuple[str, ...], count: int) -> list[Value]:
-    """Share a word's common phonemes out over the labels it was given, in order."""
+    """Share a word's common phonemes out over the labels it was given, in order.
+
+    A sound that lasts over several labels is stated at the first; the others add their time to it.
+    """
     cuts = [round(i * len(sounds) / count) for i in range(count + 1)]
-    spread = []
+    spread: list[Value] = []
+    last = -1
     for low, high in pairwise(cuts):
-        here = sounds[low:high] or sounds[min(low, len(sounds) - 1) :][:1]
-        spread.append(tuple((name, 1 / len(here)) for name in here))
+        here = range(low, high) if low < high else range(min(low, len(sounds) - 1), low + 1)
+        new = [n for n in here if last < n < len(sounds)]
+        spread.append(tuple((sounds[n], 1 / len(new)) for n in new))
+        last = max(last, *here)
     return spread

@@ -1,11 +1,246 @@
-"""Text in a language: which voice speaks it is the language pack's word."""
+"""Text in a language: who reads it, and which voice speaks it, is the language pack's word.
 
-from collections.abc import Sequence
-from dataclasses import replace
+A text is *transcribed* by the pack's G2P engine, and *spoken* by its voice. Where voice and engine
+are one, what was heard is what is said. Where they differ, the voice gives the times and the
+engine the phonemes, joined by alignment. Without a voice, lengths by phoneme class estimate the
+times.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.phonology.g2p import Said, engine
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.labels import Notation
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+
+SILENT = "none"
+"""The name to ask for no speech engine by: times are estimated, and nothing sounds."""
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """What a text becomes before anybody times it.
+
+    Parameters
+    ----------
+    text : as it was given
+    language : the pack's name
+    notation : of the words' labels
+    words : words and pauses in order
+    phonemes : the common phonemes they become, pauses as silence; a pack's own words its way
+    unmapped : labels that the notation does not have, in order, each once
+    unread : characters that the engine could not read, in order, each once
+    """
+
+    text: str
+    language: str
+    notation: str
+    words: tuple[Said, ...]
+    phonemes: tuple[str, ...] = ()
+    unmapped: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """All phonemes in order, pauses left out."""
+        return tuple(label for word in self.words for label in word.labels)
+
+
+class Speaker:
+    """A language made ready to read and speak many texts.
+
+    Parameters
+    ----------
+    manner : how its text is read and spoken
+    notations : its notations, by name
+    """
+
+    def __init__(self, manner: Manner, notations: Mapping[str, Notation]) -> None:
+        self.manner = manner
+        self.notations = notations
+
+    @classmethod
+    def of(cls, language: str, paths: Sequence[str | Path] = ()) -> "Speaker":
+        """Make a language ready by its name or tag, looking for packs in `paths` first."""
+        from lipsync_lang.packs.library import Library
+        from lipsync_lang.resolver.manner import manner_of, notations_of
+
+        library: Library = Library(paths)
+        pack, common = library.language(language), library.common().model
+        return cls(manner_of(pack, common), notations_of(library, pack))
+
+    def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
+        """Turn texts into phonemes, one after the other.
+
+        Raises
+        ------
+        SpeechError
+            The pack says nothing of how text becomes phonemes, or its engine failed.
+        """
+        whole = list(texts)
+        for text, words in zip(whole, self._read(whole), strict=True):
+            yield self._transcript(text, words)
+
+    def _read(self, texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        manner = self.manner
+        if manner.engine is None:
+            raise SpeechError(
+                f"{manner.language} does not read text: give its pack a `g2p`, "
+                "or give timed phonemes (--schedule)"
+            )
+        if manner.notation not in self.notations:
+            raise SpeechError(
+                f"{manner.language} has no notation '{manner.notation}' for what its `g2p` writes"
+            )
+        for text, words in zip(texts, engine(manner.engine, manner.settings)(texts), strict=True):
+            yield self._heard(text) if self._hides(words) else tuple(words)
+
+    def _hides(self, words: Sequence[Said]) -> bool:
+        """Tell whether a word of the pack's own may lie within words the engine ran together."""
+        return bool(self.manner.words) and any(
+            plain(part.strip(".,;:!?…\"'()")) in self.manner.words
+            for word in words
+            if any(map(str.isspace, word.text))
+            for part in word.text.split()
+        )
+
+    def _heard(self, text: str) -> tuple[Said, ...]:
+        """Return the words of a text as they are told apart when it is spoken."""
+        from lipsync_lang.speech import speak as say
+
+        schedule = say(text, self.manner.settings.voice or "", engine=self.manner.engine or "")
+        words: list[Said] = []
+        at = 0
+        for word in schedule.words:
+            if words and SILENCE in schedule.labels[at : word.first]:
+                words.append(Said(",", ()))
+            words.append(Said(word.text, schedule.labels[word.first : word.stop]))
+            at = word.stop
+        return tuple(words)
+
+    def _transcript(self, text: str, words: Sequence[Said]) -> Transcript:
+        notation = self.notations[self.manner.notation]
+        phonemes: list[str] = []
+        unmapped: list[str] = []
+        for word in words:
+            own = self.manner.words.get(plain(word.text)) if word.labels else (SILENCE,)
+            if own is not None:
+                if word.labels or not word.unread:
+                    phonemes += own
+                continue
+            for label in word.labels:
+                value = notation.find(label)
+                phonemes += [name for name, _ in value or ()]
+                unmapped += [label] if value is None else []
+        return Transcript(
+            text,
+            self.manner.language,
+            self.manner.notation,
+            tuple(words),
+            tuple(phonemes),
+            tuple(dict.fromkeys(unmapped)),
+            tuple(dict.fromkeys(c for word in words for c in word.unread)),
+        )
+
+    def told(self, transcript: Transcript) -> dict[str, Any]:
+        """Return a transcript as JSON holds it, with the common phonemes of each label."""
+        notation = self.notations[self.manner.notation]
+        words: list[dict[str, Any]] = []
+        for word in transcript.words:
+            labels = [
+                {"label": label, "common": [name for name, _ in notation.find(label) or ()]}
+                for label in word.labels
+            ]
+            own = self.manner.words.get(plain(word.text))
+            words.append(
+                {"text": word.text, "labels": labels}
+                | ({"pronounced": list(own)} if own and labels else {})
+                | ({"unread": word.unread} if word.unread else {})
+            )
+        return {
+            "text": transcript.text,
+            "language": transcript.language,
+            "notation": transcript.notation,
+            "words": words,
+            "phonemes": list(transcript.phonemes),
+            "unmapped": list(transcript.unmapped),
+            "unread": list(transcript.unread),
+        }
+
+    def speak(
+        self, text: str, *, engine: str | None = None, words_per_minute: int | None = None
+    ) -> Schedule:
+        """Speak a text, or estimate its times where nothing speaks it.
+
+        Parameters
+        ----------
+        text : what to say
+        engine : another speech engine than the pack's; `none` for estimated times
+        words_per_minute : the speed of speech; None is the engine's own
+
+        Raises
+        ------
+        SpeechError
+            There is nothing to say, the language cannot read it, or the engine failed.
+        """
+        from lipsync_lang.speech import speak as say
+
+        manner = self.manner
+        if engine == SILENT or (engine is None and manner.voice is None):
+            return self._estimated(text)
+        voice = manner.voice[1] if manner.voice else manner.settings.voice or ""
+        engine = engine or (manner.voice[0] if manner.voice else "")
+        if manner.direct:
+            schedule = say(text, voice, engine=engine, words_per_minute=words_per_minute)
+            return replace(schedule, language=manner.language)
+        (transcript,) = self.transcribe([text])
+        spelling = _spelling(transcript)
+        schedule = say(spelling, voice, engine=engine, words_per_minute=words_per_minute)
+        from lipsync_lang.joining import join
+
+        return join(transcript, schedule, manner, self.notations)
+
+    def _estimated(self, text: str) -> Schedule:
+        from lipsync_lang.joining import estimate
+
+        if self.manner.engine is None:
+            raise SpeechError(
+                f"{self.manner.language} names no voice: give its pack a `tts`, a `g2p` to "
+                "estimate times by, or give timed phonemes (--schedule)"
+            )
+        (transcript,) = self.transcribe([text])
+        return estimate(transcript, self.manner, self.notations[self.manner.notation])
+
+
+def _spelling(transcript: Transcript) -> str:
+    """Return what a voice should read: the engine's own spelling where it has one."""
+    if not any(word.respelled for word in transcript.words):
+        return transcript.text
+    return " ".join(word.respelled or word.text for word in transcript.words)
+
+
+def transcribe(
+    texts: Iterable[str], language: str, *, paths: Sequence[str | Path] = ()
+) -> Iterator[Transcript]:
+    """Turn texts into phonemes, as the language pack's `g2p` says, one after the other.
+
+    Parameters
+    ----------
+    texts : what to read
+    language : a language pack's name or tag
+    paths : folders to search for packs before all others
+
+    Raises
+    ------
+    SpeechError
+        The language does not read text, or its engine failed.
+    """
+    return Speaker.of(language, paths).transcribe(texts)
 
 
 def speak(
@@ -22,36 +257,14 @@ def speak(
     ----------
     text : what to say
     language : a language pack's name or tag
-    engine : another speech engine than the pack's
+    engine : another speech engine than the pack's; `none` for estimated times without sound
     words_per_minute : the speed of speech; None is the engine's own
     paths : folders to search for packs before all others
 
     Raises
     ------
     SpeechError
-        There is nothing to say, the language has no voice, or the engine failed.
+        There is nothing to say, the language can neither read nor speak it, or the engine failed.
     """
-    from lipsync_lang.packs.library import Library
-
-    pack = Library(paths).language(language).model
-    voice = (pack.tts.engine, pack.tts.voice or "") if pack.tts else None
-    return speak_as(text, pack.name, voice, engine=engine, words_per_minute=words_per_minute)
-
-
-def speak_as(
-    text: str,
-    language: str,
-    voice: tuple[str, str] | None,
-    *,
-    engine: str | None = None,
-    words_per_minute: int | None = None,
-) -> Schedule:
-    """Speak text with a voice that is known already: (engine, voice)."""
-    from lipsync_lang.speech import speak as say
-
-    if voice is None:
-        raise SpeechError(
-            f"{language} names no voice: give its pack a `tts`, or give timed phonemes (--schedule)"
-        )
-    schedule = say(text, voice[1], engine=engine or voice[0], words_per_minute=words_per_minute)
-    return replace(schedule, language=language)
+    speaker = Speaker.of(language, paths)
+    return speaker.speak(text, engine=engine, words_per_minute=words_per_minute)

@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import shlex
+import shutil
 import sys
 from difflib import unified_diff
 from pathlib import Path
@@ -19,6 +20,9 @@ assert PAGES, "a sweep over nothing passes"
 FENCE = re.compile(r"^```(\w*)[ ]*([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 """A fenced block: its language, what else its first line says, and its text."""
 
+TOLD = re.compile(r'(title|edits|shows)="([^"]+)"')
+"""What a block is to a file: all of it, entries to put into it, or lines that stand in it."""
+
 NOT_RUN = {
     "make": "sets up an environment of its own",
     "git": "fetches what is here already",
@@ -27,6 +31,7 @@ NOT_RUN = {
     "cd": "every page runs in one folder",
     "mkdir": "folders are made where files are put",
     "python": "runs a file of the page, whose block is run",
+    "pip": "installs what a test of its own installs",
 }
 """Commands of a console block that a test passes over, and why."""
 
@@ -58,6 +63,12 @@ def test_generated_pages_are_up_to_date(name):
     assert not differs, f"run python docs/build_reference.py\n{differs}"
 
 
+def test_the_readme_lists_the_languages_there_are():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert MADE.LISTED.search(text)
+    assert MADE.readme(text) == text, "run python docs/build_reference.py"
+
+
 def test_every_field_code_and_setting_is_described():
     bare = [
         f"{name}: {line}"
@@ -76,7 +87,8 @@ def test_the_packs_shown_are_sound(tmp_path, monkeypatch, capsys):
     shown = capsys.readouterr()
     assert (code, shown.out) == (0, ""), shown.out
     shown_kinds = {kind for t in MADE.EXAMPLES.values() for kind in re.findall(r"^kind: (\w+)", t)}
-    assert shown_kinds == set(MADE.ORDER) - {"phonemes"}, "the common phonemes are ours alone"
+    ours = {"phonemes", "ipa"}
+    assert shown_kinds == set(MADE.ORDER) - ours, "what all languages share is ours alone"
 
 
 # Links
@@ -128,7 +140,7 @@ def steps(page):
     return [
         (language, told, text)
         for language, told, text in blocks(page)
-        if language in ("console", "python") or "title=" in told
+        if language in ("console", "python") or TOLD.search(told)
     ]
 
 
@@ -143,8 +155,12 @@ def needs(page):
     found = set()
     if re.search(r"lipsync-lang (run|explain) ['\"\w]", done) or "ll.speak(" in done:
         found.add("espeakng_loader")
+    if re.search(r"lipsync-lang (transcribe|languages new) ", done):
+        found |= {"espeakng_loader", "phonemizer"}
     if "--plot" in done:
         found.add("matplotlib")
+    if "epitran" in done:
+        found.add("epitran")
     return sorted(found)
 
 
@@ -162,14 +178,61 @@ def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch, capsys):
     monkeypatch.delenv("LIPSYNC_LANG_PATH", raising=False)
     scope = {"__name__": "__main__"}
     for language, told, text in steps(page):
-        title = re.search(r'title="([^"]+)"', told)
-        if title:
-            write(Path(title[1]), text)
+        if about := TOLD.search(told):
+            put(about[1], Path(about[2]), text)
         if language == "python":
             exec(compile(text, named(page), "exec"), scope)  # noqa: S102 our own page
             capsys.readouterr()
         elif language == "console":
             console(told, text, capsys)
+
+
+def put(how, path, text):
+    """Do with a file what a reader does at a block with its name."""
+    if how == "title":
+        write(path, text)
+    elif how == "edits":
+        write(path, edited(path.read_text(encoding="utf-8"), text))
+    else:
+        stands = masked(path.read_text(encoding="utf-8"))
+        missing = out_of_order(masked(text), stands)
+        assert missing is None, f"{path} has no {missing!r} there:\n" + "\n".join(stands)
+
+
+def edited(text, entries):
+    """Lay entries over YAML: each takes the place of its like, or follows the one before it."""
+    lines, at = text.splitlines(), len(text.splitlines())
+    deep = len(entries) - len(entries.lstrip(" "))
+    for entry in re.split(rf"\n(?= {{{deep}}}[^\s#])", entries.rstrip()):
+        new = entry.split("\n")
+        key = next(line for line in new if not line.lstrip().startswith("#")).partition(":")[0]
+        same = [n for n, line in enumerate(lines) if line.startswith(f"{key}:")]
+        start = end = same[0] if same else at
+        if same:
+            end += 1
+            while end < len(lines) and lines[end].startswith(" " * (deep + 1)):
+                end += 1
+        lines[start:end] = new
+        at = start + len(new)
+    return "\n".join(lines) + "\n"
+
+
+def out_of_order(wanted, there):
+    """Return the first line that does not follow the ones before it; None where all do."""
+    at = 0
+    for line in wanted:
+        if line.strip() == "...":
+            continue
+        if line not in there[at:]:
+            return line
+        at = there.index(line, at) + 1
+    return None
+
+
+def copy(source, target):
+    """Copy a folder of ours, as a reader beside the checkout does."""
+    ours = ROOT / Path(source).relative_to("../lipsync_lang")
+    shutil.copytree(ours, Path(target) / ours.name)
 
 
 def console(told, text, capsys):
@@ -182,18 +245,17 @@ def console(told, text, capsys):
         words = shlex.split(command, comments=True)
         if words[0] in NOT_RUN:
             continue
+        if words[:2] == ["cp", "-r"]:
+            copy(*words[2:])
+            continue
         assert words[0].removeprefix(".venv/bin/") == "lipsync-lang", command
         code = run(words[1:])
         captured = capsys.readouterr()
         printed = masked(captured.out) + masked(captured.err)
         last = number == len(parts) - 1
         assert code == (int(wanted[1]) if wanted and last else 0), f"{command}\n{captured}"
-        at = 0
-        for line in masked(shown):
-            if line.strip() == "...":
-                continue
-            assert line in printed[at:], f"$ {command}\ndoes not print {line!r} there:\n{printed}"
-            at = printed.index(line, at) + 1
+        missing = out_of_order(masked(shown), printed)
+        assert missing is None, f"$ {command}\ndoes not print {missing!r} there:\n{printed}"
 
 
 def run(words):

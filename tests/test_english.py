@@ -112,10 +112,20 @@ def test_no_sound_is_meant_by_two_common_phonemes():
     assert len(sounds) == len(set(sounds))
 
 
+OTHERWISE = {
+    "a": "the vowel of cat, as British voices write it",
+    "o": "the vowel of go, as an aligner writes it in India and Nigeria",
+}
+"""IPA letters that English writers use for another sound than the common phonemes mean."""
+
+
 def test_common_sounds_and_english_agree():
+    other = set()
     for name in COMMON["base"]:
         for sound in COMMON["phonemes"][name]["ipa"]:
-            assert common("ipa", [sound]) == [name], sound
+            if common("ipa", [sound]) != [name]:
+                other.add(sound)
+    assert other == set(OTHERWISE)
 
 
 @pytest.mark.parametrize("name", ["arpabet", "sapi"])

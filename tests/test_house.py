@@ -22,9 +22,9 @@ every_module = pytest.mark.parametrize("name", MODULES)
 KNOWS = {
     "errors": set(),
     "files": {"errors"},
-    "packs": {"errors", "files"},
+    "packs": {"errors", "files", "phonology"},
     "pipeline": set(),
-    "phonology": {"errors"},
+    "phonology": {"errors", "speech"},
     "schedules": {"errors", "files"},
     "animations": {"errors", "files", "schedules", "trace"},
     "speech": {"errors", "schedules"},
@@ -132,12 +132,36 @@ ORDINARY = {
     "wide": "an adjective",
     "lips": "a part of the face",
     "teeth": "a part of the face",
+    "it": "a pronoun",
+    "no": "a determiner",
+    "is": "a verb",
+    "or": "a conjunction",
+    "as": "an adverb",
+    "so": "an adverb",
+    "id": "a number's name",
+    "my": "a pronoun",
+    "he": "a pronoun",
+    "letters": "what words are made of",
 }
 """Names of packs that are English words: looked for alone, not within text."""
 
 EXEMPT = {
     ("cli.py", "english"): "the examples of --help can be typed as they stand",
     ("cli.py", "facefx"): "the examples of --help can be typed as they stand",
+    ("cli.py", "finnish"): "the examples of --help can be typed as they stand",
+    ("cli.py", "sw"): "the examples of --help can be typed as they stand",
+    ("commands.py", "sw"): "an example in a message can be typed as it stands",
+    ("cli.py", "NG"): "eSpeak NG is the engine's name",
+    ("packs/finding.py", "ipa"): "the file of the IPA, and its kind of pack",
+    ("packs/ipa_models.py", "ipa"): "the kind of pack",
+    ("packs/form.py", "pt-BR"): "an example in a message",
+    ("packs/ipa_checks.py", "letters"): "a field of the IPA's pack",
+    ("packs/salvage.py", "letters"): "a field of the IPA's pack",
+    ("phonology/ipa.py", "letters"): "a field of the IPA's pack",
+    ("phonology/g2p/kana.py", "japanese"): "the name of the extra that installs it",
+    ("phonology/g2p/pinyin.py", "mandarin"): "the name of the extra that installs it",
+    ("phonology/g2p/registry.py", "kana"): "the name of a respeller, after the script it writes",
+    ("speech/espeak_worker.py", "id"): "a field of the library's events",
     ("schedules/json.py", "HH"): "the example of the format's form",
     ("speech/espeak.py", "NG"): "eSpeak NG is the engine's name",
     ("speech/espeak.py", "ipa"): "the notation that the engine itself writes",
@@ -213,7 +237,7 @@ def test_everything_public_says_what_it_is(name):
 def test_only_the_command_line_prints(name):
     calls = [n for n in ast.walk(MODULES[name]) if isinstance(n, ast.Call)]
     prints = [n.lineno for n in calls if isinstance(n.func, ast.Name) and n.func.id == "print"]
-    assert name in {"cli.py", "commands.py"} or not prints
+    assert name in {"cli.py", "commands.py"} or name.endswith("_worker.py") or not prints
 
 
 @every_module

@@ -1,48 +1,130 @@
-"""Every language pack, through its own voice: its texts become what its tests say."""
+"""Every language pack: its tests hold, its inventory is whole, and every phoneme is tested."""
 
-from operator import attrgetter
+import csv
+import gzip
+import re
+from functools import cache
+from unicodedata import normalize
 
 import pytest
 
-from lipsync_lang import SpeechError, resolve, speak
+from lipsync_lang import resolve
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
+from lipsync_lang.phonology.labels import Notation, normalise
+from lipsync_lang.speaking import transcribe
 
 LIBRARY = Library(project=None)
-PACKS = [
-    LIBRARY.language(found.name).model
-    for found in LIBRARY.names("language")
-    if found.path.is_relative_to(built_in())
-]
-assert PACKS, "a sweep over nothing passes"
+NAMES = [found.name for found in LIBRARY.names("language") if found.path.is_relative_to(built_in())]
+assert NAMES, "a sweep over nothing passes"
+every_pack = pytest.mark.parametrize("pack", NAMES, indirect=True)
+
+NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
+         "kana": ["pyopenjtalk"]}  # fmt: skip
+"""What an engine, or a respeller, needs to be installed."""
 
 FACE = LIBRARY.names("poseset")[0].name
 """Any pose set: common phonemes are the same for all."""
 
-
-def heard(text, language):
-    """Speak text and return its common phonemes, pauses aside."""
-    performer = resolve(language, FACE)
-    ids, _, _ = performer.common_phonemes(speak(text, language))
-    silence = performer.compiled.tables.silence
-    return [performer.compiled.phonemes[i] for i in ids if i != silence]
+SILENCE = LIBRARY.common().model.silence
 
 
-@pytest.mark.parametrize("pack", PACKS, ids=attrgetter("name"))
-def test_every_language_passes_its_own_tests(pack):
-    if pack.tts is None:
-        pytest.skip(f"{pack.name} names no voice")
-    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+@pytest.fixture
+def pack(request):
+    """A language pack by name."""
+    return LIBRARY.language(request.param).model
+
+
+def table(pack, name):
+    """The table of one notation, as a performer uses it."""
+    return Notation({label: s.to for label, s in pack.notations[name].items()})
+
+
+def becomes(labels, notation):
+    """Return the common phonemes that labels stand for; what is unknown stands for itself."""
+    found = [(label, notation.find(label)) for label in labels]
+    return [p for label, value in found for p in ((f"?{label}",) if value is None else value)]
+
+
+@every_pack
+def test_every_test_says_who_says_so(pack):
+    assert pack.tests, f"{pack.name} has no tests"
+    assert not [test.text for test in pack.tests if not test.source]
+
+
+@every_pack
+def test_what_the_sources_hear_becomes_what_the_tests_say(pack):
+    """The maps alone, whatever engine there is."""
     wrong = {
         test.text: (" ".join(said), " ".join(test.phonemes))
         for test in pack.tests
-        if (said := heard(test.text, pack.name)) != list(test.phonemes)
+        if test.ipa
+        and (said := becomes(test.ipa.split(), table(pack, "ipa"))) != list(test.phonemes)
     }
-    assert pack.tests, f"{pack.name} has no tests"
-    assert not wrong
+    assert not wrong, "(mapped, stated)"
 
 
-@pytest.mark.parametrize("pack", PACKS, ids=attrgetter("name"))
+@every_pack
+def test_text_becomes_what_the_tests_say(pack):
+    """Through the pack's own engine, as every text goes."""
+    if pack.g2p is None:
+        pytest.skip(f"{pack.name} does not read text")
+    needs = [*NEEDS.get(pack.g2p.engine, []), *NEEDS.get(pack.g2p.respell, [])]
+    for module in needs:
+        pytest.importorskip(module, reason="its engine is not installed")
+    texts = [test.text for test in pack.tests]
+    wrong = {
+        test.text: (" ".join(said), " ".join(test.phonemes), " ".join(heard.labels))
+        for test, heard in zip(pack.tests, transcribe(texts, pack.name), strict=True)
+        if (said := [p for p in heard.phonemes if p != SILENCE]) != list(test.phonemes)
+        or heard.unmapped
+    }
+    assert not wrong, "(read, stated, labels)"
+
+
+@every_pack
+def test_every_phoneme_of_the_inventory_is_mapped_or_absent_for_a_reason(pack):
+    if pack.inventory is None:
+        pytest.skip(f"{pack.name} names no inventory")
+    notation = table(pack, "ipa")
+    lost = [s for s in pack.inventory.segments if notation.find(s) is None]
+    assert set(lost) == set(pack.inventory.absent), "neither mapped nor absent, or both"
+
+
+@every_pack
+def test_every_mapped_phoneme_is_reached_by_a_test(pack):
+    if pack.inventory is None:
+        pytest.skip(f"{pack.name} names no inventory")
+    heard = {normalise(segment) for test in pack.tests for segment in test.ipa.split()}
+    silent = [
+        segment
+        for segment in pack.inventory.segments
+        if segment not in pack.inventory.absent
+        and normalise(pack.inventory.spelled.get(segment, segment)) not in heard
+    ]
+    assert not silent
+
+
+@cache
+def phoible(folder):
+    """Return the segments of every inventory of PHOIBLE, by number."""
+    found = {}
+    with gzip.open(folder / "phonology" / "phoible_inventories.tsv.gz", "rt", "utf-8") as lines:
+        for row in csv.DictReader(lines, delimiter="\t", quoting=csv.QUOTE_NONE):
+            found.setdefault(row["inventory_id"], set()).add(row["phoneme_raw"])
+    return found
+
+
+@every_pack
+def test_the_inventory_is_the_one_it_names(pack, data):
+    named = re.match(r"PHOIBLE (\d+)", pack.inventory.source) if pack.inventory else None
+    if named is None:
+        pytest.skip(f"{pack.name} names no PHOIBLE inventory")
+    stated = {normalize("NFC", segment) for segment in pack.inventory.segments}
+    assert stated == {normalize("NFC", segment) for segment in phoible(data)[named[1]]}
+
+
+@every_pack
 def test_every_language_resolves_on_every_pose_set_without_a_gap(pack):
     for found in LIBRARY.names("poseset"):
         report = resolve(pack.name, found.name).report
@@ -50,11 +132,7 @@ def test_every_language_resolves_on_every_pose_set_without_a_gap(pack):
         assert len(report.phonemes) ** 2 == report.shared + report.extra
 
 
-def test_a_voiceless_language_says_what_to_do(tmp_path):
-    folder = tmp_path / "languages"
-    folder.mkdir()
-    (folder / "mute.yaml").write_text(
-        "kind: language\nformat: 1\nname: mute\ntag: qaa\nnotations: {ipa: {a: aa}}\n"
-    )
-    with pytest.raises(SpeechError, match=r"mute names no voice: give its pack a `tts`"):
-        speak("a", "mute", paths=[tmp_path])
+@every_pack
+def test_what_a_language_adds_it_also_uses(pack):
+    used = {p for labels in pack.notations.values() for s in labels.values() for p in s.to}
+    assert set(pack.adds) <= used

@@ -16,6 +16,7 @@ from lipsync_lang.packs import checks
 from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.form import validated
+from lipsync_lang.packs.ipa_checks import check_ipa
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.source import scan
 
@@ -122,6 +123,8 @@ def compared(pack: Pack) -> list[Fault]:
     phonemes = set(common.phonemes)
     if model.kind == "phonemes":
         return [*checks.check_phonemes(pack)]
+    if model.kind == "ipa":
+        return [*check_ipa(pack, common)]
     if model.kind == "language":
         return [*checks.check_language(pack, common)]
     if model.kind == "poseset":

@@ -11,6 +11,7 @@ from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.conflicts import conflicts, path_between
 from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.language_checks import check_labels
 from lipsync_lang.packs.models import (
     Bank,
     Bigram,
@@ -58,6 +59,7 @@ def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fau
             loc = ("tests", index, "phonemes", number)
             yield from _phoneme(language, loc, sound, known, common)
     yield from _g2p(language)
+    yield from check_labels(language)
 
 
 def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) -> Iterator[Fault]:
@@ -85,7 +87,7 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
         what = f"unknown notation '{g2p.notation}'"
         yield language.fault(("g2p", "notation"), "P217", what, hint)
     place = language.where(("g2p", "file")).file
-    if g2p.file is not None and not (place.parent / g2p.file).is_file():
+    if g2p.file is not None and beside(place, g2p.file) is None:
         what, hint = f"there is no file '{g2p.file}'", f"it belongs in {place.parent.name}/"
         yield language.fault(("g2p", "file"), "P213", what, hint)
 
@@ -187,6 +189,7 @@ def check_character(
     poseset: PoseSet,
     phonemes: Collection[str],
     rigs: Collection[str],
+    languages: Collection[str],
 ) -> Iterator[Fault]:
     """A character moves poses of its pose set, and its files exist."""
     model = character.model
@@ -199,6 +202,7 @@ def check_character(
             for pose in change.curves:
                 loc = ("lines", name, "edits", index, "curves", pose)
                 yield from _pose(character, loc, pose, poseset.poses)
+    yield from _pronunciations(character, phonemes, languages)
     for number, file in enumerate(model.banks):
         if beside(character.path, file) is None:
             what, hint = f"there is no file '{file}'", "it belongs beside the character"
@@ -206,6 +210,19 @@ def check_character(
     if model.rig is not None and model.rig not in rigs:
         what, hint = f"unknown rig '{model.rig}'", did_you_mean(model.rig, rigs)
         yield character.fault(("rig",), "P212", what, hint)
+
+
+def _pronunciations(
+    character: "Pack[Character]", phonemes: Collection[str], languages: Collection[str]
+) -> Iterator[Fault]:
+    for language, words in character.model.pronunciations.items():
+        said: Loc = ("pronunciations", language)
+        if language not in languages:
+            what, hint = f"unknown language '{language}'", did_you_mean(language, languages)
+            yield character.fault(said, "P210", what, hint, key=True)
+        for word, sounds in words.items():
+            for number, sound in enumerate(sounds):
+                yield from _phoneme(character, (*said, word, number), sound, phonemes)
 
 
 def phonemes_of(language: Language, common: Phonemes) -> set[str]:

@@ -28,8 +28,9 @@ def listing(library: "Library", kind: "Kind") -> Told:
         }
         for found in library.names(kind)
     ]
+    names, origins = (max((len(str(r[k])) for r in rows), default=0) for k in ("name", "origin"))
     lines = [
-        f"{row['name']:<16}{row['origin']:<12}{row['path']}"
+        f"{row['name']:<{max(names, 14)}}  {row['origin']:<{max(origins, 10)}}  {row['path']}"
         + (f"  (shadowed by {row['shadowed_by']})" if row["shadowed_by"] else "")
         for row in rows
     ]
@@ -40,9 +41,7 @@ def listing(library: "Library", kind: "Kind") -> Told:
 
 
 def show(library: "Library", kind: "Kind", name: str) -> Told:
-    """Show one pack."""
-    if kind == "language":
-        return _language(library, library.language(name))
+    """Show one pose set or character; a language is `authoring.language`'s to describe."""
     if kind == "poseset":
         return _poseset(library.poseset(name))
     pack = library.character(name)
@@ -52,37 +51,6 @@ def show(library: "Library", kind: "Kind", name: str) -> Told:
         f"{len(model.banks)} banks, {len(model.words)} words ({shown(pack.path)})"
     )
     return Told(text, model.model_dump(mode="json", by_alias=True))
-
-
-def _language(library: "Library", pack: "Pack[models.Language]") -> Told:
-    """Print a language as the paper's Table 1: its phonemes by the common phoneme they become."""
-    model = pack.model
-    common = library.common().model
-    names = [*common.base, *(label for label in model.adds if label not in common.base)]
-    lines = [f"{model.title or model.name} ({model.tag}), {shown(pack.path)}"]
-    if model.tts:
-        lines.append(f"spoken by {model.tts.engine}, voice {model.tts.voice or 'as it comes'}")
-    for notation, table in model.notations.items():
-        lines.append(f"\n{notation}: {len(table)} labels")
-        sequences = {s.to for s in table.values()}
-        singles = [(name,) for name in names if (name,) in sequences]
-        for sounds in [*singles, *sorted(s for s in sequences if len(s) != 1)]:
-            labels = [label for label, s in table.items() if s.to == sounds]
-            words = [model.examples[label] for label in labels if label in model.examples]
-            becomes = " ".join(sounds) or "(mute)"
-            lines.append(f"  {becomes:<10}{'  '.join(labels)}" + _example(words, sounds, common))
-    heard = {sound for test in model.tests for sound in test.phonemes}
-    untested = [name for name in names if name not in heard]
-    lines.append(
-        f"\n{len(model.tests)} tests" + (f"; untested: {' '.join(untested)}" * bool(untested))
-    )
-    return Told("\n".join(lines), model.model_dump(mode="json", by_alias=True))
-
-
-def _example(words: list[str], sounds: tuple[str, ...], common: "models.Phonemes") -> str:
-    if not words and len(sounds) == 1 and sounds[0] in common.phonemes:
-        words = [w for w in (common.phonemes[sounds[0]].example,) if w]
-    return f"  ({', '.join(words)})" if words else ""
 
 
 def _poseset(pack: "Pack[models.PoseSet]") -> Told:

@@ -4,12 +4,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.packs.automatic import automatic
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
 
-WHOLE = ("g2p", "tts")
+WHOLE = ("g2p", "tts", "automatic")
 """Fields that a child has as a whole or not at all."""
 
 BY_LABEL = ("adds", "durations", "words", "examples", "reasons")
@@ -57,9 +58,15 @@ def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
         try:
             path = library.find("language", parent)
         except PackError:
+            made = automatic(library, parent)
+            if made is not None:
+                return [*line, made]
             hint = did_you_mean(parent, {found.name for found in library.names("language")})
             fault = pack.fault(("extends",), "P210", f"unknown language '{parent}'", hint)
             raise library.failing(fault) from None
+        if path.stem == pack.path.stem:
+            # one that extends its own name means the one it shadows
+            path = library.beneath(pack.path) or path
         if path in {member.path for member in line}:
             names = " -> ".join([*(member.model.name for member in line), path.stem])
             fault = pack.fault(

@@ -45,6 +45,7 @@ CODES: dict[str, str] = {
     "P114": "The shares of a phoneme's time do not fit its parts.",
     "P115": "Fields of one entry contradict each other.",
     "P116": "Text is empty.",
+    "P117": "A context of a rule is not a regular expression.",
     # P2: what one part says of another
     "P201": "A pose is unknown to the pose set.",
     "P202": "A common phoneme is unknown.",
@@ -63,13 +64,23 @@ CODES: dict[str, str] = {
     "P215": "A phoneme of the common pack is declared again.",
     "P216": "A pair of poses is constrained twice, or a pose with itself.",
     "P217": "A notation is unknown to the language.",
+    "P218": "A label is not in the notation that it should be in.",
+    "P219": "Two labels of a notation are one spelling, but stand for different things.",
+    "P220": "A phoneme of the inventory is neither mapped nor listed as absent.",
+    "P221": "A test of a language fails.",
+    "P222": "A feature, or a word that describes letters, is unknown to the IPA pack.",
+    "P223": "A letter or mark is unknown to the IPA pack.",
     # W3: sound, but probably not meant
     "W301": "A pose has no target, so that drafts never move it.",
     "W302": "A constraint binds two poses of equal priority, so that neither yields.",
     "W303": "A file lies among the packs but is not read.",
     "W304": "An installed distribution offers packs that cannot be found.",
-    "W305": "Two languages have one tag, so that only the first answers to it.",
+    "W305": "Two languages have one tag or alias, so that only the first answers to it.",
     "W306": "A bigram's own curve falls short of a contact that its phoneme demands.",
+    "W307": "A rule never fires, because an earlier one takes its letters.",
+    "W308": "An entry cannot be reached, or has no effect.",
+    "W309": "A mapping fights the features of its sound.",
+    "W310": "The tests of a language could not be run.",
 }
 """What each code means, for ever: a meaning never changes, and a code is never used again."""
 

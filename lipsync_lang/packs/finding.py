@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.packs.answers import answers_of, folded
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -28,6 +29,12 @@ VARIABLE = "LIPSYNC_LANG_PATH"
 COMMON = "common"
 """The file of `languages` that states the common phonemes, and is no language."""
 
+IPA = "ipa"
+"""The file of `languages` that states the IPA, its kind of pack, and the notation it is for."""
+
+SHARED = {COMMON: "phonemes", IPA: IPA}
+"""The files of `languages` that are no languages, and the kind of pack in each."""
+
 FOLDERS: dict[Kind, str] = {
     "language": "languages",
     "poseset": "posesets",
@@ -38,6 +45,9 @@ FOLDERS: dict[Kind, str] = {
 POSESET = "poseset.yaml"
 """The file of a pose set's folder that states its poses."""
 
+BENEATH = "beneath"
+"""The kind of look-up that finds what a file shadows."""
+
 PARTS = {"banks": "bank", "rigs": "rig"}
 """The folders of a pose set, and the kind of pack in each."""
 
@@ -45,7 +55,6 @@ WORDS: dict[Kind, str] = {"language": "language", "poseset": "pose set", "charac
 """What messages call each kind."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
-_TAG = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
 _KIND = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
 
 
@@ -99,7 +108,9 @@ class Finder:
     def find(self, kind: Kind, name: str) -> Path:
         """Return the file of the first pack of that name.
 
-        A language answers to its tag as well, where no file has the name.
+        A language answers to its tag and aliases as well, where no file has the name. Upper and
+        lower case, `_` and `-` are the same in them, and a longer tag that no language has falls
+        back to a shorter one.
 
         Raises
         ------
@@ -113,20 +124,24 @@ class Finder:
     def lookup(self, kind: str, name: str) -> tuple[str, ...]:
         """Return the files found for a name, in order; none where there are none.
 
-        Beyond the kinds that have names of their own, `phonemes` finds the common phonemes,
-        `banks` and `rigs` those of a pose set: beside it, and before those in the same place of
-        every folder that is searched earlier, so that a project adds to a pose set it does not own.
+        Beyond the kinds that have names of their own, `phonemes` finds the common phonemes, and
+        the kind of the IPA its features; `beneath` finds the language that the file of that name
+        shadows; `banks` and `rigs` those of a pose set: beside it, and before those in the same
+        place of every folder that is searched earlier, so that a project adds to a pose set it
+        does not own.
         """
-        if kind == "phonemes":
-            commons = (root.path / FOLDERS["language"] / f"{name}.yaml" for root in self.roots)
-            return tuple(str(path) for path in commons if path.is_file())[:1]
+        if kind in SHARED.values():
+            shared = (root.path / FOLDERS["language"] / f"{name}.yaml" for root in self.roots)
+            return tuple(str(path) for path in shared if path.is_file())[:1]
+        if kind == BENEATH:
+            return tuple(map(str, self._beneath(Path(name))))[:1]
         if kind in PARTS:
             return tuple(map(str, self._parts(kind, name)))
         if kind not in WORDS:
             raise ValueError(f"nothing of kind {kind!r} can be looked up")
         path = self._first(kind, name)
         if path is None and kind == "language":
-            path = self._tagged(name)
+            path = self._answering(name)
         return () if path is None else (str(path),)
 
     def unknown(self, name: str, *kinds: Kind) -> PackError:
@@ -147,13 +162,32 @@ class Finder:
             if folder / POSESET == home:
                 return
 
-    def _tagged(self, tag: str) -> Path | None:
-        """Find the first language with a tag."""
+    def _answering(self, name: str) -> Path | None:
+        """Find the first language that answers to a name which is no file's.
+
+        A tag or an alias comes before a file's name in other letters, and both before a shorter
+        tag.
+        """
+        answers: dict[str, Path] = {}
+        names: dict[str, Path] = {}
         for root in self.roots:
-            for name, path in self._list(root.path, "language").items():
-                if self._first("language", name) == path and tag_of(path) == tag.lower():
-                    return path
-        return None
+            for own, path in self._list(root.path, "language").items():
+                if self._first("language", own) == path:
+                    names.setdefault(folded(own), path)
+                    for answer in answers_of(path):
+                        answers.setdefault(answer, path)
+        asked = folded(name)
+        if asked in names and asked not in answers:
+            return names[asked]
+        while asked and asked not in answers:
+            asked = asked.rpartition("-")[0]
+        return answers.get(asked)
+
+    def _beneath(self, path: Path) -> Iterator[Path]:
+        """Yield the languages of a file's name that are found after it."""
+        found = [self._list(root.path, "language").get(path.stem) for root in self.roots]
+        if path in found:
+            yield from (other for other in found[found.index(path) + 1 :] if other is not None)
 
     def _list(self, root: Path, kind: Kind) -> dict[str, Path]:
         """Map the names of a folder's packs to their files, in order of name."""
@@ -249,11 +283,6 @@ def distribution(entry_point: "EntryPoint") -> str:
     return entry_point.dist.name if entry_point.dist is not None else entry_point.name
 
 
-def tag_of(path: Path) -> str:
-    """Return the tag that a language's file states, in small letters, or nothing."""
-    return _stated(_TAG, path).lower()
-
-
 def entries(folder: Path) -> list[Path]:
     """List a folder in order of name; a missing one is empty."""
     try:
@@ -274,8 +303,7 @@ def _packs(folder: Path, kind: Kind) -> dict[str, Path]:
         return {name: path for name, path in named.items() if path.is_file()}
     found = yaml_files(folder)
     if kind == "language":
-        found.pop(COMMON, None)
-        return found
+        return {name: path for name, path in found.items() if name not in SHARED}
     # a character's banks lie beside it
     return {name: path for name, path in found.items() if _stated(_KIND, path) != "bank"}
 

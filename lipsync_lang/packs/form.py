@@ -46,6 +46,9 @@ _PATTERNS = {
     "^[a-z]+$": "a sound is called by small letters a to z; silence demands no contact",
     "^([a-z]+|_)$": "a common phoneme is called by small letters a to z, or '_'",
     "^[A-Za-z0-9][A-Za-z0-9_-]*$": "a name is letters, digits, '-' and '_'",
+    "^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$": (
+        "name a language, or an engine and its code as in ENGINE:CODE"
+    ),
 }
 _PATTERN = "write a BCP 47 tag such as 'pt-BR'"
 

@@ -55,9 +55,13 @@ _COMMON = r"^([a-z]+|_)$"
 _SOUND = r"^[a-z]+$"
 _BIGRAM = r"([a-z]+|_)-([a-z]+|_)"
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
+_PARENT = r"^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$"
 
 Name = Annotated[str, Field(pattern=_NAME, max_length=80)]
 """The name of a pack: letters, digits, `-` and `_`."""
+
+Parent = Annotated[str, Field(pattern=_PARENT, max_length=80)]
+"""The name of a language, or ENGINE:CODE for one without a pack."""
 
 Text = Annotated[str, Field(min_length=1)]
 """Text that says something."""

@@ -4,6 +4,7 @@ A validator here sees one file; what needs two files or two places is in `checks
 seconds.
 """
 
+import re
 from math import isclose
 from typing import Annotated, Literal, Self
 
@@ -14,11 +15,11 @@ from lipsync_lang.packs.forms import (
     Common,
     Data,
     Label,
-    Name,
     OrEmpty,
     OrNames,
     OrOne,
     Pack,
+    Parent,
     Positive,
     Short,
     Strict,
@@ -29,6 +30,9 @@ SoundClass = Literal[
     "vowel", "glide", "liquid", "nasal", "stop", "fricative", "affricate", "silence"
 ]
 """The manner of a sound, by which lengths are estimated."""
+
+TAG = r"^[A-Za-z0-9]+(-[A-Za-z0-9]+)*$"
+"""What a language's tag looks like."""
 
 SHARES_SLACK = 1e-3
 """Shares may miss 1 by this much: 0.333 three times is a whole."""
@@ -62,6 +66,8 @@ class Phonemes(Pack):
     """Every common phoneme, those that only some languages use included."""
     base: tuple[Common, ...]
     """The phonemes that every language has."""
+    durations: dict[SoundClass, Positive] = Field(default={})
+    """Seconds by class, where neither a voice nor the language gives any."""
 
 
 class Rewrite(Strict):
@@ -75,6 +81,18 @@ class Rewrite(Strict):
     """A regular expression that must match what follows."""
     after: str = ""
     """A regular expression that must match what precedes."""
+
+    @model_validator(mode="after")
+    def _contexts_are_regular(self) -> Self:
+        for field in ("before", "after"):
+            try:
+                re.compile(getattr(self, field))
+            except (re.error, RecursionError, OverflowError) as error:
+                what = "is not a regular expression: {why}"
+                raise PydanticCustomError(
+                    "P117", what, {"why": str(error), "field": field}
+                ) from None
+        return self
 
 
 class G2P(Strict):
@@ -90,6 +108,8 @@ class G2P(Strict):
     """A lexicon beside the pack."""
     notation: Text | None = None
     """The notation that comes out; the first of the pack unless stated."""
+    respell: Text | None = None
+    """What spells the text anew before the engine reads it, where writing hides the sounds."""
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
 
@@ -158,8 +178,23 @@ class Test(Strict):
     """What is said."""
     phonemes: tuple[Common, ...] = Field(min_length=1)
     """What is heard."""
+    ipa: str = ""
+    """The segments as the source writes them, in IPA with spaces between them."""
     source: str = ""
     """Who says so."""
+
+
+class Inventory(Strict):
+    """The phonemes that the language is said to have, by somebody else."""
+
+    source: Text
+    """Who says so, and where."""
+    segments: tuple[Label, ...] = Field(min_length=1)
+    """Every segment, in IPA."""
+    spelled: dict[Label, Label] = Field(default={})
+    """How the pack's tests write a segment, where they write it otherwise."""
+    absent: dict[Label, Text] = Field(default={})
+    """Segments the pack does not map, and why."""
 
 
 class Language(Pack):
@@ -167,12 +202,15 @@ class Language(Pack):
 
     kind: Literal["language"]
     """The kind of pack."""
-    tag: Annotated[str, Field(pattern=r"^[A-Za-z0-9]+(-[A-Za-z0-9]+)*$")]
+    tag: Annotated[str, Field(pattern=TAG)]
     """The language as BCP 47 writes it."""
+    aliases: tuple[Annotated[str, Field(pattern=TAG)], ...] = ()
+    """Other tags and names that it answers to."""
     adds: Annotated[dict[Common, Phoneme | None], OrNames] = Field(default={})
     """Phonemes beyond the base: names of common ones, or new ones in full."""
-    extends: Name | None = None
-    """The language of which this one states only the differences."""
+    extends: Parent | None = None
+    """The language of which this one states only the differences; its own name is the one it
+    shadows, and ENGINE:CODE one without a pack."""
     g2p: G2P | None = None
     """How text becomes phonemes."""
     tts: TTS | None = None
@@ -189,5 +227,11 @@ class Language(Pack):
     """A word for each label of the first notation."""
     reasons: dict[Label, str] = Field(default={})
     """Why a label becomes what it does, where that is not obvious."""
+    automatic: bool = False
+    """Whether IPA that no notation maps goes to the nearest common phonemes by its features."""
+    inventory: Inventory | None = None
+    """The phonemes of the language, each of which the pack maps or lists as absent."""
+    caveats: tuple[str, ...] = ()
+    """What the pack is known to get wrong."""
     tests: tuple[Test, ...] = ()
     """Texts the pack must get right."""

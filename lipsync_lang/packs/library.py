@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.finding import (
+    BENEATH,
     COMMON,
     FOLDERS,
+    IPA,
+    SHARED,
     Finder,
     Found,
     Kind,
@@ -119,7 +122,7 @@ class Library:
         return self.finder.names(kind)
 
     def find(self, kind: Kind, name: str) -> Path:
-        """Return the file of the first pack of that name, or of a language with that tag.
+        """Return the file of the first pack of that name, or of a language that answers to it.
 
         Raises
         ------
@@ -140,11 +143,36 @@ class Library:
             )
         return cast("Pack[models.Phonemes]", self.load(found[0], "phonemes", COMMON))
 
+    def ipa(self) -> "Pack[models.Ipa]":
+        """Load the features of the IPA."""
+        found = self._lookup(SHARED[IPA], IPA)
+        if not found:
+            raise PackError(f"no {FOLDERS['language']}/{IPA}.yaml is found in any place searched")
+        return cast("Pack[models.Ipa]", self.load(found[0], SHARED[IPA], IPA))
+
     def language(self, name: str) -> "Pack[models.Language]":
-        """Load a language, what it extends included."""
+        """Load a language, what it extends included; ENGINE:CODE needs no pack.
+
+        Raises
+        ------
+        PackError
+            There is none, or it is unsound.
+        """
+        from lipsync_lang.packs.automatic import HOW, automatic
         from lipsync_lang.packs.extending import extended
 
-        return extended(self, self.find("language", name))
+        found = self._lookup("language", name)
+        if found:
+            return extended(self, found[0])
+        made = automatic(self, name)
+        if made is None:
+            unknown = self.finder.unknown(name, "language")
+            raise PackError(f"{unknown}; {HOW}") if ":" in name else unknown
+        return made
+
+    def beneath(self, path: Path) -> Path | None:
+        """Return the language that the file of that name shadows, if there is one."""
+        return next(iter(self._lookup(BENEATH, str(path))), None)
 
     def poseset(self, name: str) -> "Pack[models.PoseSet]":
         """Load a pose set."""

@@ -1,6 +1,8 @@
 """The form of every kind of pack: one class, one sentence."""
 
+from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.forms import Pack
+from lipsync_lang.packs.ipa_models import Ipa
 from lipsync_lang.packs.language_models import (
     G2P,
     TTS,
@@ -42,6 +44,7 @@ __all__ = [
     "Constraints",
     "Contact",
     "Edit",
+    "Ipa",
     "Language",
     "Line",
     "Motion",
@@ -66,5 +69,6 @@ MODELS: dict[str, type[Pack]] = {
     "bank": Bank,
     "character": Character,
     "rig": Rig,
+    IPA: Ipa,
 }
 """The model of each kind of pack."""

@@ -263,7 +263,11 @@ class Character(Pack):
     banks: tuple[Text, ...] = ()
     """Files of more of them, beside the character."""
     words: dict[Text, WordCurves] = Field(default={})
-    """Words it says in its own way."""
+    """Words it moves in its own way."""
+    pronunciations: dict[Text, dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]]] = (
+        Field(default={})
+    )
+    """Words it pronounces in its own way, by language, as common phonemes."""
     lines: dict[Text, Line] = Field(default={})
     """Lines with edits of their own."""
     motion: Motion = Motion()

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 from lipsync_lang.packs.models import MODELS, Pack
 from lipsync_lang.packs.source import Loc, Source
 
-DEFINING = {"poses", "phonemes", "base", "adds", "channels"}
+DEFINING = {"poses", "phonemes", "base", "adds", "channels", "features", "terms", "letters"}
 """Fields that others speak of: without one of their entries, sound ones would look faulty."""
 
 ROUNDS = 5

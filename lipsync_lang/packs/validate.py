@@ -1,27 +1,33 @@
 """Every fault of every pack, at once."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
 from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.packs import checks
+from lipsync_lang.packs.answers import answers_of, folded
 from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.finding import (
     COMMON,
     FOLDERS,
+    IPA,
     PARTS,
     POSESET,
+    SHARED,
+    Found,
     beside,
     entries,
-    tag_of,
 )
+from lipsync_lang.packs.ipa_checks import check_ipa
+from lipsync_lang.packs.language_checks import check_claims
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import Language
 from lipsync_lang.packs.salvage import salvaged
-from lipsync_lang.packs.source import Source
+from lipsync_lang.packs.source import Loc, Source
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -61,10 +67,7 @@ class _Run:
         self.library = library
         self.faults: set[Fault] = set()
         self.common = _quietly(library.common)
-        self.added: dict[str, set[str]] = {}
-        for name in sorted({found.name for found in library.names("language")}):
-            language = _quietly(lambda name=name: library.language(name))  # type: ignore[misc]
-            self.added[name] = set(language.model.adds) if language is not None else set()
+        self.languages = sorted({found.name for found in library.names("language")})
 
     def check_library(self) -> None:
         """Check every pack that the library finds, shadowed ones included."""
@@ -130,6 +133,7 @@ class _Run:
     def _compare(self, pack: "Pack[Any]") -> None:
         act: dict[str, Callable[[Pack[Any]], None]] = {
             "phonemes": lambda pack: self.faults.update(checks.check_phonemes(pack)),
+            IPA: self._ipa,
             "language": self._language,
             "poseset": self._poseset,
             "bank": self._bank,
@@ -138,10 +142,15 @@ class _Run:
         }
         act[pack.model.kind](pack)
 
+    def _ipa(self, pack: "Pack[models.Ipa]") -> None:
+        if self.common is not None:
+            self.faults.update(check_ipa(pack, self.common.model))
+
     def _language(self, pack: "Pack[models.Language]") -> None:
         whole = self._try(lambda: extended(self.library, pack.path))
         if whole is not None and self.common is not None:
             self.faults.update(checks.check_language(whole, self.common.model))
+            self.faults.update(check_claims(whole))
 
     def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
         phonemes = self._phonemes()
@@ -152,7 +161,7 @@ class _Run:
         poseset = self._poseset_of(pack)
         phonemes = self._phonemes(pack.model.language)
         if poseset is not None and phonemes is not None:
-            self.faults.update(checks.check_bank(pack, poseset, phonemes, self.added))
+            self.faults.update(checks.check_bank(pack, poseset, phonemes, self.languages))
 
     def _rig(self, pack: "Pack[models.Rig]") -> None:
         poseset = self._poseset_of(pack)
@@ -165,7 +174,7 @@ class _Run:
         if poseset is None or phonemes is None:
             return
         rigs = {path.stem for path in self.library.rigs_of(pack.model.poseset)}
-        self.faults.update(checks.check_character(pack, poseset, phonemes, rigs))
+        self.faults.update(checks.check_character(pack, poseset, phonemes, rigs, self.languages))
         for file in pack.model.banks:
             path = beside(pack.path, file)
             if path is not None:
@@ -188,30 +197,42 @@ class _Run:
             self._note(pack.fault(("poseset",), "P203", what, hint))
             return None
 
-    def _phonemes(self, language: str | None = None) -> set[str] | None:
+    def _phonemes(self, language: str | None = None) -> Collection[str] | None:
         """Return the phonemes of a language, or all there are; None where nobody can tell."""
         if self.common is None:
             return None
         model = self.common.model
-        if language in self.added:
-            return {*model.base, model.silence, *self.added[language]}
-        return {*model.phonemes, model.silence}.union(*self.added.values())
+        if language in self.languages:
+            return {*model.base, model.silence, *self._added(language)}
+        return _Known({*model.phonemes, model.silence}, self._all_added)
+
+    def _added(self, language: str) -> set[str]:
+        """Return what a language adds; nothing where it is unsound."""
+        pack = _quietly(lambda: self.library.language(language))
+        return set(pack.model.adds) if pack is not None else set()
+
+    def _all_added(self) -> set[str]:
+        return set().union(*map(self._added, self.languages))
 
     def _tags(self) -> None:
-        first: dict[str, str] = {}
-        for found in self.library.names("language"):
-            tag = tag_of(found.path)
-            if (
-                tag
-                and found.shadowed_by is None
-                and first.setdefault(tag, found.name) != found.name
-            ):
-                model, source, _ = self.library.inspect(found.path, "language", found.name)
-                if model is not None:
-                    what = f"tag '{tag}' is that of language '{first[tag]}' already"
-                    hint = f"only '{first[tag]}' answers to it"
-                    fault = source.fault(("tag",), "W305", what, hint)
-                    self._note(replace(fault, severity="warning"))
+        """Warn of languages that state what another answers to already."""
+        found = [f for f in self.library.names("language") if f.shadowed_by is None]
+        first = {folded(one.name): one.name for one in found}
+        for one in found:
+            for answer in answers_of(one.path):
+                if first.setdefault(answer, one.name) != one.name:
+                    self._taken(one, answer, first[answer])
+
+    def _taken(self, found: Found, answer: str, other: str) -> None:
+        model, source, _ = self.library.inspect(found.path, "language", found.name)
+        if not isinstance(model, Language):
+            return
+        alias = next((a for a in model.aliases if folded(a) == answer), None)
+        loc: Loc = ("tag",) if alias is None or folded(model.tag) == answer else ("aliases", alias)
+        field = "tag" if loc == ("tag",) else "alias"
+        what = f"{field} '{answer}' is that of language '{other}' already"
+        fault = source.fault(loc, "W305", what, f"only '{other}' answers to it")
+        self._note(replace(fault, severity="warning"))
 
     def _warn(self, path: Path, code: str, what: str, hint: str) -> None:
         self._note(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))
@@ -229,6 +250,32 @@ class _Run:
         return None
 
 
+class _Known(Collection[str]):
+    """Phonemes of every language: reads all their packs, but only for one not declared in common.
+
+    Parameters
+    ----------
+    common : those that are declared in common
+    more : finds those that languages declare themselves
+    """
+
+    def __init__(self, common: set[str], more: Callable[[], set[str]]) -> None:
+        self._common, self._more = common, more
+
+    @cached_property
+    def _whole(self) -> set[str]:
+        return self._common | self._more()
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._common or name in self._whole
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._whole)
+
+    def __len__(self) -> int:
+        return len(self._whole)
+
+
 def _quietly(load: Callable[[], T]) -> T | None:
     """Load what is reported elsewhere when it is unsound."""
     try:
@@ -244,5 +291,5 @@ def _placed(path: Path) -> File:
         return File(path, "poseset", folder)
     kind = PARTS.get(folder)
     if folder == FOLDERS["language"]:
-        kind = "phonemes" if path.stem == COMMON else "language"
+        kind = SHARED.get(path.stem, "language")
     return File(path, kind, path.stem)

@@ -8,12 +8,12 @@ Two spellings of a label are the same when they differ in what carries no sound:
   These are dropped one after the other, and only while the label as it stands is unknown:
   in SAMPA digits and case tell phonemes apart.
 
-What the tables lack is not guessed at: it has no value, and `Notation.suggest` names the
-nearest label.
+What the tables lack has no value, unless the notation was given what finds the `nearest`;
+`Notation.suggest` names the nearest label.
 """
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from unicodedata import normalize
 
@@ -64,11 +64,13 @@ class Notation:
     table : for each label, the common phonemes it stands for
     silences : spellings of silence, in any case; the table's own labels come first
     silence : what those stand for
+    nearest : answers for labels that the table lacks; None for those it cannot read
     """
 
     table: Mapping[str, Value]
     silences: Collection[str] = ()
     silence: Value = ()
+    nearest: Callable[[str], Value | None] | None = None
     _exact: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
@@ -84,13 +86,18 @@ class Notation:
         object.__setattr__(self, "_silent", silent)
 
     def find(self, label: str) -> Value | None:
-        """Return what a label stands for; None if the table does not know it."""
+        """Return what a label stands for; None if nobody knows it."""
+        known = self.stated(label)
+        return self.nearest(label) if known is None and self.nearest is not None else known
+
+    def stated(self, label: str) -> Value | None:
+        """Return what the table says a label stands for; None if it does not know it."""
         try:
             return self._seen[label]
         except KeyError:
-            return self._seen.setdefault(label, self._find(label))
+            return self._seen.setdefault(label, self._stated(label))
 
-    def _find(self, label: str) -> Value | None:
+    def _stated(self, label: str) -> Value | None:
         if label in self.table:
             return self.table[label]
         whole = normalise(label)
@@ -135,16 +142,17 @@ def one_case(labels: Iterable[str]) -> bool:
 def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
     """Return the name of the notation that knows most of the labels; of equals, the first.
 
-    Silence counts for nothing: every notation knows it.
+    What tables state comes before what is only nearest. Silence counts for nothing: every
+    notation knows it.
     """
     spoken = list(labels)
     if not notations:
         raise PackError("there is no notation to recognise labels by: the language has none")
 
-    def known(name: str) -> int:
+    def known(name: str) -> tuple[int, int]:
         notation = notations[name]
-        return sum(
-            notation.find(label) is not None and not notation.is_silence(label) for label in spoken
-        )
+        sounds = [label for label in spoken if not notation.is_silence(label)]
+        stated = sum(notation.stated(label) is not None for label in sounds)
+        return stated, sum(notation.find(label) is not None for label in sounds)
 
     return max(notations, key=known)

@@ -39,7 +39,7 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
 
     Parameters
     ----------
-    language : a language pack's name or tag
+    language : a language pack's name, tag or alias; ENGINE:CODE for one without a pack
     character : a character's name, or a pose set's for its bare self
     paths : folders to search for packs before all others
     gaps : what becomes of bigrams that nothing answers: an `error`, or `rest`

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.packs.faults import Fault, shown
-from lipsync_lang.phonology.labels import Value
 from lipsync_lang.pipeline.arrays import Floats, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
 from lipsync_lang.resolver.layers import Row, Shelf
+from lipsync_lang.resolver.manner import manner_of, tables_of
+from lipsync_lang.resolver.nearest import plain_among
 from lipsync_lang.resolver.settings import motion_with
 
 if TYPE_CHECKING:
@@ -43,15 +44,16 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         at_most=tuple(shelf.at_most()),
     )
     model = spoken.model
+    manner = manner_of(spoken, common.model, who.model)
     return Compiled(
         language=model.name,
         character=who.model.name,
         poseset=poseset.model.name,
         poses=shelf.poses,
         phonemes=shelf.phonemes,
-        notations={n: {k: _value(s) for k, s in t.items()} for n, t in model.notations.items()},
+        notations=tables_of(model),
         silences=(*common.model.silence_labels, *model.silence, common.model.silence),
-        words={text.casefold(): tuple(sounds) for text, sounds in model.words.items()},
+        words=dict(manner.words),
         word_edits=_plain({w.casefold(): e.curves for w, e in who.model.words.items()}),
         line_edits=_plain(
             {name: [e.model_dump() for e in line.edits] for name, line in who.model.lines.items()}
@@ -62,7 +64,8 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         motion=_motion(poseset.model.motion, who.model.motion),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         report=_report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
-        voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
+        nearest=plain_among(library, spoken) if model.automatic else None,
+        manner=_plain(manner.plain()),
     )
 
 
@@ -71,11 +74,6 @@ def _plain(data: Any) -> Any:
     if isinstance(data, Mapping):
         return {key: _plain(value) for key, value in data.items()}
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
-
-
-def _value(sounds: "models.Sounds") -> Value:
-    even = tuple(1 / len(sounds.to) for _ in sounds.to)
-    return tuple(zip(sounds.to, sounds.shares or even, strict=True))
 
 
 def _motion(*layers: "models.Motion") -> Motion:
@@ -158,5 +156,6 @@ def _report(shelf: Shelf, origins: list[Origin], warnings: list[Fault]) -> Repor
         shared=sum(base.issuperset(o.pair) for o in spoken),
         extra=sum(not base.issuperset(o.pair) for o in spoken),
         gaps=tuple("-".join(o.pair) for o in spoken if o.layer == "gap"),
+        automatic=shelf.language.model.automatic,
         warnings=tuple(str(fault) for fault in warnings),
     )

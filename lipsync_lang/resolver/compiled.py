@@ -46,6 +46,8 @@ class Report:
     """Bigrams that only this language's own phonemes need."""
     gaps: tuple[str, ...]
     """Bigrams that nothing answers."""
+    automatic: bool = False
+    """Whether labels that no notation maps go to the nearest common phonemes by features."""
     warnings: tuple[str, ...] = ()
 
     def __str__(self) -> str:
@@ -61,6 +63,8 @@ class Report:
             f"{sum(sum(s.values()) for s in self.silence_layers.values())} more with silence",
             *_layer_lines(self.silence_layers),
         ]
+        if self.automatic:
+            lines.insert(1, "automatic: IPA that no pack maps goes to the nearest by features")
         if self.gaps:
             lines.append(f"gaps: {', '.join(self.gaps)}")
         return "\n".join([*lines, *self.warnings])
@@ -98,5 +102,8 @@ class Compiled:
     motion: Motion
     measures: dict[str, dict[str, float]]
     report: Report
-    voice: tuple[str, str] | None
-    """Speech engine and voice, where the language has one."""
+    nearest: dict[str, Any] | None
+    """Where unmapped IPA goes to the nearest common phonemes: the features of the IPA and what
+    each phoneme names, as JSON holds them."""
+    manner: dict[str, Any]
+    """How the language's text is read and spoken: a `Manner`, as JSON holds it."""

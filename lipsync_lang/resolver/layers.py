@@ -92,7 +92,7 @@ class Shelf:
         for bank in (*self.banks, *self.own_banks):
             lenient += checks.check_bank(bank, poseset, self.phonemes, spoken)
         if self.character.path != self.poseset.path:
-            lenient += checks.check_character(self.character, poseset, self.phonemes, rigs)
+            lenient += checks.check_character(self.character, poseset, self.phonemes, rigs, spoken)
         found = [*strict, *(f for f in lenient if f.code != "P202")]
         faults = [f for f in found if f.severity == "fault"]
         if faults:

@@ -60,6 +60,7 @@ class Schedule:
     audio : the sound, whose zero is time zero
     estimated : True where the times come from a rule, not from a voice
     source : what to call this schedule in messages
+    unread : characters of the text it was made of that nothing could read
     """
 
     labels: tuple[str, ...]
@@ -70,6 +71,7 @@ class Schedule:
     audio: Audio | None = None
     estimated: bool = False
     source: str = field(default="schedule")
+    unread: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what cannot be performed, saying where and how to mend it."""

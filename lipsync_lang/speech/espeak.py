@@ -6,11 +6,14 @@ positions; `espeak_events` makes contiguous phonemes of them, `words` the words.
 """
 
 import json
+import re
 import signal
 import subprocess
 import sys
 import unicodedata
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +21,12 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.schedules import SILENCE, Audio, Schedule
-from lipsync_lang.speech.espeak_events import intervals, read_events
+from lipsync_lang.speech.espeak_events import intervals, read_events, words_of
 from lipsync_lang.speech.words import find_words
 
 MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
+READER = Path(__file__).with_name("phonemizer_worker.py")
 
 SLOWEST, FASTEST = 80, 350
 """Words per minute; faster speech is squeezed afterwards, and its events are not."""
@@ -30,10 +34,21 @@ SLOWEST, FASTEST = 80, 350
 LONGEST = 50_000
 """Characters, about an hour of speech; a longer text is a book, and comes in lines."""
 
-PAUSE = 0.05
+BATCH = 2000
+"""Texts that one process reads."""
+
+PAUSE = 0.09
 """Seconds; a shorter silence between two sounds is articulation, not a pause."""
 
 _SHOWN = 60
+_DOTS = re.compile(r"\.{2,}|…")
+_ORDER = (
+    (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
+    (re.compile("([\u05b0-\u05bb\u05c7]+)([\u05bc\u05c1\u05c2]+)"), r"\2\1"),
+)
+"""Marks on one letter that Unicode puts in one order, and the library reads in the other only."""
+
+_QUOTES = frozenset("«»‹›„“”‟")
 _IGNORED = {0x00AD, 0x200B, 0x200E, 0x200F, 0x2060, 0xFEFF}
 _IGNORED |= {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 
@@ -68,6 +83,39 @@ class Espeak:
         header, sound = self._ask("speak", text=spoken, voice=voice, rate=rate)
         return _schedule(header, sound, spoken)
 
+    def transcribe(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
+        """Turn texts into phonemes without sound, by phonemizer.
+
+        Yields
+        ------
+        For each text its clauses, of each its words, of each its labels in IPA, as `speak` has them
+
+        Raises
+        ------
+        SpeechError
+            No such voice, phonemizer or the library is missing, or it failed.
+        """
+        for start in range(0, len(texts), BATCH):
+            yield from self._read([_blank(t) for t in texts[start : start + BATCH]], voice)
+
+    def _read(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
+        library, data = _library()
+        if find_spec("phonemizer") is None:
+            raise SpeechError(
+                "reading text without speaking it needs phonemizer, which is not installed; "
+                'get it with: pip install "lipsync-lang[speech]"'
+            )
+        request = {"library": library, "data": data.name, "voice": voice, "texts": texts}
+        done = self._run([self.python, str(READER)], request, data.parent, texts)
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        if answers and "error" in answers[0]:
+            raise SpeechError(_refusal(answers[0], voice))
+        if len(answers) != len(texts) + 1:
+            at = max(len(answers) - 1, 0)
+            raise SpeechError(_ending(done.returncode, done.stderr, texts[at], voice))
+        for clauses in answers[1:]:
+            yield [words_of(clause) for clause in clauses]
+
     def voices(self) -> dict[str, str]:
         """Return the voices of the library: language code and title."""
         header, _ = self._ask("voices")
@@ -78,30 +126,37 @@ class Espeak:
         library, data = _library()
         request: dict[str, Any] = {"library": library, "data": data.name, "task": task}
         request |= {"text": text, "voice": voice, "rate": rate}
-        try:
-            done = subprocess.run(  # noqa: S603 our own script, no shell
-                [self.python, "-I", "-S", str(self.worker)],
-                input=json.dumps(request).encode("ascii"),
-                capture_output=True,
-                cwd=data.parent,
-                timeout=self.patience + len(text) / 100,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as late:
-            raise SpeechError(
-                f"eSpeak NG did not finish within {late.timeout:.0f} s with {_quoted(text)}; "
-                "try again, or split the text"
-            ) from None
-        except OSError as error:
-            raise SpeechError(
-                f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
-            ) from None
+        command = [self.python, "-I", "-S", str(self.worker)]
+        done = self._run(command, request, data.parent, [text])
         if done.returncode:
             raise SpeechError(_ending(done.returncode, done.stderr, text, voice))
         header, sound = _unframe(done.stdout)
         if "error" in header:
             raise SpeechError(_refusal(header, voice))
         return header | {"said": _said(done.stderr)}, sound
+
+    def _run(
+        self, command: list[str], request: object, folder: Path, texts: Sequence[str]
+    ) -> "subprocess.CompletedProcess[bytes]":
+        """Run a worker for one request."""
+        try:
+            return subprocess.run(  # noqa: S603 our own script, no shell
+                command,
+                input=json.dumps(request).encode("ascii"),
+                capture_output=True,
+                cwd=folder,
+                timeout=self.patience + sum(map(len, texts)) / 100,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as late:
+            raise SpeechError(
+                f"eSpeak NG did not finish within {late.timeout:.0f} s with {_quoted(texts[0])}; "
+                "try again, or split the text"
+            ) from None
+        except OSError as error:
+            raise SpeechError(
+                f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
+            ) from None
 
 
 def _library() -> tuple[str, Path]:
@@ -136,7 +191,7 @@ def _rate(words_per_minute: int | None) -> int:
 
 def _plain(text: str) -> str:
     """Blank out, one for one, characters that steer the library or that are none."""
-    plain = "".join(" " if _steers(c) else c for c in text)
+    plain = _blank(text)
     if not plain.strip():
         raise SpeechError("there is no text to speak; write at least one word")
     if not any(c.isalnum() for c in plain):
@@ -149,6 +204,14 @@ def _plain(text: str) -> str:
             f"the text has {len(plain)} characters, more than {LONGEST}; speak it line by line"
         )
     return plain
+
+
+def _blank(text: str) -> str:
+    """Blank out what steers the library, and what some voices read out by its name."""
+    for marks, order in _ORDER:
+        text = marks.sub(order, text)
+    dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
+    return "".join(" " if c in _QUOTES or _steers(c) else c for c in dotted)
 
 
 def _steers(character: str) -> bool:

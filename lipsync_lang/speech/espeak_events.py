@@ -8,6 +8,7 @@ Deviations from what the library says:
 - A sound without length, which the library speaks within its neighbour, gets a part of that.
 """
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,6 +21,7 @@ SHARE = 0.3
 
 _NAME_BYTES = 8
 _MARKS = "ˈˌ0123456789"
+_STRESSED = re.compile("([ˈˌ])")
 
 
 @dataclass
@@ -58,6 +60,25 @@ def read_events(
     lead = times[0] if times else end
     marks = [(position, number + 1) for position, number in marks]
     return [Sound(SILENCE, 0, lead), *sounds], marks
+
+
+def words_of(clause: str) -> list[tuple[str, ...]]:
+    """Return the labels of each word of a clause, as `read_events` has them.
+
+    `clause` has phonemes joined by ``_`` and words by spaces.
+    """
+    words = []
+    for word in clause.split():
+        labels: list[str] = []
+        for name in _STRESSED.sub(r"_\1", word).split("_"):
+            label = _label(name)
+            if label != SILENCE and labels and _modifies(label):
+                labels[-1] += label
+            elif label != SILENCE:
+                labels.append(label)
+        if labels:
+            words.append(tuple(labels))
+    return words
 
 
 def intervals(sounds: Sequence[Sound], pause: int) -> tuple[list[str], list[int], list[int]]:

@@ -14,6 +14,7 @@ import ctypes
 import json
 import os
 import sys
+from collections.abc import Iterable
 from typing import Any
 
 MAGIC = b"lipsync1"
@@ -46,7 +47,9 @@ class _Event(ctypes.Structure):
     )
 
 
-class _Voice(ctypes.Structure):
+class Voice(ctypes.Structure):
+    """A voice, as the library lists it."""
+
     _fields_ = (
         ("name", ctypes.c_char_p),
         ("languages", ctypes.c_void_p),
@@ -74,9 +77,16 @@ def _languages(address: int) -> list[tuple[int, str]]:
 
 def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, str]]]]:
     """Return each voice's identifier, title and (priority, language) pairs."""
-    library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(_Voice))
+    library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(Voice))
+    return read_voices(library.espeak_ListVoices(None))
+
+
+def read_voices(
+    listed: Iterable["ctypes._Pointer[Voice]"],
+) -> list[tuple[str, str, list[tuple[int, str]]]]:
+    """Return what `list_voices` does, of the library's own list."""
     rows, voices = [], []
-    for pointer in library.espeak_ListVoices(None):
+    for pointer in listed:
         if not pointer:
             break
         rows.append(pointer.contents)
@@ -105,7 +115,7 @@ def find_voice(voices: list[tuple[str, str, list[tuple[int, str]]]], wanted: str
     return voices[min(ranked)[1]][0] if ranked else None
 
 
-def _names(voices: list[tuple[str, str, list[tuple[int, str]]]]) -> dict[str, str]:
+def names(voices: list[tuple[str, str, list[tuple[int, str]]]]) -> dict[str, str]:
     """Map the first language code of each voice, which `find_voice` takes, to its title."""
     return {
         (languages[0][1] if languages else identifier): title
@@ -113,7 +123,8 @@ def _names(voices: list[tuple[str, str, list[tuple[int, str]]]]) -> dict[str, st
     }
 
 
-def _variants(data: str) -> list[str]:
+def variants(data: str) -> list[str]:
+    """Return the names of the variants that may follow a voice."""
     folder = os.path.join(data, "voices", "!v")  # noqa: PTH118 pathlib costs a tenth of the start
     return sorted(os.listdir(folder)) if os.path.isdir(folder) else []  # noqa: PTH112, PTH208
 
@@ -173,14 +184,14 @@ def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
         return {"error": "data"}, b""
     voices = list_voices(library)
     if request["task"] == "voices":
-        return {"voices": _names(voices)}, b""
+        return {"voices": names(voices)}, b""
     base, plus, variant = request["voice"].partition("+")
     identifier = find_voice(voices, base)
-    variants = _variants(request["data"])
-    if plus and variant not in variants:
-        return {"error": "variant", "known": variants}, b""
+    known = variants(request["data"])
+    if plus and variant not in known:
+        return {"error": "variant", "known": known}, b""
     if not identifier or library.espeak_SetVoiceByName((identifier + plus + variant).encode()):
-        return {"error": "voice", "known": sorted(_names(voices))}, b""
+        return {"error": "voice", "known": sorted(names(voices))}, b""
     if request["rate"]:
         library.espeak_SetParameter(PARAMETER_RATE, request["rate"], 0)
     status, events, sound = collect(library, request["text"])

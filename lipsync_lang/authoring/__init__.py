@@ -1,0 +1,1 @@
+"""What helps people write language packs: drafts, tables, and trials of their tests."""

@@ -1,0 +1,108 @@
+"""Phoneme inventories, as PHOIBLE and people write them."""
+
+import csv
+import gzip
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+
+NUMBER = ("InventoryID", "inventory_id")
+SEGMENT = ("Phoneme", "phoneme_raw", "phoneme", "segment")
+NAME = ("LanguageName", "language")
+CODE = ("ISO6393", "iso6393")
+SOURCE = ("Source", "source")
+"""What the columns are called: in PHOIBLE's own file, and in tables made of it."""
+
+SHOWN = 12
+
+
+class Inventory(NamedTuple):
+    """The segments of a language, and who says so."""
+
+    source: str
+    segments: tuple[str, ...]
+    language: str = ""
+    code: str = ""
+
+
+def read_inventory(path: Path, which: str | None = None) -> Inventory:
+    """Read one inventory.
+
+    Parameters
+    ----------
+    path : PHOIBLE's table (.csv or .tsv, gzipped or not), or plain text: segments with spaces or
+        line ends between them
+    which : an inventory's number, or a language's ISO 639-3 code or name, in PHOIBLE's table
+
+    Raises
+    ------
+    LipsyncError
+        The file cannot be read, has no such inventory, or has several that fit.
+    """
+    text = _text(path)
+    first = text.partition("\n")[0]
+    if not any(name in first for name in SEGMENT) or not any(name in first for name in NUMBER):
+        segments = tuple(dict.fromkeys(text.split()))
+        if not segments:
+            raise LipsyncError(f"{path}: has no segments; write them with spaces between them")
+        return Inventory(path.name, segments)
+    found = dict(_inventories(text))
+    if which is None:
+        raise LipsyncError(
+            f"{path}: holds {len(found)} inventories; name one by number, ISO 639-3 code or "
+            "language: --inventory-id 2269"
+        )
+    return _chosen(path, found, which)
+
+
+def _text(path: Path) -> str:
+    try:
+        raw = path.read_bytes()
+        return (gzip.decompress(raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
+    except OSError as error:
+        raise LipsyncError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (EOFError, zlib.error):
+        raise LipsyncError(f"{path}: is a broken gzip file; get it anew") from None
+    except UnicodeDecodeError as error:
+        raise LipsyncError(
+            f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        ) from None
+
+
+def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
+    """Yield every inventory of a table by its number."""
+    comma = "\t" not in text.partition("\n")[0]
+    rows = csv.DictReader(
+        text.splitlines(), delimiter="," if comma else "\t",
+        quoting=csv.QUOTE_MINIMAL if comma else csv.QUOTE_NONE,
+    )  # fmt: skip
+    found: dict[str, list[Mapping[str, str]]] = {}
+    for row in rows:
+        found.setdefault(_of(row, NUMBER), []).append(row)
+    for number, members in found.items():
+        name, code = _of(members[0], NAME), _of(members[0], CODE)
+        segments = tuple(dict.fromkeys(filter(None, (_of(row, SEGMENT) for row in members))))
+        source = ", ".join(filter(None, (_of(members[0], SOURCE), name)))
+        if segments:
+            yield number, Inventory(f"PHOIBLE {number} ({source})", segments, name, code)
+
+
+def _of(row: Mapping[str, str], names: tuple[str, ...]) -> str:
+    return next((row[name] or "" for name in names if name in row), "").strip()
+
+
+def _chosen(path: Path, found: Mapping[str, Inventory], which: str) -> Inventory:
+    if which in found:
+        return found[which]
+    key = which.casefold()
+    fits = {n: i for n, i in found.items() if key in (i.code.casefold(), i.language.casefold())}
+    if len(fits) == 1:
+        return next(iter(fits.values()))
+    if fits:
+        listed = ", ".join(f"{n} ({len(i.segments)} segments)" for n, i in [*fits.items()][:SHOWN])
+        raise LipsyncError(f"{path}: several inventories are of '{which}'; name one: {listed}")
+    names = {n for i in found.values() for n in (i.language, i.code) if n}
+    raise LipsyncError(f"{path}: has no inventory '{which}'; {did_you_mean(which, names)}")

@@ -1,0 +1,108 @@
+"""Tables for people: what a text becomes, and what a language pack says."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+from unicodedata import combining, east_asian_width
+
+
+def transcript_table(told: dict[str, Any]) -> str:
+    """Lay out a transcript: each word, its phonemes, and its common phonemes."""
+    rows = [("word", told["notation"], "common phonemes")]
+    for word in told["words"]:
+        labels = " ".join(label["label"] for label in word["labels"])
+        common = word.get("pronounced") or [
+            name for label in word["labels"] for name in label["common"] or ["?"]
+        ]
+        unread = [f"(not read: {word['unread']})"] if "unread" in word else []
+        rows.append((word["text"], labels, " ".join([*common, *unread])))
+    return "\n".join(columns(rows))
+
+
+def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> Iterator[str]:
+    """Yield rows of text with their columns one below the other, as a terminal shows them."""
+    kept = [list(row) for row in rows]
+    count = max(map(len, kept), default=0)
+    widths = [
+        min(max((width(row[i]) for row in kept if i < len(row)), default=0), widest)
+        for i in range(count)
+    ]
+    for row in kept:
+        cells = [cell + " " * (max(widths[i] - width(cell), 0) + gap) for i, cell in enumerate(row)]
+        yield "".join(cells).rstrip()
+
+
+def width(text: str) -> int:
+    """Return how many columns of a terminal a text takes."""
+    return sum(
+        0 if combining(c) or c in "\u200b\u200c\u200d" else 2 if east_asian_width(c) in "WF" else 1
+        for c in text
+    )
+
+
+def language_table(told: dict[str, Any], every: bool = False) -> str:  # noqa: FBT001, FBT002
+    """Lay out a language as the paper's Table 1: phoneme, common phoneme, example, and why.
+
+    Of `told`, what `authoring.language.describe` returns. The first notation is spelled out; of the
+    others the labels of each common phoneme, unless `every` asks for all.
+    """
+    also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""
+    lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
+    for number, (name, rows) in enumerate(told["notations"].items()):
+        lines.append(f"\n{name}: {len(rows)} labels")
+        if number == 0 or every:
+            lines += _rows(rows)
+        else:
+            lines += _grouped(rows)
+    lines += _inventory(told["inventory"]) if told["inventory"] else []
+    if told["disagreements"]:
+        lines.append("\nother than by its features alone:")
+        table = [("phoneme", "here", "by features", "why")]
+        table += [
+            (d["label"], d["common"], d["automatic"], d["reason"] or "(no reason given)")
+            for d in told["disagreements"]
+        ]
+        lines += [f"  {line}" for line in columns(table, widest=60)]
+    return "\n".join([*lines, *_tests(told)])
+
+
+def _facts(told: dict[str, Any]) -> Iterator[str]:
+    for what in ("reads", "speaks"):
+        if told[what]:
+            yield f"{what} text by {told[what]}"
+    if told["extends"]:
+        yield f"states only what differs from {told['extends']}"
+    if told["automatic"]:
+        yield "automatic: IPA that it does not map goes to the nearest common phonemes"
+    for caveat in told["caveats"]:
+        yield f"beware: {caveat}"
+
+
+def _rows(rows: Sequence[dict[str, str]]) -> Iterator[str]:
+    table = [("phoneme", "common", "example", "why")]
+    table += [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
+    yield from (f"  {line}" for line in columns(table, widest=60))
+
+
+def _grouped(rows: Sequence[dict[str, str]]) -> Iterator[str]:
+    groups: dict[str, list[str]] = {}
+    for row in rows:
+        groups.setdefault(row["common"], []).append(row["label"])
+    for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
+        yield f"  {common or '(mute)':<10}{'  '.join(labels)}"
+
+
+def _inventory(inventory: dict[str, Any]) -> Iterator[str]:
+    yield f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}"
+    for segment, reason in inventory["absent"].items():
+        yield f"  absent: {segment} ({reason})"
+
+
+def _tests(told: dict[str, Any]) -> Iterator[str]:
+    tests = told["tests"]
+    failed = f", {tests['failed']} of them fail" if tests["failed"] else ""
+    yield f"\n{tests['count']} tests{failed}"
+    if tests["refusal"]:
+        yield f"  not run: {tests['refusal']}"
+    for what, which in tests["untested"].items():
+        if which:
+            yield f"  untested {what}: {' '.join(which)}"

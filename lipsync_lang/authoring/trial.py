@@ -1,0 +1,133 @@
+"""The tests of a language pack, tried: text goes through its engine, as every text does."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.packs.extending import extended
+from lipsync_lang.packs.faults import Fault
+from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
+from lipsync_lang.packs.library import Library
+from lipsync_lang.phonology.g2p.registry import Rule
+from lipsync_lang.phonology.g2p.rules import Rewriter
+from lipsync_lang.phonology.g2p.tokens import pieces
+from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.resolver.manner import manner_of, notations_of
+from lipsync_lang.resolver.nearest import among, fights
+from lipsync_lang.speaking import Speaker, Transcript
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.source import Loc
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of a pack's tests.
+
+    Parameters
+    ----------
+    pack : the language
+    transcripts : of the tests' texts, in order; none where they could not be run
+    refusal : why they could not be run, or empty
+    """
+
+    pack: "Pack[models.Language]"
+    transcripts: tuple[Transcript, ...] = ()
+    refusal: str = ""
+
+    def faults(self, silence: str) -> Iterator[Fault]:
+        """Yield what failed, where the pack states it."""
+        if self.refusal:
+            what, hint = "its tests could not be run", self.refusal
+            yield self.pack.warning(("tests",), "W310", what, hint, key=True)
+        for index, (test, heard) in enumerate(
+            zip(self.pack.model.tests, self.transcripts, strict=False)
+        ):
+            said = [name for name in heard.phonemes if name != silence]
+            loc: Loc = ("tests", index)
+            if heard.unmapped:
+                what = f"'{test.text}' has {_listed(heard.unmapped)}, which nothing maps"
+                hint = f"map it under `notations: {heard.notation}`"
+                yield self.pack.fault(loc, "P221", what, hint)
+            elif said != list(test.phonemes):
+                what = f"'{test.text}' becomes {' '.join(said)}, not {' '.join(test.phonemes)}"
+                hint = f"it was read as {' '.join(heard.labels)}; mend the map, or the test"
+                yield self.pack.fault(loc, "P221", what, hint)
+
+    @property
+    def reached(self) -> set[str]:
+        """Labels that the tests reach, normalised: read by the engine, or by a source."""
+        read = {normalise(label) for heard in self.transcripts for label in heard.labels}
+        stated = {normalise(s) for test in self.pack.model.tests for s in test.ipa.split()}
+        return read | stated
+
+    def silent_rules(self) -> list[int]:
+        """Return the rules that no test fires."""
+        g2p = self.pack.model.g2p
+        if g2p is None or not g2p.rules:
+            return []
+        rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
+        rewriter = Rewriter(rules)
+        texts = [
+            *(test.text for test in self.pack.model.tests),
+            *(word.respelled for heard in self.transcripts for word in heard.words),
+        ]
+        fired = {
+            number
+            for text in texts
+            for piece in pieces(text)
+            for number, _, _ in rewriter.steps(piece.text)
+        }
+        return [number for number in range(len(rules)) if number not in fired]
+
+
+def try_out(library: Library, pack: "Pack[models.Language]") -> Trial:
+    """Run the tests of a language through its engine."""
+    if not pack.model.tests:
+        return Trial(pack)
+    try:
+        common = library.common().model
+        speaker = Speaker(manner_of(pack, common), notations_of(library, pack))
+        texts = [test.text for test in pack.model.tests]
+        return Trial(pack, tuple(speaker.transcribe(texts)))
+    except LipsyncError as error:
+        return Trial(pack, refusal=str(error).splitlines()[0])
+
+
+def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
+    """Yield the mappings that fight the features of their sounds, and have no reason."""
+    for label, features in fights(pack.model, among(library, pack)):
+        becomes = " ".join(pack.model.notations[IPA][label].to) or "(mute)"
+        what = f"'{label}' becomes {becomes}, which is otherwise by {', '.join(features)}"
+        hint = "mend it, or say why under `reasons`"
+        yield pack.warning(("notations", IPA, label), "W309", what, hint, key=True)
+
+
+def languages_in(library: Library, paths: Sequence[Path] = ()) -> "Iterator[Pack[models.Language]]":
+    """Yield the sound language packs of files and folders, or all but the built-in ones."""
+    for path in _files(library, paths):
+        try:
+            yield extended(library, path)
+        except PackError:
+            continue
+
+
+def _files(library: Library, paths: Sequence[Path]) -> Iterator[Path]:
+    if not paths:
+        mine = (found for found in library.names("language") if found.root.path != built_in())
+        yield from (found.path for found in mine)
+    for path in paths:
+        absolute = path.absolute()
+        inner = absolute / FOLDERS["language"]
+        folder = inner if inner.is_dir() else absolute
+        found = sorted(folder.glob("*.yaml")) if absolute.is_dir() else [absolute]
+        in_place = (f for f in found if f.parent.name == FOLDERS["language"])
+        yield from (file for file in in_place if file.stem not in SHARED)
+
+
+def _listed(labels: Sequence[str]) -> str:
+    return ", ".join(f"'{label}'" for label in labels)

@@ -1,0 +1,32 @@
+"""What a language answers to beyond the name of its file, read without YAML."""
+
+import re
+from pathlib import Path
+
+_TAG = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
+_ALIASES = re.compile(
+    rb"^aliases:[ \t]*(?P<listed>\[[^\]]*\]|(?:(?:[ \t]*#[^\n]*|[ \t\r]*)\n[ \t]*-[ \t][^\n]*)+)",
+    re.MULTILINE,
+)
+_ALIAS = re.compile(rb"[A-Za-z0-9]+(?:-[A-Za-z0-9]+)*")
+_COMMENT = re.compile(rb"#[^\n]*")
+
+
+def answers_of(path: Path) -> list[str]:
+    """Return what a language's file says it answers to, folded: its tag, then its aliases.
+
+    Without reading YAML: a list on one line or several, or an item on each line.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return []
+    tag, aliases = _TAG.search(content), _ALIASES.search(content)
+    listed = _COMMENT.sub(b"", aliases["listed"]) if aliases else b""
+    found = [*([tag[1]] if tag else []), *_ALIAS.findall(listed)]
+    return list(dict.fromkeys(folded(name.decode("ascii")) for name in found))
+
+
+def folded(name: str) -> str:
+    """Return the form in which names and tags of languages are compared."""
+    return name.casefold().replace("_", "-")

@@ -1,0 +1,65 @@
+"""Languages without a pack: what an engine reads, mapped by the features of the IPA.
+
+They are called ENGINE:CODE, as in `espeak:sw`. Whether the engine knows the code, it says itself
+when it reads text.
+"""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.source import Source
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.packs.models import Language
+
+
+class Reader(NamedTuple):
+    """An engine that writes IPA: the field of `g2p` with its code, and whether it speaks too."""
+
+    field: str
+    speaks: bool
+
+
+READERS: dict[str, Reader] = {
+    "espeak": Reader("voice", speaks=True),
+    "epitran": Reader("code", speaks=False),
+}
+"""Engines that write IPA, by name; add one to make its languages known."""
+
+CODE = re.compile(r"(?P<tag>[A-Za-z0-9]+([-_][A-Za-z0-9]+)*)(\+[A-Za-z0-9_-]+)?")
+"""An engine's code of a language; eSpeak adds a manner of speaking after `+`."""
+
+HOW = f"a language without a pack is {' or '.join(f'{name}:CODE' for name in READERS)}"
+"""How to name such a language, for hints."""
+
+
+def automatic(library: "Library", name: str) -> "Pack[Language] | None":
+    """Make a language of an engine's code; None where the name is not of that form."""
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.models import Language
+
+    engine, _, code = name.partition(":")
+    coded = CODE.fullmatch(code)
+    if engine not in READERS or coded is None:
+        return None
+    reader = READERS[engine]
+    common = library.common().model
+    beyond = (p for p in common.phonemes if p not in {*common.base, common.silence})
+    data: dict[str, Any] = {
+        "kind": "language",
+        "format": 1,
+        "name": engine,
+        "title": f"{code} as {engine} reads it, mapped automatically",
+        "tag": coded["tag"].replace("_", "-"),
+        "adds": dict.fromkeys(beyond),
+        "g2p": {"engine": engine, reader.field: code, "notation": IPA},
+        "tts": {"engine": engine, "voice": code} if reader.speaks else None,
+        "notations": {IPA: {}},
+        "automatic": True,
+        "caveats": ("nobody who speaks it has checked it",),
+    }
+    model = Language.model_validate(data).model_copy(update={"name": name})
+    return Pack(model, (Source(Path(name), {**data, "name": name}),))

@@ -1,0 +1,9 @@
+"""Text to phonemes (G2P): each engine is a file here, kept by name in `ENGINES`.
+
+What an engine gives are words with labels of one notation. Which engine reads a language, and
+what its labels stand for, is the language pack's word.
+"""
+
+from lipsync_lang.phonology.g2p.registry import ENGINES, RESPELLERS, Said, Settings, engine
+
+__all__ = ["ENGINES", "RESPELLERS", "Said", "Settings", "engine"]

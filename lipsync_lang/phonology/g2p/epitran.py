@@ -1,0 +1,98 @@
+"""Text to IPA by Epitran, for languages whose spelling says what is spoken."""
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from unicodedata import category
+
+from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
+from lipsync_lang.phonology.g2p.rules import KEPT
+from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
+from lipsync_lang.phonology.labels import LENGTH, normalise
+
+_JOINED = {"Mn", "Lm", "Sk"}
+"""Categories of what belongs to the letter before: diacritics and modifier letters."""
+
+
+def engine(settings: Settings) -> Engine:
+    """Read text by Epitran's code of the language.
+
+    Raises
+    ------
+    SpeechError
+        Epitran is not installed, or does not have the language.
+    """
+    transliterate = _transliterator(settings)
+    known = frozenset(map(normalise, settings.labels))
+
+    @lru_cache(KEPT)
+    def read_word(word: str) -> Reading:
+        labels = segments(transliterate(plain(word)), known)
+        read = tuple(label for label in labels if not label.isdigit())
+        return Reading(read, "".join(label for label in labels if label.isdigit()))
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        for text in texts:
+            yield read_words(text, read_word)
+
+    return read
+
+
+def _transliterator(settings: Settings) -> Callable[[str], str]:
+    code = settings.code or ""
+    try:
+        import epitran
+        from epitran.exceptions import DatafileError
+    except ImportError:
+        raise SpeechError(
+            f"{settings.language} is read by Epitran, which is not installed; "
+            'get it with: pip install "lipsync-lang[epitran]"'
+        ) from None
+    try:
+        made: Callable[[str], str] = epitran.Epitran(code).transliterate
+    except (DatafileError, OSError, KeyError, ValueError):
+        maps = Path(epitran.__file__).parent / "data" / "map"
+        known = {path.stem for path in maps.glob("*.csv")}
+        raise SpeechError(
+            f"Epitran has no language '{code}'; {did_you_mean(code, known)}"
+        ) from None
+    return made
+
+
+def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:
+    """Cut a string of IPA into segments: the longest known ones, else a letter and its marks."""
+    text = normalise(ipa)
+    longest = max(map(len, known), default=1)
+    found: list[str] = []
+    at = 0
+    while at < len(text):
+        length = _length(text, at)
+        for end in range(min(len(text), at + longest), at + length, -1):
+            if text[at:end] in known and end == at + _whole(text, at, end):
+                length = end - at
+                break
+        segment = text[at : at + length]
+        if segment.strip() and (segment[0].isalnum() or category(segment[0])[0] in "LMN"):
+            found.append(segment)
+        at += length
+    return tuple(found)
+
+
+def _length(text: str, at: int) -> int:
+    """Return how many characters a letter and its marks have; tie bars join two letters."""
+    end = at + 1
+    while end < len(text) and _belongs(text, end):
+        end += 1
+    return end - at
+
+
+def _belongs(text: str, at: int) -> bool:
+    return category(text[at]) in _JOINED or text[at] in LENGTH
+
+
+def _whole(text: str, at: int, end: int) -> int:
+    """Return the length of what starts at `at` and ends at `end` or after, marks included."""
+    while end < len(text) and _belongs(text, end):
+        end += 1
+    return end - at

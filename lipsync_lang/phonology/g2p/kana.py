@@ -1,0 +1,148 @@
+"""Japanese text in the kana it is read by.
+
+Kanji, digits and Latin words do not say how they sound; Open JTalk's dictionary does, and knows
+that 一本 is イッポン, that the particle は is ワ and へ is エ, and which vowels are long.
+"""
+
+import contextlib
+import io
+import re
+import warnings
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from typing import Any
+
+from lipsync_lang.errors import SpeechError
+
+LONGEST = 1000
+"""Characters that are read at once; the dictionary has no room for many more."""
+
+_SENTENCE = re.compile(r"[^。！？!?\n]+")
+_EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"
+"""Nothing is said of these where a sentence starts."""
+
+_MARKS = str.maketrans("ヲヂヅ", "オジズ", "’")
+"""Towards the one spelling of a sound; ’ marks a vowel that is whispered."""
+
+_MANNER = {"normalize_mode": "NFKC", "predict_nani": False, "use_sudachi_kanji_yomi": False}
+"""The same on every computer, whatever else is installed there."""
+
+_SURROGATE = re.compile(r"[\ud800-\udfff]")
+_KANA = re.compile(r"[ァ-ヺー]+")
+_INFLECTED = frozenset({"動詞", "形容詞", "助動詞"})
+_FINAL = "基本形"
+
+
+def respell(text: str) -> list[tuple[str, str]]:
+    """Cut a text into words, numbers, and what is between them, each with its reading in kana.
+
+    What is no speech, and what the dictionary cannot read, is spelled as it is. Numbers keep
+    their counters, and verbs their endings, because these sound different by themselves.
+
+    Raises
+    ------
+    SpeechError
+        The dictionary is not installed.
+    """
+    pieces: list[tuple[str, str]] = []
+    done = 0
+    for start, stop in _sentences(text):
+        if start > done:
+            pieces.append((text[done:start], text[done:start]))
+        pieces += _read(text[start:stop])
+        done = stop
+    if done < len(text):
+        pieces.append((text[done:], text[done:]))
+    return pieces
+
+
+def _sentences(text: str) -> Iterator[tuple[int, int]]:
+    """Yield where the parts of a text are that may have something to say."""
+    for found in _SENTENCE.finditer(text):
+        stop = found.end()
+        start = stop - len(found[0].lstrip(_EDGES))
+        while start < stop:
+            until = _cut(text, start, stop)
+            yield start, until
+            start = until
+
+
+def _cut(text: str, start: int, stop: int) -> int:
+    """Return where to end a part that is not too long: after a comma or a space if it can be."""
+    if stop - start <= LONGEST:
+        return stop
+    gap = max(text.rfind(mark, start, start + LONGEST) for mark in "、，, \u3000")
+    return gap + 1 if gap > start else start + LONGEST
+
+
+def _read(sentence: str) -> list[tuple[str, str]]:
+    """Return the words of a sentence with their kana; together they are the sentence."""
+    reader = dictionary()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of what it is made of, about each other
+        try:
+            morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
+        except ValueError:  # what it wrote cannot be traced back to the letters
+            return [(sentence, str(reader.g2p(sentence, kana=True)).translate(_MARKS))]
+    if not morphemes:
+        return [(sentence, sentence)]
+    cuts: list[int] = []
+    kana: list[str] = []
+    before: dict[str, str] | None = None
+    done = 0
+    for morpheme in morphemes:
+        start, stop = morpheme["char_span"]
+        if before is None or (start < stop and not _belongs(before, morpheme)):
+            cuts.append(done)
+            kana.append("")
+        done = max(done, stop)
+        kana[-1] += _said(morpheme) or sentence[start:stop]
+        before = morpheme
+    ends = [*cuts[1:], len(sentence)]
+    return [
+        (sentence[start:stop], spelling)
+        for start, stop, spelling in zip(cuts, ends, kana, strict=True)
+    ]
+
+
+def _said(morpheme: dict[str, str]) -> str:
+    """Return the kana of a morpheme; none for what is not spoken or cannot be read."""
+    said = str(morpheme["pron"]).translate(_MARKS)
+    if said == "イウ" and morpheme["pos"] == "動詞":
+        return "ユー"  # 言う: the dictionary writes the spelling
+    return said if _KANA.fullmatch(said) else ""
+
+
+def _belongs(before: dict[str, str], morpheme: dict[str, str]) -> bool:
+    """Tell whether a morpheme ends the word of the one before it; さん after a name does not."""
+    if _number(before) and _number(morpheme):
+        return True
+    group = morpheme["pos_group1"]
+    if morpheme["pos"] == "名詞":
+        suffix = group == "接尾" and morpheme["pos_group2"] != "人名"
+        return suffix and before["pos"] == "名詞"
+    bent = before["pos"] in _INFLECTED and before["cform"] != _FINAL
+    ends = morpheme["pos"] == "助動詞" or group in {"接続助詞", "接尾", "非自立"}
+    return ends and (bent or before["pos_group1"] == "接続助詞")
+
+
+def _number(morpheme: dict[str, str]) -> bool:
+    return bool(morpheme["pos_group1"] == "数" or morpheme["pron"] == "テン")
+
+
+@cache
+def dictionary() -> Any:
+    """Return Open JTalk's reader; its greeting on standard output is not for our users."""
+    missing = SpeechError(
+        "Japanese text is read by pyopenjtalk-plus, which is not installed; "
+        'get it with: pip install "lipsync-lang[japanese]"'
+    )
+    try:
+        with contextlib.redirect_stdout(io.StringIO()):
+            reader = import_module("pyopenjtalk")
+    except ImportError:
+        raise missing from None
+    if not hasattr(reader, "g2p_mapping"):  # the library that it continues has the same name
+        raise missing
+    return reader

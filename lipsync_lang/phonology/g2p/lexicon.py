@@ -1,0 +1,84 @@
+"""Words looked up in a file of pronunciations.
+
+One word a line, then its labels: ``word<TAB>w ɜ d``, as WikiPron has it, or ``WORD  W ER1 D`` as
+CMUdict does. Of several lines for a word the first counts; ``WORD(2)`` is another. Lines that start
+with ``;;;`` or ``#`` are comments. Words the file does not have are read by the pack's rules, if it
+has some; else they are left over, and named.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
+from lipsync_lang.phonology.g2p.rules import Rewriter
+from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
+
+COMMENTS = (";;;", "#")
+_VARIANT = re.compile(r"\(\d+\)$")
+_PARTS = re.compile(r"-|'")
+
+
+def engine(settings: Settings) -> Engine:
+    """Read text by a lexicon.
+
+    Raises
+    ------
+    SpeechError
+        The pack names no file, it cannot be read, or a line of it is not a word and its labels.
+    """
+    if settings.file is None:
+        raise SpeechError(
+            f"{settings.language} reads by a lexicon, but names none: "
+            "state it as `g2p: {engine: lexicon, file: words.tsv}`"
+        )
+    words = read_lexicon(settings.file)
+    rewriter = Rewriter(settings.rules, settings.labels) if settings.rules else None
+
+    def look_up(word: str) -> Reading:
+        spelled = plain(word)
+        if spelled in words:
+            return Reading(words[spelled])
+        parts = [part for part in _PARTS.split(spelled) if part]
+        if len(parts) > 1 and all(part in words for part in parts):
+            return Reading(tuple(label for part in parts for label in words[part]))
+        return rewriter.read(word) if rewriter else Reading((), word)
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        for text in texts:
+            yield read_words(text, look_up)
+
+    return read
+
+
+def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
+    """Read a lexicon: words in plain spelling, and the labels of each.
+
+    Raises
+    ------
+    SpeechError
+        It cannot be read, is not UTF-8, or a line has no labels.
+    """
+    try:
+        text = path.read_text("utf-8-sig")
+    except OSError as error:
+        raise SpeechError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError as error:
+        raise SpeechError(
+            f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        ) from None
+    words: dict[str, tuple[str, ...]] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip() or line.startswith(COMMENTS):
+            continue
+        word, _, labels = line.partition("\t") if "\t" in line else line.strip().partition(" ")
+        if not word.strip() or not labels.split():
+            raise SpeechError(
+                f"{path}:{number}: {line.strip()[:60]!r} is not a word and its labels; "
+                "write the word, a tab, and the labels with spaces between them"
+            )
+        words.setdefault(plain(_VARIANT.sub("", word.strip())), tuple(labels.split()))
+    if not words:
+        raise SpeechError(f"{path}: has no words; write one a line, a tab, and its labels")
+    return words

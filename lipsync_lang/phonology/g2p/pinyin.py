@@ -1,0 +1,399 @@
+"""Chinese text to pinyin, by pypinyin.
+
+Labels are the initials and finals of Hanyu Pinyin, without tones. Finals are written in full
+wherever they stand, so that there is no ``y`` and no ``w``: 我 is ``uo``, 月 ``üe``, 有 ``iou``,
+会 ``h uei``, 雪 ``x üe``. An r after a final is ``r``: 花儿 is ``h ua r``.
+
+Words are the phrases that pypinyin knows, else characters. It knows them in simplified
+characters; OpenCC turns traditional ones into these, to be read, and only to be read.
+
+What is not hanzi: digits are read as Chinese numbers. Latin letters with tone marks or tone digits
+are pinyin; without tones they are where no hanzi stands beside them. Other Latin words are
+said as the voice says them; where it cannot, they are spelled by their letters. What is none
+of these is left over, and named.
+
+`respelled` is pinyin with tone digits, ``v`` for ü and no spaces, as eSpeak NG's voice for pinyin
+reads it: one word to the voice as well.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, lru_cache
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, NamedTuple
+from unicodedata import category, normalize
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
+from lipsync_lang.phonology.g2p.tokens import PAUSES
+from lipsync_lang.phonology.labels import normalise
+
+if TYPE_CHECKING:
+    from opencc import OpenCC
+
+HANZI = "〇\u3400-\u9fff\uf900-\ufaff\U00020000-\U0003ffff"
+LATIN = "A-Za-zÀ-ÖØ-öø-\u024f\u1e00-\u1eff\u0300-\u036f"
+SILENT = "~～"
+"""Draw a word out in writing, and are no sound of their own."""
+
+_WIDE = {0xFEE0 + c: c for c in range(0x21, 0x7F)}
+_PIECE = re.compile(
+    rf"""
+      (?P<hanzi>[{HANZI}]+)
+    | (?P<number>(?:(?<![0-9A-Za-z.])-)?[0-9]+(?:,[0-9]{{3}})*(?:\.[0-9]+)?[%‰]?)
+    | (?P<roman>[{LATIN}](?:[{LATIN}]
+        |[0-5](?![0-9])|(?<=[nlNL][uU]):(?=[0-5eanEAN])|['’-](?=[{LATIN}]))*)
+    | (?P<sign>[+=&×÷℃°])
+    | (?P<pause>[{re.escape("".join(sorted(PAUSES)))}]+)
+    | (?P<symbol>\S)
+    """,
+    re.VERBOSE,
+)
+_SIGNS = {"+": "加", "=": "等于", "&": "和", "×": "乘", "÷": "除以", "℃": "摄氏度", "°": "度"}
+
+
+class _Piece(NamedTuple):
+    """A part of a text of one kind: in the user's spelling, in plain letters, and what follows."""
+
+    kind: str
+    text: str
+    plain: str
+    following: str
+
+
+def engine(settings: Settings) -> Engine:
+    """Read Chinese text.
+
+    Raises
+    ------
+    SpeechError
+        pypinyin or OpenCC is not installed.
+    """
+    if not all(map(find_spec, ("pypinyin", "opencc"))):
+        raise SpeechError(
+            "reading Chinese needs pypinyin and OpenCC, which are not both installed; "
+            'get them with: pip install "lipsync-lang[mandarin]"'
+        )
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        cut = [list(_pieces(text)) for text in texts]
+        foreign = {piece.plain for pieces in cut for piece in pieces if piece.kind == "foreign"}
+        heard = _heard(sorted(foreign), settings) if foreign else {}
+        for pieces in cut:
+            yield tuple(said for piece in pieces for said in _read(piece, heard))
+
+    return read
+
+
+def _pieces(text: str) -> Iterator[_Piece]:
+    """Cut a text into hanzi, numbers, pinyin, foreign words, pauses and symbols."""
+    text = normalize("NFC", text)
+    narrow = text.translate(_WIDE)
+    among_hanzi = bool(re.search(f"[{HANZI}]", narrow))
+    for found in _PIECE.finditer(narrow):
+        start, end = found.span()
+        piece = _Piece(found.lastgroup or "", text[start:end], found[0], narrow[end : end + 1])
+        if piece.kind == "roman":
+            yield from _roman(piece, among_hanzi=among_hanzi)
+        elif piece.kind != "symbol" or _means(piece.plain):
+            yield piece
+
+
+def _means(character: str) -> bool:
+    """Tell whether a character means something, and is no bracket, quote or mark on another."""
+    return category(character)[0] in "LNS" and character not in SILENT
+
+
+def _roman(piece: _Piece, *, among_hanzi: bool) -> Iterator[_Piece]:
+    """Tell pinyin from foreign words, and take the digits off these."""
+    letters = piece.plain.rstrip("012345")
+    paper = among_hanzi and len(letters) == 1 and letters.isupper()  # A4纸
+    if not paper and spelled(piece.plain, toneless=not among_hanzi):
+        yield piece._replace(kind="spelled")
+        return
+    for part in re.finditer(r"[0-9]+|[^0-9]+", piece.plain):
+        kind = "number" if part[0].isdigit() else "foreign"
+        yield _Piece(kind, piece.text[slice(*part.span())], _bare(part[0]), "")
+
+
+def _bare(word: str) -> str:
+    """Return a word without marks on its letters: the voice would take them for tones."""
+    return "".join(c for c in normalize("NFD", word) if category(c) != "Mn")
+
+
+def _read(piece: _Piece, heard: Mapping[str, tuple[str, ...]]) -> Iterator[Said]:
+    match piece.kind:
+        case "hanzi":
+            yield from (said(*word) for word in words_of(piece.text))
+        case "number" | "sign":
+            counted = _SIGNS.get(piece.plain) or number(piece.plain, piece.following)
+            yield said(piece.text, [s for _, word in words_of(counted) for s in word])
+        case "spelled":
+            yield said(piece.text, spelled(piece.plain, toneless=True))
+        case "foreign" if piece.plain in heard:
+            yield Said(piece.text, heard[piece.plain], piece.plain)
+        case "foreign":
+            yield said(piece.text, [s for c in piece.plain.upper() for s in LETTERS.get(c, ())])
+        case kind:
+            yield said(piece.text, ()) if kind == "symbol" else Said(piece.text, ())
+
+
+def said(text: str, syllables: Sequence[str]) -> Said:
+    """Return a word of syllables; one of none is left over, and a voice had best pass over it."""
+    if not syllables:
+        return Said(text, (), " ", text)
+    labels = tuple(label for syllable in syllables for label in labels_of(syllable))
+    return Said(text, labels, "".join(map(_for_voice, syllables)))
+
+
+@cache
+def labels_of(syllable: str) -> tuple[str, ...]:
+    """Return the initial and the final of a syllable with a tone digit, or ``r``."""
+    from pypinyin.contrib.tone_convert import to_finals, to_initials
+
+    name = syllable[:-1]
+    initial, final = to_initials(name), to_finals(name, v_to_u=True)
+    if name[0] == "y" and final == "o":
+        initial = "i"
+    elif name != "r" and not final:  # hm, hng; m, n, ng
+        initial, final = ("h", name[1:]) if name[0] == "h" else ("", name)
+    return tuple(label for label in (initial, final) if label)
+
+
+def _for_voice(syllable: str) -> str:
+    """Return a syllable as eSpeak NG reads it: some it does not know as they are."""
+    name, tone = syllable[:-1], syllable[-1]
+    if name in ("jiong", "qiong", "xiong"):
+        return f"{name[:2]}{tone}ong{tone}"
+    return _UNKNOWN_TO_VOICE.get(name, name) + tone
+
+
+_UNKNOWN_TO_VOICE = dict(
+    name.split() for name in ("r er", "m mu", "hm heng", "hng heng", "ê ei", "wong weng")
+)
+
+
+# Hanzi
+
+ERHUA = re.compile(
+    r"(?<=.)(?<![女妻孙侄孤婴幼胎少健男宠弃育托产生血能潮馨运])儿(?![子童女媳孙歌科戏]|时(?!间|候))"
+)
+"""儿 that is only an r after the syllable before: not in 女儿, 婴儿, 儿子."""
+
+LONE: Sequence[tuple[re.Pattern[str], str]] = (
+    (re.compile(r"(?:(?<=[很多太最更不好较特真么米挺够延])|^)长(?![得高出成满])"), "chang2"),
+    (re.compile(r"(?<=.)地(?=.)"), "de5"),
+    (re.compile(r"(?<=.)著(?![名作称书者录述])"), "zhe5"),
+)
+"""What a character reads that is a word by itself, where that is not its commonest reading."""
+
+
+def words_of(hanzi: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield words and their syllables with tone digits, none for what is not read.
+
+    An r after a syllable is the syllable ``r5``.
+    """
+    simple = _simplified(hanzi)
+    erhua = {found.start() for found in ERHUA.finditer(simple)}
+    lone = {found.start(): sound for rule, sound in LONE for found in rule.finditer(simple)}
+    word: tuple[str, list[str]] = ("", [])
+    start = 0
+    for phrase in _phrases(simple):
+        stop = start + len(phrase)
+        syllables = _syllables(phrase)
+        if len(phrase) == 1 and start in lone:
+            syllables = [lone[start]]
+        if len(syllables) == len(phrase):
+            syllables = ["r5" if start + i in erhua else s for i, s in enumerate(syllables)]
+        if syllables[:1] == ["r5"] and word[1]:
+            word = (word[0] + hanzi[start:stop], word[1] + syllables)
+        else:
+            if word[0]:
+                yield word
+            word = (hanzi[start:stop], syllables)
+        start = stop
+    yield word
+
+
+def _simplified(hanzi: str) -> str:
+    """Return hanzi in simplified characters, one for one."""
+    whole = _converter().convert(hanzi)
+    return whole if len(whole) == len(hanzi) else hanzi
+
+
+@cache
+def _converter() -> "OpenCC":
+    from opencc import OpenCC
+
+    return OpenCC("t2s")
+
+
+def _phrases(hanzi: str) -> Iterator[str]:
+    from pypinyin.seg.mmseg import seg
+
+    yield from seg.cut(hanzi)
+
+
+def _syllables(phrase: str) -> list[str]:
+    from pypinyin import Style, lazy_pinyin
+
+    return lazy_pinyin(phrase, Style.TONE3, errors="ignore", neutral_tone_with_five=True)
+
+
+# Pinyin in Latin letters
+
+MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
+LONGEST = 60
+"""Letters; what is longer is no word."""
+
+_TAIL = re.compile(r"(r(?![aeiouv]))?([0-5]?)(r(?![aeiouv]))?'?")
+
+
+@cache
+def _known() -> frozenset[str]:
+    """Return all syllables that have a vowel, without tones."""
+    from pypinyin.constants import PINYIN_DICT
+
+    written = {s for readings in PINYIN_DICT.values() for s in readings.split(",")}
+    bare = {normalize("NFD", s).replace("u\u0308", "v") for s in written}
+    return frozenset(s for s in map(_bare, bare) if set(s) & set("aeiouv"))
+
+
+def spelled(word: str, *, toneless: bool) -> tuple[str, ...]:
+    """Return the syllables of a word of pinyin, with tone digits; none if it is no pinyin.
+
+    Parameters
+    ----------
+    word : in Latin letters, with marks or digits for tones
+    toneless : whether a word without any tone can be pinyin; it is read in the first
+    """
+    letters, marks = _unmarked(word)
+    cut = len(word) <= LONGEST and (_cut(letters, 0) or _cut(letters, 0, loose=True))
+    tones = bool(marks) or any(map(str.isdigit, letters))
+    if not cut or not (tones or toneless):
+        return ()
+    out: list[str] = []
+    for start, end, stop in cut:
+        digit = re.sub("[^1-5]", "", letters[end:stop])
+        mark = next((marks[i] for i in range(start, end) if i in marks), "5" if tones else "1")
+        out.append(letters[start:end] + (digit or mark))
+        if "r" in letters[end:stop]:
+            out.append("r5")
+    return tuple(out) if tones or "r5" not in out else ()
+
+
+def _unmarked(word: str) -> tuple[str, dict[int, str]]:
+    """Return the letters of a word, v for ü, and the tones marked on them by their places."""
+    letters: list[str] = []
+    marks: dict[int, str] = {}
+    for character in normalize("NFD", word.lower()):
+        if character in MARKS:
+            marks[len(letters) - 1] = MARKS[character]
+        elif character in ":\u0308" and letters[-1:] == ["u"]:
+            letters[-1] = "v"
+        elif character != "\u0302":  # ê
+            letters.append("'" if character in "’-" else character)
+    return re.sub("(?<=[jqxy])v", "u", "".join(letters)), marks
+
+
+@lru_cache(10_000)
+def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, int, int], ...]:
+    """Cut letters into syllables: where each starts, its own letters end, and the next may start.
+
+    The longest come first. A syllable that starts with a vowel needs a tone digit or an
+    apostrophe before it, unless `loose`.
+    """
+    for end in range(min(start + 6, len(letters)), start, -1):
+        tail = _TAIL.match(letters, end)
+        if letters[start:end] not in _known() or tail is None:
+            continue
+        here, stop = (start, end, tail.end()), tail.end()
+        if stop == len(letters):
+            return (here,)
+        if (loose or stop > end or letters[stop] not in "aeo") and (
+            rest := _cut(letters, stop, loose=loose)
+        ):
+            return (here, *rest)
+    return ()
+
+
+# Numbers
+
+DIGITS = "零一二三四五六七八九"
+LONGEST_NUMBER = 10
+"""Digits; a longer one is a telephone number or the like, if it has no separators."""
+
+_PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
+_UNITS = ("", "十", "百", "千")
+_GROUPS = ("", "万", "亿", "万")
+_ZEROS = (("零[十百千]", "零"), ("零+", "零"), ("零(?=[万亿])", ""), ("亿万", "亿"), ("零$", ""))
+
+
+def number(digits: str, following: str = "") -> str:
+    """Return a number in hanzi: 12 as 十二, 3.5% as 百分之三点五, years digit by digit.
+
+    Parameters
+    ----------
+    digits : with a sign, separators, a decimal point, and % or ‰, where it has them
+    following : the character after it, which tells years, and 两 from 二
+    """
+    whole, _, decimals = digits.strip("-%‰").partition(".")
+    year = len(whole) == len("2024") and following == "年"
+    if whole == "2" and not decimals and _PAIR.match(following):
+        counted = "两"
+    elif year or re.fullmatch(rf"0[0-9]+|[0-9]{{{LONGEST_NUMBER + 1},}}", whole):
+        counted = _one_by_one(whole)
+    else:
+        counted = _cardinal(whole.replace(",", ""))
+    sign = "负" if digits[0] == "-" else ""
+    share = {"%": "百分之", "‰": "千分之"}.get(digits[-1], "")
+    return sign + share + counted + (f"点{_one_by_one(decimals)}" if decimals else "")
+
+
+def _one_by_one(digits: str) -> str:
+    return "".join(DIGITS[int(digit)] for digit in digits)
+
+
+def _cardinal(digits: str) -> str:
+    if len(digits) > len(_UNITS) * len(_GROUPS):
+        return _one_by_one(digits)
+    said = ""
+    for place, digit in enumerate(reversed(digits)):
+        said = DIGITS[int(digit)] + (_UNITS[place % 4] or _GROUPS[place // 4]) + said
+    for pattern, to in _ZEROS:
+        said = re.sub(pattern, to, said)
+    return re.sub("^一十", "十", said) or "零"
+
+
+# Foreign words
+
+_IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))
+"""Labels that are another sound in pinyin than in IPA, and others of the same mouth."""
+
+_NAMES = """ei1,bi4,xi1,di4,yi4,ai2 fu5,ji4,ai2 chi5,ai4,zhei4,kei4,ai2 lou5,ai2 mu5,en1,ou1,pi4,
+qiu1,a4 er5,ai2 si5,ti4,you1,wei1,da2 bu5 liu5,ai4 ke5 si5,wai4,zei4"""
+LETTERS = {
+    letter: tuple(name.split())
+    for letter, name in zip("ABCDEFGHIJKLMNOPQRSTUVWXYZ", _NAMES.split(","), strict=True)
+}
+"""What Latin letters are called."""
+
+
+def _heard(words: Sequence[str], settings: Settings) -> dict[str, tuple[str, ...]]:
+    """Return those foreign words of which the voice knows the sounds, and the notation has them."""
+    from lipsync_lang.phonology.g2p.espeak import known_as
+    from lipsync_lang.phonology.g2p.registry import engine as engine_named
+
+    labels = frozenset(map(normalise, settings.labels))
+    if not settings.voice:
+        return {}
+    try:
+        read = list(engine_named("espeak", Settings(settings.language, settings.voice))(words))
+    except SpeechError:
+        return {}
+    found: dict[str, tuple[str, ...]] = {}
+    for word, saids in zip(words, read, strict=True):
+        sounds = tuple(_IPA.get(label, label) for said in saids for label in said.labels)
+        if sounds and all(known_as(label, labels) for label in sounds):
+            found[word] = sounds
+    return found

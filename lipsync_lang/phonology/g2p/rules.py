@@ -1,0 +1,153 @@
+"""Spelling to phonemes by ordered rewrites, which a language pack states itself.
+
+At each place of a word the rules are tried in order, and the first that fits takes its letters:
+its spelling stands here, its `after` matches what precedes, its `before` what follows. Where none
+fits, the longest label of the notation that stands here is taken as it is, so that letters
+that are labels need no rule. What still is not read is left over, and named.
+
+Words are compared composed and in small letters. A context is a regular expression over the
+word's own letters: ``^`` in `after` is the start of the word, ``$`` in `before` its end.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.registry import Engine, Rule, Said, Settings, respeller
+from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
+from lipsync_lang.phonology.labels import normalise
+
+KEPT = 20_000
+"""Words of which the reading is remembered."""
+
+
+class _Compiled(NamedTuple):
+    number: int
+    spelling: str
+    to: tuple[str, ...]
+    before: re.Pattern[str] | None
+    after: re.Pattern[str] | None
+
+    def fits(self, word: str, at: int) -> bool:
+        """Tell whether the rule takes its letters at a place of a word."""
+        return (
+            word.startswith(self.spelling, at)
+            and (self.before is None or bool(self.before.match(word, at + len(self.spelling))))
+            and (self.after is None or bool(self.after.search(word[:at])))
+        )
+
+
+class Rewriter:
+    """Rules made ready for words.
+
+    Raises
+    ------
+    SpeechError
+        A context is not a regular expression.
+    """
+
+    def __init__(self, rules: Iterable[Rule], labels: Iterable[str] = ()) -> None:
+        self._rules: dict[str, list[_Compiled]] = {}
+        self._labels: dict[str, list[tuple[str, str]]] = {}
+        for number, rule in enumerate(rules):
+            made = _compile(number, rule)
+            self._rules.setdefault(made.spelling[:1], []).append(made)
+        for label in labels:
+            letters = plain(label)
+            if letters:
+                self._labels.setdefault(letters[0], []).append((letters, label))
+        for known in self._labels.values():
+            known.sort(key=lambda pair: -len(pair[0]))
+        self.read = lru_cache(KEPT)(self._read)
+
+    def _read(self, word: str) -> Reading:
+        """Return the labels of a word, and the characters left over."""
+        labels: list[str] = []
+        unread: list[str] = []
+        for _, made, letters in self.steps(word):
+            if made is None:
+                unread += [c for c in letters if c.isalnum()]
+            else:
+                labels += made
+        return Reading(tuple(labels), "".join(unread))
+
+    def steps(self, word: str) -> Iterator[tuple[int | None, tuple[str, ...] | None, str]]:
+        """Yield (number of the rule or None, labels or None, letters) along a word."""
+        word = plain(word)
+        at = 0
+        while at < len(word):
+            number, made, length = self._step(word, at)
+            yield number, made, word[at : at + length]
+            at += length
+
+    def _step(self, word: str, at: int) -> tuple[int | None, tuple[str, ...] | None, int]:
+        for rule in self._rules.get(word[at], ()):
+            if rule.fits(word, at):
+                return rule.number, rule.to, len(rule.spelling)
+        for letters, label in self._labels.get(word[at], ()):
+            if word.startswith(letters, at):
+                return None, (label,), len(letters)
+        return None, None, 1
+
+
+def _compile(number: int, rule: Rule) -> _Compiled:
+    try:
+        before = re.compile(plain(rule.before)) if rule.before else None
+        after = re.compile(rf"(?:{plain(rule.after)})\Z") if rule.after else None
+    except re.error as error:
+        raise SpeechError(
+            f"rule {number + 1} ('{rule.spelling}'): its context is not a regular expression: "
+            f"{error}"
+        ) from None
+    return _Compiled(number, plain(rule.spelling), rule.to, before, after)
+
+
+def engine(settings: Settings) -> Engine:
+    """Read text by the rules of a pack."""
+    rewriter = Rewriter(settings.rules, settings.labels)
+    respell = respeller(settings.respell) if settings.respell else None
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        for text in texts:
+            yield tuple(_read(text))
+
+    def _read(text: str) -> Iterator[Said]:
+        if respell is None:
+            yield from read_words(text, rewriter.read)
+            return
+        for piece, spelling in respell(text):
+            words = read_words(spelling, rewriter.read)
+            if any(word.labels for word in words):
+                labels = tuple(label for word in words for label in word.labels)
+                yield Said(piece, labels, spelling, "".join(word.unread for word in words))
+            else:
+                yield from (word._replace(text=piece) for word in words[:1])
+
+    return read
+
+
+def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
+    """Yield (rule, earlier rule) where the earlier one always takes the letters first.
+
+    It does where its spelling begins the later one's, or is it, and its contexts ask for no
+    more than the later one's do.
+    """
+    for number, rule in enumerate(rules):
+        for earlier, other in enumerate(rules[:number]):
+            begins = plain(rule.spelling).startswith(plain(other.spelling))
+            longer = plain(rule.spelling) != plain(other.spelling)
+            same = other.after in ("", rule.after) and (
+                not other.before or (other.before == rule.before and not longer)
+            )
+            if begins and same:
+                yield number, earlier
+                break
+
+
+def unknown_labels(rules: Sequence[Rule], labels: Iterable[str]) -> Iterator[tuple[int, str]]:
+    """Yield (rule, label) where a rule becomes a label that the notation does not have."""
+    known = {normalise(label) for label in labels}
+    for number, rule in enumerate(rules):
+        yield from ((number, label) for label in rule.to if normalise(label) not in known)

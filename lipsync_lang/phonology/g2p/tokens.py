@@ -1,0 +1,85 @@
+"""A text cut into words, pauses and symbols, and read word by word."""
+
+import re
+from collections.abc import Callable, Iterator
+from functools import cache
+from typing import NamedTuple
+from unicodedata import category, normalize
+
+from lipsync_lang.phonology.g2p.registry import Said
+
+INNER = frozenset("'’‘ʼ-·־\u00ad")
+"""Within a word, and nothing by themselves."""
+
+PAUSES = frozenset(".!?…,;:—–、。，！？；：।॥؟،؛።፣፤၊။")
+"""Marks at which the voice rests."""
+
+_APOSTROPHES = str.maketrans("’‘", "''")
+
+JOINERS = frozenset("\u200c\u200d")
+
+_SHAPE = re.compile(
+    r"(?P<word>[wn]+(?:(?:i|(?<=n)p(?=n))[wn]+)*)|(?P<pause>p+|(?<= )i+(?= )|\n{2,})|s+"
+)
+"""Over the classes of characters: `w` letter, `n` digit, `i` inner, `p` pause, `s` symbol."""
+
+
+@cache
+def _class(character: str) -> str:
+    kind = category(character)
+    if character in PAUSES or character == "\n":
+        return "p" if character in PAUSES else "\n"
+    if character in INNER:
+        return "i"
+    if kind == "Nd":
+        return "n"
+    if kind[0] in "LMN" or character in JOINERS:
+        return "w"
+    return "s" if kind[0] == "S" else " "
+
+
+def counts(character: str) -> bool:
+    """Tell whether a character is a letter, a digit, or a mark on one."""
+    return _class(character) in "wn"
+
+
+class Piece(NamedTuple):
+    """A part of a text: a `word`, a `pause`, or a `symbol`."""
+
+    text: str
+    kind: str
+    start: int
+
+
+def pieces(text: str) -> Iterator[Piece]:
+    """Yield the words, pauses and symbols of a text in order; spaces and brackets are none."""
+    shape = "".join(map(_class, text))
+    for found in _SHAPE.finditer(shape):
+        start, end = found.span()
+        yield Piece(text[start:end], found.lastgroup or "symbol", start)
+
+
+def plain(word: str) -> str:
+    """Return a word as rules and lexicons spell it: composed, in small letters."""
+    return normalize("NFC", normalize("NFC", word).casefold()).translate(_APOSTROPHES)
+
+
+class Reading(NamedTuple):
+    """What became of a word: its labels, and the characters that nothing read."""
+
+    labels: tuple[str, ...]
+    unread: str = ""
+
+
+def read_words(text: str, read: Callable[[str], Reading]) -> tuple[Said, ...]:
+    """Read a text word by word; what is not read is kept, to be named."""
+    out: list[Said] = []
+    for piece in pieces(text):
+        if piece.kind == "word":
+            labels, unread = read(piece.text)
+            out.append(Said(piece.text, labels, unread=unread))
+        else:
+            out.append(Said(piece.text, (), unread=piece.text if piece.kind == "symbol" else ""))
+    while out and not out[-1].labels and not out[-1].unread:
+        out.pop()
+    return tuple(out)

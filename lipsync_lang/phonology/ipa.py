@@ -1,0 +1,311 @@
+"""IPA as features of the mouth: labels taken apart into letters, and letters into features.
+
+What letters and marks do is data (`kind: ipa`); here it is only looked up. Conventions:
+
+- Labels are compared as `labels.normalise` leaves them: composition, tie bars and look-alike
+  letters make no difference. Of several keys the longest wins; a composed letter that is no key
+  is read as its parts.
+- A mark belongs to the letter before it; marks that stand first, to the letter after them.
+- Features are numbers from 0 to 1, in the order of `Features.names`; None where a letter has none.
+- What nobody knows is passed over and named; nothing fails.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Self
+from unicodedata import decomposition
+
+from lipsync_lang.phonology.labels import normalise
+
+CARRIER = "\u25cc"
+"""The dotted circle on which data writes a mark that needs a carrier."""
+
+Numbers = tuple[float | None, ...]
+"""Features of one sound, in order; None where they do not apply."""
+
+Words = frozenset[str]
+"""The words that describe a letter."""
+
+
+class Sound(NamedTuple):
+    """One letter of a label, as its marks leave it."""
+
+    letter: str
+    words: Words
+    features: Numbers
+    time: float = 1.0
+
+
+class Reading(NamedTuple):
+    """A label taken apart: what sounds in order, what of it does not show, what nobody knows."""
+
+    sounds: tuple[Sound, ...]
+    losses: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+
+class Case(NamedTuple):
+    """What a mark does to letters that fit."""
+
+    on: tuple[Words, ...]
+    set: tuple[tuple[int, float], ...]
+    add: tuple[tuple[int, float], ...]
+    then: str
+    time: float
+    lost: str
+
+    def fits(self, sound: Sound) -> bool:
+        """Say whether the case is for a letter: it is described so, and has what is changed."""
+        changed = [number for number, _ in (*self.set, *self.add)]
+        return _described(sound.words, self.on) and (
+            not changed or any(sound.features[number] is not None for number in changed)
+        )
+
+    def change(self, sound: Sound) -> Sound:
+        """Return a letter as the mark leaves it."""
+        values = list(sound.features)
+        for number, value in self.set:
+            values[number] = None if values[number] is None else value
+        for number, more in self.add:
+            value_before = values[number]
+            if value_before is not None:
+                values[number] = min(1.0, max(0.0, value_before + more))
+        return sound._replace(features=tuple(values), time=sound.time * self.time)
+
+
+class Join(NamedTuple):
+    """Which of two letters side by side are seen."""
+
+    first: tuple[Words, ...]
+    second: tuple[Words, ...]
+    keep: str
+    lost: str
+
+
+@dataclass(frozen=True, eq=False)
+class Features:
+    """What every letter and mark of the IPA does to the mouth.
+
+    Parameters
+    ----------
+    names : the features
+    weights : how much each counts
+    otherwise : the value of each where a letter says nothing of it
+    fights_from : the weight of a feature that no mapping should miss
+    told_from : the difference from which a feature is told as lost
+    another : what one more mouth shape in a label costs
+    later : how much letters after the first count in a run
+    prefer : letters, and those that are taken instead
+    aside : by common phoneme, letters it names that are passed over
+    beside : by common phoneme, letters that count as it, and the neighbour each needs for that
+    joins : which letters are seen beside which
+    alone : the letters that marks stand for where there is no letter
+    """
+
+    names: tuple[str, ...]
+    weights: tuple[float, ...]
+    otherwise: Numbers
+    fights_from: float
+    told_from: float
+    another: float
+    later: float
+    prefer: Mapping[str, str]
+    aside: Mapping[str, frozenset[str]]
+    beside: Mapping[str, Mapping[str, str]]
+    joins: tuple[Join, ...]
+    alone: Mapping[str, str]
+    _letters: dict[str, Sound] = field(repr=False)
+    _spellings: dict[str, str] = field(repr=False)
+    _marks: dict[str, tuple[Case, ...]] = field(repr=False)
+    _ignored: frozenset[str] = field(repr=False)
+    _longest: int = field(init=False, repr=False, default=1)
+
+    def __post_init__(self) -> None:
+        keys = (*self._letters, *self._spellings, *self._marks, *self._ignored)
+        object.__setattr__(self, "_longest", max(map(len, keys), default=1))
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Self:
+        """Make it of a pack of kind `ipa`, as JSON or YAML hold it."""
+        names = tuple(data["features"])
+        otherwise = tuple(f.get("otherwise") for f in data["features"].values())
+
+        def sound(letter: str, description: str) -> Sound:
+            words = description.split()
+            stated = {name: v for word in words for name, v in data["terms"][word].items()}
+            values = (stated.get(n, o) for n, o in zip(names, otherwise, strict=True))
+            return Sound(letter, frozenset(words), tuple(values))
+
+        return cls(
+            names=names,
+            weights=tuple(f["weight"] for f in data["features"].values()),
+            otherwise=otherwise,
+            fights_from=data["fights_from"],
+            told_from=data["told_from"],
+            another=data["another"],
+            later=data["later"],
+            prefer={key(k): key(p["as"]) for k, p in data.get("prefer", {}).items()},
+            aside={
+                name: frozenset(map(key, letters))
+                for name, letters in data.get("aside", {}).items()
+            },
+            beside={
+                name: {key(letter): key(n["of"]) for letter, n in moved.items()}
+                for name, moved in data.get("beside", {}).items()
+            },
+            joins=tuple(
+                Join(_phrases(j), _phrases(j, "second"), j["keep"], j.get("lost") or "")
+                for j in data.get("joins", ())
+            ),
+            alone={key(mark): key(letter) for mark, letter in data.get("alone", {}).items()},
+            _letters={key(k): sound(key(k), words) for k, words in data["letters"].items()},
+            _spellings={key(k): key(text) for k, text in data.get("spellings", {}).items()},
+            _marks={
+                key(k): tuple(_case(case, names) for case in _listed(cases))
+                for k, cases in data.get("marks", {}).items()
+            },
+            _ignored=frozenset(key(sign) or sign for sign in data.get("ignored", ())),
+        )
+
+    def read(self, label: str, own: Iterable[str] = ()) -> Reading:
+        """Take a label apart.
+
+        Parameters
+        ----------
+        label : any text
+        own : letters that are taken as they are, whatever `prefer` says
+        """
+        tokens, unknown = self._tokens(key(label))
+        kept = frozenset(own)
+        sounds: list[Sound] = []
+        losses: list[str] = []
+        alone = [token for token in tokens if token in self.alone]
+        for letter, before, after in self._groups(tokens):
+            seen = letter if letter in kept else self.prefer.get(letter, letter)
+            sound = self._letters[letter]._replace(features=self._letters[seen].features)
+            sounds += self._marked(sound, before, after, losses)
+        if not sounds:
+            sounds = [self._letters[self.alone[mark]] for mark in alone]
+            silent = (mark for mark in tokens if mark not in self.alone)
+            losses += (self._marks[mark][-1].lost for mark in silent)
+        shown = tuple(self._joined(sounds, losses))
+        lost = tuple(dict.fromkeys(filter(None, losses)))
+        return Reading(shown, lost, tuple(dict.fromkeys(unknown)))
+
+    def _groups(self, tokens: Sequence[str]) -> list[tuple[str, list[str], list[str]]]:
+        """Return each letter with its marks: those that stand first, and those after it."""
+        groups: list[tuple[str, list[str], list[str]]] = []
+        first: list[str] = []
+        for token in tokens:
+            if token in self._letters:
+                groups.append((token, [] if groups else first, []))
+            elif groups:
+                groups[-1][2].append(token)
+            else:
+                first.append(token)
+        return groups
+
+    def _marked(
+        self, sound: Sound, before: Sequence[str], after: Sequence[str], losses: list[str]
+    ) -> list[Sound]:
+        """Return a letter as its marks leave it, among the letters that come with them."""
+        follow: list[Sound] = []
+        lead: list[Sound] = []
+        for mark, beside in (*((m, lead) for m in before), *((m, follow) for m in after)):
+            case = next((case for case in self._marks[mark] if case.fits(sound)), None)
+            if case is None:
+                continue
+            sound = case.change(sound)
+            losses.append(case.lost)
+            if case.then:
+                beside.append(self._letters[case.then])
+        return [*lead, sound, *follow]
+
+    def _tokens(self, text: str) -> tuple[list[str], list[str]]:
+        """Cut text into letters and marks, longest first, and name what is neither."""
+        tokens: list[str] = []
+        unknown: list[str] = []
+        start = 0
+        while start < len(text):
+            for stop in range(min(len(text), start + self._longest), start, -1):
+                part = text[start:stop]
+                if part in self._spellings:
+                    tokens += self._tokens(self._spellings[part])[0]
+                elif part in self._letters or part in self._marks:
+                    tokens.append(part)
+                elif part not in self._ignored:
+                    continue
+                break
+            else:
+                parts = _parts(text[start])
+                if parts:
+                    text = text[:start] + parts + text[start + 1 :]
+                    continue
+                stop = start + 1
+                unknown.append(text[start])
+            start = stop
+        return tokens, unknown
+
+    def _joined(self, sounds: Sequence[Sound], losses: list[str]) -> list[Sound]:
+        """Drop what is not seen beside its neighbour; a letter written twice is a long one."""
+        left: list[Sound] = []
+        for sound in sounds:
+            left.append(sound)
+            while len(left) > 1:
+                if left[-2].letter == left[-1].letter and left[-2].features == left[-1].features:
+                    left[-2:] = [left[-1]._replace(time=left[-2].time + left[-1].time)]
+                    continue
+                join = self._join(left[-2], left[-1])
+                if join is None or join.keep == "both":
+                    break
+                losses.append(join.lost)
+                del left[-1 if join.keep == "first" else -2]
+        return left
+
+    def _join(self, first: Sound, second: Sound) -> Join | None:
+        fits = (
+            join
+            for join in self.joins
+            if _described(first.words, join.first) and _described(second.words, join.second)
+        )
+        return next(fits, None)
+
+
+def key(text: str) -> str:
+    """Return the form in which labels and the keys of the data are compared."""
+    return normalise(text.replace(CARRIER, ""))
+
+
+def _parts(letter: str) -> str:
+    """Return a composed letter as the letter and the mark it is composed of; nothing of others."""
+    codes = decomposition(letter).split()
+    return "" if not codes or codes[0].startswith("<") else "".join(chr(int(c, 16)) for c in codes)
+
+
+def _described(words: Words, phrases: tuple[Words, ...]) -> bool:
+    """Say whether one of some phrases describes a letter; none at all describes every letter."""
+    return not phrases or any(phrase <= words for phrase in phrases)
+
+
+def _phrases(join: Mapping[str, Any], side: str = "first") -> tuple[Words, ...]:
+    return tuple(frozenset(phrase.split()) for phrase in join.get(side) or ())
+
+
+def _listed(cases: Any) -> Iterator[Mapping[str, Any]]:
+    """Yield the cases of a mark from its short forms."""
+    for case in cases if isinstance(cases, (list, tuple)) else (cases,):
+        yield {"lost": case} if isinstance(case, str) else case
+
+
+def _case(case: Mapping[str, Any], names: tuple[str, ...]) -> Case:
+    def numbered(values: Mapping[str, float] | None) -> tuple[tuple[int, float], ...]:
+        return tuple((names.index(name), value) for name, value in (values or {}).items())
+
+    return Case(
+        on=tuple(frozenset(phrase.split()) for phrase in case.get("on") or ()),
+        set=numbered(case.get("set")),
+        add=numbered(case.get("add")),
+        then=key(case.get("then") or ""),
+        time=case.get("time") or 1.0,
+        lost=case.get("lost") or "",
+    )

@@ -1,0 +1,71 @@
+"""How a language's text is read and spoken, as plain data: what its pack says, and no more."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+from lipsync_lang.phonology.g2p.registry import Rule, Settings
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How a language's text is read and spoken.
+
+    Parameters
+    ----------
+    language : the pack's name
+    engine : the G2P engine that reads text; None where nothing does
+    settings : what the pack says of it
+    notation : of the labels it writes
+    voice : speech engine and voice; None where nothing speaks
+    kinds : the class of each common phoneme
+    durations : seconds by class, where no voice gives any
+    words : pronunciations that override the engine, by word in plain spelling
+    """
+
+    language: str
+    engine: str | None = None
+    settings: Settings = field(default_factory=lambda: Settings(""))
+    notation: str = ""
+    voice: tuple[str, str] | None = None
+    kinds: Mapping[str, str] = field(default_factory=dict)
+    durations: Mapping[str, float] = field(default_factory=dict)
+    words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def direct(self) -> bool:
+        """True where the voice that speaks is also what reads, so that nothing is to be joined."""
+        if self.engine is None or self.voice is None:
+            return self.voice is not None
+        return (self.engine, self.settings.voice) == self.voice and not self.settings.respell
+
+    def plain(self) -> dict[str, Any]:
+        """Return this as JSON holds it."""
+        data = asdict(self)
+        data["settings"] |= {
+            "file": str(self.settings.file) if self.settings.file else None,
+            "labels": list(self.settings.labels),
+        }
+        return data
+
+    @classmethod
+    def from_plain(cls, data: Mapping[str, Any]) -> Self:
+        """Make it of what `plain` returned."""
+        settings = data["settings"]
+        rules = tuple(
+            Rule(spelling, tuple(to), before, after)
+            for spelling, to, before, after in settings["rules"]
+        )
+        file = Path(settings["file"]) if settings["file"] else None
+        made = Settings(
+            **{**settings, "rules": rules, "file": file, "labels": tuple(settings["labels"])}
+        )
+        return cls(
+            **{
+                **data,
+                "settings": made,
+                "voice": tuple(data["voice"]) if data["voice"] else None,
+                "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
+            }
+        )

@@ -1,0 +1,236 @@
+"""The common phonemes nearest to a segment of the IPA, by features of the mouth.
+
+A label is cut into pieces, each of which becomes one common phoneme: single letters, or runs of
+letters that a common phoneme itself names, such as diphthongs. Of all ways to cut, the one whose
+pieces cost least is taken:
+
+    cost = sum over pieces of (distance + another)
+
+without `another` for a piece that becomes what the one before it became. The distance of two
+letters is the weighted sum of the differences of their features. In that of two runs the letters
+after the first count less, and how they move from letter to letter is added. Of equal costs the
+fewer pieces win, and of equal distances the phoneme that is named first.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+from math import inf
+from typing import Any, NamedTuple, Self
+
+from lipsync_lang.phonology.ipa import Features, Numbers, Reading, key
+from lipsync_lang.phonology.labels import Value
+
+CLEAR = 0.9
+"""A difference in a feature that nobody can miss."""
+
+
+class Nearest(NamedTuple):
+    """The common phonemes that look most like a label."""
+
+    value: Value
+    """Common phonemes in sequence with their shares; none where nothing of it is seen."""
+    losses: tuple[str, ...]
+    """What of the label is not shown."""
+    distance: float
+    """How far the label is from what is shown; 0 where a phoneme names it."""
+    unknown: tuple[str, ...]
+    """Characters that are no IPA, passed over."""
+
+
+class Exemplar(NamedTuple):
+    """A letter or a run of letters that a common phoneme names."""
+
+    phoneme: str
+    run: tuple[Numbers, ...]
+
+
+class Piece(NamedTuple):
+    """Letters of a label that become one common phoneme."""
+
+    distance: float
+    exemplar: Exemplar
+    start: int
+    stop: int
+
+
+class _Cut(NamedTuple):
+    """One way to cut the start of a label."""
+
+    cost: float
+    size: int
+    pieces: tuple[Piece, ...]
+
+    def longer(self, piece: Piece, another: float) -> "_Cut":
+        cost = round(self.cost + piece.distance + another, 9)
+        return _Cut(cost, self.size + 1, (*self.pieces, piece))
+
+
+@dataclass(frozen=True, eq=False)
+class Among:
+    """Finds the nearest among the common phonemes of one language.
+
+    Parameters
+    ----------
+    features : the IPA
+    candidates : for each common phoneme, the labels it names, most typical first
+    labels : those of the language, as far as they are known
+    """
+
+    features: Features
+    candidates: Mapping[str, Sequence[str]]
+    labels: Collection[str] = ()
+    _runs: dict[int, list[Exemplar]] = field(init=False, repr=False, default_factory=dict)
+    _own: set[str] = field(init=False, repr=False, default_factory=set)
+    _near: dict[tuple[Numbers, ...], tuple[float, Exemplar] | None] = field(
+        init=False, repr=False, default_factory=dict
+    )
+    _seen: dict[str, Nearest] = field(init=False, repr=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for phoneme, label in self._named():
+            sounds = self.features.read(label, own=(label,)).sounds
+            if sounds:
+                run = tuple(sound.features for sound in sounds)
+                self._runs.setdefault(len(run), []).append(Exemplar(phoneme, run))
+                self._own.add(label)
+
+    def _named(self) -> Iterator[tuple[str, str]]:
+        """Yield what each common phoneme names, in order."""
+        known = "".join(map(key, self.labels))
+        moved = {
+            letter: phoneme
+            for phoneme, letters in self.features.beside.items()
+            for letter, neighbour in letters.items()
+            if phoneme in self.candidates and neighbour in known
+        }
+        for phoneme, labels in self.candidates.items():
+            passed = self.features.aside.get(phoneme, frozenset())
+            for label in map(key, labels):
+                if label not in passed and moved.get(label, phoneme) == phoneme:
+                    yield phoneme, label
+            yield from ((phoneme, letter) for letter, to in moved.items() if to == phoneme)
+
+    @classmethod
+    def from_plain(cls, data: Mapping[str, Any]) -> Self:
+        """Make it of the data of the IPA and candidates, as JSON holds them."""
+        return cls(Features.from_data(data["features"]), data["candidates"], data["labels"])
+
+    def value(self, label: str) -> Value | None:
+        """Return the nearest common phonemes; None where a label is no IPA, or nothing answers."""
+        found = self.nearest(label)
+        return None if found.unknown or found.distance == inf else found.value
+
+    def nearest(self, label: str) -> Nearest:
+        """Return the common phonemes nearest to a label; the same for the same label."""
+        if label not in self._seen:
+            self._seen[label] = self._nearest(self.features.read(label, own=self._own))
+        return self._seen[label]
+
+    def fights(self, label: str, phonemes: Sequence[str]) -> list[str]:
+        """Return the features, of those seen at once, that common phonemes show otherwise.
+
+        A label shows what any of its letters has; a phoneme what the first letter it names has.
+        """
+        sounds = [sound.features for sound in self.features.read(label, own=self._own).sounds]
+        shown = [run for name in phonemes for run in self._typical.get(name, ())]
+        if not sounds or not shown:
+            return []
+        return [
+            name
+            for number, (name, weight) in enumerate(
+                zip(self.features.names, self.features.weights, strict=True)
+            )
+            if weight >= self.features.fights_from
+            and abs(_most(sounds, number) - _most(shown, number)) >= CLEAR
+        ]
+
+    @cached_property
+    def _typical(self) -> dict[str, tuple[Numbers, ...]]:
+        """The letters of what each common phoneme names first."""
+        typical: dict[str, tuple[Numbers, ...]] = {}
+        for runs in self._runs.values():
+            for exemplar in runs:
+                typical.setdefault(exemplar.phoneme, exemplar.run)
+        return typical
+
+    def _nearest(self, reading: Reading) -> Nearest:
+        runs = tuple(sound.features for sound in reading.sounds)
+        pieces = self._cut(runs)
+        if pieces is None:
+            return Nearest((), reading.losses, inf, reading.unknown)
+        times: list[tuple[str, float]] = []
+        for piece in pieces:
+            time = sum(sound.time for sound in reading.sounds[piece.start : piece.stop])
+            name = piece.exemplar.phoneme
+            if times and times[-1][0] == name:
+                time += times.pop()[1]
+            times.append((name, time))
+        whole = sum(time for _, time in times)
+        value = tuple((name, time / whole) for name, time in times)
+        told = (loss for piece in pieces for loss in self._losses(piece, runs))
+        losses = tuple(dict.fromkeys((*reading.losses, *told)))
+        far = sum((piece.distance for piece in pieces), 0.0)
+        return Nearest(value, losses, far, reading.unknown)
+
+    def _cut(self, runs: tuple[Numbers, ...]) -> tuple[Piece, ...] | None:
+        """Cut a label into pieces at the least cost; None where nothing answers."""
+        best: list[dict[str, _Cut]] = [{"": _Cut(0.0, 0, ())}]
+        for stop in range(1, len(runs) + 1):
+            best.append({})
+            for length in (n for n in sorted(self._runs) if n <= stop):
+                found = self._exemplar(runs[stop - length : stop])
+                if found is None:
+                    continue
+                piece = Piece(*found, stop - length, stop)
+                name = piece.exemplar.phoneme
+                for last, before in best[stop - length].items():
+                    cut = before.longer(piece, 0.0 if last == name else self.features.another)
+                    best[-1][name] = min(best[-1].get(name, cut), cut, key=_cost)
+        return min(best[-1].values(), key=_cost).pieces if best[-1] else None
+
+    def _exemplar(self, run: tuple[Numbers, ...]) -> tuple[float, Exemplar] | None:
+        """Return the exemplar nearest to a run of as many letters; of equals, the first."""
+        if run not in self._near:
+            known = ((self.distance(run, e.run), e) for e in self._runs.get(len(run), ()))
+            self._near[run] = min(known, key=lambda d: round(d[0], 9), default=None)
+        return self._near[run]
+
+    def distance(self, run: Sequence[Numbers], other: Sequence[Numbers]) -> float:
+        """Return how far two runs of as many letters are from each other."""
+        far = 0.0
+        for number, (one, two) in enumerate(zip(run, other, strict=True)):
+            far += self._differ(one, two) * (self.features.later if number else 1.0)
+        for (a, b), (c, d) in zip(pairwise(run), pairwise(other), strict=True):
+            far += self._differ(_move(a, b), _move(c, d))
+        return far
+
+    def _differ(self, one: Numbers, other: Numbers) -> float:
+        return sum(
+            weight * abs(a - b)
+            for weight, a, b in zip(self.features.weights, one, other, strict=True)
+            if a is not None and b is not None
+        )
+
+    def _losses(self, piece: Piece, runs: tuple[Numbers, ...]) -> Iterator[str]:
+        """Yield the features in which a piece is shown as something else."""
+        here = runs[piece.start : piece.stop]
+        for sound, shown in zip(here, piece.exemplar.run, strict=True):
+            for name, a, b in zip(self.features.names, sound, shown, strict=True):
+                if a is not None and b is not None and abs(a - b) >= self.features.told_from:
+                    yield name
+
+
+def _most(sounds: Iterable[Numbers], number: int) -> float:
+    """Return the greatest value of a feature among some sounds."""
+    return max(sound[number] or 0.0 for sound in sounds)
+
+
+def _cost(cut: _Cut) -> tuple[float, int]:
+    return cut.cost, cut.size
+
+
+def _move(one: Numbers, other: Numbers) -> Numbers:
+    """Return how features change from one letter to the next."""
+    return tuple(None if a is None or b is None else b - a for a, b in zip(one, other, strict=True))

@@ -1,0 +1,249 @@
+"""Text to phonemes: tokens, rules, lexicons, and how an engine's words find the user's."""
+
+import string
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lipsync_lang import SpeechError
+from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
+from lipsync_lang.phonology.g2p.epitran import segments
+from lipsync_lang.phonology.g2p.espeak import paired
+from lipsync_lang.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.phonology.g2p.registry import Rule, respeller
+from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
+from lipsync_lang.phonology.g2p.tokens import pieces, plain
+
+
+def words(text):
+    """The words of a text."""
+    return [piece.text for piece in pieces(text) if piece.kind == "word"]
+
+
+# Tokens
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("Hello, world", ["Hello", "world"]),
+        ("don't well-known", ["don't", "well-known"]),
+        ("'quoted' -dash- word", ["quoted", "dash", "word"]),
+        ("10,000 and 3.5 at 12:30.", ["10,000", "and", "3.5", "at", "12:30"]),
+        ("हिन्दी में", ["हिन्दी", "में"]),
+        ("สวัสดี", ["สวัสดี"]),
+        ("مِنْ البيت؟", ["مِنْ", "البيت"]),
+        ("e\u0301te\u0301", ["e\u0301te\u0301"]),
+        ("", []),
+        (" \t\n!?", []),
+    ],
+)
+def test_words_are_told_apart(text, found):
+    assert words(text) == found
+
+
+def test_pauses_and_symbols_are_kept_apart():
+    kinds = [(p.text, p.kind) for p in pieces("a, b - c… 5 $ 私。b\n\nc")]
+    assert kinds == [
+        ("a", "word"), (",", "pause"), ("b", "word"), ("-", "pause"), ("c", "word"),
+        ("…", "pause"), ("5", "word"), ("$", "symbol"), ("私", "word"), ("。", "pause"),
+        ("b", "word"), ("\n\n", "pause"), ("c", "word"),
+    ]  # fmt: skip
+
+
+@given(st.text())
+def test_pieces_lie_in_the_text_in_order(text):
+    at = 0
+    for piece in pieces(text):
+        assert piece.start >= at
+        assert text[piece.start : piece.start + len(piece.text)] == piece.text
+        assert piece.text
+        at = piece.start + len(piece.text)
+    assert sum(c.isalpha() for p in pieces(text) for c in p.text) == sum(map(str.isalpha, text))
+
+
+# Rules
+
+
+def read(rules, labels, word):
+    """The labels of a word by some rules."""
+    return Rewriter([Rule(*rule) for rule in rules], labels).read(word)
+
+
+def test_the_first_rule_that_fits_wins_and_labels_need_none():
+    rules = [("ch", ("tʃ",)), ("c", ("θ",), "[ei]"), ("c", ("k",)), ("h", ())]
+    labels = ["a", "e", "i", "l", "tʃ", "θ", "k", "rr", "r"]
+    assert read(rules, labels, "Chile").labels == ("tʃ", "i", "l", "e")
+    assert read(rules, labels, "cielha").labels == ("θ", "i", "e", "l", "a")
+    assert read(rules, labels, "carrar").labels == ("k", "a", "rr", "a", "r")
+
+
+def test_contexts_look_both_ways_and_know_where_a_word_ends():
+    rules = [("r", ("rr",), "", "^|[nls]"), ("s", (), "$"), ("r", ("r",)), ("s", ("s",))]
+    labels = ["a", "n", "r", "rr", "s"]
+    assert read(rules, labels, "ranras").labels == ("rr", "a", "n", "rr", "a")
+    assert read(rules, labels, "sara").labels == ("s", "a", "r", "a")
+
+
+def test_what_nothing_reads_is_named_and_loses_nothing_else():
+    assert read([], ["a", "b"], "ab7ж-a") == (("a", "b", "a"), "7ж")
+
+
+def test_letters_are_compared_composed_and_small():
+    rules = [("\u00e9", ("e",))]
+    assert read(rules, [], "E\u0301").labels == ("e",)
+    assert plain("E\u0301’S") == "\u00e9's"
+
+
+def test_a_bad_context_is_a_message():
+    with pytest.raises(SpeechError, match=r"rule 1 \('a'\): its context is not a regular"):
+        Rewriter([Rule("a", ("a",), "(")])
+
+
+@pytest.mark.parametrize(
+    ("rules", "found"),
+    [
+        ([("c", ("k",)), ("ch", ("x",))], [(1, 0)]),
+        ([("ch", ("x",)), ("c", ("k",))], []),
+        ([("c", ("s",), "e"), ("c", ("k",))], []),
+        ([("c", ("s",), "e"), ("c", ("k",), "e")], [(1, 0)]),
+        ([("c", ("s",), "h"), ("ch", ("k",))], []),
+        ([("c", ("k",)), ("c", ("s",), "e")], [(1, 0)]),
+        ([("a", ("a",), "", "^"), ("a", ("b",), "x", "^")], [(1, 0)]),
+        ([("É", ("a",)), ("é", ("b",))], [(1, 0)]),
+    ],
+)
+def test_rules_that_never_fire_are_found(rules, found):
+    assert list(never_fire([Rule(*rule) for rule in rules])) == found
+
+
+small = st.text("abc", min_size=1, max_size=2)
+contexts = st.sampled_from(["", "a", "[bc]", "$"])
+
+
+@given(
+    st.lists(st.tuples(small, contexts, st.sampled_from(["", "^", "b"])), max_size=6),
+    st.text("abc", max_size=8),
+)
+def test_a_rule_that_never_fires_never_fires(drawn, word):
+    rules = [Rule(spelling, (str(n),), before, after) for n, (spelling, before, after) in
+             enumerate(drawn)]  # fmt: skip
+    dead = {number for number, _ in never_fire(rules)}
+    assert dead.isdisjoint(number for number, _, _ in Rewriter(rules).steps(word))
+
+
+def test_labels_that_the_notation_lacks_are_found():
+    assert list(unknown_labels([Rule("a", ("g", "x"))], ["\u0261"])) == [(0, "x")]
+
+
+# Lexicons
+
+
+def test_lexicons_come_in_two_forms(tmp_path):
+    file = tmp_path / "words.tsv"
+    file.write_text(";;; comment\n# another\nHAUS\th aʊ s\nWORD(2)  W ER1 D\nWORD  X\n\n", "utf-8")
+    assert read_lexicon(file) == {"haus": ("h", "aʊ", "s"), "word": ("W", "ER1", "D")}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"haus\n", r"words.tsv:1: 'haus' is not a word and its labels"),
+        (b"a\tb\nhaus\t \n", r"words.tsv:2: .* is not a word and its labels"),
+        (b"", "has no words"),
+        (b"\xff\tb", r"is not UTF-8 text \(byte 0\)"),
+    ],
+)
+def test_bad_lexicons_are_located(tmp_path, content, message):
+    file = tmp_path / "words.tsv"
+    file.write_bytes(content)
+    with pytest.raises(SpeechError, match=message):
+        read_lexicon(file)
+    with pytest.raises(SpeechError, match="cannot be read"):
+        read_lexicon(tmp_path / "none.tsv")
+
+
+def test_a_lexicon_reads_compounds_falls_back_on_rules_and_names_the_rest(tmp_path):
+    file = tmp_path / "words.tsv"
+    file.write_text("well\tw ɛ l\nknown\tn oʊ n\n", "utf-8")
+    settings = Settings("test", file=file, labels=("a",))
+    (found,) = engine("lexicon", settings)(["Well-known, zap"])
+    assert found == (
+        Said("Well-known", ("w", "ɛ", "l", "n", "oʊ", "n")), Said(",", ()),
+        Said("zap", (), unread="zap"),
+    )  # fmt: skip
+    ruled = Settings("test", file=file, rules=(Rule("z", ("s",)),), labels=("a",))
+    (found,) = engine("lexicon", ruled)(["zap"])
+    assert found == (Said("zap", ("s", "a"), unread="p"),)
+    with pytest.raises(SpeechError, match="reads by a lexicon, but names none"):
+        engine("lexicon", Settings("test"))
+
+
+# Engines by name
+
+
+def test_every_engine_and_respeller_is_where_it_is_said_to_be():
+    for name, place in {**ENGINES, **RESPELLERS}.items():
+        module, _, function = place.partition(":")
+        assert callable(getattr(__import__(module, fromlist=[function]), function)), name
+
+
+def test_unknown_engines_are_messages():
+    with pytest.raises(SpeechError, match="no G2P engine 'espaek'; did you mean 'espeak'"):
+        engine("espaek", Settings("x"))
+    with pytest.raises(SpeechError, match="nothing respells as 'kanna'; did you mean 'kana'"):
+        respeller("kanna")
+
+
+@given(st.lists(st.sampled_from(["t͡s", "tʰ", "aː", "n̩", "kʷ", "ŋ", "ɡ", "ã"]), max_size=9))
+def test_ipa_is_cut_into_letters_with_their_marks(drawn):
+    known = ["ts"]
+    found = segments("".join(drawn), known)
+    assert list(found) == [d.replace("t͡s", "ts").replace("ɡ", "g").replace("ː", ":") for d in drawn]
+
+
+def test_epitran_reads_and_refuses_plainly():
+    pytest.importorskip("epitran", reason="the epitran extra is not installed")
+    (found,) = engine("epitran", Settings("x", code="xho-Latn"))(["molo, 7"])
+    assert [said.labels for said in found] == [("m", "ɔ", "l", "ɔ"), (), ()]
+    assert found[-1].unread == "7"
+    with pytest.raises(SpeechError, match="Epitran has no language 'xho-Latin'; did you mean"):
+        engine("epitran", Settings("x", code="xho-Latin"))
+
+
+# An engine's words and the user's
+
+CLAUSE = [("h", "ə"), ("w", "ɜː")]
+
+
+def texts(found):
+    """The spelling and the labels of what was said."""
+    return [(said.text, "".join(said.labels)) for said in found]
+
+
+@pytest.mark.parametrize(
+    ("text", "clauses", "found"),
+    [
+        ("Hello world", [CLAUSE], [("Hello", "hə"), ("world", "wɜː")]),
+        ("Hello, world!", [CLAUSE[:1], CLAUSE[1:]], [("Hello", "hə"), (",", ""), ("world", "wɜː")]),
+        ("Hello, world", [CLAUSE], [("Hello", "hə"), ("world", "wɜː")]),
+        ("of the world", [CLAUSE], [("of the world", "həwɜː")]),
+        ("10 000", [CLAUSE], [("10 000", "həwɜː")]),
+        ("NASA it", [CLAUSE], [("NASA it", "həwɜː")]),
+        ("5", [CLAUSE], [("5", "həwɜː")]),
+        ("a. b c", [CLAUSE, CLAUSE[:1]], [("a", "həwɜː"), (",", ""), ("b c", "hə")]),
+        ("...", [], []),
+    ],
+)
+def test_words_are_the_users_where_that_is_sure(text, clauses, found):
+    assert texts(paired(text, clauses)) == found
+
+
+@given(
+    st.text(string.ascii_letters + " ,.5"),
+    st.lists(st.lists(st.just(("a", "b")), max_size=3), max_size=3),
+)
+def test_no_label_is_lost_in_pairing(text, clauses):
+    labels = [label for said in paired(text, clauses) for label in said.labels]
+    assert labels == [label for clause in clauses for word in clause for label in word]

@@ -1,0 +1,716 @@
+"""Every segment of the IPA finds the common phoneme that looks most like it."""
+
+import csv
+import gzip
+import json
+import re
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+from time import perf_counter
+from unicodedata import normalize
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from packs_tree import plant, put
+
+import lipsync_lang as ll
+from lipsync_lang.packs.answers import answers_of
+from lipsync_lang.packs.automatic import READERS, automatic
+from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.finding import IPA, Finder
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.validate import validate
+from lipsync_lang.phonology.ipa import Features, key
+from lipsync_lang.phonology.labels import Notation, recognise
+from lipsync_lang.phonology.nearest import Among
+from lipsync_lang.resolver import cache
+from lipsync_lang.resolver.compile import compile_pair
+from lipsync_lang.resolver.nearest import among, candidates, disagreements
+
+LIBRARY = Library(project=None)
+COMMON = LIBRARY.common().model
+MODEL = LIBRARY.ipa().model
+DATA = MODEL.model_dump(mode="json", by_alias=True)
+FEATURES = Features.from_data(DATA)
+LETTERS = [*MODEL.letters]
+MARKS = [mark.replace("\u25cc", "") for mark in MODEL.marks]
+assert len(LETTERS) > 100
+assert len(MARKS) > 100
+
+
+def near(*adds, **rest):
+    """The common phonemes of a language with some beyond the base."""
+    names = (*COMMON.base, *adds)
+    return Among(FEATURES, {name: COMMON.phonemes[name].ipa for name in names}, **rest)
+
+
+BASE, ROUND = near(), near("yu")
+
+
+def shown(label, nearest=ROUND):
+    """What a label becomes, without shares."""
+    return " ".join(name for name, _ in nearest.nearest(label).value)
+
+
+# What linguists say
+
+CASES = {
+    # vowels, one by one and with marks
+    "i": "ih", "ɪ": "ih", "ɨ": "ih", "ɯ": "ih", "ᵻ": "ih", "ɩ": "ih", "ɿ": "ih", "ʅ": "ih",
+    "e": "eh", "ɛ": "eh", "ᴇ": "eh", "e̞": "eh", "ẽ": "eh", "eː": "eh",
+    "æ": "ah", "a": "aa", "ä": "aa", "ɐ": "ah", "ə": "ah", "ʌ": "ah", "ɤ": "ah", "ɜ": "ah",
+    "ɘ": "ah", "ə̃": "ah", "ã": "aa", "aˤ": "aa", "ə̥": "ah",
+    "ɑ": "aa", "ɑ̃ː": "aa", "ɔ": "ao", "ɒ": "ao", "ɔ̰": "ao", "o": "ao", "o̞": "ao",
+    "u": "w", "ʊ": "w", "ɷ": "w", "ũː": "w", "o̝": "w", "ɯᵝ": "w",
+    "y": "yu", "ʏ": "yu", "ø": "yu", "œ": "yu", "ʉ": "yu", "ɵ": "yu", "ü": "yu", "ɨ̹": "yu",
+    "ɚ": "er", "ɝ": "er", "ə˞": "er", "ɜ˞": "er", "ə̃˞": "er", "a˞": "aa r", "ɑ˞": "aa r",
+    # vowels in sequence
+    "ai": "ay", "aɪ": "ay", "aj": "ay", "ɑɪ": "ay", "äi̯": "ay", "ai̯": "ay", "a͡ɪ": "ay",
+    "au": "aw", "aʊ": "aw", "aw": "aw", "ɑu": "aw", "ãũ": "aw", "oi": "oy", "ɔɪ": "oy",
+    "ou": "ow", "oʊ": "ow", "əʊ": "ow", "ei": "eh ih", "eɪ": "eh ih", "eu": "eh w", "ɛʊ": "eh w",
+    "ia": "ih aa", "ua": "w aa", "ui": "w ih", "iu": "ih w", "ie": "ih eh", "eə": "eh ah",
+    "ja": "ih aa", "wa": "w aa", "iau": "ih aw", "uai": "w ay", "aɪə": "ay ah", "aɪɚ": "ay er",
+    "ii": "ih", "uʊ": "w", "ɔːɹ": "ao r", "əl": "ah l", "yi": "yu ih", "œy": "yu",
+    # lips
+    "p": "bmp", "b": "bmp", "m": "bmp", "ɓ": "bmp", "ʙ": "bmp", "ʘ": "bmp", "pʼ": "bmp",
+    "ᵐb": "bmp", "mb": "bmp", "k͡p": "bmp", "kp": "bmp", "ɡ͡b": "bmp", "ŋ͡m": "bmp",
+    "ŋmɡb": "bmp", "ŋʘ": "bmp", "kʘʼ": "bmp", "m̥": "bmp", "bʲ": "bmp", "m̩": "bmp",
+    "β": "bmp", "β̞": "bmp", "pɦ": "bmp", "pʰ": "bmp", "p̚": "bmp", "pː": "bmp",
+    "f": "f", "v": "f", "ʋ": "f", "ɱ": "f", "ⱱ": "f", "ɸ": "f", "p̪": "f", "ɱv": "f", "ȹ": "f",
+    "pf": "bmp f", "p͡f": "bmp f", "mpf": "bmp f", "p̼": "th",
+    # the tip of the tongue
+    "t": "d", "d": "d", "n": "d", "ɖ": "d", "ʈ": "d", "ɳ": "d", "ɲ": "d", "ɾ": "d", "r": "d",
+    "ɽ": "d", "ȶ": "d", "ȡ": "d", "ȵ": "d", "ᴅ": "d", "ᶑ": "d", "ɗ": "d", "ŋ": "d", "t̪": "d",
+    "tʼ": "d", "ʰt": "d", "ⁿd": "d", "nd": "d", "ⁿt̪ʰ": "d", "n̩": "d", "d̪̤": "d", "tˠ": "d",
+    "l": "l", "ɭ": "l", "ʎ": "l", "ɫ": "l", "ɬ": "l", "ɮ": "l", "ʟ": "l", "ȴ": "l", "ɺ": "l",
+    "l̩": "l", "tɬ": "d l", "tɬʼ": "d l", "ɹ": "r", "ɻ": "r", "ɹ̩": "r",
+    "θ": "th", "ð": "th", "ð̞": "th", "t̪θ": "d th",
+    "s": "s", "z": "s", "s̪": "s", "sʼ": "s", "ts": "d s", "d͡z": "d s", "ʦ": "d s", "nts": "d s",
+    "ʃ": "sh", "ʒ": "sh", "ɕ": "sh", "ʑ": "sh", "ʂ": "sh", "ʐ": "sh", "ɧ": "sh", "tʃ": "sh",
+    "t̠ʃʰ": "sh", "dʒ": "sh", "ʤ": "sh", "n̠d̠ʒ": "sh", "ttʃ": "sh", "tɕ": "sh", "ʈʂʰ": "sh",
+    # behind it
+    "k": "kg", "ɡ": "kg", "g": "kg", "x": "kg", "ɣ": "kg", "q": "kg", "ɢ": "kg", "χ": "kg",
+    "ʁ": "kg", "ʀ": "kg", "c": "kg", "ɟ": "kg", "ŋɡ": "kg", "ⁿɡ": "kg", "ɴɢ": "kg", "kx": "kg",
+    "qχʼ": "kg", "c͡ç": "kg", "ɟʝ": "kg", "ɠ": "kg", "ʄ": "kg", "kŋ": "kg", "kˀ": "kg",
+    "ç": "h", "h": "h", "ɦ": "h", "ħ": "h", "ʕ": "h", "ʔ": "h", "ʡ": "h", "ʔʲ": "h",
+    "ʔm": "bmp", "ʔi": "ih", "ˀj": "ih",
+    # glides
+    "j": "ih", "ʝ": "ih", "ɰ": "ih", "w": "w", "ʍ": "w", "ɥ": "yu", "ʲ": "ih", "ʷ": "w",
+    # clicks, with whatever the back of the tongue does
+    "ǀ": "d", "ǃ": "d", "!": "d", "ǂ": "d", "ǁ": "l", "kǀ": "d", "ŋǃ": "d", "ɡǁx": "l",
+    "kǃxʔ": "d", "ɢǃqʰ": "d", "ʔŋǂ": "d", "ŋ̥̰ǀʔ": "d", "kǃʰʼ": "d", "‼": "d", "ʇ": "d",
+    # rounded beside another articulation
+    "kʷ": "kg w", "kʷʼ": "kg w", "ŋɡʷ": "kg w", "pʷ": "bmp w", "tʃʷ": "sh w", "hʷ": "h w",
+    "ʷr": "w d", "ʰʷts": "w d s", "ɡᶣ": "kg yu", "wʷ": "w", "t̪s̪ʰʷʲ": "d s w",
+    # nothing to see
+    "˥": "", "˥˩": "", "↓˦": "", "ː": "", "": "",
+    "a˥": "aa", "i³": "ih", "ˈaː": "aa", '"o"': "ao", "<f>": "f", "(ɛː)": "eh", "d̪|d": "d",
+}  # fmt: skip
+assert len(CASES) > 80
+
+
+@pytest.mark.parametrize("label", CASES)
+def test_a_segment_becomes_what_the_policy_says(label):
+    assert shown(label) == CASES[label]
+    assert not ROUND.nearest(label).unknown
+
+
+@pytest.mark.parametrize(
+    ("label", "expected"),
+    [("y", "w"), ("ʉ", "w"), ("ɥ", "w"), ("ʏ", "w"), ("ø", "ao"), ("œ", "ao"), ("ɡᶣ", "kg w")],
+)
+def test_a_rounded_front_vowel_goes_to_its_next_best(label, expected):
+    assert shown(label, BASE) == expected
+
+
+def test_the_page_on_mapping_says_what_the_features_do(root):
+    page = (root / "docs/explanation/mapping.md").read_text(encoding="utf-8")
+    checked = 0
+    for row in page.split("\n"):
+        cells = [cell.strip() for cell in row.strip("|").split("|")]
+        if len(cells) != 3 or not cells[1].startswith("`"):
+            continue
+        labels = re.sub(r", and [^:]*:", " ", cells[0])
+        if re.search(r"[a-z]{4}", labels):
+            continue  # in words
+        said = {v.strip("[]").replace(",", "") for v in re.findall(r"`([^`]+)`", cells[1])}
+        for label in labels.split():
+            assert shown(label) in said, row
+            checked += 1
+    assert checked > 90
+
+
+def test_an_o_is_told_apart_only_beside_an_open_one():
+    labels = ("o", "oː", "o̞", "õ")
+    alone, beside = near(labels=("o", "a")), near(labels=("o", "ɔː"))
+    assert [shown(label, alone) for label in labels] == ["ao"] * 4
+    assert [shown(label, beside) for label in labels] == ["ow", "ow", "ao", "ow"]
+    assert shown("ɔ", beside) == "ao"
+
+
+# What is lost
+
+
+@pytest.mark.parametrize(
+    ("label", "losses"),
+    [
+        ("a", []),
+        ("ãː", ["nasality", "length"]),
+        ("˥˩", ["tone"]),
+        ("tʰ", ["aspiration"]),
+        ("pʼ", ["ejection"]),
+        ("ŋɡ", ["prenasalisation"]),
+        ("kǃ", ["accompaniment"]),
+        ("b̤", ["voice quality"]),
+        ("kʷ", []),
+        ("y", []),
+        ("ɯ", ["backness"]),
+        ("x", ["contact"]),
+    ],
+)
+def test_what_does_not_show_is_named(label, losses):
+    assert list(ROUND.nearest(label).losses) == losses
+
+
+def test_a_feature_that_is_shown_otherwise_is_named():
+    assert list(BASE.nearest("y").losses) == ["backness"]
+    assert BASE.nearest("y").distance > ROUND.nearest("y").distance == 0
+
+
+def test_what_is_no_ipa_is_named_and_has_no_value():
+    found = ROUND.nearest("tXö€")
+    assert found.unknown == ("X", "€")
+    assert shown("tXö€") == "d yu"
+    assert ROUND.value("tXö€") is None
+    assert ROUND.value("tö") is not None
+    assert ROUND.value("N") is None
+
+
+def test_time_is_shared_by_length():
+    assert ROUND.nearest("ua").value == (("w", 0.5), ("aa", 0.5))
+    assert ROUND.nearest("uːa").value == (("w", 2 / 3), ("aa", 1 / 3))
+    assert ROUND.nearest("u̯a").value == (("w", 1 / 3), ("aa", 2 / 3))
+    assert ROUND.nearest("aːː").value == (("aa", 1.0),)
+
+
+# Everything there is
+
+
+def test_every_segment_of_phoible_finds_its_place(data):
+    rows = (data / "phonology" / "phoible_segments.tsv").read_text("utf-8").split("\n")[1:]
+    segments = [row.split("\t")[0] for row in rows if row]
+    assert len(segments) == 3388
+    fresh = near("yu")
+    start = perf_counter()
+    found = {segment: fresh.nearest(segment) for segment in segments}
+    assert perf_counter() - start < 5
+    assert [s for s, n in found.items() if n.unknown] == ["*N", "ɡ̈V"]
+    mute = [s for s, n in found.items() if not n.value]
+    assert not [s for s in mute if not re.fullmatch(r'[˥˦˧˨˩↓\u0324\u0330ˤ]+|"*|\*N', s)]
+    assert sum(n.distance == 0 for n in found.values()) > 2000
+
+
+def test_every_inventory_of_phoible_finds_its_place(data):
+    inventories = {}
+    with gzip.open(data / "phonology" / "phoible_inventories.tsv.gz", "rt", "utf-8") as lines:
+        for row in csv.DictReader(lines, delimiter="\t", quoting=csv.QUOTE_NONE):
+            inventories.setdefault(row["inventory_id"], set()).add(row["phoneme_raw"])
+    assert len(inventories) > 3000
+    for segments in inventories.values():
+        for segment in segments:
+            found = ROUND.nearest(segment)
+            assert not found.unknown or segment in {"*N", "ɡ̈V"}
+            assert found.distance < 5
+
+
+@pytest.mark.parametrize("letter", LETTERS)
+def test_a_letter_that_closes_the_lips_is_shown_by_closed_lips(letter):
+    words = set(MODEL.letters[letter].split())
+    closed = "bilabial" in words
+    for nearest in (BASE, ROUND):
+        answer = shown(letter, nearest)
+        assert (answer == shown("p")) == (closed or letter == "β")
+        assert answer != shown("f") or {"labiodental", "loose-bilabial"} & words
+
+
+@pytest.mark.parametrize("letter", LETTERS)
+def test_a_language_shows_only_what_it_has(letter):
+    assert {name for name, _ in BASE.nearest(letter).value} <= set(COMMON.base)
+
+
+UNSEEN = [
+    mark.replace("\u25cc", "")
+    for mark, cases in MODEL.marks.items()
+    if all(not case.set and not case.add and case.then is None for case in cases)
+]
+assert len(UNSEEN) > 60
+
+
+@pytest.mark.parametrize("mark", UNSEEN)
+def test_a_mark_that_does_not_show_changes_nothing(mark):
+    for letter in LETTERS:
+        for label in (letter + mark, mark + letter):
+            if key(label) not in map(key, MODEL.spellings):
+                assert ROUND.nearest(label).value == ROUND.nearest(letter).value, label
+
+
+texts = st.text(st.sampled_from([*LETTERS, *MARKS, "\u0361", "\u035c", "a", "p", "t", "ʃ"]))
+
+
+@given(texts)
+def test_any_string_of_letters_and_marks_is_read(label):
+    found = ROUND.nearest(label)
+    names = [name for name, _ in found.value]
+    assert found == near("yu").nearest(label)
+    assert found.unknown == ()
+    assert set(names) <= {*COMMON.base, "yu"}
+    assert all(one != other for one, other in pairwise(names))
+    assert not names or sum(share for _, share in found.value) == pytest.approx(1)
+    assert all(share > 0 for _, share in found.value)
+    assert 0 <= found.distance < float("inf")
+    assert bool(names) == bool(FEATURES.read(label).sounds)
+    assert ROUND.value(label) == found.value
+
+
+@given(texts)
+def test_composition_and_ties_make_no_difference(label):
+    plain = ROUND.nearest(label)
+    for form in ("NFC", "NFD"):
+        assert ROUND.nearest(normalize(form, label)) == plain
+    tied = re.sub("(?<=[ptkdʃ])(?=[ptkdʃ])", "\u0361", label)
+    assert ROUND.nearest(tied).value == plain.value
+
+
+@given(st.text())
+def test_nothing_fails(label):
+    found = BASE.nearest(label)
+    assert (BASE.value(label) is None) == bool(found.unknown)
+
+
+def test_without_candidates_nothing_answers():
+    nobody = Among(FEATURES, {"ah": ()})
+    assert nobody.nearest("a").value == ()
+    assert nobody.value("a") is None
+    assert nobody.value("˥") == ()
+
+
+def test_it_is_pure():
+    code = "import sys, lipsync_lang.phonology.nearest; print(*sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numpy", "pydantic", "ruamel.yaml"} & set(run.stdout.split())
+
+
+# The data
+
+
+def test_the_ipa_is_no_language():
+    assert IPA not in {found.name for found in LIBRARY.names("language")}
+    with pytest.raises(ll.PackError, match="unknown language"):
+        LIBRARY.language(IPA)
+
+
+def test_no_letter_or_mark_is_stated_twice():
+    for one, other in [("letters", "spellings"), ("letters", "marks"), ("marks", "spellings")]:
+        stated = [*map(key, DATA[one]), *map(key, DATA[other]), *map(key, DATA["ignored"])]
+        assert len(stated) == len(set(stated))
+
+
+WRONG = [
+    ("  p: bilabial stop", "  p: bilabal stop", "P222", "did you mean 'bilabial'"),
+    ("bilabial:         {closure: 1}", "bilabial: {clossure: 1}", "P222", "'closure'"),
+    ("  - {first: [click],", "  - {first: [clik],", "P222", "'click'"),
+    ("  ʷ: {then: w}", "  ʷ: {then: Ж}", "P223", "`letters`"),
+    ("  ʷ: {then: w}", "  ʷ: {set: {rouding: 1}}", "P222", "'rounding'"),
+    ("  ˞: [{on: [central]", "  ˞: [{on: [middle]", "P222", ""),
+    ("  β: {as: b", "  β: {as: Б", "P223", "`letters`"),
+    ("  ɩ: ɪ\n", "  ɩ: Й\n", "P223", "under one of them"),
+    ("  ʷ: w\n", "  Ю: w\n", "P223", "`marks`"),
+    ("{of: ɔ,", "{of: Я,", "P223", "`letters`"),
+    ("  sh: {j:", "  shh: {j:", "P202", "'sh'"),
+    ("weight: 6,", "weight: -6,", "P104", ""),
+    ("keep: both}", "keep: all}", "P107", ""),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "code", "hint"), WRONG)
+def test_what_is_wrong_in_the_ipa_is_found_where_it_stands(old, new, code, hint, tmp_path):
+    text = LIBRARY.ipa().path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path = put(tmp_path, "languages/ipa.yaml", text.replace(old, new))
+    faults = validate(Library([tmp_path], project=None), [path])
+    line = text[: text.index(old)].count("\n") + 1
+    assert [(f.code, f.line) for f in faults] == [(code, line)]
+    assert hint in faults[0].hint
+    with pytest.raises(PackFaults):
+        ll.resolve("espeak:sw", "facefx", paths=[tmp_path], cache=False)
+    assert ll.resolve("english", "facefx", paths=[tmp_path], cache=False), "it does not need it"
+
+
+def test_a_phoneme_of_ones_own_takes_part(tmp_path):
+    text = (
+        "kind: language\nformat: 1\nname: throaty\ntag: qaa\nautomatic: true\n"
+        "adds: {qq: {ipa: [ʕ, ç], like: h}, mm: {ipa: [m], like: bmp}}\n"
+    )
+    put(tmp_path, "languages/throaty.yaml", text)
+    library = Library([tmp_path], project=None)
+    pack = library.language("throaty")
+    assert candidates(pack.model, library.common().model)["qq"] == ["ʕ", "ç"]
+    nearest = among(library, pack)
+    assert [shown(s, nearest) for s in ("ʕ", "ʢ", "ç", "h")] == ["qq", "qq", "qq", "h"]
+    assert [shown(s, nearest) for s in ("m", "m̥", "p")] == ["mm", "mm", "bmp"], "its own is nearer"
+    assert shown("y", nearest) == "w"
+
+
+# Languages without a pack
+
+
+def schedule(*labels, **rest):
+    return ll.Schedule(labels, [0.1 * n for n in range(len(labels) + 1)], **rest)
+
+
+def spoken(performer, line):
+    """The common phonemes of a schedule."""
+    return [performer.compiled.phonemes[n] for n in performer.common_phonemes(line)[0]]
+
+
+@pytest.mark.parametrize(
+    ("name", "tag", "engine", "field", "voice"),
+    [
+        ("espeak:sw", "sw", "espeak", "voice", "sw"),
+        ("espeak:en-gb-x-rp", "en-gb-x-rp", "espeak", "voice", "en-gb-x-rp"),
+        ("espeak:zh_yue+f3", "zh-yue", "espeak", "voice", "zh_yue+f3"),
+        ("epitran:amh-Ethi", "amh-Ethi", "epitran", "code", None),
+    ],
+)
+def test_a_code_is_a_language(name, tag, engine, field, voice):
+    pack = Library(project=None).language(name)
+    model = pack.model
+    assert (model.name, model.tag, model.automatic) == (name, tag, True)
+    assert (model.g2p.engine, getattr(model.g2p, field)) == (engine, name.partition(":")[2])
+    assert model.g2p.notation == IPA
+    assert (model.tts.voice if model.tts else None) == voice
+    assert {*COMMON.base, *model.adds, COMMON.silence} == set(COMMON.phonemes)
+    assert "automatic" in model.title
+    assert pack.lineage == (name,)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["espeak:", "espeak", ":sw", "rules:x", "espeak:../x", "espeak:a b", "espeak:a:b", "x:y"],
+)
+def test_what_is_no_code_is_no_language(name):
+    assert automatic(LIBRARY, name) is None
+    with pytest.raises(ll.PackError, match="unknown language"):
+        Library(project=None).language(name)
+
+
+def test_an_unknown_engine_names_those_there_are():
+    with pytest.raises(ll.PackError, match=r"espeak:CODE or epitran:CODE"):
+        Library(project=None).language("especk:sw")
+    assert set(READERS) == {"espeak", "epitran"}
+
+
+def test_such_a_language_resolves_and_says_so():
+    performer = ll.resolve("espeak:sw", "facefx")
+    report = performer.report
+    assert report.automatic
+    assert "automatic" in str(report).split("\n")[1]
+    assert not report.gaps
+    assert (report.language, performer.language) == ("espeak:sw", "espeak:sw")
+    assert not ll.resolve("english", "facefx").report.automatic
+    line = schedule("k͡p", "a", "_", "ⁿd", "iː", "yː", "˥", "sil", "tɬ", notation="ipa")
+    assert spoken(performer, line) == ["bmp", "aa", "_", "d", "ih", "yu", "_", "d", "l"]
+    weights = performer.perform(line).weights
+    assert 0 <= weights.min() <= weights.max() <= 1
+
+
+def test_a_performer_tells_what_it_mapped_by_features():
+    performer = ll.resolve("espeak:sw", "facefx")
+    told = performer.automatic(schedule("tʰ", "a", "_", "tʰ", "ɬ", notation="ipa"))
+    assert list(told) == ["tʰ", "a", "ɬ"]
+    assert told["tʰ"].value == (("d", 1.0),)
+    assert told["tʰ"].losses == ("aspiration",)
+    assert told["ɬ"].distance > 0
+    assert ll.resolve("english", "facefx").automatic(schedule("t", notation="ipa")) == {}
+
+
+def test_what_is_no_ipa_stays_an_error_or_rests():
+    performer = ll.resolve("espeak:sw", "facefx")
+    line = schedule("a", "tX", notation="ipa")
+    with pytest.raises(ll.ScheduleError, match=r"'tX'.*no IPA: X"):
+        performer.perform(line)
+    resting = ll.Performer(performer.compiled, performer.motion, unknown="rest")
+    assert spoken(resting, line) == ["aa", "_"]
+    assert list(resting.automatic(line)) == ["a"]
+
+
+def test_a_pack_with_a_map_is_told_what_is_nearest():
+    line = schedule("ʙ", "ts", notation="ipa")
+    with pytest.raises(ll.ScheduleError) as caught:
+        ll.resolve("english", "facefx").perform(line)
+    assert "nearest by its features: bmp" in str(caught.value)
+    assert "nearest by its features: d s" in str(caught.value)
+    with pytest.raises(ll.ScheduleError) as caught:
+        ll.resolve("english", "facefx").perform(schedule("XX", notation="arpabet"))
+    assert "features" not in str(caught.value)
+
+
+def test_a_pack_may_leave_the_rest_to_features(tmp_path):
+    text = (
+        "kind: language\nformat: 1\nname: half\ntag: qaa\nautomatic: true\n"
+        "notations: {own: {X: s}, ipa: {t: s, y: w}}\n"
+    )
+    put(tmp_path, "languages/half.yaml", text)
+    performer = ll.resolve("half", "facefx", paths=[tmp_path], cache=False)
+    line = schedule("t", "tʰ", "y", "k", "t˥", notation="ipa")
+    assert spoken(performer, line) == ["s", "d", "w", "kg", "s"]
+    assert list(performer.automatic(line)) == ["tʰ", "k"]
+    with pytest.raises(ll.ScheduleError):
+        performer.perform(schedule("k", notation="own"))
+
+
+def test_features_do_not_speak_for_a_notation():
+    own, ipa = Notation({"iy": ()}), Notation({"ɬ": ()}, nearest=ROUND.value)
+    table = {"own": own, "ipa": ipa}
+    assert recognise(["iy", "k"], table) == "own"
+    assert recognise(["k", "t"], table) == "ipa"
+    assert table["ipa"].stated("k") is None
+    assert table["ipa"].find("k") == (("kg", 1.0),)
+    assert table["ipa"].find("X") is None
+
+
+def test_a_pack_may_extend_a_code(tmp_path):
+    text = (
+        "kind: language\nformat: 1\nname: mine\ntag: sw\nextends: espeak:sw\n"
+        "notations: {ipa: {a: aa}}\nwords: {jambo: [d, ah, bmp, ow]}\n"
+    )
+    path = put(tmp_path, "languages/mine.yaml", text)
+    library = Library([tmp_path], project=None)
+    pack = library.language("mine")
+    assert (pack.model.name, pack.model.automatic, pack.model.tts.voice) == ("mine", True, "sw")
+    assert pack.lineage == ("mine", "espeak:sw")
+    assert not [f for f in validate(library, [path]) if f.severity == "fault"]
+    performer = ll.resolve("mine", "facefx", paths=[tmp_path], cache=False)
+    assert spoken(performer, schedule("a", "aː", "y", notation="ipa")) == ["aa", "aa", "yu"]
+    put(tmp_path, "languages/mine.yaml", text.replace("espeak:sw", "especk:sw"))
+    with pytest.raises(PackFaults, match="P210 unknown language 'especk:sw'"):
+        Library([tmp_path], project=None).language("mine")
+
+
+CHECK = """
+import sys, lipsync_lang as ll
+performer = ll.resolve("espeak:sw", "facefx")
+line = ll.Schedule(("tɬ",), [0, 1])
+print(*(name for name, _ in performer.notation(line).find("tɬ")))
+print(*sorted({name.partition(".")[0] for name in sys.modules}))
+"""
+
+
+def test_a_warm_start_maps_by_features_without_yaml(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
+    loaded = []
+    for _ in range(2):
+        command = [sys.executable, "-c", CHECK]
+        done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
+        said, modules = done.stdout.splitlines()
+        assert said == "d l"
+        loaded.append(set(modules.split()))
+    assert {"ruamel", "pydantic"} <= loaded[0]
+    assert not {"ruamel", "pydantic"} & loaded[1]
+
+
+def test_the_cache_notices_another_ipa(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    project = tmp_path / "project"
+    project.mkdir()
+    monkeypatch.chdir(project)
+    for _ in range(2):
+        assert spoken(ll.resolve("espeak:sw", "facefx"), schedule("ɬ", notation="ipa")) == ["l"]
+    kept = cache.load("espeak:sw", "facefx", ())
+    assert kept.nearest == compile_pair(Library(), "espeak:sw", "facefx").nearest
+    text = LIBRARY.ipa().path.read_text(encoding="utf-8")
+    other = text.replace("ɬ: alveolar lateral fricative", "ɬ: alveolar hissing fricative")
+    put(project, "languages/ipa.yaml", other)
+    assert cache.load("espeak:sw", "facefx", ()) is None
+    assert spoken(ll.resolve("espeak:sw", "facefx"), schedule("ɬ", notation="ipa")) == ["s"]
+    put(project, "languages/ipa.yaml", text)
+    assert cache.load("espeak:sw", "facefx", ()) is None
+
+
+def test_a_voice_speaks_without_a_pack():
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    line = ll.speak("Habari ya asubuhi", "espeak:sw")
+    performer = ll.resolve("espeak:sw", "facefx")
+    assert line.language == "espeak:sw"
+    assert "bmp" in spoken(performer, line)
+    with pytest.raises(ll.SpeechError, match="qqq"):
+        ll.speak("x", "espeak:qqq")
+
+
+# What packs say otherwise
+
+
+def test_disagreements_come_with_their_reasons(tmp_path):
+    text = (
+        "kind: language\nformat: 1\nname: odd\ntag: qaa\n"
+        "notations: {ipa: {t: d, ŋ: kg, tt: [d, d], r: kg, X: s}}\nreasons: {ŋ: its tongue}\n"
+    )
+    put(tmp_path, "languages/odd.yaml", text)
+    library = Library([tmp_path], project=None)
+    pack = library.language("odd")
+    found = disagreements(pack.model, among(library, pack))
+    assert [(d.label, d.common, d.automatic, d.reason) for d in found] == [
+        ("ŋ", (("kg", 1.0),), (("d", 1.0),), "its tongue"),
+        ("r", (("kg", 1.0),), (("d", 1.0),), ""),
+        ("X", (("s", 1.0),), (), ""),
+    ]
+
+
+def test_packs_agree_with_the_features_for_the_most_part():
+    for found in LIBRARY.names("language"):
+        pack = LIBRARY.language(found.name)
+        table = pack.model.notations.get(IPA, {})
+        differing = disagreements(pack.model, among(LIBRARY, pack))
+        assert len(differing) <= 0.4 * len(table), found.name
+
+
+# Names, tags and aliases
+
+LANGUAGE = (
+    "kind: language\nformat: 1\nname: {name}\ntag: {tag}\n{more}notations: {{ipa: {{a: aa}}}}\n"
+)
+
+
+def language(root, name, tag, more=""):
+    return put(root, f"languages/{name}.yaml", LANGUAGE.format(name=name, tag=tag, more=more))
+
+
+@pytest.fixture
+def finder(tmp_path):
+    """Languages with tags and aliases, alone in the world but for the built-in ones."""
+    language(tmp_path, "alpha", "qab", "aliases: [qab-AA, Alfa]\n")
+    language(tmp_path, "beta", "qac-Latn", "aliases:  # several\n  - qac\n  - 'beta-one'  # old\n")
+    language(tmp_path, "gamma", "qad-Hant", "aliases: [\n  qad-TW,\n  third]\n")
+    language(tmp_path, "qae", "qaf")
+    language(tmp_path, "Delta_2", "qae")
+    return Finder([tmp_path], project=None)
+
+
+@pytest.mark.parametrize(
+    ("asked", "expected"),
+    [
+        ("alpha", "alpha"), ("ALPHA", "alpha"), ("qab", "alpha"), ("QAB-aa", "alpha"),
+        ("qab_AA", "alpha"), ("alfa", "alpha"), ("qab-ZZ", "alpha"), ("qab-AA-x-me", "alpha"),
+        ("qac", "beta"), ("qac-LATN", "beta"), ("Beta-One", "beta"), ("qac-Cyrl-XX", "beta"),
+        ("qad-Hant-TW", "gamma"), ("qad_hant", "gamma"), ("qad-tw", "gamma"), ("third", "gamma"),
+        ("qad", None), ("qad-Hans", None), ("alpha-x", None), ("", None), ("-", None),
+        ("qae", "qae"), ("QAE", "Delta_2"), ("qae-XX", "Delta_2"), ("delta-2", "Delta_2"),
+    ],
+)  # fmt: skip
+def test_a_language_answers_to_tags_and_aliases(finder, asked, expected):
+    found = [Path(path).stem for path in finder.lookup("language", asked)]
+    assert found == ([expected] if expected else [])
+
+
+def test_answers_are_read_without_yaml(finder):
+    named = {f.name: answers_of(f.path) for f in finder.names("language") if f.name < "e"}
+    assert named["alpha"] == ["qab", "qab-aa", "alfa"]
+    assert named["beta"] == ["qac-latn", "qac", "beta-one"]
+    assert named["Delta_2"] == ["qae"]
+
+
+def test_every_shipped_language_answers_to_what_its_pack_says():
+    for found in LIBRARY.names("language"):
+        model = LIBRARY.language(found.name).model
+        stated = [name.casefold().replace("_", "-") for name in (model.tag, *model.aliases)]
+        assert answers_of(found.path) == list(dict.fromkeys(stated))
+        assert LIBRARY.find("language", found.name) == found.path
+
+
+def test_one_alias_of_two_languages_is_a_warning(tmp_path):
+    language(tmp_path, "one", "qab", "aliases: [same, qac]\n")
+    language(tmp_path, "two", "qac", "aliases: [two, other, Same]\n")
+    language(tmp_path, "zero", "qad", "aliases: [one]\n")
+    faults = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W305"]
+    told = [(Path(f.file).name, f.line, f.column, f.what) for f in faults]
+    assert told == [
+        ("two.yaml", 4, 6, "tag 'qac' is that of language 'one' already"),
+        ("two.yaml", 5, 23, "alias 'same' is that of language 'one' already"),
+        ("zero.yaml", 5, 11, "alias 'one' is that of language 'one' already"),
+    ]
+
+
+# A pack over the one it shadows
+
+
+def test_a_project_adds_to_the_language_it_shadows(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    low, high = plant(tmp_path / "low"), tmp_path / "high"
+    text = "kind: language\nformat: 1\nname: parent\ntag: qaa\nextends: parent\nwords: {hei: [a]}\n"
+    put(high, "languages/parent.yaml", text)
+    library = Library([high, low], project=None)
+    pack = library.language("parent")
+    assert pack.lineage == ("parent", "parent")
+    assert [s.path.parents[1].name for s in pack.sources] == ["high", "low"]
+    assert pack.model.words == {"moi": ("p", "a"), "hei": ("a",)}
+    assert pack.model.notations["first"]["P"].to == ("p",)
+    own = high / "languages/parent.yaml"
+    assert library.lookups["beneath", str(own)] == (str(low / "languages/parent.yaml"),)
+    assert validate(Library([high, low], project=None), [own]) == []
+    assert library.language("child").lineage == ("child", "parent", "parent")
+
+    monkeypatch.chdir(tmp_path)
+    paths = (high, low)
+    ll.resolve("parent", "face", paths=paths)
+    assert cache.load("parent", "face", paths) is not None
+    middle = tmp_path / "middle"
+    middle.mkdir()
+    put(low, "languages/parent.yaml", (low / "languages/parent.yaml").read_text() + "# seen\n")
+    assert cache.load("parent", "face", paths) is None
+
+
+def test_a_new_pack_between_the_two_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    low, middle, high = plant(tmp_path / "low"), tmp_path / "middle", tmp_path / "high"
+    middle.mkdir()
+    text = "kind: language\nformat: 1\nname: parent\ntag: qaa\nextends: parent\n"
+    put(high, "languages/parent.yaml", text)
+    paths = (high, middle, low)
+    ll.resolve("parent", "face", paths=paths)
+    assert cache.load("parent", "face", paths) is not None
+    put(middle, "languages/parent.yaml", text + "words: {hei: [a]}\n")
+    assert cache.load("parent", "face", paths) is None
+    assert ll.resolve("parent", "face", paths=paths).compiled.words == {
+        "moi": ("p", "a"), "hei": ("a",),
+    }  # fmt: skip
+
+
+def test_a_pack_that_extends_itself_with_nothing_beneath_is_a_circle(tmp_path):
+    plant(tmp_path)
+    text = "kind: language\nformat: 1\nname: own\ntag: qaa-own\nextends: own\n"
+    path = put(tmp_path, "languages/own.yaml", text)
+    library = Library([tmp_path], project=None)
+    with pytest.raises(PackFaults, match="own -> own") as caught:
+        library.language("own")
+    assert [(f.code, f.line) for f in caught.value.faults] == [("P211", 5)]
+    assert library.lookups["beneath", str(path)] == ()
+
+
+def test_the_built_in_english_can_be_added_to(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = (
+        "kind: language\nformat: 1\nname: english\ntag: en\nextends: english\n"
+        "notations: {ipa: {ʙ: bmp}}\nwords: {gnocchi: [d, ao, kg, ih]}\n"
+    )
+    put(tmp_path, "languages/english.yaml", text)
+    performer = ll.resolve("EN_us", "facefx", cache=False)
+    assert performer.compiled.words["gnocchi"] == ("d", "ao", "kg", "ih")
+    assert spoken(performer, schedule("ʙ", "t", notation="ipa")) == ["bmp", "d"]
+
+
+def test_the_report_is_json():
+    report = ll.resolve("espeak:sw", "facefx").report
+    assert json.loads(json.dumps(vars(report)))["automatic"] is True

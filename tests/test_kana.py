@@ -1,0 +1,140 @@
+"""Japanese text in kana: readings, what belongs together, and what cannot be read."""
+
+import sys
+
+import pytest
+
+from lipsync_lang import SpeechError
+from lipsync_lang.phonology.g2p.kana import LONGEST, dictionary, respell
+
+needs_dictionary = pytest.mark.skipif(
+    "not __import__('importlib.util').util.find_spec('pyopenjtalk')",
+    reason="pyopenjtalk-plus is not installed",
+)
+
+
+def read(text):
+    """The spellings alone, between slashes."""
+    return "/".join(spelling for _, spelling in respell(text))
+
+
+@needs_dictionary
+@pytest.mark.parametrize(
+    ("text", "kana"),
+    [
+        ("私は東京へ行きました", "ワタシ/ワ/トーキョー/エ/イキマシタ"),
+        ("水を買わなくてはならない", "ミズ/オ/カワナクテ/ワ/ナラナイ"),
+        ("こんにちは", "コンニチワ"),
+        ("そう言うと、王様は笑った。", "ソー/ユー/ト/、/オーサマ/ワ/ワラッタ/。"),
+        ("一本、二本、三本", "イッポン/、/ニホン/、/サンボン"),
+        ("大人二人と子供四人", "オトナ/フタリ/ト/コドモ/ヨニン"),
+        ("続き", "ツズキ"),
+    ],
+)
+def test_words_are_spelled_as_they_sound(text, kana):
+    assert read(text) == kana
+
+
+@needs_dictionary
+@pytest.mark.parametrize(
+    ("text", "kana"),
+    [
+        ("2024年12月3日", "ニセンニジューヨネン/ジューニガツ/ミッカ"),
+        ("10,000円", "イチマンエン"),
+        ("3.14", "サンテンイチヨン"),
+        ("午後4時30分", "ゴゴ/ヨジ/サンジュップン"),
+        ("１００％", "ヒャクパーセント"),
+        ("三百六十五日", "サンビャクロクジューゴニチ"),
+    ],
+)
+def test_numbers_are_read_with_their_counters(text, kana):
+    assert read(text) == kana
+
+
+@needs_dictionary
+@pytest.mark.parametrize(
+    ("text", "kana"),
+    [
+        ("NHKのニュース", "エヌエイチケイ/ノ/ニュース"),
+        ("Windowsとメール", "ウィンドーズ/ト/メール"),
+        ("qwxz", "キューダブリューエックスゼット"),
+    ],
+)
+def test_latin_words_are_read_in_kana_or_letter_by_letter(text, kana):
+    assert read(text) == kana
+
+
+@needs_dictionary
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        " ",
+        "。",
+        "！？!!",
+        "ーーー",
+        "今日は\n\n  明日も　です\r\n",
+        "「えっ!?」…ええと——ねえ〜。",
+        "か\u3099き\u3099、ｶﾞｷﾞ、①㈱㌔、㍻",
+        "한국어とไทยとПривет、😀とα",
+        "今\x00日\u200bは",
+        "\x00",
+        "¥500と-5度、1/2、090-1234-5678",
+        "ア" * 5 + "\ud800",
+    ],
+)
+def test_the_pieces_make_up_the_text_again(text):
+    assert "".join(piece for piece, _ in respell(text)) == text
+
+
+@needs_dictionary
+def test_what_cannot_be_read_keeps_its_spelling_to_be_named():
+    assert ("한국어", "한국어") in respell("한국어と日本語")
+    assert ("😀", "😀") in respell("いい天気😀")
+
+
+@needs_dictionary
+@pytest.mark.parametrize("text", ["水を買う、" * LONGEST, "あ" * (3 * LONGEST)])
+def test_a_text_without_an_end_is_read_in_parts(text):
+    pieces = respell(text)
+    assert "".join(piece for piece, _ in pieces) == text
+    assert "".join(spelling for _, spelling in pieces).count("ミズ") in (0, LONGEST)
+
+
+@needs_dictionary
+def test_a_word_before_a_particle_or_a_title_stays_a_word():
+    words = [piece for piece, _ in respell("神田さんの本も社会的だ")]
+    assert words == ["神田", "さん", "の", "本", "も", "社会的", "だ"]
+
+
+@needs_dictionary
+def test_nothing_is_printed(capfd):
+    dictionary.cache_clear()
+    respell("！？今日は良い天気。ーー")
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("missing", [None, "the library it continues"])
+def test_without_the_dictionary_it_says_how_to_get_it(monkeypatch, missing):
+    dictionary.cache_clear()
+    other = missing and type(sys)("pyopenjtalk")
+    monkeypatch.setitem(sys.modules, "pyopenjtalk", other)
+    with pytest.raises(SpeechError, match=r'pip install "lipsync-lang\[japanese\]"'):
+        respell("日本")
+    dictionary.cache_clear()
+
+
+def test_what_cannot_be_traced_back_to_the_letters_is_one_piece(monkeypatch):
+    class Lost:
+        """A dictionary that has read a sentence, but not which letters are which word."""
+
+        def g2p_mapping(self, *_, **__):
+            raise ValueError
+
+        def g2p(self, *_, **__):
+            return "ナ’ニカヲ"
+
+    dictionary.cache_clear()
+    monkeypatch.setitem(sys.modules, "pyopenjtalk", Lost())
+    assert respell("何かを。") == [("何かを", "ナニカオ"), ("。", "。")]
+    dictionary.cache_clear()
