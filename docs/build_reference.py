@@ -1,31 +1,39 @@
 # ruff: noqa: INP001 - a script, not a package
-"""Write the pages of `docs/reference` that repeat what the code says.
+"""Write the pages of `docs/reference` that repeat what the code and the built-in languages say.
 
     python docs/build_reference.py
 
-`tests/test_docs.py` makes them anew and compares. The pages depend on the code alone: not on the
-width of a terminal, the Python that runs this, or what packs lie about.
+`tests/test_docs.py` makes them anew and compares, and the list of languages in the README too. The
+pages depend on nothing else: not on the width of a terminal, the Python that runs this, or what
+packs lie about.
 """
 
 import argparse
 import ast
 import inspect
+import re
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from textwrap import fill
 from typing import Any, get_args, get_type_hints
 
 from lipsync_lang.animations.registry import load_writers
 from lipsync_lang.cli import parser
 from lipsync_lang.packs.faults import CODES
-from lipsync_lang.packs.models import MODELS
+from lipsync_lang.packs.finding import built_in
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import MODELS, Language
 from lipsync_lang.packs.schema import schema
 from lipsync_lang.pipeline import motion
 from lipsync_lang.schedules.registry import load_readers
 
 HERE = Path(__file__).parent / "reference"
+README = Path(__file__).parents[1] / "README.md"
 MADE = "<!-- Written by docs/build_reference.py; change the code, then run that. -->\n"
 
 Schema = dict[str, Any]
@@ -35,6 +43,7 @@ def pages() -> dict[str, str]:
     """Return every generated page by its file name."""
     made = {
         "commands.md": commands(),
+        "languages.md": languages(),
         "packs.md": packs(),
         "faults.md": faults(),
         "motion.md": motions(),
@@ -152,7 +161,7 @@ def _explained(action: argparse.Action) -> str:
 
 # Packs
 
-ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes")
+ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes", "ipa")
 
 WHERE = {
     "language": "`languages/NAME.yaml`",
@@ -161,6 +170,7 @@ WHERE = {
     "character": "`characters/NAME.yaml`",
     "rig": "`posesets/POSESET/rigs/NAME.yaml`",
     "phonemes": "`languages/common.yaml`",
+    "ipa": "`languages/ipa.yaml`",
 }
 
 EXAMPLES = {
@@ -174,6 +184,30 @@ notations:
   arpabet: {Q: _}              # a catch in the throat is silence here
   ipa: {ts: {to: [d, s], shares: [0.4, 0.6]}}
 words: {tsar: [s, aa, r]}
+""",
+    "languages/orkish.yaml": """\
+kind: language
+format: 1
+name: orkish
+tag: art-x-orkish
+aliases: [orcish]              # `-l orcish` finds it too
+g2p:
+  engine: rules                # nothing speaks it: `tts` is left out
+  notation: ipa
+  rules:
+    - {from: c, to: [t, ʃ], before: "[ei]"}
+    - {from: c, to: k}
+    - {from: e, to: [], after: "[^aeiou]", before: "$"}    # mute at the end of a word
+durations: {vowel: 0.2}        # slow
+notations:
+  ipa: {a: aa, e: eh, i: ih, t: d, k: kg, ʃ: sh, r: d}
+automatic: true                # other letters of the IPA go to what looks nearest
+examples: {r: cira}
+reasons: {r: "rolled: the tip of the tongue is at the roof, and nothing rounds"}
+inventory: {source: the script, segments: [a, e, i, t, k, ʃ, r, ɬ], absent: {ɬ: in no line yet}}
+caveats: [It reads no digits.]
+tests:
+  - {text: cira, ipa: t ʃ i r a, phonemes: [d, sh, ih, d, aa], source: the script}
 """,
     "posesets/puppet/poseset.yaml": """\
 kind: poseset
@@ -215,6 +249,8 @@ format: 1
 name: anna
 poseset: puppet
 motion: {speed_limit: 8}
+pronunciations:
+  stage-english: {either: [ay, th, er]}    # said so by her alone
 bigrams:
   aa-bmp: {status: edited, curves: {shut: [[0.4, 0], [0.7, 1], [0.9, 1], [1, 0]]}}
 """,
@@ -231,10 +267,9 @@ names: {jawOpen: [Jaw_Open, JAW_OPEN]}
 """A small project with one pack of each kind that people write; the tests validate it."""
 
 NOT_YET = """\
-Some fields are read and checked, but change nothing yet: a language's `g2p`, `durations` and
-`tests` (text is spoken with its `tts` voice, and `validate` does not speak), banks in another
-style than `neutral`, a character's `rig` and `model`, a pose set's `model`, and rigs altogether:
-an animation holds poses, not the channels of a model."""
+Some fields are read and checked, but change nothing yet: banks in another style than `neutral`, a
+character's `rig` and `model`, a pose set's `model`, and rigs altogether: an animation holds poses,
+not the channels of a model."""
 
 
 def packs() -> str:
@@ -341,6 +376,98 @@ def _number(field: Schema) -> str:
         if key in field
     ]
     return " ".join(["number", *bounds])
+
+
+# Languages
+
+LISTED = re.compile(
+    r"(?<=<!-- languages: docs/build_reference.py -->\n).*(?=<!-- end -->)", re.DOTALL
+)
+"""Where the README lists the languages."""
+
+ENGINES = {
+    "espeak": "a voice of eSpeak NG",
+    "rules": "rules of spelling",
+    "lexicon": "a list of words",
+    "epitran": "Epitran",
+    "pypinyin": "pypinyin",
+    None: "nothing yet: timed phonemes only",
+}
+"""What reads text, in words."""
+
+
+@cache
+def known() -> tuple[Language, ...]:
+    """Return the built-in languages by title."""
+    library = Library(project=None)
+    found = [one for one in library.names("language") if one.path.is_relative_to(built_in())]
+    models = (library.language(one.name).model for one in found)
+    return tuple(sorted(models, key=_titled))
+
+
+def _titled(model: Language) -> str:
+    return model.title or model.name
+
+
+def languages() -> str:
+    """List every built-in language."""
+    return "\n\n".join(
+        [
+            "# Languages",
+            (
+                "The languages that come with a pack. Each has tests, words from a source outside "
+                "this program with the phonemes that it gives them, and says what it is known to "
+                "get wrong. `lipsync-lang languages show NAME` shows one as a table: its sounds, "
+                "their mouths, and why. A language without a pack that eSpeak NG or Epitran reads "
+                "is `-l espeak:CODE` or `-l epitran:CODE`; how to do better is in "
+                "[add a language](../tutorial/add-a-language.md)."
+            ),
+            table(
+                ("language", "name", "tag", "text is read by", "spoken by", "tests", "beware"),
+                [
+                    (
+                        _titled(model),
+                        f"`{model.name}`",
+                        f"`{model.tag}`",
+                        _read_by(model),
+                        _spoken_by(model),
+                        str(len(model.tests)),
+                        " ".join(model.caveats) or "-",
+                    )
+                    for model in known()
+                ],
+            ),
+        ]
+    )
+
+
+def _read_by(model: Language) -> str:
+    g2p = model.g2p
+    if g2p is None:
+        return "-"
+    parts = [
+        f"{g2p.engine} {g2p.voice or g2p.code or ''}".strip(),
+        f"{len(g2p.rules)} of them" if g2p.rules and g2p.engine == "rules" else "",
+        f"{len(g2p.rules)} rules" if g2p.rules and g2p.engine != "rules" else "",
+        f"respelled as {g2p.respell}" if g2p.respell else "",
+    ]
+    return ", ".join(filter(None, parts))
+
+
+def _spoken_by(model: Language) -> str:
+    return " ".join(filter(None, (model.tts.engine, model.tts.voice))) if model.tts else "-"
+
+
+def readme(text: str) -> str:
+    """Return the README with its list of languages as the packs are now."""
+    engines = Counter(model.g2p.engine if model.g2p else None for model in known())
+    read = ", ".join(f"{ENGINES[name]} ({count})" for name, count in engines.most_common())
+    titles = ", ".join(map(_titled, known()))
+    tests = sum(len(model.tests) for model in known())
+    have = f"{len(known())} languages and varieties have a pack, tested with {tests} words:"
+    told = [f"{have} {titles}.", f"What reads their text: {read}."]
+    section = "\n\n".join(fill(part, 105, break_on_hyphens=False) for part in told)
+    return LISTED.sub(lambda _: f"{section}\n", text)
 
 
 # Faults
@@ -460,3 +587,5 @@ if __name__ == "__main__":
     for name, text in pages().items():
         (HERE / name).write_text(text, encoding="utf-8")
         sys.stdout.write(f"{HERE / name}\n")
+    README.write_text(readme(README.read_text(encoding="utf-8")), encoding="utf-8")
+    sys.stdout.write(f"{README}\n")
