@@ -186,7 +186,7 @@ class Performer:
         from lipsync_lang.phonology.manner import Manner
         from lipsync_lang.speaking import Speaker
 
-        return Speaker(Manner.from_plain(self.compiled.manner), self._notations)
+        return Speaker(Manner.from_plain(self.compiled.manner), self._notations, self._near)
 
     @cached_property
     def _notations(self) -> dict[str, Notation]:

@@ -9,7 +9,7 @@ times.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p import Said, engine
@@ -17,6 +17,9 @@ from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
+
+if TYPE_CHECKING:
+    from lipsync_lang.phonology.nearest import Among
 
 SILENT = "none"
 """The name to ask for no speech engine by: times are estimated, and nothing sounds."""
@@ -58,21 +61,27 @@ class Speaker:
     ----------
     manner : how its text is read and spoken
     notations : its notations, by name
+    near : what finds the nearest of labels that no notation has, where the language is automatic
     """
 
-    def __init__(self, manner: Manner, notations: Mapping[str, Notation]) -> None:
+    def __init__(
+        self, manner: Manner, notations: Mapping[str, Notation], near: "Among | None" = None
+    ) -> None:
         self.manner = manner
         self.notations = notations
+        self.near = near
 
     @classmethod
     def of(cls, language: str, paths: Sequence[str | Path] = ()) -> "Speaker":
         """Make a language ready by its name or tag, looking for packs in `paths` first."""
         from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.manner import manner_of, notations_of
+        from lipsync_lang.resolver.nearest import among
 
         library: Library = Library(paths)
         pack, common = library.language(language), library.common().model
-        return cls(manner_of(pack, common), notations_of(library, pack))
+        near = among(library, pack) if pack.model.automatic else None
+        return cls(manner_of(pack, common), notations_of(library, pack), near)
 
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
         """Turn texts into phonemes, one after the other.
@@ -125,6 +134,8 @@ class Speaker:
 
     def _transcript(self, text: str, words: Sequence[Said]) -> Transcript:
         notation = self.notations[self.manner.notation]
+        while words and not words[-1].labels and not words[-1].unread:
+            words = words[:-1]
         phonemes: list[str] = []
         unmapped: list[str] = []
         for word in words:
@@ -168,8 +179,28 @@ class Speaker:
             "notation": transcript.notation,
             "words": words,
             "phonemes": list(transcript.phonemes),
+            "automatic": self._automatic(transcript),
             "unmapped": list(transcript.unmapped),
             "unread": list(transcript.unread),
+        }
+
+    def _automatic(self, transcript: Transcript) -> dict[str, dict[str, Any]]:
+        """Return the labels that features alone mapped, and what of each is not shown."""
+        notation = self.notations[self.manner.notation]
+        if self.near is None or notation.nearest is None:
+            return {}
+        found = {
+            label: self.near.nearest(label)
+            for label in dict.fromkeys(transcript.labels)
+            if notation.stated(label) is None
+        }
+        return {
+            label: {
+                "common": [name for name, _ in near.value],
+                "distance": near.distance,
+                "loses": list(near.losses),
+            }
+            for label, near in found.items()
         }
 
     def speak(

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang import SpeechError, resolve, speak
+from lipsync_lang.authoring.table import transcript_table
 from lipsync_lang.joining import estimate, join
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.align import align
@@ -282,3 +283,19 @@ def test_transcripts_are_printed_and_are_data(cli, ruled):
     lines = cli("transcribe", "--file", str(file), "-l", "ruled", "--path", str(ruled))
     assert lines.out.count("common phonemes") == 2
     assert cli("transcribe", "-l", "ruled", "--path", str(ruled)).code == 2
+
+
+def test_what_is_mapped_automatically_says_what_it_loses(ruled):
+    file = ruled / "languages" / "ruled.yaml"
+    file.write_text(file.read_text("utf-8").replace("tag: qaa", "tag: qaa\nautomatic: true"))
+    speaker = Speaker.of("ruled", [ruled])
+    told = speaker.told(Transcript("tʼap", "ruled", "ipa", (Said("tʼap", ("tʼ", "a", "p")),)))
+    assert told["automatic"] == {
+        "tʼ": {"common": ["d"], "distance": 0, "loses": ["ejection"]},
+        "p": {"common": ["bmp"], "distance": 0, "loses": []},
+    }
+    lines = transcript_table(told).splitlines()
+    assert lines[-2:] == [
+        "2 labels mapped automatically, not exactly these:",
+        "  tʼ  d  loses ejection",
+    ]

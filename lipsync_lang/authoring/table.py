@@ -15,7 +15,23 @@ def transcript_table(told: dict[str, Any]) -> str:
         ]
         unread = [f"(not read: {word['unread']})"] if "unread" in word else []
         rows.append((word["text"], labels, " ".join([*common, *unread])))
-    return "\n".join(columns(rows))
+    lines = list(columns(rows))
+    table = [
+        (label, " ".join(near["common"]) or "(mute)", _losing(near["loses"]))
+        for label, near in told["automatic"].items()
+        if near["distance"] or near["loses"]
+    ]
+    if told["automatic"]:
+        count = len(told["automatic"])
+        lines.append(
+            f"{count} labels mapped automatically" + (", not exactly these:" * bool(table))
+        )
+        lines += [f"  {line}" for line in columns(table)]
+    return "\n".join(lines)
+
+
+def _losing(losses: Sequence[str]) -> str:
+    return f"loses {', '.join(losses)}" if losses else ""
 
 
 def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> Iterator[str]:

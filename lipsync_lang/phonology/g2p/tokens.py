@@ -8,7 +8,7 @@ from unicodedata import category, normalize
 
 from lipsync_lang.phonology.g2p.registry import Said
 
-INNER = frozenset("'’‘ʼ-·־\u00ad")
+INNER = frozenset("'’‘-·־\u00ad")
 """Within a word, and nothing by themselves."""
 
 PAUSES = frozenset(".!?…,;:—–、。，！？；：।॥؟،؛።፣፤၊။")
