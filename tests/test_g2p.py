@@ -1,6 +1,7 @@
 """Text to phonemes: tokens, rules, lexicons, and how an engine's words find the user's."""
 
 import string
+from unicodedata import normalize
 
 import pytest
 from hypothesis import given
@@ -9,11 +10,13 @@ from hypothesis import strategies as st
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.espeak import paired
+from lipsync_lang.phonology.g2p.espeak import paired, parts
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.g2p.registry import Rule, respeller
 from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
+from lipsync_lang.speech import speak
+from lipsync_lang.speech.espeak_events import words_of
 
 
 def words(text):
@@ -33,6 +36,8 @@ def words(text):
         ("10,000 and 3.5 at 12:30.", ["10,000", "and", "3.5", "at", "12:30"]),
         ("हिन्दी में", ["हिन्दी", "में"]),
         ("สวัสดี", ["สวัสดี"]),
+        ("ʼáłah fa‘afetai", ["ʼáłah", "fa‘afetai"]),
+        ("သူ၏", ["သူ၏"]),
         ("مِنْ البيت؟", ["مِنْ", "البيت"]),
         ("e\u0301te\u0301", ["e\u0301te\u0301"]),
         ("", []),
@@ -210,6 +215,24 @@ def test_epitran_reads_and_refuses_plainly():
     assert found[-1].unread == "7"
     with pytest.raises(SpeechError, match="Epitran has no language 'xho-Latin'; did you mean"):
         engine("epitran", Settings("x", code="xho-Latin"))
+
+
+def test_labels_that_an_engine_runs_together_are_taken_apart():
+    assert words_of("nˈi_k (en)_d_ʲ_(fr)") == [("n", "i", "k"), ("dʲ",)]
+    assert parts("jd", {"j", "d"}) == ("j", "d")
+    assert parts("ntɕ", {"n", "tɕ"}) == ("n", "tɕ")
+    assert parts("jx", {"j"}) == ("jx",)
+
+
+@pytest.mark.parametrize(
+    ("voice", "text", "labels"),
+    [("ar", "مُحَمَّد", "muħammad"), ("he", "שָׁלוֹם", "ʃalom"), ("uk", "Так… «ні»", "t̪akɲi")],
+)
+def test_marks_are_read_in_any_order_and_quotes_not_by_name(voice, text, labels):
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    for form in ("NFC", "NFD"):
+        heard = speak(normalize(form, text), voice).labels
+        assert "".join(label for label in heard if label != "_").replace("ɡ", "k") == labels
 
 
 # An engine's words and the user's

@@ -14,6 +14,9 @@ INNER = frozenset("'’‘-·־\u00ad")
 PAUSES = frozenset(".!?…,;:—–、。，！？；：।॥؟،؛።፣፤၊။")
 """Marks at which the voice rests."""
 
+SIGNS = frozenset("၌၍၎၏")
+"""Punctuation to Unicode, and words to their readers."""
+
 _APOSTROPHES = str.maketrans("’‘", "''")
 
 JOINERS = frozenset("\u200c\u200d")
@@ -33,7 +36,7 @@ def _class(character: str) -> str:
         return "i"
     if kind == "Nd":
         return "n"
-    if kind[0] in "LMN" or character in JOINERS:
+    if kind[0] in "LMN" or character in JOINERS or character in SIGNS:
         return "w"
     return "s" if kind[0] == "S" else " "
 
