@@ -17,13 +17,8 @@ import numpy as np
 import lipsync_lang as ll
 from lipsync_lang.quality.baselines import keyframes, read_out
 
-NEAREST = {
-    "a": "A:", "a:": "A:", "e": "e", "e:": "e", "E": "e", "E:": "e", "i": "i:", "i:": "i:",
-    "I": "I", "o": "@U", "o:": "@U", "O": "O:", "u": "u:", "u:": "u:", "U": "U", "@": "@",
-    "6": "@", "aI": "aI", "aU": "aU", "OY": "OI", "x": "h", "C": "S", "r": "h", "R": "h",
-    "kh": "k", "ph": "p", "th": "t", "?": "h",
-}  # fmt: skip
-"""The English SAMPA label with the nearest mouth, where the German one is another."""
+LANGUAGE = "german"
+"""The pack that knows the labels, which are its SAMPA."""
 
 PAUSES = ("<p:>", "&p:", "H#")
 LONGEST_LAST = 0.1
@@ -51,7 +46,7 @@ def recordings(folder: Path) -> list[tuple[str, ll.Schedule, dict[str, np.ndarra
         phones = path.with_name(path.name.replace(".ema.csv", ".phones.tsv"))
         for line in phones.read_text(encoding="utf-8").splitlines():
             start, end, label = line.split()
-            label = ll.schedules.SILENCE if label in PAUSES else NEAREST.get(label, label)
+            label = ll.schedules.SILENCE if label in PAUSES else label
             if float(end) > float(start):
                 rows.append((label, float(start), float(end)))
         last = max(i for i, row in enumerate(rows) if row[0] != ll.schedules.SILENCE)
@@ -81,7 +76,7 @@ def main(folder: Path) -> int:
     if not lines:
         print(f"{folder} holds no recordings (NAME.ema.csv beside NAME.phones.tsv)")
         return 1
-    performer = ll.resolve("english", "facefx")
+    performer = ll.resolve(LANGUAGE, "facefx")
     methods = {
         "draft": performer.perform,
         "draft, linear warp": performer.with_motion({"warp": "linear"}).perform,

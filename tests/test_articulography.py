@@ -21,7 +21,7 @@ def bench(root, monkeypatch):
 def test_the_draft_follows_real_lips_better_than_keyframes(bench, data):
     lines = bench.recordings(data / "articulography")
     assert lines, "a comparison over nothing passes"
-    performer = resolve("english", "facefx")
+    performer = resolve(bench.LANGUAGE, "facefx")
     gains = performer.compiled.measures["aperture"]
 
     def mean(perform):
