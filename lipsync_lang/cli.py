@@ -296,8 +296,8 @@ def _add_line(made: argparse.ArgumentParser) -> None:
         help="bigrams that nothing answers [error]",
     )  # fmt: skip
     made.add_argument(
-        "--unknown", choices=("error", "rest"), default="error",
-        help="labels that no notation maps [error]",
+        "--unknown", choices=("error", "rest", "nearest"), default="error",
+        help="labels that no notation maps; nearest is for IPA, by its features [error]",
     )  # fmt: skip
 
 

@@ -40,7 +40,7 @@ class Performer:
     compiled: "Compiled"
     motion: Motion
     unknown: str = "error"
-    """What becomes of labels no notation maps: an `error`, or `rest`."""
+    """What becomes of labels no notation maps: an `error`, `rest`, or, of IPA, the `nearest`."""
 
     @property
     def language(self) -> str:
@@ -153,7 +153,7 @@ class Performer:
     def _values(self, schedule: Schedule) -> list[Value]:
         """Return what each label stands for, words of the language's own said its way."""
         notation = self.notation(schedule)
-        values = [notation.find(label) for label in schedule.labels]
+        values = self._found(schedule, notation)
         own = self.compiled.words if schedule.language == self.language else {}
         for word in schedule.words if own else ():
             sounds = own.get(plain(word.text))
@@ -164,6 +164,18 @@ class Performer:
             raise ScheduleError(self._unknown(schedule, unknown, notation))
         rest: Value = ((self.compiled.phonemes[0], 1.0),)
         return [rest if value is None else value for value in values]
+
+    def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
+        """Return what the notation says of each label, and of unknown IPA what is asked for."""
+        values = [notation.find(label) for label in schedule.labels]
+        wanted = self.unknown == "nearest" and notation is self._notations.get(IPA)
+        near = self._hints if wanted and None in values else None
+        if near is None:
+            return values
+        return [
+            near.value(label) if value is None else value
+            for label, value in zip(schedule.labels, values, strict=True)
+        ]
 
     def notation(self, schedule: Schedule) -> Notation:
         """Return the notation of a schedule's labels: the one it states, else the likeliest."""
@@ -244,6 +256,7 @@ class Performer:
             f"\nAdd them to {self.language}'s notations, name the notation they are in "
             "(--notation NAME), or ask for unknown labels at rest (--unknown rest)"
         )
+        mend += " or by their features (--unknown nearest)" if name == IPA else ""
         return "\n".join(lines) + more + mend
 
 

@@ -6,6 +6,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from unicodedata import normalize
@@ -432,6 +433,19 @@ def test_a_performer_tells_what_it_mapped_by_features():
     assert told["tʰ"].losses == ("aspiration",)
     assert told["ɬ"].distance > 0
     assert ll.resolve("english", "facefx").automatic(schedule("t", notation="ipa")) == {}
+
+
+def test_unknown_ipa_may_go_to_the_nearest_in_any_language():
+    performer = ll.resolve("english", "facefx")
+    line = schedule("ɓ", "ɯ", notation="ipa")
+    with pytest.raises(ll.ScheduleError, match="--unknown nearest"):
+        performer.perform(line)
+    nearest = replace(performer, unknown="nearest")
+    numbers, _, _ = nearest.common_phonemes(line)
+    assert [performer.compiled.phonemes[n] for n in numbers] == ["bmp", "ih"]
+    for odd in (schedule("ɓ", "Q", notation="ipa"), schedule("ɓ", "a", notation="sampa")):
+        with pytest.raises(ll.ScheduleError):
+            nearest.perform(odd)
 
 
 def test_what_is_no_ipa_stays_an_error_or_rests():
