@@ -160,6 +160,7 @@ EXEMPT = {
     ("phonology/ipa.py", "letters"): "a field of the IPA's pack",
     ("phonology/g2p/kana.py", "japanese"): "the name of the extra that installs it",
     ("phonology/g2p/pinyin.py", "mandarin"): "the name of the extra that installs it",
+    ("phonology/g2p/pinyin.py", "roman"): "a kind of script, within the module",
     ("phonology/g2p/registry.py", "kana"): "the name of a respeller, after the script it writes",
     ("speech/espeak_worker.py", "id"): "a field of the library's events",
     ("schedules/json.py", "HH"): "the example of the format's form",
