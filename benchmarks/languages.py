@@ -162,7 +162,7 @@ def texts(library: Library, folder: Path, only: Sequence[str]) -> Iterator[tuple
         language = find(library, path.stem)
         lines = [line for line in path.read_text("utf-8").splitlines() if line.strip()]
         try:
-            yield path.stem, read(language, lines, timed=False) if language else "nothing reads it"
+            yield path.stem, read(language, lines, timed=True) if language else "nothing reads it"
         except LipsyncError as error:
             yield path.stem, f"{language}: {str(error)[:100]}"
 

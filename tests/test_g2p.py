@@ -255,12 +255,15 @@ def texts(found):
         ("10 000", [CLAUSE], [("10 000", "həwɜː")]),
         ("NASA it", [CLAUSE], [("NASA it", "həwɜː")]),
         ("5", [CLAUSE], [("5", "həwɜː")]),
+        ("hel-wor 7", [[*CLAUSE, ("d",)]], [("hel-wor", "həwɜː"), ("7", "d")]),
+        ("of hel-wor 7", [[*CLAUSE, ("d",)]], [("of hel-wor 7", "həwɜːd")]),
+        ("of 8", [CLAUSE], [("of 8", "həwɜː")]),
         ("a. b c", [CLAUSE, CLAUSE[:1]], [("a", "həwɜː"), (",", ""), ("b c", "hə")]),
         ("...", [], []),
     ],
 )
 def test_words_are_the_users_where_that_is_sure(text, clauses, found):
-    assert texts(paired(text, clauses)) == found
+    assert texts(paired(text, clauses, {"hel-wor": 2, "7": 1})) == found
 
 
 @given(

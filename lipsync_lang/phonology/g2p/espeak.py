@@ -1,12 +1,13 @@
 """Text to phonemes by eSpeak NG, as its voices say it, without sound.
 
 It says a text clause by clause and tells its words apart, but not which of the user's they are:
-"10,000" is several of them, "of the" is one. Where a clause is of plain words alone, and has as
-many as the user wrote, they are these; else the clause is one `Said` as a whole.
+"10,000" is several of them, "of the" is one. Where a clause has as many words as the user's have by
+themselves, they are these; else the clause is one `Said` as a whole.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
+from types import MappingProxyType
 
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.registry import Engine, Respeller, Said, Settings, respeller
@@ -26,10 +27,20 @@ def engine(settings: Settings) -> Engine:
 
         spelled = [_spelled(text, respell) for text in texts]
         plain = ["".join(spelling for _, spelling in parts) for parts in spelled]
-        clauses = Espeak().transcribe(plain, settings.voice or "")
+        voice, reader = settings.voice or "", Espeak()
+        odd = {
+            p.text for text in plain for p in pieces(text) if p.kind != "pause" and not _surely(p)
+        }
+        unmet = sorted(odd - lengths.keys())
+        for token, found in zip(unmet, reader.transcribe(unmet, voice), strict=True):
+            lengths[token] = sum(map(len, found))
+        clauses = reader.transcribe(plain, voice)
         for text, found in zip(plain, clauses, strict=True):
-            yield tuple(said._replace(labels=apart(said.labels)) for said in paired(text, found))
+            yield tuple(
+                said._replace(labels=apart(said.labels)) for said in paired(text, found, lengths)
+            )
 
+    lengths: dict[str, int] = {}
     known = frozenset(map(normalise, settings.labels))
 
     @lru_cache(KEPT)
@@ -59,13 +70,18 @@ def _spelled(text: str, respell: Respeller | None) -> list[tuple[str, str]]:
     return respell(text) if respell else [(text, text)]
 
 
-def paired(text: str, clauses: Sequence[Words]) -> Iterator[Said]:
-    """Give the words of each clause the user's spelling, and pauses between the clauses."""
+def paired(
+    text: str, clauses: Sequence[Words], lengths: Mapping[str, int] = MappingProxyType({})
+) -> Iterator[Said]:
+    """Give the words of each clause the user's spelling, and pauses between the clauses.
+
+    `lengths` are the words that numbers, compounds and the like are by themselves.
+    """
     written = _clauses(text)
     spoken = [words for words in clauses if words]
     whole = [word for words in spoken for word in words]
     tokens = [token for part in written for token in part]
-    if len(written) != len(spoken) and _pairs(tokens, whole):
+    if len(written) != len(spoken) and _matched(tokens, whole, lengths) is not None:
         spoken, written = [whole], [tokens]
     if len(written) != len(spoken):
         written = [tokens] if tokens else []
@@ -76,8 +92,9 @@ def paired(text: str, clauses: Sequence[Words]) -> Iterator[Said]:
     for number, (words, part) in enumerate(zip(spoken, written, strict=True)):
         if number:
             yield Said(",", ())
-        if _pairs(part, words):
-            yield from (Said(token.text, word) for token, word in zip(part, words, strict=True))
+        matched = _matched(part, words, lengths)
+        if matched is not None:
+            yield from matched
         else:
             yield Said(_between(text, part), tuple(label for word in words for label in word))
 
@@ -93,9 +110,25 @@ def _clauses(text: str) -> list[list[Piece]]:
     return [clause for clause in clauses if clause]
 
 
-def _pairs(tokens: Sequence[Piece], words: Words) -> bool:
-    """Tell whether words are surely those of the tokens: only merging could change their number."""
-    return len(tokens) == len(words) and (len(words) == 1 or all(map(_surely, tokens)))
+def _matched(
+    tokens: Sequence[Piece], words: Words, lengths: Mapping[str, int]
+) -> list[Said] | None:
+    """Give each token its words where it is sure which they are.
+
+    It is where there are as many as the tokens are by themselves: words that are run together are
+    fewer.
+    """
+    alone = len(tokens) == len(words) == 1
+    counted = [1 if alone or _surely(t) else lengths.get(t.text, 0) for t in tokens]
+    if sum(counted) != len(words) or 0 in counted:
+        return None
+    said: list[Said] = []
+    at = 0
+    for token, count in zip(tokens, counted, strict=True):
+        labels = tuple(label for word in words[at : at + count] for label in word)
+        said.append(Said(token.text, labels))
+        at += count
+    return said
 
 
 def _surely(token: Piece) -> bool:
