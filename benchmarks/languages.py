@@ -202,7 +202,7 @@ def main() -> None:
     for path in sorted(options.folder.glob("*lines*.tsv")):
         report(path.name, kept(table(library, path, options.only)))
     if (options.folder / "udhr").is_dir():
-        report("udhr", texts(library, options.folder / "udhr", options.only))
+        report("udhr", kept(texts(library, options.folder / "udhr", options.only)))
     for folder in (options.folder, options.folder.parent / "phonology"):
         if (folder / "phoible_segments.tsv").is_file():
             segments(library, folder / "phoible_segments.tsv")
