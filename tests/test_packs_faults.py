@@ -272,6 +272,19 @@ def test_a_bad_pack_gives_its_faults_at_their_places(bad, tmp_path, monkeypatch)
         assert any(bad.hint in fault.hint for fault in here)
 
 
+def test_a_pose_set_may_speak_of_what_any_language_declares(tmp_path):
+    plant(tmp_path)
+    child = TREE["languages/child.yaml"].replace("words:", "adds: {zz: {class: vowel}}\nwords:")
+    put(tmp_path, "languages/child.yaml", child)
+    face = TREE["posesets/face/poseset.yaml"].replace(
+        "  f: {FV: 0.9}", "  f: {FV: 0.9}\n  zz: {FV: 1}"
+    )
+    put(tmp_path, "posesets/face/poseset.yaml", face)
+    assert faults_of(tmp_path) == []
+    put(tmp_path, "posesets/face/poseset.yaml", face.replace("zz:", "zy:"))
+    assert [fault.code for fault in faults_of(tmp_path)] == ["P202"]
+
+
 def test_every_code_is_met_by_a_bad_pack():
     met = {code for bad in BAD for code, _, _ in bad.faults}
     elsewhere = {

@@ -29,7 +29,7 @@ MARK = b"lipsync-lang compiled pair, v1.\n"
 DIGEST = 32
 """Bytes of the digest; with the mark a multiple of 64, so that arrays are aligned."""
 
-COMPILERS = ("banks", "packs", "pipeline", "resolver")
+COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 """Folders of the code that turns packs into tables; if it changes, so must the tables."""
 
 KEPT = 100
