@@ -55,17 +55,17 @@ def width(text: str) -> int:
     )
 
 
-def language_table(told: dict[str, Any], every: bool = False) -> str:  # noqa: FBT001, FBT002
+def language_table(told: dict[str, Any]) -> str:
     """Lay out a language as the paper's Table 1: phoneme, common phoneme, example, and why.
 
     Of `told`, what `authoring.language.describe` returns. The first notation is spelled out; of the
-    others the labels of each common phoneme, unless `every` asks for all.
+    others the labels of each common phoneme.
     """
     also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""
     lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
     for number, (name, rows) in enumerate(told["notations"].items()):
         lines.append(f"\n{name}: {len(rows)} labels")
-        if number == 0 or every:
+        if number == 0:
             lines += _rows(rows)
         else:
             lines += _grouped(rows)
