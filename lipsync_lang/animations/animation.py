@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,25 @@ from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
     from lipsync_lang.trace import Explanation
+
+
+Vector = tuple[float, float, float]
+
+
+class Channel(NamedTuple):
+    """What one column of an animation drives on a model."""
+
+    name: str
+    names: tuple[str, ...] = ()
+    """How models spell it otherwise; `*` stands for anything."""
+    mesh: str | None = None
+    """The one mesh that has it; None for every mesh with such a shape."""
+    node: str | None = None
+    """The bone it turns or moves; None for a morph target."""
+    rotation: Vector | None = None
+    """The axis it turns about; its values are degrees."""
+    translation: Vector | None = None
+    """The way it moves, in the model's units for a value of 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +46,8 @@ class Animation:
     schedule : what was spoken
     performer : what performed it; explains any frame
     line : the name of the line, where the character's edits of it were used
+    channels : what each column drives on a model; empty where nothing is known of it
+    model : the model file that the character or its pose set names
     """
 
     times: npt.NDArray[np.float64]
@@ -36,6 +57,8 @@ class Animation:
     schedule: Schedule
     performer: Any = None
     line: str | None = None
+    channels: tuple[Channel, ...] = ()
+    model: Path | None = None
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""

@@ -4,10 +4,11 @@ A validator here sees one file; what needs two files or two places is in `checks
 seconds, normalised times and weights from 0 to 1, angles in degrees.
 """
 
+from itertools import pairwise
 from math import inf
 from typing import Annotated, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from lipsync_lang.packs.forms import (
@@ -36,7 +37,9 @@ class Pose(Strict):
     title: str = ""
     """The shape in words."""
     region: str = ""
-    """The part of the face it moves."""
+    """The part of the face it moves; a dial scales the poses of one region."""
+    names: tuple[Text, ...] = ()
+    """How models spell it otherwise; `{Left,Right}` stands for two names, `*` for anything."""
 
 
 class Threshold(Strict):
@@ -112,6 +115,8 @@ class Motion(Strict):
     """Whether contacts are held."""
     limit: Literal["before", "after"] | None = None
     """Whether speed is limited before or after constraints."""
+    hold: NotNegative | None = None
+    """Seconds; poses are shown one at a time, each at least as long; at 0 they blend."""
 
 
 class Target(Strict):
@@ -174,6 +179,8 @@ class PoseSet(Pack):
     """The kind of pack."""
     poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(min_length=1)
     """Every pose, in the order of the curves."""
+    neutral: Text | None = None
+    """What the face at rest is called, where every shape has a name."""
     constraints: Constraints = Constraints()
     """Which poses make way for which."""
     priority: tuple[PoseName, ...] = ()
@@ -244,14 +251,64 @@ class Edit(Strict):
     """A curve for each pose that moves."""
 
 
-class Line(Strict):
-    """Edits of one recorded line, which survive a new recording."""
+Level = Annotated[float, Field(ge=0, le=2)]
+Share = Unit
+
+
+def _points(value: Data) -> Data:
+    """Turn one number into a level that stays."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return [[0, value]] if number else value
+
+
+def _forwards(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """Refuse points that run back."""
+    for (before, _), (after, _) in pairwise(points):
+        if after < before:
+            what = "the words of these points run back: {after} after {before}"
+            context = {"after": f"{after:g}", "before": f"{before:g}"}
+            raise PydanticCustomError("P113", what, context)
+    return points
+
+
+OrNumber = Short(_points, forms=lambda full: [full, full["items"]["prefixItems"][1]])
+"""One number is a level that stays."""
+
+Levels = Annotated[
+    tuple[tuple[NotNegative, Level], ...],
+    Field(min_length=1),
+    AfterValidator(_forwards),
+    OrNumber,
+]
+"""A level, or points of word and level: words count from 0, and 2.5 is the middle of the third."""
+
+Shares = Annotated[
+    tuple[tuple[NotNegative, Share], ...],
+    Field(min_length=1),
+    AfterValidator(_forwards),
+    OrNumber,
+]
+"""A share, or points of word and share."""
+
+
+class Manner(Strict):
+    """How a line, or all of them, are spoken: style banks blended in, and regions scaled."""
+
+    styles: dict[Text, Shares] = Field(default={})
+    """The share of each style over neutral; or [word, share] points, straight lines between."""
+    dials: dict[Text, Levels] = Field(default={})
+    """How far the poses of a region move: 0 not at all, 1 as usual, 2 twice as far; or [word,
+    level] points."""
+
+
+class Line(Manner):
+    """What is particular to one recorded line, and survives a new recording."""
 
     edits: tuple[Edit, ...] = ()
     """Edits in order; a later one wins."""
 
 
-class Character(Pack):
+class Character(Pack, Manner):
     """A face that speaks: a pose set, a bank layer of its own, and a rig."""
 
     kind: Literal["character"]
@@ -290,6 +347,8 @@ class Channel(Strict):
     """The least and the most it takes."""
     at_most: Text | None = None
     """The channel it never passes."""
+    mesh: Text | None = None
+    """The one mesh that has it; every mesh with such a shape where none is named."""
     node: Text | None = None
     """The bone it turns or moves; a shape where none is named."""
     rotation: Vector | None = None
@@ -319,7 +378,11 @@ class Rig(Pack):
     """The kind of pack."""
     poseset: Name
     """The pose set whose poses drive it."""
+    to: Name | None = None
+    """The pose set whose poses the channels are, where it is one."""
     channels: dict[Text, Channel] = Field(min_length=1)
-    """What is driven, by name."""
+    """What is driven, by name; `{Left,Right}` in a name stands for two channels alike."""
     names: dict[Text, tuple[Text, ...]] = Field(default={})
-    """Other spellings of a channel's name."""
+    """How models spell a channel otherwise; `{Left,Right}` as in the channel, `*` for anything."""
+    lost: dict[PoseName, Text] = Field(default={})
+    """Poses that these channels cannot show, or show as another, and why."""

@@ -1,0 +1,39 @@
+"""Commands that list what there is beside packs."""
+
+from argparse import Namespace
+
+from lipsync_lang.commands.output import SOUND, as_json
+from lipsync_lang.errors import LipsyncError
+
+
+def voices(options: Namespace) -> int:
+    """Print the voices of a speech engine."""
+    from lipsync_lang.authoring.table import columns
+    from lipsync_lang.errors import did_you_mean
+    from lipsync_lang.speech import ENGINES
+
+    if options.engine not in ENGINES:
+        raise LipsyncError(
+            f"no speech engine '{options.engine}'; {did_you_mean(options.engine, ENGINES)}"
+        )
+    found = ENGINES[options.engine].voices()
+    print(as_json(found) if options.json else "\n".join(columns(sorted(found.items()))))
+    return SOUND
+
+
+def formats(options: Namespace) -> int:
+    """Print every registered reader and writer."""
+    from lipsync_lang.animations.registry import load_writers
+    from lipsync_lang.schedules.registry import load_readers
+
+    rows = [
+        *(("read", r.name, " ".join(r.suffixes), r.title) for r in load_readers().values()),
+        *(("write", w.name, w.suffix, w.title) for w in load_writers().values()),
+    ]
+    if options.json:
+        keys = ("direction", "name", "suffix", "title")
+        print(as_json([dict(zip(keys, row, strict=True)) for row in rows]))
+    else:
+        for direction, name, suffix, title in rows:
+            print(f"{direction:<6}{name:<10}{suffix:<12}{title}")
+    return SOUND

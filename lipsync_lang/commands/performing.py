@@ -1,0 +1,147 @@
+"""Commands that animate a line, and those that say what becomes of it."""
+
+import os
+import sys
+from argparse import Namespace
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of
+from lipsync_lang.errors import LipsyncError, OutputError
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+
+def run(options: Namespace) -> int:
+    """Animate a line and write it wherever it is wanted."""
+    from lipsync_lang.animations.registry import find_writer
+    from lipsync_lang.files import write_all
+
+    _refuse_same(options)
+    writers = {path: find_writer(path) for path in options.output}
+    animation = _perform(options)
+    shown = animation.cut() if options.cut else animation
+
+    def writing(path: Path) -> Callable[[Any], None]:
+        return lambda stream: writers[path].write(shown, stream)
+
+    outputs = {path: writing(path) for path in writers}
+    if options.plot:
+        from lipsync_lang.render.plot import plot
+
+        picture = options.plot
+        outputs[picture] = lambda stream: plot(animation, stream, picture.suffix.lstrip("."))
+    write_all(outputs)
+    print(_summary(shown, list(outputs)), file=sys.stderr)
+    return SOUND
+
+
+def _refuse_same(options: Namespace) -> None:
+    """Refuse to write a file twice, or over the schedule."""
+    taken = {os.path.realpath(options.schedule): "the schedule"} if options.schedule else {}
+    for path in (*options.output, *([options.plot] if options.plot else [])):
+        real = os.path.realpath(path)
+        if real in taken:
+            raise OutputError(f"{path}: is {taken[real]} already; name another file")
+        taken[real] = "an output"
+
+
+def _perform(options: Namespace) -> "Animation":
+    from dataclasses import replace
+
+    performer = _performer(options)
+    performer = replace(performer, unknown=options.unknown)
+    schedule = _schedule(options, performer)
+    return performer.perform(schedule, fps=options.fps, line=options.line)
+
+
+def _performer(options: Namespace) -> "Performer":
+    from lipsync_lang.resolver import resolve as resolve_pair
+
+    return resolve_pair(
+        options.language,
+        options.character,
+        paths=options.path,
+        gaps=options.gaps,
+        motion=_motion(options.settings),
+    )
+
+
+def _motion(settings: list[str]) -> dict[str, object]:
+    """Read ``motion.window=0.1`` and ``motion=paper``."""
+    change: dict[str, object] = {}
+    for setting in settings:
+        name, equals, value = setting.partition("=")
+        if name == "motion" and equals:
+            change["preset"] = value
+        elif name.startswith("motion.") and equals:
+            change[name.removeprefix("motion.")] = value
+        else:
+            raise LipsyncError(
+                f"--set {setting}: write motion.NAME=VALUE (--set motion.window=0.1) "
+                "or motion=PRESET (--set motion=paper)"
+            )
+    return change
+
+
+def _schedule(options: Namespace, performer: "Performer") -> "Schedule":
+    from lipsync_lang.schedules.registry import read_schedule
+
+    if (options.text is None) == (options.schedule is None):
+        raise LipsyncError("give either a TEXT to speak or timed phonemes with --schedule FILE")
+    if options.schedule is not None:
+        if options.tts is not None:
+            raise LipsyncError("--tts speaks a TEXT; leave it out with --schedule")
+        return read_schedule(options.schedule, notation=options.notation)
+    if options.notation is not None:
+        raise LipsyncError("--notation is that of a --schedule; leave it out with a TEXT")
+    return performer.speaker.speak(options.text, engine=options.tts)
+
+
+def _summary(animation: "Animation", written: list[Path]) -> str:
+    words = len(animation.schedule.words)
+    spoken = count(len(animation.schedule), "phoneme")
+    told = (
+        f"{spoken}, {count(words, 'word') + ', ' if words else ''}"
+        f"{animation.times[0]:.2f} to {animation.times[-1]:.2f} s, "
+        f"{count(len(animation.times), 'frame')} of {count(len(animation.poses), 'pose')} "
+        f"at {animation.fps:g} fps"
+    )
+    if animation.schedule.estimated:
+        told += "\ntimes are estimated by classes of sounds; nothing speaks them"
+    if animation.schedule.unread:
+        told += f"\nnot read: {' '.join(animation.schedule.unread)}"
+    if not written:
+        return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
+    return told + "".join(f"\nwrote {path}" for path in written)
+
+
+def explain(options: Namespace) -> int:
+    """Explain one frame."""
+    explanation = _perform(options).explain(options.at)
+    print(as_json(explanation.to_dict()) if options.json else explanation)
+    return SOUND
+
+
+def transcribe(options: Namespace) -> int:
+    """Print what texts become: their phonemes and common phonemes, word by word."""
+    from lipsync_lang.authoring.table import transcript_table
+    from lipsync_lang.speaking import Speaker
+
+    texts = [options.text] if options.text is not None else lines_of(options.file)
+    speaker = Speaker.of(options.language, options.path)
+    heard = list(speaker.transcribe(texts))
+    if options.json:
+        print(as_json([speaker.told(transcript) for transcript in heard]))
+    else:
+        print("\n\n".join(transcript_table(speaker.told(t)) for t in heard))
+    lost = [t for t in heard if t.unmapped or t.unread]
+    for transcript in lost:
+        for what, which in (("no map for", transcript.unmapped), ("not read:", transcript.unread)):
+            if which:
+                print(f"{transcript.text[:40]}: {what} {' '.join(which)}", file=sys.stderr)
+    return FAULTS if any(t.unmapped for t in lost) else SOUND
