@@ -5,7 +5,11 @@ BIN := $(VENV)/bin
 RECORDINGS ?= articulography
 TEXTS ?= text
 
-.PHONY: help demo test lint types bench articulography languages wheel clean
+# npm packages that read what we write; tests that need them skip, and say so, where they are missing
+CONSUMERS := $(VENV)/node
+export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
+
+.PHONY: help demo consumers test lint types bench articulography languages wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -29,6 +33,11 @@ demo: $(VENV)/ready ## speak a sentence and draw how its curves were made
 
 test: $(VENV)/ready ## run the tests
 	$(BIN)/python -m pytest -n auto --dist loadgroup
+
+consumers: tests/browser/package.json ## fetch what reads GLB in the tests (npm); a browser is not fetched
+	mkdir -p $(CONSUMERS)
+	cp tests/browser/package.json $(CONSUMERS)/
+	npm install --silent --no-audit --no-fund --prefix $(CONSUMERS)
 
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .

@@ -1,6 +1,6 @@
 """Compare curves with real mouths: Pearson r of read-outs on articulograph recordings.
 
-    python benchmarks/articulography.py FOLDER
+    python benchmarks/articulography.py FOLDER [-c facefx]
 
 FOLDER holds, for each recording, NAME.ema.csv (time_s and coil positions in mm, axis 1 front to
 back, axis 2 upwards) and NAME.phones.tsv (start, end, label in German SAMPA). The read-outs are
@@ -9,13 +9,14 @@ the pauses, not the frames where a coil was lost, and of a last phone that runs 
 as long as phones are elsewhere.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.quality.baselines import keyframes, read_out
+from lipsync_lang.quality.baselines import dominance, keyframes, read_out
 
 LANGUAGE = "german"
 """The pack that knows the labels, which are its SAMPA."""
@@ -70,19 +71,20 @@ def correlate(
     return float(np.corrcoef(ours, signal[inside])[0, 1]) if np.ptp(ours) else 0.0
 
 
-def main(folder: Path) -> int:
+def main(folder: Path, poseset: str = "facefx") -> int:
     """Print the table."""
     lines = recordings(folder)
     if not lines:
         print(f"{folder} holds no recordings (NAME.ema.csv beside NAME.phones.tsv)")
         return 1
-    performer = ll.resolve(LANGUAGE, "facefx")
+    performer = ll.resolve(LANGUAGE, poseset)
     methods = {
-        "draft": performer.perform,
-        "draft, linear warp": performer.with_motion({"warp": "linear"}).perform,
-        "draft, cross-fade": performer.with_motion({"stitch": "crossfade"}).perform,
-        "draft, paper's motion": performer.with_motion("paper").perform,
+        "drafted bank": performer.perform,
+        "linear warp": performer.with_motion({"warp": "linear"}).perform,
+        "cross-fade": performer.with_motion({"stitch": "crossfade"}).perform,
+        "paper's motion": performer.with_motion("paper").perform,
         "keyframes at centres": lambda schedule, fps: keyframes(performer, schedule, fps),
+        "dominance, utterance": lambda schedule, fps: dominance(performer, schedule, fps),
     }
     print(f"Pearson r, {performer.character} speaking {performer.language}, at {FPS:g} fps")
     for measure, gains in performer.compiled.measures.items():
@@ -100,4 +102,8 @@ def main(folder: Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1] if len(sys.argv) > 1 else "articulography")))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", nargs="?", default="articulography", type=Path)
+    parser.add_argument("-c", "--poseset", default="facefx", help="whose targets, measures")
+    arguments = parser.parse_args()
+    sys.exit(main(arguments.folder, arguments.poseset))

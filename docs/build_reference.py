@@ -27,9 +27,10 @@ from lipsync_lang.cli import parser
 from lipsync_lang.packs.faults import CODES
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import MODELS, Language
+from lipsync_lang.packs.models import MODELS, Language, PoseSet
 from lipsync_lang.packs.schema import schema
 from lipsync_lang.pipeline import motion
+from lipsync_lang.rigs.loss import losses
 from lipsync_lang.schedules.registry import load_readers
 
 HERE = Path(__file__).parent / "reference"
@@ -44,6 +45,7 @@ def pages() -> dict[str, str]:
     made = {
         "commands.md": commands(),
         "languages.md": languages(),
+        "posesets.md": posesets(),
         "packs.md": packs(),
         "faults.md": faults(),
         "motion.md": motions(),
@@ -261,15 +263,11 @@ name: head
 poseset: puppet
 channels:
   jawOpen: {gains: {jaw: 0.7}, range: [0, 1]}
-names: {jawOpen: [Jaw_Open, JAW_OPEN]}
+names: {jawOpen: [Kinn]}
+lost: {shut: this head has no lips}
 """,
 }
 """A small project with one pack of each kind that people write; the tests validate it."""
-
-NOT_YET = """\
-Some fields are read and checked, but change nothing yet: banks in another style than `neutral`, a
-character's `rig` and `model`, a pose set's `model`, and rigs altogether: an animation holds poses,
-not the channels of a model."""
 
 
 def packs() -> str:
@@ -293,7 +291,6 @@ def packs() -> str:
             "instead: a folder `posesets/NAME/banks` joins those of the pose set of that name, and "
             "what is found earlier wins."
         ),
-        NOT_YET,
     ]
     for kind in ORDER:
         whole = schema(kind)
@@ -439,6 +436,67 @@ def languages() -> str:
             ),
         ]
     )
+
+
+# Pose sets
+
+
+def posesets() -> str:
+    """Describe every built-in pose set, with what its rigs lose and a sheet of its model."""
+    library = Library(project=None)
+    models = [library.poseset(found.name).model for found in library.names("poseset")]
+    parts = [
+        "# Pose sets",
+        (
+            "The faces that come with the program. Each has targets for every common phoneme, so "
+            "it speaks every language as it is, by drafts. `lipsync-lang posesets show NAME` tells "
+            "the rest: constraints, priorities and contacts. A character of your own may have any "
+            "of them, with [bigrams of its own](../how-to/edit-a-bigram.md) and "
+            "[your model](../how-to/put-it-on-your-character.md); "
+            "[add a pose set](../tutorial/add-a-pose-set.md) if none is like your face."
+        ),
+        table(
+            ("pose set", "name", "poses", "edited bigrams", "shown", "rigs onto"),
+            [
+                (
+                    model.title,
+                    f"[`{model.name}`](#{model.name})",
+                    str(len(model.poses)),
+                    str(sum(len(bank.model.bigrams) for bank in library.banks(model.name))),
+                    "one at a time" if model.motion.hold else "blended",
+                    ", ".join(rig.model.to or rig.model.name for rig in library.rigs(model.name))
+                    or "-",
+                )
+                for model in models
+            ],
+        ),
+    ]
+    for model in models:
+        parts += [f"## {model.name}", _rest(model)]
+        if (HERE.parent / "images" / f"{model.name}-poses.png").is_file():
+            sheet = f"../images/{model.name}-poses.png"
+            parts.append(f"![Every pose of {model.title} on its model, alone]({sheet})")
+        rows = [(f"`{name}`", pose.region, pose.title) for name, pose in model.poses.items()]
+        parts.append(table(("pose", "region", "shape"), rows))
+        for rig in library.rigs(model.name):
+            lost = losses(library, rig)
+            told = [(f"`{one.pose}`", f"{one.shown:.2f}", one.what, one.why) for one in lost]
+            head = ("lost", "shown", "how", "why")
+            parts += [f"**{rig.model.title or rig.model.name}** (`{rig.model.name}`)"]
+            parts.append(table(head, told) if told else "shows every pose as itself.")
+    return "\n\n".join(parts)
+
+
+def _rest(model: PoseSet) -> str:
+    """Say what else is worth a word of a pose set."""
+    contacts = [
+        f"{name} for {' '.join(f'`{label}`' for label in contact.phonemes)}"
+        for name, contact in model.contacts.items()
+    ]
+    parts = [f"{model.title}. Contacts: {', '.join(contacts) or 'none'}."]
+    if model.neutral:
+        parts.append(f"At rest it is called `{model.neutral}`.")
+    return " ".join(parts)
 
 
 def _read_by(model: Language) -> str:

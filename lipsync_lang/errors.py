@@ -27,6 +27,10 @@ class SpeechError(LipsyncError):
     """Text or audio that cannot become speech here."""
 
 
+class ModelError(LipsyncError):
+    """A 3D model that cannot be read, or that nothing here can drive."""
+
+
 class OutputError(LipsyncError):
     """A result that cannot be written where it was asked for."""
 

@@ -3,18 +3,21 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.delivery import delivery
 from lipsync_lang.edits import overlays
 from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
 from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.track import lay_track
@@ -23,9 +26,12 @@ from lipsync_lang.schedules.schedule import Schedule
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from lipsync_lang.animations.animation import Channel
+    from lipsync_lang.delivery import Levels
     from lipsync_lang.phonology.nearest import Among, Nearest
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.resolver.compiled import Compiled, Report
+    from lipsync_lang.rigs.driver import Driver
     from lipsync_lang.speaking import Speaker
     from lipsync_lang.trace import Explanation
 
@@ -58,6 +64,18 @@ class Performer:
         return self.compiled.poses
 
     @property
+    def model(self) -> Path | None:
+        """The model file that the character names, or else its pose set."""
+        return Path(self.compiled.model) if self.compiled.model is not None else None
+
+    @cached_property
+    def channels(self) -> "tuple[Channel, ...]":
+        """What each pose is on a model; a rig's own channels come with `rigged`."""
+        from lipsync_lang.rigs.driver import bare
+
+        return bare(self.poses, self.compiled.pose_names)
+
+    @property
     def report(self) -> "Report":
         """What of this pair comes from which layer."""
         return self.compiled.report
@@ -68,38 +86,85 @@ class Performer:
 
         return replace(self, motion=motion_with(self.motion, change))
 
-    def perform(self, schedule: Schedule, fps: float = 60, *, line: str | None = None) -> Animation:
+    def perform(
+        self,
+        schedule: Schedule,
+        fps: float = 60,
+        *,
+        line: str | None = None,
+        styles: "Levels | None" = None,
+        dials: "Levels | None" = None,
+    ) -> Animation:
         """Animate a schedule.
 
         Parameters
         ----------
         schedule : timed phonemes in any notation of the language
         fps : output frames per second, from 1 to 1000
-        line : the name of a line, where the character has edits of it
+        line : the name of a line, where the character has something of its own for it
+        styles : by name, the share of a style over neutral, from 0 to 1
+        dials : by region, how far its poses move: 0 not at all, 1 as usual, 2 twice as far;
+            shares and levels alike may be points of seconds and number instead
 
         Raises
         ------
         ScheduleError
             A label is in no notation of the language.
+        LipsyncError
+            A style, a region or a line is unknown here.
         """
-        performance = self.performance(schedule, fps, line=line)
+        performance = self.performance(schedule, fps, line=line, styles=styles, dials=dials)
+        asked = {"line": line, "styles": styles, "dials": dials}
         times = performance.frames.times()
-        return Animation(times, self.poses, performance.weights(), fps, schedule, self, line)
+        made = Animation(times, self.poses, performance.weights(), fps, schedule, self, asked)
+        return replace(made, channels=self.channels, model=self.model)
+
+    def rigged(self, animation: Animation) -> Animation:
+        """Drive the character's model: an animation of its rig's channels in place of poses.
+
+        The same times; values of bones are degrees or units of length. A character without a rig,
+        or an animation that is rigged already, stays as it is.
+
+        Raises
+        ------
+        LipsyncError
+            The animation is of other poses.
+        """
+        driver = self._driver
+        if driver is None or animation.channels == driver.channels:
+            return animation
+        if animation.poses != self.poses:
+            raise LipsyncError(f"the rig of {self.character} drives other poses than these")
+        values = drive(animation.weights, driver.rig, self.motion.speed_limit / animation.fps)
+        names = tuple(channel.name for channel in driver.channels)
+        return replace(
+            animation, poses=names, weights=values, channels=driver.channels, model=self.model
+        )
 
     def performance(
-        self, schedule: Schedule, fps: float, *, line: str | None = None
+        self,
+        schedule: Schedule,
+        fps: float,
+        *,
+        line: str | None = None,
+        styles: "Levels | None" = None,
+        dials: "Levels | None" = None,
     ) -> Performance:
-        """Prepare a performance whose stages can be looked at one by one."""
+        """Prepare a performance whose stages can be looked at one by one; see `perform`."""
         if not 1 <= fps <= FASTEST:
             raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
         ids, times, source = self.common_phonemes(schedule)
-        track = lay_track(ids, times, source, self.compiled.tables, self.motion)
+        compiled = self.compiled
+        blends, scaled = delivery(compiled, schedule, line, styles, dials)
+        track = lay_track(ids, times, source, compiled.tables, self.motion, blends)
         own: tuple[Overlay, ...] = ()
-        if line is not None or self.compiled.word_edits:
+        if line is not None or compiled.word_edits:
             silent = np.ones(len(schedule), bool)
-            silent[source[ids != self.compiled.tables.silence]] = False
-            own = overlays(self.compiled, schedule, silent.tolist(), line)
-        return perform(self.compiled.tables, track, self.motion, fps, own)
+            silent[source[ids != compiled.tables.silence]] = False
+            own = overlays(compiled, schedule, silent.tolist(), line)
+        return perform(
+            compiled.tables, track, self.motion, fps, overlays=own, blends=blends, dials=scaled
+        )
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
         """Say why each pose of an animation of this performer stands where it stands at a time."""
@@ -191,6 +256,14 @@ class Performer:
                 f"{did_you_mean(name, self._notations)}"
             )
         return self._notations[name]
+
+    @cached_property
+    def _driver(self) -> "Driver | None":
+        """What drives the character's model; None where it has no rig."""
+        from lipsync_lang.rigs.driver import Driver
+
+        data, floors = self.compiled.rig, self.compiled.tables.floors
+        return None if data is None else Driver.from_plain(data, self.poses, floors)
 
     @cached_property
     def speaker(self) -> "Speaker":

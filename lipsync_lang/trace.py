@@ -3,6 +3,7 @@
 Nothing is recorded while performing; the frames around the asked one go through the stages again.
 """
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +11,9 @@ import numpy as np
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.delivery import shares
 from lipsync_lang.pipeline.perform import Performance, Stage
-from lipsync_lang.pipeline.warp import locate, warp
+from lipsync_lang.pipeline.warp import locate
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -26,6 +28,8 @@ DONE = {
     "stitch": "the larger of the overlapping bigrams",
     "overlay": "the character's own curve of this word or line",
     "smooth": "a valley filled",
+    "dial": "scaled by the dial of its region",
+    "switch": "one pose at a time, each for a least time",
     "rest": "brought to rest at the ends",
     "limit": "held to the speed limit",
 }
@@ -44,6 +48,19 @@ class BigramAt:
     places: tuple[str, ...]
     """file:line:column of its data; of both targets where it was drafted."""
     word: str | None
+    styles: tuple["StyleAt", ...] = ()
+    """What of it is heard in another manner."""
+
+
+@dataclass(frozen=True)
+class StyleAt:
+    """A style that changes a bigram, and where that is written."""
+
+    style: str
+    share: float
+    layer: str
+    status: str
+    places: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -98,6 +115,10 @@ class Explanation:
                 f"{bigram.layer}, {bigram.status or 'none'}"
             )
             lines.extend(f"    {place}" for place in bigram.places)
+            for one in bigram.styles:
+                told = f"{one.layer}, {one.status}"
+                lines.append(f"    style {one.style} {one.share:.2f}: {told}")
+                lines.extend(f"      {place}" for place in one.places)
         resting = []
         for pose in self.poses:
             steps = [f"    {s.stage:<9} {s.weight:.3f}  {s.why}" for s in pose.stages if s.why]
@@ -123,7 +144,7 @@ def explain(animation: "Animation", seconds: float) -> Explanation:
         raise LipsyncError(
             f"{seconds:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
         )
-    performance = performer.performance(animation.schedule, animation.fps, line=animation.line)
+    performance = performer.performance(animation.schedule, animation.fps, **animation.asked)
     frame = int(np.abs(performance.frames.times() - seconds).argmin())
     return _explain_frame(animation, performer, performance, frame)
 
@@ -135,10 +156,11 @@ def _explain_frame(
     halo = performance.halo()
     begin = max(0, frame - halo)
     stop = min(performance.frames.count, frame + halo + 1)
-    if performance.motion.smooth == "chord":  # its tops may be as long as the whole
+    if performance.far:
         begin, stop = 0, performance.frames.count
     place = locate(track, performance.frames.times(frame, frame + 1))
-    values = [v[0] for v in warp(performance.tables, track, place)]
+    now = performance.frames.times(frame, frame + 1)
+    values = [v[0] for v in performance.bigrams(place, now)]
     stages = [
         Stage(name, curves[:, frame - begin : frame - begin + 1])
         for name, curves in performance.stages(begin, stop)
@@ -146,9 +168,9 @@ def _explain_frame(
     at = int(place.phoneme[0])
     index = int(track.source[at])
     word = schedule.word_at(index) if index >= 0 else None
-    covering = _bigrams(performer, track, place)
+    covering = _bigrams(performer, performance, place, _heard(performer, performance, now))
     return Explanation(
-        seconds=float(performance.frames.times(frame, frame + 1)[0]),
+        seconds=float(now[0]),
         frame=frame,
         phoneme=schedule.labels[index] if index >= 0 else performer.compiled.phonemes[0],
         index=index if index >= 0 else None,
@@ -164,27 +186,52 @@ def _explain_frame(
     )
 
 
+def _heard(performer: "Performer", performance: Performance, now: Floats) -> dict[str, float]:
+    """Return the share of each style that is heard."""
+    if not performance.blends:
+        return {}
+    names = tuple(performer.compiled.style_origins)
+    parts = shares(performance.blends, now)[1:, 0].tolist()
+    return {names[b.style]: p for b, p in zip(performance.blends, parts, strict=True) if p > 0}
+
+
 def _bigrams(
-    performer: "Performer", track: "Track", place: "Place"
+    performer: "Performer", performance: Performance, place: "Place", heard: Mapping[str, float]
 ) -> tuple[BigramAt | None, BigramAt | None]:
     """Return the bigram that ends with the frame's phoneme, and the one that begins with it."""
-    at = int(place.phoneme[0])
+    at, track = int(place.phoneme[0]), performance.track
     found: list[BigramAt | None] = [None, None]
+    boundary = track.boundary(performer.compiled.tables.neutral)
     if at > 0 and place.coming[0] <= 1:
-        pin = track.boundary[at - 1]
-        found[0] = _bigram(performer, track, at - 1, float(pin + (1 - pin) * place.coming[0]))
+        pin = boundary[at - 1]
+        found[0] = _bigram(
+            performer, track, at - 1, float(pin + (1 - pin) * place.coming[0]), heard
+        )
     if at < len(track.rows) and place.going[0] >= 0:
-        found[1] = _bigram(performer, track, at, float(track.boundary[at] * place.going[0]))
+        found[1] = _bigram(performer, track, at, float(boundary[at] * place.going[0]), heard)
     return found[0], found[1]
 
 
-def _bigram(performer: "Performer", track: "Track", number: int, position: float) -> BigramAt:
+def _bigram(
+    performer: "Performer",
+    track: "Track",
+    number: int,
+    position: float,
+    heard: Mapping[str, float],
+) -> BigramAt:
     compiled = performer.compiled
     origin = compiled.origins[int(track.rows[number])]
     names = (compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
     first, second = names
+    own = (
+        (style, share, compiled.style_origins[style].get(str(track.rows[number])))
+        for style, share in heard.items()
+    )
+    styles = tuple(
+        StyleAt(style, share, o.layer, o.status, o.places) for style, share, o in own if o
+    )
     return BigramAt(
-        (first, second), position, origin.layer, origin.status, origin.places, origin.word
+        (first, second), position, origin.layer, origin.status, origin.places, origin.word, styles
     )
 
 

@@ -103,6 +103,7 @@ channels:
   lips: {gains: {PBM: 0.6}, at_most: jawOpen}
   jaw: {node: Jaw, rotation: [1, 0, 0], gains: {open: 18}}
 names: {jawOpen: [Jaw_Open, JAW_OPEN]}
+lost: {FV: no lower lip, wide: no corners}
 """
 
 CHARACTER = """\

@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from lipsync_lang import resolve
 from lipsync_lang.pipeline.curve import bspline
+from lipsync_lang.pipeline.delivery import Blend, Dial, Level
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.perform import perform
-from lipsync_lang.pipeline.tables import RESOLUTION, Contact, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
 from lipsync_lang.pipeline.track import lay_track
 
 settings.register_profile(
@@ -54,18 +55,39 @@ class Line:
     times: np.ndarray
     edits: tuple[tuple[int, int, int], ...] = ()
     """First phoneme, pose and seed of curves that a person laid over two phonemes."""
+    shares: tuple[tuple[float, float], ...] = ()
+    """For each style of the tables, its share at the line's start and at its end."""
+    dials: tuple[tuple[int, float, float], ...] = ()
+    """Every so manieth pose, and its level at the line's start and at its end."""
 
     def _repr_pretty_(self, printer, _):
         made = self.tables
         own = "built-in" if len(made.priority) > MOST_POSES else f"silence={made.silence}"
         printer.text(
-            f"Line({own}, ids={self.ids.tolist()}, times={self.times.tolist()}, edits={self.edits})"
+            f"Line({own}, ids={self.ids.tolist()}, times={self.times.tolist()}, "
+            f"edits={self.edits}, shares={self.shares}, dials={self.dials})"
         )
 
     def perform(self, motion, fps):
         source = np.arange(len(self.ids))
-        track = lay_track(self.ids, self.times, source, self.tables, motion)
-        return perform(self.tables, track, motion, fps, tuple(self.overlays()))
+        blends = tuple(Blend(style, self._level(*ends)) for style, ends in enumerate(self.shares))
+        every = np.arange(len(self.tables.priority))
+        dials = tuple(Dial(every % nth == 0, self._level(*ends)) for nth, *ends in self.dials)
+        track = lay_track(self.ids, self.times, source, self.tables, motion, blends)
+        edits = tuple(self.overlays())
+        return perform(self.tables, track, motion, fps, overlays=edits, blends=blends, dials=dials)
+
+    def _level(self, first, last):
+        return Level(self.times[[0, -1]], np.array([first, last]))
+
+    @property
+    def free(self):
+        """(B,) whether every bank that is heard waives a bigram's contacts."""
+        shares = zip(self.tables.styles[: len(self.shares)], self.shares, strict=True)
+        heard = [style.free for style, share in shares if max(share) > 0]
+        if not self.shares or sum(map(min, self.shares)) < 1:
+            heard.append(self.tables.free)
+        return np.logical_and.reduce(heard)
 
     def overlays(self):
         for first, pose, seed in self.edits:
@@ -145,7 +167,21 @@ def tables(draw):
         for other in order[:place]
         if not held[pose] and rng.random() < 0.15
     )
-    return Tables(curves, boundary, free, pairs, silence, contacts, thresholds, priority, at_most)
+    styles = tuple(_style(rng, curves, free) for _ in range(draw(st.sampled_from([0, 0, 1, 2]))))
+    return Tables(
+        curves, boundary, free, pairs, silence, contacts, thresholds, priority, at_most, styles
+    )
+
+
+def _style(rng, curves, free):
+    """Another manner of speaking, which changes some of the bigrams."""
+    own = rng.random(len(curves)) < 0.6
+    own[0] = False
+    changed = curves.copy()
+    for row in np.flatnonzero(own):
+        changed[row] = random_curves(rng, curves.shape[2])
+    boundary = np.where(own, rng.uniform(0.1, 0.9, len(curves)), 0.5)
+    return Bank(changed, boundary, np.where(own, rng.random(len(curves)) < 0.1, free))
 
 
 def _contacts(rng, held, phonemes, silence):
@@ -160,7 +196,7 @@ def _contacts(rng, held, phonemes, silence):
 
 
 @st.composite
-def lines(draw, known=None, *, pauses=True, longest=12):
+def lines(draw, known=None, *, pauses=True, longest=12, steady=False):
     """Phonemes from 5 ms to 3 s over random tables, or over those of the built-in pair."""
     made = draw(tables()) if known is None else known
     sounds = [i for i in range(len(made.pairs)) if i != made.silence]
@@ -173,7 +209,17 @@ def lines(draw, known=None, *, pauses=True, longest=12):
     edit = st.tuples(first, pose, st.integers(0, 2**32 - 1))
     edits = draw(st.one_of(st.just([]), st.just([]), st.lists(edit, max_size=3)))
     times = start + np.concatenate(([0.0], np.cumsum(lengths)))
-    return Line(made, np.array(ids), times, tuple(edits))
+    share, level = st.sampled_from([0, 0.3, 1]), st.sampled_from([0, 0.5, 1, 2])
+    shares = [(draw(share), draw(share)) for _ in made.styles]
+    dials = draw(
+        st.one_of(
+            st.just([]), st.just([]), st.just([(draw(st.integers(1, 3)), draw(level), draw(level))])
+        )
+    )
+    if steady:
+        shares = [(first, first) for first, _ in shares]
+        dials = [(nth, first, first) for nth, first, _ in dials]
+    return Line(made, np.array(ids), times, tuple(edits), tuple(shares), tuple(dials))
 
 
 def any_lines(**how):
@@ -192,6 +238,7 @@ def motions(**fixed):
         "silence_reach": st.one_of(st.just(0.25), st.just(0.0), st.floats(0.01, 0.6)),
         "contacts": st.sampled_from(["hold", "hold", "free"]),
         "limit": st.sampled_from(["before", "after"]),
+        "hold": st.sampled_from([0, 0, 0, 0.12, 0.4]),
     }
     chosen = {**drawn, **{name: st.just(value) for name, value in fixed.items()}}
     return st.one_of(st.just(Motion(**fixed)), st.builds(Motion, **chosen))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_glb import document_of, mesh, model_of, tracks
 
 import lipsync_lang as ll
 from lipsync_lang.animations.registry import load_writers
@@ -23,7 +24,7 @@ NOISE = np.random.default_rng(0).integers(-32768, 32767, 4000).astype(np.int16)
 
 
 @pytest.fixture(scope="module")
-def animation():
+def animation(tmp_path_factory):
     schedule = ll.Schedule(
         ("HH", "AH0", "L", "OW1", "_", "P"),
         (0, 0.1, 0.2, 0.3, 0.5, 0.52, 0.6),
@@ -32,7 +33,10 @@ def animation():
         language="english",
         audio=ll.Audio(NOISE, 8000),
     )
-    return ll.resolve("english", "facefx").perform(schedule, fps=FPS)
+    animation = ll.resolve("english", "facefx").perform(schedule, fps=FPS)
+    model = tmp_path_factory.mktemp("model") / "face.glb"
+    model.write_bytes(model_of(document_of(mesh("Face", animation.poses[:3]))))
+    return replace(animation, model=model)
 
 
 def written(writer, animation):
@@ -78,7 +82,14 @@ def as_wav(content, animation):
     np.testing.assert_array_equal(samples, audio.samples)
 
 
-READ_BACK = {"csv": as_csv, "json": as_json, "wav": as_wav}
+def as_glb(content, animation):
+    row, times, found = tracks(content)
+    np.testing.assert_allclose(times, animation.times - animation.times[0], atol=1e-6)
+    np.testing.assert_allclose(found["Face", "weights"], animation.weights[:, :3], atol=1e-6)
+    assert row["extras"]["audio_start"] == pytest.approx(-animation.times[0], abs=1e-6)
+
+
+READ_BACK = {"csv": as_csv, "glb": as_glb, "json": as_json, "wav": as_wav}
 
 
 def test_every_writer_is_read_back():
@@ -94,6 +105,7 @@ def test_what_is_written_is_what_was_performed(writer, animation):
 @every_writer
 def test_writing_twice_gives_the_same_bytes(writer, animation):
     again = animation.performer.perform(animation.schedule, fps=FPS)
+    again = replace(again, model=animation.model)
     assert written(writer, animation) == written(writer, again)
 
 

@@ -152,7 +152,7 @@ def test_a_compiled_h_without_a_say_takes_its_neighbours_shape(tmp_path):
 
     wide, close = at_the_middle_of_h("aa"), at_the_middle_of_h("w")
     assert wide == pytest.approx(0.5, abs=0.06)
-    assert close == pytest.approx(0.18, abs=0.04)
+    assert close == pytest.approx(0.1, abs=0.04)
 
 
 def test_every_drafted_contact_reaches_its_floor_by_itself():
@@ -223,7 +223,8 @@ def test_a_draft_that_is_written_down_performs_as_the_draft_did(tmp_path):
     write_drafts(drafts, path)
     compiled = resolve("english", "facefx", paths=[tmp_path], cache=False).compiled
     assert sum(origin.layer == "shared" for origin in compiled.origins) == 3
-    assert np.array_equal(compiled.tables.curves, real().compiled.tables.curves)
+    gap = np.abs(compiled.tables.curves - real().compiled.tables.curves)
+    assert gap.max() < 1e-6
     assert "bmp-aa:" in draft_yaml(drafts)
 
 

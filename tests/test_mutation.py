@@ -18,6 +18,7 @@ from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.form import validated
 from lipsync_lang.packs.ipa_checks import check_ipa
 from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.rig_checks import check_rig
 from lipsync_lang.packs.source import scan
 
 EDITS = 2_400
@@ -132,7 +133,9 @@ def compared(pack: Pack) -> list[Fault]:
     poseset = library.poseset(pack.path.parent.parent.name).model
     if model.kind == "bank":
         return [*checks.check_bank(pack, poseset, phonemes, ())]
-    return [*checks.check_rig(pack, poseset)]
+    known = {found.name for found in library.names("poseset")}
+    to = library.poseset(model.to).model if model.to in known else None
+    return [*check_rig(pack, poseset, known, to)]
 
 
 @pytest.mark.parametrize("first", range(0, EDITS, BATCH))

@@ -175,7 +175,7 @@ BAD = [
         "- {pose: wide, at_most: open}\n    - {pose: open, at_most: wide}",
         (("P206", 14, "{pose:"), ("P206", 15, "{pose:")), "drop one"),
     Bad("no circle with a threshold", POSESET, "{pose: wide, at_most: open}",
-        "{pose: wide, at_most: open}\n    - {between: [open, wide], threshold: 1}", ()),
+        "{pose: wide, at_most: open}\n    - {between: [open, wide], threshold: 0.5}", ()),
     Bad("circle of channels", RIG, "{open: 0.7},", "{open: 0.7}, at_most: lips,",
         (("P206", 6, "lips, r"), ("P206", 7, "jawOpen"))),
     Bad("contact yields", POSESET, "[open, FV, PBM]", "[PBM, open, FV]", (("P207", 17, "PBM: 0."),),
@@ -203,6 +203,28 @@ BAD = [
         (("P214", 9, "jawopen"),)),
     Bad("declared again", CHILD, "words:", "adds: {yu: {class: vowel}}\nwords:",
         (("P215", 10, "yu: {cl"),)),
+    Bad("channel of braces unknown", RIG, "lips: {gains: {PBM: 0.6}, at_most: jawOpen",
+        "lips{L,R}: {gains: {PBM: 0.6}, at_most: 'jaw{Open,X}'", (("P214", 7, "'jaw{Op"),)),
+    Bad("channels of braces not as many", RIG, "lips: {gains: {PBM: 0.6}, at_most: jawOpen",
+        "lips{L,R}: {gains: {PBM: 0.6}, at_most: 'jaw{A,B,C}'", (("P214", 7, "'jaw{A,"),)),
+    Bad("channel twice", RIG, "  jaw: {node", "  jaw{Open,Left}: {gains: {}}\n  jaw: {node",
+        (("P205", 8, "jaw{Ope"),), "'jawOpen' stands for it"),
+    Bad("spelled twice", RIG, "JAW_OPEN]}", "JAW_OPEN], '{lips,jawOpen}': [x]}",
+        (("P205", 9, "'{lips,"),)),
+    Bad("spellings of braces not as many", RIG, "names: {jawOpen: [Jaw_Open, JAW_OPEN]}",
+        "names: {'{jawOpen,lips}': ['{a,b}', '{a,b,c}']}", (("P115", 9, "'{a,b,c"),)),
+    Bad("circle of braces", RIG, "lips: {gains: {PBM: 0.6}, at_most: jawOpen}",
+        "lip{A,B}: {gains: {PBM: 0.6}, at_most: 'li{pB,p}'}\n  lip: {gains: {}, at_most: lipB}",
+        (("P206", 7, "'li{pB,"), ("P206", 8, "lipB}"))),
+    Bad("pose set that a rig drives", RIG, "poseset: face", "poseset: face\nto: fac",
+        (("P203", 5, "fac"),), "'face'"),
+    Bad("pose that a rig drives", RIG, "poseset: face", "poseset: face\nto: face",
+        (("P201", 7, "jawOpen"), ("P201", 8, "lips:"))),
+    Bad("pose that a rig loses", RIG, "lost: {FV", "lost: {VF", (("P201", 10, "VF: no "),)),
+    Bad("model of a pose set", POSESET, "title: Face", "title: Face\nmodel: x.glb",
+        (("P213", 5, "x.glb"),), "face/"),
+    Bad("model of a character", ANNA, "rig: model", "rig: model\nmodel: x.glb",
+        (("P213", 11, "x.glb"),), "characters/"),
     Bad("pair twice", POSESET, "{pose: wide, at_most: open}",
         "{between: [PBM, open], threshold: 0.6}", (("P216", 14, "{betwee"),), "line 13"),
     Bad("pair of one", POSESET, "[open, PBM], thr", "[open, open], thr",
@@ -218,6 +240,11 @@ BAD = [
         (("P221", 19, "ts, sou"),), "mend"),
     Bad("source of no label", PARENT, "phonemes: [p, a],", "phonemes: [p, a], ipa: tz,",
         (("P218", 19, "tz, sou"),), "known: ts"),
+    Bad("spelling of two poses", POSESET, "FV: {}",
+        "FV: {names: ['{JAW,lip}Down', press*]}\n  PBM2: {names: [jawdown, OPEN]}",
+        (("W301", 9, "PBM2"), ("P224", 9, "jawdown"), ("P224", 9, "OPEN]}")), "'FV' has it first"),
+    Bad("rest is a pose", POSESET, "title: Face", "title: Face\nneutral: wide",
+        (("P225", 5, "wide"),), "rename"),
     # warnings
     Bad("rule after a shorter one", PARENT, "{from: h,", "{from: mm, to: P}, {from: h,",
         (("W307", 7, "{from: mm"),), "line 7"),
@@ -234,6 +261,20 @@ BAD = [
     Bad("pose without target", POSESET, "wide: 0.1", "FV: 0.1", (("W301", 9, "wide:"),)),
     Bad("tie", POSESET, "{pose: wide, at_most: open}\npriority: [open, FV, PBM]",
         "{between: [wide, FV], threshold: 1}\npriority: [open, PBM]", (("W302", 14, "{betwee"),)),
+    Bad("pose never shown", RIG, "lost: {FV: no lower lip, wide: no corners}",
+        "lost: {wide: no corners}", (("W311", 5, "channel"),), "under `lost`"),
+    Bad("pose shown by nothing", RIG, "{PBM: 0.6}", "{PBM: 0}", (("W311", 5, "channel"),)),
+    Bad("contact that demands nothing", POSESET, "  teeth: {phonemes: [f], floor: {FV: 0.8}}",
+        "  teeth: {phonemes: [f], floor: {FV: 0}, ceiling: {open: 1}}",
+        (("W312", 18, "teeth:"),), "drop it"),
+    Bad("threshold out of reach", POSESET, "{pose: wide, at_most: open}",
+        "{between: [open, wide], threshold: 0.55}", (("W313", 14, "0.55}"),), "lower"),
+    Bad("threshold that a bank's curve reaches", POSESET, "{pose: wide, at_most: open}",
+        "{between: [open, FV], threshold: 1.4}", ()),
+    Bad("target below a floor", POSESET, "f: {FV: 0.9}", "f: {FV: 0.7}", (("W314", 22, "f: {FV"),),
+        "agree"),
+    Bad("target above a ceiling", POSESET, "p: {PBM: 1.0,", "p: {PBM: 1.0, open: 0.2,",
+        (("W314", 21, "p: {PBM"),)),
     Bad("other suffix", "languages/extra.yml", None, CHILD, (("W303", 1, "languag"),), "rename"),
 ]  # fmt: skip
 
@@ -285,6 +326,50 @@ def test_a_pose_set_may_speak_of_what_any_language_declares(tmp_path):
     assert [fault.code for fault in faults_of(tmp_path)] == ["P202"]
 
 
+PAIR = """\
+kind: poseset
+format: 1
+name: pair
+poses: {a: {}, b: {}, c: {}}
+constraints:
+  default: %s
+  pairs: [{between: [a, c], threshold: 2}, {between: [b, c], threshold: 2}]
+priority: %s
+targets: {p: {a: 0.5, b: 0.25}, f: {a: 0.25, c: 1}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("default", "priority", "found"),
+    [
+        ("0.6", "[a, b]", []),
+        ("0.6", "[b]", []),
+        (
+            "0.6",
+            "[c]",
+            ["6:12: W302 warning: none of 'a', 'b' yields: `priority` names none of them"],
+        ),
+        ("0.6", "[x]", ["8:12: P201 unknown pose 'x'"]),
+        ("0.75", "[a]", ["6:12: W313 warning: 'a' and 'b' never add up to more than 0.75"]),
+    ],
+)
+def test_a_default_threshold_binds_some_pair_and_one_of_it_yields(
+    default, priority, found, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    plant(tmp_path)
+    put(tmp_path, "posesets/pair/poseset.yaml", PAIR % (default, priority))
+    prefix = str(Path("posesets/pair/poseset.yaml")) + ":"
+    assert [str(f).removeprefix(prefix).split("\n")[0] for f in faults_of(tmp_path)] == found
+
+
+def test_nobody_says_what_is_out_of_reach_of_an_unsound_bank(tmp_path):
+    plant(tmp_path)
+    put(tmp_path, "posesets/pair/poseset.yaml", PAIR % ("0.75", "[a]"))
+    put(tmp_path, "posesets/pair/banks/common.yaml", "kind: bank\n")
+    assert "W313" not in {fault.code for fault in faults_of(tmp_path)}
+
+
 def test_every_code_is_met_by_a_bad_pack():
     met = {code for bad in BAD for code, _, _ in bad.faults}
     elsewhere = {
@@ -292,6 +377,8 @@ def test_every_code_is_met_by_a_bad_pack():
         "P222": "test_ipa: an unknown word or feature",
         "P223": "test_ipa: an unknown letter or mark",
         "W304": "test_packs_library: a broken distribution",
+        "P230": "test_delivery: a style or region that is not there",
+        "W320": "test_delivery: a style or region that is not there",
         "W305": "test_packs_library: two languages of one tag",
         "W309": "test_authoring: a sound that closes nothing",
         "W310": "test_authoring: a language that cannot be read",

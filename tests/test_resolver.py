@@ -163,6 +163,12 @@ def test_two_faults_in_two_files_come_at_once(tmp_path):
 
 def test_a_bank_for_another_languages_phonemes_does_not_matter_here(tmp_path):
     bank(tmp_path, "other", "  l-qq: {curves: {}}\n")
+    with pytest.raises(PackError, match=r"P202 unknown phoneme 'qq'"):
+        compiled(tmp_path)
+    write(
+        tmp_path / "languages" / "foreign.yaml",
+        "kind: language\nformat: 1\nname: foreign\ntag: qaa\nadds: {qq: {title: a click}}\n",
+    )
     assert compiled(tmp_path).report.layers["draft"] == {"drafted": 441}
 
 

@@ -1,6 +1,7 @@
 """What a performance is: times, poses, weights, and the way back to what made them."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -41,11 +42,11 @@ class Animation:
     ----------
     times : (T,) seconds; below zero where the mouth moves before the sound
     poses : P names
-    weights : (T, P) in [0, 1]
+    weights : (T, P) in [0, 1]; what a rig drives may have a range of its own
     fps : frames per second
     schedule : what was spoken
     performer : what performed it; explains any frame
-    line : the name of the line, where the character's edits of it were used
+    asked : how it was to be performed: the line's name, styles and dials
     channels : what each column drives on a model; empty where nothing is known of it
     model : the model file that the character or its pose set names
     """
@@ -56,7 +57,7 @@ class Animation:
     fps: float
     schedule: Schedule
     performer: Any = None
-    line: str | None = None
+    asked: Mapping[str, Any] = field(default_factory=dict)
     channels: tuple[Channel, ...] = ()
     model: Path | None = None
 

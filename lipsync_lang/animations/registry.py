@@ -1,6 +1,6 @@
 """Which output formats are known, and writing to one of them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from io import TextIOWrapper
@@ -14,6 +14,7 @@ from lipsync_lang.files import atomic
 
 WriteText = Callable[[Animation, TextIO], None]
 WriteBytes = Callable[[Animation, BinaryIO], None]
+Remarks = Callable[[Animation], Iterable[str]]
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,8 @@ class Writer:
     suffix: str
     title: str
     write: WriteBytes
+    remarks: Remarks = lambda _: ()
+    """What is worth a word about an animation in this format, such as what it cannot hold."""
 
 
 WRITERS: dict[str, Writer] = {}
@@ -45,11 +48,13 @@ def writer(name: str, *, suffix: str) -> Callable[[WriteText], WriteText]:
     return register
 
 
-def binary_writer(name: str, *, suffix: str) -> Callable[[WriteBytes], WriteBytes]:
+def binary_writer(
+    name: str, *, suffix: str, remarks: Remarks = lambda _: ()
+) -> Callable[[WriteBytes], WriteBytes]:
     """Register ``(animation, byte stream) -> None`` as the writer of a binary format."""
 
     def register(write: WriteBytes) -> WriteBytes:
-        WRITERS[name] = Writer(name, suffix, _title(write), write)
+        WRITERS[name] = Writer(name, suffix, _title(write), write, remarks)
         return write
 
     return register

@@ -30,7 +30,7 @@ other."""
 SHARPNESS = 10.0
 """Per unit of normalised time: how fast a phoneme's say falls away from its middle."""
 
-PASSIVE = 0.05
+PASSIVE = 0.01
 """Dominance of a pose that a phoneme does not mention: the neighbour's wish spreads into it."""
 
 STIFFNESS = 0.03
@@ -65,18 +65,21 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     (B, P, n) control values in [0, 1] at `TIMES`, such that the smooth curve they control, not the
     control points, is as near to f as it can be
     """
-    at, solve, shape = _fit()
-    coming = np.stack([_profile(t, at) for t in first])
-    going = np.stack([_profile(t, at - 0.5) for t in second])
-    early = _dominance(first, at, 0.25)
-    late = _dominance(second, at, 0.75)
+    at, solve, curves = _fit()
+    each = list(dict.fromkeys([*first, *second]))  # a few, in many pairs
+    number = {target: index for index, target in enumerate(each)}
+    one, other = [number[t] for t in first], [number[t] for t in second]
+    coming = np.stack([_profile(t, at) for t in each])[one]
+    going = np.stack([_profile(t, at - 0.5) for t in each])[other]
+    early = _dominance(each, at, 0.25)[one]
+    late = _dominance(each, at, 0.75)[other]
     wanted = (early * coming + late * going) / (early + late)
-    wanted *= np.stack([_rise(t, at) for t in first])[..., None]
-    wanted *= np.stack([_rise(t, 1 - at) for t in second])[..., None]
+    wanted *= np.stack([_rise(t, at) for t in each])[one, :, None]
+    wanted *= np.stack([_rise(t, 1 - at) for t in each])[other, :, None]
     wanted = wanted.swapaxes(1, 2)
     values = np.zeros((*wanted.shape[:2], len(TIMES)))
     for _ in range(4):
-        values = (values + (wanted - values @ shape) @ solve).clip(0, 1)
+        values = (values + (wanted - values @ curves) @ solve).clip(0, 1)
         values[..., [0, -1]] = 0
     values[values < FAINT] = 0
     return values.round(DECIMALS)
@@ -105,12 +108,17 @@ def _dominance(targets: list[Target], at: Floats, middle: float) -> Floats:
     return fall[:, None] * np.stack([t.dominance for t in targets])[:, None, :]
 
 
+def shape(at: Floats) -> Floats:
+    """Return what each control value at `TIMES` adds to a drafted curve: (n, K) at (K,) times."""
+    units = np.stack([np.column_stack((TIMES, unit)) for unit in np.eye(len(TIMES))])
+    return bspline(units, at)
+
+
 @cache
 def _fit() -> tuple[Floats, Floats, Floats]:
     """Return times (K,), the stiffened least-squares fit (K, n) and each point's curve (n, K)."""
     at = np.linspace(0, 1, 49)
-    units = np.stack([np.column_stack((TIMES, unit)) for unit in np.eye(len(TIMES))])
-    shape = bspline(units, at)
+    curves = shape(at)
     bend = np.diff(np.eye(len(TIMES)), 2, axis=0)
     stiff = STIFFNESS * len(at) / len(TIMES) * bend.T @ bend
-    return at, shape.T @ np.linalg.inv(shape @ shape.T + stiff), shape
+    return at, curves.T @ np.linalg.inv(curves @ curves.T + stiff), curves

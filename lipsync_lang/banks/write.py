@@ -1,11 +1,23 @@
-"""Put drafts where a person can edit them: as YAML, into a bank file."""
+"""Put bigrams where a person can edit them: as YAML, into a bank file."""
 
+import json
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Literal
 
 from lipsync_lang.errors import OutputError, PackError
 
 Points = list[list[float]]
+Interpolation = Literal["bspline", "linear"]
+
+NEUTRAL = "neutral"
+"""The usual manner of speaking."""
+
+PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
+"""What YAML needs no quotes for, and what it takes for something else in some version."""
 
 
 @dataclass(frozen=True)
@@ -17,16 +29,43 @@ class Drafts:
     """For each bigram, such as `l-ow`, control points by pose."""
 
 
+@dataclass(frozen=True)
+class Made:
+    """Bigrams of one pose set, however they were made, and what a bank of them says."""
+
+    poseset: str
+    bigrams: Mapping[str, Mapping[str, Points]]
+    status: str
+    style: str | None = None
+    """The manner of speaking of their bank; None for any."""
+    interpolation: Interpolation | None = None
+    """The kind of curve; None for the bank's."""
+
+
 def draft_yaml(drafts: Drafts) -> str:
     """Return drafts as the text of a bank's `bigrams`."""
-    if not drafts.bigrams:
+    return bigrams_yaml(drafts.bigrams, "drafted")
+
+
+def bigrams_yaml(bigrams: Mapping[str, Mapping[str, Points]], status: str) -> str:
+    """Return bigrams as the text of a bank's `bigrams`."""
+    if not bigrams:
         return "bigrams: {}\n"
     lines = ["bigrams:"]
-    for key, curves in drafts.bigrams.items():
-        lines += [f"  {key}:", "    status: drafted", "    curves:" + ("" if curves else " {}")]
-        width = max(map(len, curves), default=0) + 1
-        lines += [f"      {pose + ':':<{width}} {_flow(points)}" for pose, points in curves.items()]
+    for key, curves in bigrams.items():
+        lines += [f"  {key}:", f"    status: {status}", "    curves:" + ("" if curves else " {}")]
+        names = {pose: plain_or_quoted(pose) for pose in curves}
+        width = max(map(len, names.values()), default=0) + 1
+        lines += [
+            f"      {names[pose] + ':':<{width}} {_flow(points)}" for pose, points in curves.items()
+        ]
     return "\n".join(lines) + "\n"
+
+
+def plain_or_quoted(text: str) -> str:
+    """Return text as YAML holds it, in quotes where it could be taken for something else."""
+    plain = PLAIN.fullmatch(text) and text.casefold() not in WORDS
+    return text if plain else json.dumps(text, ensure_ascii=False)
 
 
 def _flow(points: Points) -> str:
@@ -44,25 +83,14 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
     -------
     What was done, in a line
     """
-    from ruamel.yaml.comments import CommentedMap
+    path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
+    make_room(path)
+    new = add_bigrams(path, Made(drafts.poseset, drafts.bigrams, "drafted"))
+    return done(path, len(new), len(drafts.bigrams) - len(new), "drafted")
 
-    from lipsync_lang.packs.edit import edit_pack, flow
 
-    if path is None:
-        path = Path("posesets") / drafts.poseset / "banks" / "common.yaml"
-    new: list[str] = []
-
-    def add(bank: CommentedMap) -> None:
-        _refuse_other(path, bank, drafts.poseset)
-        bigrams = bank.get("bigrams") or CommentedMap()
-        for key, curves in drafts.bigrams.items():
-            if key not in bigrams:
-                lines = CommentedMap((pose, flow(_plain(p))) for pose, p in curves.items())
-                bigrams[key] = CommentedMap(status="drafted", curves=lines)
-                new.append(key)
-        bigrams.fa.set_block_style()
-        bank["bigrams"] = bigrams
-
+def make_room(path: Path) -> None:
+    """Make the folder of a bank, or refuse its name."""
     if path.suffix != ".yaml":
         raise OutputError(f"{path}: is no name for a bank; end it in .yaml")
     try:
@@ -70,22 +98,61 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
     except OSError as error:
         why = error.strerror or error
         raise OutputError(f"{path.parent}: cannot be made: {why}; name another place") from None
-    edit_pack(path, add, create=_empty_bank(drafts.poseset, path))
-    kept = len(drafts.bigrams) - len(new)
+
+
+def add_bigrams(path: Path, made: Made) -> list[str]:
+    """Add bigrams to a bank file, making it where there is none; return those that are new."""
+    from ruamel.yaml.comments import CommentedMap
+
+    from lipsync_lang.packs.edit import edit_pack, flow
+
+    new: list[str] = []
+
+    def add(bank: CommentedMap) -> None:
+        _refuse_other(path, bank, made)
+        there = bank.get("bigrams") or CommentedMap()
+        stated = _stated(bank, made)
+        for key, curves in made.bigrams.items():
+            if key not in there:
+                lines = CommentedMap((pose, flow(_plain(p))) for pose, p in curves.items())
+                there[key] = CommentedMap(**stated, curves=lines)
+                new.append(key)
+        there.fa.set_block_style()
+        bank["bigrams"] = there
+
+    edit_pack(path, add, create=_empty_bank(made.poseset, path))
+    return new
+
+
+def _stated(bank: Mapping[str, Any], made: Made) -> dict[str, str]:
+    """Return what each bigram says beside its curves."""
+    if made.interpolation in {None, bank.get("interpolation", "bspline")}:
+        return {"status": made.status}
+    return {"status": made.status, "interpolation": str(made.interpolation)}
+
+
+def done(path: Path, new: int, kept: int, what: str) -> str:
+    """Say how many bigrams were put into a bank."""
     stay = "was there already and stays as it is"
     if kept > 1:
         stay = "were there already and stay as they are"
     there = f"; {kept} {stay}" if kept else ""
-    return f"{len(new)} drafted bigram{'' if len(new) == 1 else 's'} put into {path}{there}"
+    return f"{new} {what} bigram{'' if new == 1 else 's'} put into {path}{there}"
 
 
-def _refuse_other(path: Path, bank: object, poseset: str) -> None:
-    """Raise where a file is something else than a bank of a pose set."""
+def _refuse_other(path: Path, bank: object, made: Made) -> None:
+    """Raise where a file is something else than a bank of the pose set and manner."""
     stated = bank if isinstance(bank, dict) else {}
-    if (stated.get("kind"), stated.get("poseset")) != ("bank", poseset):
-        raise PackError(f"{path}: is not a bank of {poseset}; name another file for the drafts")
+    if (stated.get("kind"), stated.get("poseset")) != ("bank", made.poseset):
+        raise PackError(
+            f"{path}: is not a bank of {made.poseset}; name another file for the bigrams"
+        )
     if not isinstance(stated.get("bigrams") or {}, dict):
         raise PackError(f"{path}: its bigrams are no mapping; write `bigrams: {{}}` there")
+    style = stated.get("style", NEUTRAL)
+    if made.style not in {None, style}:
+        what = f"is a bank of style '{style}', not '{made.style}'"
+        raise PackError(f"{path}: {what}; name another file for the bigrams")
 
 
 def _plain(points: Points) -> list[list[float]]:
@@ -94,8 +161,18 @@ def _plain(points: Points) -> list[list[float]]:
 
 
 def _empty_bank(poseset: str, path: Path) -> str:
-    return (
+    comment = (
         "# Bigrams that a person edited or approved; all others are drafted from the targets.\n"
-        f"kind: bank\nformat: 1\nname: {path.stem}\nposeset: {poseset}\nlanguage: null\n"
-        "style: neutral\ninterpolation: bspline\nbigrams: {}\n"
+    )
+    return comment + bank_yaml(Made(poseset, {}, ""), path.stem)
+
+
+def bank_yaml(made: Made, name: str) -> str:
+    """Return bigrams as the text of a bank of their own."""
+    return (
+        f"kind: bank\nformat: 1\nname: {name}\n"
+        f"poseset: {plain_or_quoted(made.poseset)}\nlanguage: null\n"
+        f"style: {plain_or_quoted(made.style or NEUTRAL)}\n"
+        f"interpolation: {made.interpolation or 'bspline'}\n"
+        f"{bigrams_yaml(made.bigrams, made.status)}"
     )

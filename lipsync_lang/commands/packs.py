@@ -2,12 +2,14 @@
 
 import sys
 from argparse import Namespace
+from textwrap import indent
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND, as_json, lines_of, working
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
+    from lipsync_lang.packs.describe import Told
     from lipsync_lang.packs.library import Library
 
 
@@ -18,19 +20,45 @@ def packs(options: Namespace) -> int:
 
     library = Library(options.path)
     if options.action == "new":
-        return _new_language(library, options)
+        return NEW[options.kind](library, options)
+    if vars(options).get("poses"):
+        raise LipsyncError(f"{options.action} takes no poses; a new pose set does: posesets new")
     if options.action == "show":
         if options.name is None:
             raise LipsyncError(f"name the {options.kind} to show: {options.kind}s show NAME")
         if options.kind == "language":
             return _show_language(library, options)
-        told = describe.show(library, options.kind, options.name)
+        told = _with_losses(library, options, describe.show(library, options.kind, options.name))
     elif options.name is not None:
         raise LipsyncError(f"list takes no name; did you mean: {options.kind}s show {options.name}")
     else:
         told = describe.listing(library, options.kind)
     print(as_json(told.data) if options.json else told.text)
     return SOUND
+
+
+def _with_losses(library: "Library", options: Namespace, told: "Told") -> "Told":
+    """Add what each rig of a pose set, or the rig of a character, cannot show."""
+    from lipsync_lang.packs.describe import Told
+    from lipsync_lang.resolver.rigging import load_rig
+    from lipsync_lang.rigs.loss import loss_table, losses
+
+    if options.kind == "poseset":
+        rigs = library.rigs(options.name)
+    else:
+        model = library.character(options.name).model
+        poseset = library.poseset(model.poseset).model
+        rigs = [load_rig(library, model.rig, poseset)] if model.rig else []
+    found = {rig.model.name: losses(library, rig) for rig in rigs}
+    lines = [
+        f"\nwhat {name} cannot show\n{indent(loss_table(lost), '  ')}"
+        for name, lost in found.items()
+    ]
+    data = {
+        **told.data,
+        "losses": {n: [one.to_dict() for one in lost] for n, lost in found.items()},
+    }
+    return Told("\n".join([told.text, *lines]), data)
 
 
 def _new_language(library: "Library", options: Namespace) -> int:
@@ -53,6 +81,43 @@ def _new_language(library: "Library", options: Namespace) -> int:
         made = draft(library, wanted)
     print(made.write(), file=sys.stderr)
     return SOUND
+
+
+def _new_poseset(library: "Library", options: Namespace) -> int:
+    from lipsync_lang.authoring.poseset import Wanted, draft
+
+    if options.name is None:
+        raise LipsyncError("name the new pose set, and its poses: posesets new NAME POSE ...")
+    wanted = Wanted(
+        options.name,
+        poses=options.poses,
+        model=options.model,
+        like=options.like,
+        title=options.title,
+    )
+    print(draft(library, wanted).write(), file=sys.stderr)
+    return SOUND
+
+
+def _new_character(library: "Library", options: Namespace) -> int:
+    from lipsync_lang.authoring.character import Wanted, draft
+
+    if options.name is None or options.model is None:
+        raise LipsyncError(
+            "name the new character, and its model: characters new NAME --model FILE"
+        )
+    wanted = Wanted(options.name, options.model, options.poseset, options.rig, options.title)
+    with working(f"trying pose sets on {options.model}"):
+        made = draft(library, wanted)
+    made.write()
+    print(made, file=sys.stderr)
+    if options.json:
+        print(as_json(made.to_dict()))
+    return SOUND
+
+
+NEW = {"language": _new_language, "poseset": _new_poseset, "character": _new_character}
+"""What drafts a pack of each kind."""
 
 
 def _show_language(library: "Library", options: Namespace) -> int:

@@ -63,6 +63,17 @@ def _add_performing(add: Add) -> None:
         help="write the animation; the suffix names the format, and -o may be repeated",
     )  # fmt: skip
     run_.add_argument("--plot", metavar="FILE", type=Path, help="draw every stage to a picture")
+    run_.add_argument(
+        "--model", metavar="GLB", type=Path,
+        help="the model for -o line.glb, instead of the character's own",
+    )  # fmt: skip
+    run_.add_argument(
+        "--poses", action="store_true", help="write poses although the character has a rig"
+    )
+    run_.add_argument(
+        "--beside", metavar="CHARACTER", action="append", default=[],
+        help="draw this character below the other instead of the stages; may be repeated",
+    )  # fmt: skip
     run_.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
 
     transcribe_ = add(
@@ -131,16 +142,19 @@ def _add_checking(add: Add) -> None:
 def _add_packs(add: Add) -> None:
     for kind, title in (
         ("languages", "list language packs, show one, or draft a new one"),
-        ("posesets", "list pose sets, or show one"),
-        ("characters", "list characters, or show one"),
+        ("posesets", "list pose sets, show one, or draft a new one"),
+        ("characters", "list characters, show one, or draft one from a model"),
     ):
         packs_ = add(kind, packs.packs, title, f"{kind} list")
         packs_.set_defaults(kind=kind[:-1])
-        actions = ("list", "show", "new") if kind == "languages" else ("list", "show")
-        packs_.add_argument("action", choices=actions, nargs="?", default="list")
+        packs_.add_argument("action", choices=("list", "show", "new"), nargs="?", default="list")
         packs_.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to make")
         if kind == "languages":
             _add_new_language(packs_)
+        if kind == "posesets":
+            _add_new_poseset(packs_)
+        if kind == "characters":
+            _add_new_character(packs_)
         _add_path(packs_)
         _add_json(packs_)
 
@@ -167,30 +181,133 @@ def _add_new_language(made: argparse.ArgumentParser) -> None:
     new.add_argument("--title", metavar="TITLE", help="the language's name for people")
 
 
+def _add_new_poseset(made: argparse.ArgumentParser) -> None:
+    new = made.add_argument_group("what a new pose set is made from")
+    new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
+    new.add_argument(
+        "--model", metavar="FILE", type=Path,
+        help="a model (.glb), whose shapes are the poses where none are named",
+    )  # fmt: skip
+    new.add_argument(
+        "--like", metavar="POSESET",
+        help="the pose set that says how known poses move, instead of the one that knows most",
+    )  # fmt: skip
+    new.add_argument("--title", metavar="TITLE", help="what to call it in lists")
+
+
+def _add_new_character(made: argparse.ArgumentParser) -> None:
+    new = made.add_argument_group("what a new character is made from")
+    new.add_argument("--model", metavar="FILE", type=Path, help="a model (.glb), whose face speaks")
+    new.add_argument(
+        "--poseset", metavar="POSESET", help="its pose set, instead of the one that fits best"
+    )
+    new.add_argument("--rig", metavar="RIG", help="a rig of it, instead of the one that fits best")
+    new.add_argument("--title", metavar="TITLE", help="what to call it in lists")
+
+
 def _add_bank(add: Add) -> None:
     bank_ = add(
         "bank",
-        banks.bank,
-        "draft bigrams to look at or to edit",
+        banks.draft,
+        "draft bigrams, import them, or see what a bank changes",
         "bank draft -l english -c facefx",
     )
     actions = bank_.add_subparsers(title="actions", metavar="ACTION", required=True)
-    draft_ = actions.add_parser(
-        "draft",
-        help="draft bigrams from a pose set's targets",
-        description="Draft bigrams from a pose set's targets, as YAML to look at or to edit.",
-        epilog="example:\n  lipsync-lang bank draft -l english -c facefx --write l-ow h-eh",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+
+    def action(
+        name: str, command: Command, title: str, more: str, example: str
+    ) -> argparse.ArgumentParser:
+        made = actions.add_parser(
+            name,
+            help=title,
+            description=f"{title[0].upper()}{title[1:]}{more}.",
+            epilog=f"example:\n  lipsync-lang {example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        made.set_defaults(command=command)
+        return made
+
+    _add_draft(
+        action(
+            "draft",
+            banks.draft,
+            "draft bigrams from a pose set's targets",
+            ", as YAML to look at or to edit",
+            "bank draft -l english -c facefx --write l-ow h-eh",
+        )
     )
-    draft_.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
-    _add_pair(draft_)
-    draft_.add_argument(
+    _add_import(
+        action(
+            "import",
+            banks.import_,
+            "import the phone-bigram banks of SmartBody",
+            ", its Python scripts (which are read, never run) or its text exports",
+            "bank import init-diphoneDefault.py -c facefx",
+        )
+    )
+    _add_diff(
+        action(
+            "diff",
+            banks.diff,
+            "show which bigrams a character's layers change, and by how much",
+            "; without --against, a pose set's banks are compared with its drafts",
+            "bank diff -l english -c facefx --plot changes.png",
+        )
+    )
+
+
+def _add_draft(made: argparse.ArgumentParser) -> None:
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
+    _add_pair(made)
+    made.add_argument(
         "--write", action="store_true", help="put them into a bank; what is there already stays"
     )
-    draft_.add_argument(
+    made.add_argument(
         "--to", metavar="FILE", type=Path,
         help="the bank to write to [posesets/NAME/banks/common.yaml of this folder]",
     )  # fmt: skip
+
+
+def _add_import(made: argparse.ArgumentParser) -> None:
+    made.add_argument("files", metavar="FILE", type=Path, nargs="+", help="a script or text export")
+    made.add_argument(
+        "-c", "--character", metavar="POSESET", required=True,
+        help="the pose set whose poses the bank moves, or a character of it",
+    )  # fmt: skip
+    made.add_argument(
+        "--to", metavar="FILE", type=Path,
+        help="the bank to write to; what is there already stays "
+        "[posesets/NAME/banks/ of this folder, by the first file's name]",
+    )  # fmt: skip
+    made.add_argument(
+        "--style", metavar="NAME",
+        help="the manner of speaking: picks one of several sets, or renames the only one",
+    )  # fmt: skip
+    made.add_argument(
+        "--interpolation", choices=("bspline", "linear"), default="linear",
+        help="the kind of curve: straight ones pass through the keys, as the artist saw them; "
+        "smooth ones stay below [linear]",
+    )  # fmt: skip
+    made.add_argument(
+        "--map", metavar="THEIRS=OURS", action="append", default=[],
+        help="our phoneme or pose for a name of theirs; may be repeated",
+    )  # fmt: skip
+    _add_path(made)
+    _add_json(made)
+
+
+def _add_diff(made: argparse.ArgumentParser) -> None:
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
+    _add_pair(made)
+    made.add_argument(
+        "--against", metavar="CHARACTER",
+        help="another character of the pose set, or the bare pose set [what lies beneath]",
+    )  # fmt: skip
+    made.add_argument(
+        "--plot", metavar="FILE", type=Path, help="draw those that differ most to a picture"
+    )
+    made.add_argument("--all", action="store_true", help="list every bigram that differs")
+    _add_json(made)
 
 
 def _add_path(made: argparse.ArgumentParser) -> None:
@@ -227,6 +344,14 @@ def _add_line(made: argparse.ArgumentParser) -> None:
         metavar="ENGINE",
         help="another speech engine than the language's; none estimates times",
     )
+    made.add_argument(
+        "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
+        help="blend a style in: --style angry:0.5, or over seconds --style angry:0@1,1@2.5",
+    )  # fmt: skip
+    made.add_argument(
+        "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
+        help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
+    )  # fmt: skip
     made.add_argument("--fps", metavar="N", type=float, default=60.0, help="frames per second [60]")
     made.add_argument(
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",

@@ -12,6 +12,7 @@ from lipsync_lang.errors import LipsyncError, OutputError
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.delivery import Points
     from lipsync_lang.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
 
@@ -22,22 +23,52 @@ def run(options: Namespace) -> int:
     from lipsync_lang.files import write_all
 
     _refuse_same(options)
+    if options.beside and not options.plot:
+        raise LipsyncError("--beside draws; name the picture with --plot FILE")
     writers = {path: find_writer(path) for path in options.output}
     animation = _perform(options)
-    shown = animation.cut() if options.cut else animation
+    shown = _shown(options, animation)
 
     def writing(path: Path) -> Callable[[Any], None]:
         return lambda stream: writers[path].write(shown, stream)
 
     outputs = {path: writing(path) for path in writers}
     if options.plot:
-        from lipsync_lang.render.plot import plot
-
-        picture = options.plot
-        outputs[picture] = lambda stream: plot(animation, stream, picture.suffix.lstrip("."))
+        outputs[options.plot] = _plotting(options, animation)
     write_all(outputs)
     print(_summary(shown, list(outputs)), file=sys.stderr)
+    for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
+        print(remark, file=sys.stderr)
     return SOUND
+
+
+def _shown(options: Namespace, animation: "Animation") -> "Animation":
+    """Return what is written: the channels of the character's rig, or its poses."""
+    from dataclasses import replace
+
+    if not options.poses:
+        animation = animation.performer.rigged(animation)
+    if options.model is not None:
+        animation = replace(animation, model=options.model)
+    for path in options.output:
+        if animation.model is not None and os.path.realpath(path) == os.path.realpath(
+            animation.model
+        ):
+            raise OutputError(f"{path}: is the model that is spoken on; name another file")
+    return animation.cut() if options.cut else animation
+
+
+def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], None]:
+    """Return what draws the line: its stages, or several faces below each other."""
+    from lipsync_lang.render.beside import plot_beside
+    from lipsync_lang.render.plot import plot
+
+    kind = options.plot.suffix.lstrip(".")
+    if not options.beside:
+        return lambda stream: plot(animation, stream, kind)
+    others = [_performer(options, name) for name in options.beside]
+    faces = [animation, *(one.perform(animation.schedule, fps=options.fps) for one in others)]
+    return lambda stream: plot_beside(faces, stream, kind)
 
 
 def _refuse_same(options: Namespace) -> None:
@@ -56,15 +87,38 @@ def _perform(options: Namespace) -> "Animation":
     performer = _performer(options)
     performer = replace(performer, unknown=options.unknown)
     schedule = _schedule(options, performer)
-    return performer.perform(schedule, fps=options.fps, line=options.line)
+    return performer.perform(
+        schedule,
+        fps=options.fps,
+        line=options.line,
+        styles=_levels("--style", options.styles),
+        dials=_levels("--dial", options.dials),
+    )
 
 
-def _performer(options: Namespace) -> "Performer":
+def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
+    """Read ``angry:0.5``, and ``angry:0@1,1@2.5`` for levels at seconds."""
+    levels: dict[str, Points | float] = {}
+    for one in stated:
+        name, _, level = one.partition(":")
+        try:
+            parts = [part.partition("@") for part in level.split(",")]
+            points = [(float(at or 0), float(value)) for value, _, at in parts]
+        except ValueError:  # of what has no colon, too: then there is no number
+            raise LipsyncError(
+                f"{option} {one}: write NAME:NUMBER ({option} {name or 'NAME'}:0.5) or "
+                f"NAME:NUMBER@SECONDS,... ({option} {name or 'NAME'}:0@1,1@2.5)"
+            ) from None
+        levels[name] = points[0][1] if len(points) == 1 else points
+    return levels
+
+
+def _performer(options: Namespace, character: str | None = None) -> "Performer":
     from lipsync_lang.resolver import resolve as resolve_pair
 
     return resolve_pair(
         options.language,
-        options.character,
+        character or options.character,
         paths=options.path,
         gaps=options.gaps,
         motion=_motion(options.settings),

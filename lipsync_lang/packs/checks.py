@@ -8,7 +8,8 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.packs.conflicts import conflicts, path_between
+from lipsync_lang.packs.braces import expanded
+from lipsync_lang.packs.conflicts import conflicts
 from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.language_checks import check_labels
@@ -16,6 +17,7 @@ from lipsync_lang.packs.models import (
     Bank,
     Bigram,
     Character,
+    Delivery,
     Language,
     Phonemes,
     PoseSet,
@@ -92,19 +94,26 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
         yield language.fault(("g2p", "file"), "P213", what, hint)
 
 
-def check_poseset(poseset: "Pack[PoseSet]", phonemes: Collection[str]) -> Iterator[Fault]:
-    """A pose set speaks of its own poses and of phonemes that exist, and its rules agree."""
+def check_poseset(
+    poseset: "Pack[PoseSet]", phonemes: Collection[str], banks: Iterable[Bank] | None = None
+) -> Iterator[Fault]:
+    """A pose set speaks of its own poses and of phonemes that exist, and its rules agree.
+
+    `banks` are those of the pose set; None where nobody knows how far their curves reach.
+    """
     model = poseset.model
     yield from _priority(poseset)
+    yield from _claims(poseset)
     for loc, pose in _poses_named(model):
-        yield from _pose(poseset, loc, pose, model.poses)
+        yield from check_pose(poseset, loc, pose, model.poses)
     for name, contact in model.contacts.items():
         for number, label in enumerate(contact.phonemes):
             yield from _phoneme(poseset, ("contacts", name, "phonemes", number), label, phonemes)
         yield from _twice(poseset, ("contacts", name, "phonemes"), contact.phonemes)
     for label in model.targets:
         yield from _phoneme(poseset, ("targets", label), label, phonemes, key=True)
-    yield from conflicts(poseset)
+    yield from _model(poseset)
+    yield from conflicts(poseset, banks)
     yield from _without_target(poseset)
 
 
@@ -134,6 +143,23 @@ def _priority(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     yield from _twice(poseset, ("priority",), poseset.model.priority)
 
 
+def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Every spelling means one pose, and the face at rest is none."""
+    model = poseset.model
+    if model.neutral in model.poses:
+        what = f"the face at rest is called '{model.neutral}', and so is a pose"
+        yield poseset.fault(("neutral",), "P225", what, "rename one, or drop the pose")
+    owners = {pose.casefold(): pose for pose in model.poses}
+    for pose, told in model.poses.items():
+        for number, text in enumerate(told.names):
+            for spelling in expanded(text):
+                owner = owners.setdefault(spelling.casefold(), pose)
+                if owner != pose:
+                    what = f"'{spelling}' is claimed by '{owner}' and by '{pose}'"
+                    hint = f"a shape of that name means one pose; '{owner}' has it first"
+                    yield poseset.fault(("poses", pose, "names", number), "P224", what, hint)
+
+
 def _without_target(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     model = poseset.model
     moved = {p for targets in model.targets.values() for t in targets for p in t.weights}
@@ -156,60 +182,73 @@ def check_bank(
 
     `phonemes` may be None where nobody knows those of the bank's language.
     """
-    yield from _belongs(bank, bank.model.poseset, poseset)
+    yield from check_home(bank, bank.model.poseset, poseset)
     if bank.model.language is not None and bank.model.language not in languages:
         hint = did_you_mean(bank.model.language, languages)
         yield bank.fault(("language",), "P210", f"unknown language '{bank.model.language}'", hint)
     yield from _bigrams(bank, bank.model.bigrams, poseset, phonemes)
 
 
-def check_rig(rig: "Pack[Rig]", poseset: PoseSet) -> Iterator[Fault]:
-    """A rig belongs to its pose set, and speaks of its poses and its own channels."""
-    yield from _belongs(rig, rig.model.poseset, poseset)
-    channels = rig.model.channels
-    for name, channel in channels.items():
-        for pose in channel.gains:
-            yield from _pose(rig, ("channels", name, "gains", pose), pose, poseset.poses)
-        if channel.at_most is not None:
-            loc = ("channels", name, "at_most")
-            yield from _channel(rig, loc, channel.at_most, [c for c in channels if c != name])
-    for name in rig.model.names:
-        yield from _channel(rig, ("names", name), name, channels, key=True)
-    waits = {name: {c.at_most} if c.at_most else set() for name, c in channels.items()}
-    for name, channel in channels.items():
-        path = path_between(waits, channel.at_most, name) if channel.at_most else ()
-        if path and channel.at_most != name:
-            what = f"channels run in a circle: {' -> '.join((name, *path))}"
-            loc = ("channels", name, "at_most")
-            yield rig.fault(loc, "P206", what, "a channel cannot wait for itself; drop one")
-
-
-def check_character(
+def check_character(  # noqa: PLR0913 what is known of others
     character: "Pack[Character]",
     poseset: PoseSet,
     phonemes: Collection[str],
+    *,
     rigs: Collection[str],
     languages: Collection[str],
+    styles: Collection[str],
 ) -> Iterator[Fault]:
     """A character moves poses of its pose set, and its files exist."""
     model = character.model
+    yield from _delivery(character, (), model, poseset, styles)
+    for name, line in model.lines.items():
+        yield from _delivery(character, ("lines", name), line, poseset, styles)
     yield from _bigrams(character, model.bigrams, poseset, phonemes)
     for word, edit in model.words.items():
         for pose in edit.curves:
-            yield from _pose(character, ("words", word, "curves", pose), pose, poseset.poses)
+            yield from check_pose(character, ("words", word, "curves", pose), pose, poseset.poses)
     for name, line in model.lines.items():
         for index, change in enumerate(line.edits):
             for pose in change.curves:
                 loc = ("lines", name, "edits", index, "curves", pose)
-                yield from _pose(character, loc, pose, poseset.poses)
+                yield from check_pose(character, loc, pose, poseset.poses)
     yield from _pronunciations(character, phonemes, languages)
     for number, file in enumerate(model.banks):
         if beside(character.path, file) is None:
             what, hint = f"there is no file '{file}'", "it belongs beside the character"
             yield character.fault(("banks", number), "P213", what, hint)
+    yield from _model(character)
     if model.rig is not None and model.rig not in rigs:
         what, hint = f"unknown rig '{model.rig}'", did_you_mean(model.rig, rigs)
         yield character.fault(("rig",), "P212", what, hint)
+
+
+def _model(pack: "Pack[PoseSet] | Pack[Character]") -> Iterator[Fault]:
+    file = pack.model.model
+    if file is not None and beside(pack.path, file) is None:
+        what, hint = f"there is no file '{file}'", f"it belongs in {pack.path.parent.name}/"
+        yield pack.fault(("model",), "P213", what, hint)
+
+
+def _delivery(
+    character: "Pack[Character]",
+    at: Loc,
+    stated: Delivery,
+    poseset: PoseSet,
+    styles: Collection[str],
+) -> Iterator[Fault]:
+    """Dials are of regions of the pose set, and styles have a bank."""
+    regions = sorted({pose.region for pose in poseset.poses.values() if pose.region})
+    for region in stated.dials:
+        if region not in regions:
+            what, hint = f"unknown region '{region}'", did_you_mean(region, regions)
+            yield character.fault((*at, "dials", region), "P230", what, hint, key=True)
+    known = set(styles) - {Bank.model_fields["style"].default}
+    for style in stated.styles:
+        if style not in known:
+            what = f"no bank has the style '{style}', so that nothing of it is heard"
+            hint = did_you_mean(style, known) if known else "write a bank that says `style:`"
+            yield character.warning((*at, "styles", style), "W320", what, hint, key=True)
 
 
 def _pronunciations(
@@ -241,10 +280,11 @@ def _bigrams(
             if phonemes is not None:
                 yield from _phoneme(pack, ("bigrams", key), label, phonemes, key=True)
         for pose in bigram.curves:
-            yield from _pose(pack, ("bigrams", key, "curves", pose), pose, poseset.poses)
+            yield from check_pose(pack, ("bigrams", key, "curves", pose), pose, poseset.poses)
 
 
-def _belongs(pack: "Pack[Bank] | Pack[Rig]", stated: str, poseset: PoseSet) -> Iterator[Fault]:
+def check_home(pack: "Pack[Bank] | Pack[Rig]", stated: str, poseset: PoseSet) -> Iterator[Fault]:
+    """A bank or rig belongs to the pose set that it lies in."""
     if stated != poseset.name:
         what = f"the pack is for pose set '{stated}', but lies in that of '{poseset.name}'"
         yield pack.fault(("poseset",), "P204", what, "move the file, or mend its `poseset`")
@@ -258,7 +298,8 @@ def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]
         seen.add(item)
 
 
-def _pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -> Iterator[Fault]:
+def check_pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -> Iterator[Fault]:
+    """A place names a pose of the pose set."""
     if pose not in known:
         what, hint = f"unknown pose '{pose}'", did_you_mean(pose, known)
         yield pack.fault(loc, "P201", what, hint, key=pose == loc[-1])
@@ -279,12 +320,3 @@ def _phoneme(  # noqa: PLR0913 what a place may say of a phoneme
     if common is not None and label in common.phonemes:
         hint = f"it is beyond the base: put '{label}' in the language's `adds`"
     yield pack.fault(loc, "P202", f"unknown phoneme '{label}'", hint, key=key)
-
-
-def _channel(
-    rig: "Pack[Rig]", loc: Loc, name: str, known: Collection[str], *, key: bool = False
-) -> Iterator[Fault]:
-    if name not in known:
-        yield rig.fault(
-            loc, "P214", f"unknown channel '{name}'", did_you_mean(name, known), key=key
-        )

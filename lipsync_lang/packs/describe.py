@@ -2,9 +2,14 @@
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from lipsync_lang.packs.conflicts import FREE
 from lipsync_lang.packs.faults import shown
+from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.models import AtMost
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from lipsync_lang.packs import models
     from lipsync_lang.packs.finding import Kind
     from lipsync_lang.packs.library import Library, Pack
@@ -43,27 +48,101 @@ def listing(library: "Library", kind: "Kind") -> Told:
 def show(library: "Library", kind: "Kind", name: str) -> Told:
     """Show one pose set or character; a language is `authoring.language`'s to describe."""
     if kind == "poseset":
-        return _poseset(library.poseset(name))
-    pack = library.character(name)
-    model = pack.model
-    text = (
-        f"{model.name}: pose set {model.poseset}, {len(model.bigrams)} bigrams of its own, "
-        f"{len(model.banks)} banks, {len(model.words)} words ({shown(pack.path)})"
-    )
-    return Told(text, model.model_dump(mode="json", by_alias=True))
+        return _poseset(library, library.poseset(name))
+    return _character(library, library.character(name))
 
 
-def _poseset(pack: "Pack[models.PoseSet]") -> Told:
+def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Told:
     model = pack.model
     lines = [f"{model.title or model.name}, {shown(pack.path)}", "poses"]
-    lines += [f"  {pose:<12}{p.region:<8}{p.title}" for pose, p in model.poses.items()]
-    lines.append(f"priority, lowest first: {' < '.join(model.priority) or 'none yields'}")
+    width = max(12, *(len(pose) + 2 for pose in model.poses))
+    region = max(8, *(len(p.region) + 2 for p in model.poses.values()))
+    lines += [
+        f"  {pose:<{width}}{p.region:<{region}}{p.title}".rstrip()
+        for pose, p in model.poses.items()
+    ]
+    if model.neutral is not None:
+        lines.append(f"at rest: {model.neutral}")
+    lines += _rules(model)
     for name, contact in model.contacts.items():
         holds = ", ".join(f"{pose} at {floor:g} or more" for pose, floor in contact.floor.items())
         keeps = ", ".join(f"{pose} at {top:g} or less" for pose, top in contact.ceiling.items())
         both = "; ".join(part for part in (holds, keeps) if part)
         lines.append(f"contact {name} for {' '.join(contact.phonemes)}: {both}")
-    lines.append(
-        f"targets for {len(model.targets)} phonemes; measures: {', '.join(model.measures)}"
-    )
+    lines.append(f"targets for {len(model.targets)} phonemes: {' '.join(model.targets) or 'none'}")
+    missing = [label for label in library.common().model.base if label not in model.targets]
+    if missing:
+        lines.append(f"  without: {' '.join(missing)}")
+    for name, gains in model.measures.items():
+        lines.append(f"measure {name}: {_sum(gains)}")
+    lines += _parts(library, model.name)
+    lines += _model(pack, model.model)
     return Told("\n".join(lines), model.model_dump(mode="json", by_alias=True))
+
+
+def _rules(model: "models.PoseSet") -> "Iterator[str]":
+    """Tell who yields to whom."""
+    yield f"priority, lowest first: {' < '.join(model.priority) or 'none yields'}"
+    for pair in model.constraints.pairs:
+        if isinstance(pair, AtMost):
+            yield f"{pair.pose} at most {pair.at_most}"
+        else:
+            yield f"{' + '.join(pair.between)} at most {pair.threshold:g}"
+    if model.constraints.default < FREE:
+        yield f"any other two at most {model.constraints.default:g}"
+
+
+def _parts(library: "Library", poseset: str) -> "Iterator[str]":
+    """Tell which banks and rigs are found for a pose set."""
+    for word, paths in (("bank", library.banks_of(poseset)), ("rig", library.rigs_of(poseset))):
+        yield from (f"{word} {path.stem}: {shown(path)}" for path in paths)
+
+
+def _model(pack: "Pack[Any]", file: str | None) -> "Iterator[str]":
+    if file is not None:
+        path = beside(pack.path, file)
+        yield f"model: {file} (missing)" if path is None else f"model: {shown(path)}"
+
+
+def _sum(gains: "Mapping[str, float]") -> str:
+    """Write a sum of gain times pose, as people do."""
+    terms = []
+    for pose, gain in gains.items():
+        times = "" if abs(gain) == 1 else f"{abs(gain):g} "
+        terms.append(f"{'-' if gain < 0 else '+'} {times}{pose}")
+    return " ".join(terms).removeprefix("+ ")
+
+
+def _character(library: "Library", pack: "Pack[models.Character]") -> Told:
+    model = pack.model
+    lines = [f"{model.title or model.name}, {shown(pack.path)}", f"pose set: {model.poseset}"]
+    counts = {
+        "bigrams of its own": model.bigrams,
+        "banks": model.banks,
+        "words": model.words,
+        "lines": model.lines,
+        "pronunciations in languages": model.pronunciations,
+    }
+    lines += [f"{what}: {' '.join(some)}" for what, some in counts.items() if some]
+    motion = model.motion.model_dump(exclude_none=True)
+    levels = {"motion": motion, "styles": model.styles, "dials": model.dials}
+    for what, values in levels.items():
+        told = ", ".join(f"{name} {_level(value)}" for name, value in values.items())
+        lines += [f"{what}: {told}"] if told else []
+    rigs = [path.stem for path in library.rigs_of(model.poseset)]
+    lines += (
+        [f"rig: {model.rig}"]
+        if model.rig
+        else [f"rigs to choose from: {' '.join(rigs)}"] * bool(rigs)
+    )
+    lines += _model(pack, model.model)
+    return Told("\n".join(lines), model.model_dump(mode="json", by_alias=True))
+
+
+def _level(value: object) -> str:
+    """Write a setting, or a level over words."""
+    if not isinstance(value, tuple):
+        return f"{value:g}" if isinstance(value, float) else str(value)
+    if len(value) == 1:
+        return f"{value[0][1]:g}"
+    return ", ".join(f"{level:g} at word {word:g}" for word, level in value)

@@ -70,6 +70,9 @@ CODES: dict[str, str] = {
     "P221": "A test of a language fails.",
     "P222": "A feature, or a word that describes letters, is unknown to the IPA pack.",
     "P223": "A letter or mark is unknown to the IPA pack.",
+    "P224": "Two poses claim one spelling of a model's shapes.",
+    "P225": "The face at rest is called like a pose.",
+    "P230": "A region is unknown to the pose set.",
     # W3: sound, but probably not meant
     "W301": "A pose has no target, so that drafts never move it.",
     "W302": "A constraint binds two poses of equal priority, so that neither yields.",
@@ -81,6 +84,11 @@ CODES: dict[str, str] = {
     "W308": "An entry cannot be reached, or has no effect.",
     "W309": "A mapping fights the features of its sound.",
     "W310": "The tests of a language could not be run.",
+    "W311": "A pose drives no channel of a rig, and the rig does not say that it is lost.",
+    "W312": "A contact demands nothing.",
+    "W313": "A threshold is never reached, so that nothing makes way.",
+    "W314": "A target disagrees with a contact of its phoneme.",
+    "W320": "No bank has a style that is asked for.",
 }
 """What each code means, for ever: a meaning never changes, and a code is never used again."""
 

@@ -51,6 +51,8 @@ class Phoneme(Strict):
     """The manner of the sound, by which lengths are estimated."""
     like: Common | None = None
     """The phoneme whose bigrams stand in for missing ones."""
+    spelled: tuple[Text, ...] = ()
+    """Other labels by which banks of other programs know it, in any case."""
 
 
 class Phonemes(Pack):
@@ -68,6 +70,18 @@ class Phonemes(Pack):
     """The phonemes that every language has."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Seconds by class, where neither a voice nor the language gives any."""
+
+    @model_validator(mode="after")
+    def _spelled_once(self) -> Self:
+        names = {label: label for label in (*self.phonemes, self.silence)}
+        for label, phoneme in self.phonemes.items():
+            for other in phoneme.spelled:
+                known = names.setdefault(other.casefold(), label)
+                if known != label:
+                    what = "'{other}' is spelled for '{label}', but already means '{known}'"
+                    context = {"other": other, "label": label, "known": known, "field": "phonemes"}
+                    raise PydanticCustomError("P115", what, context)
+        return self
 
 
 class Rewrite(Strict):

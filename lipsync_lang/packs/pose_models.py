@@ -258,7 +258,7 @@ Share = Unit
 def _points(value: Data) -> Data:
     """Turn one number into a level that stays."""
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return [[0, value]] if number else value
+    return ((0, value),) if number else value
 
 
 def _forwards(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
@@ -291,7 +291,7 @@ Shares = Annotated[
 """A share, or points of word and share."""
 
 
-class Manner(Strict):
+class Delivery(Strict):
     """How a line, or all of them, are spoken: style banks blended in, and regions scaled."""
 
     styles: dict[Text, Shares] = Field(default={})
@@ -301,14 +301,14 @@ class Manner(Strict):
     level] points."""
 
 
-class Line(Manner):
+class Line(Delivery):
     """What is particular to one recorded line, and survives a new recording."""
 
     edits: tuple[Edit, ...] = ()
     """Edits in order; a later one wins."""
 
 
-class Character(Pack, Manner):
+class Character(Pack, Delivery):
     """A face that speaks: a pose set, a bank layer of its own, and a rig."""
 
     kind: Literal["character"]

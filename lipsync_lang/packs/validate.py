@@ -1,8 +1,7 @@
 """Every fault of every pack, at once."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
@@ -21,11 +20,14 @@ from lipsync_lang.packs.finding import (
     Found,
     beside,
     entries,
+    yaml_files,
 )
 from lipsync_lang.packs.ipa_checks import check_ipa
+from lipsync_lang.packs.known import added_by, known
 from lipsync_lang.packs.language_checks import check_claims
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.rig_checks import check_rig
 from lipsync_lang.packs.salvage import salvaged
 from lipsync_lang.packs.source import Loc, Source
 
@@ -155,7 +157,7 @@ class _Run:
     def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
         phonemes = self._phonemes()
         if phonemes is not None:
-            self.faults.update(checks.check_poseset(pack, phonemes))
+            self.faults.update(checks.check_poseset(pack, phonemes, self._banks(pack)))
 
     def _bank(self, pack: "Pack[models.Bank]") -> None:
         poseset = self._poseset_of(pack)
@@ -166,7 +168,10 @@ class _Run:
     def _rig(self, pack: "Pack[models.Rig]") -> None:
         poseset = self._poseset_of(pack)
         if poseset is not None:
-            self.faults.update(checks.check_rig(pack, poseset))
+            sets = {found.name for found in self.library.names("poseset")}
+            to = pack.model.to
+            driven = _quietly(lambda: self.library.poseset(to).model) if to in sets else None
+            self.faults.update(check_rig(pack, poseset, sets, driven))
 
     def _character(self, pack: "Pack[models.Character]") -> None:
         poseset = self._poseset_of(pack)
@@ -174,11 +179,31 @@ class _Run:
         if poseset is None or phonemes is None:
             return
         rigs = {path.stem for path in self.library.rigs_of(pack.model.poseset)}
-        self.faults.update(checks.check_character(pack, poseset, phonemes, rigs, self.languages))
+        styles = self._styles(pack)
+        self.faults.update(
+            checks.check_character(
+                pack, poseset, phonemes, rigs=rigs, languages=self.languages, styles=styles
+            )
+        )
         for file in pack.model.banks:
             path = beside(pack.path, file)
             if path is not None:
                 self.check_file(File(path, "bank", path.stem))
+
+    def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.Bank] | None":
+        """Return the banks beside a pose set and those that join it; None where one is unsound."""
+        name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
+        found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
+        if self.library.finder.lookup("poseset", name):
+            joined = _quietly(lambda: self.library.banks(name))
+            found += [bank.model for bank in joined] if joined is not None else [None]
+        return None if None in found else cast("list[models.Bank]", found)
+
+    def _styles(self, character: "Pack[models.Character]") -> set[str]:
+        """Return the styles of a character's banks and of those of its pose set."""
+        shared = _quietly(lambda: self.library.banks(character.model.poseset)) or []
+        own = _quietly(lambda: self.library.character_banks(character)) or []
+        return {bank.model.style for bank in (*shared, *own)}
 
     def _poseset_of(self, pack: "Pack[Any]") -> "models.PoseSet | None":
         """Return the pose set that a pack lies in or names; one that is unsound counts as none."""
@@ -203,16 +228,8 @@ class _Run:
             return None
         model = self.common.model
         if language in self.languages:
-            return {*model.base, model.silence, *self._added(language)}
-        return _Known({*model.phonemes, model.silence}, self._all_added)
-
-    def _added(self, language: str) -> set[str]:
-        """Return what a language adds; nothing where it is unsound."""
-        pack = _quietly(lambda: self.library.language(language))
-        return set(pack.model.adds) if pack is not None else set()
-
-    def _all_added(self) -> set[str]:
-        return set().union(*map(self._added, self.languages))
+            return {*model.base, model.silence, *added_by(self.library, language)}
+        return known(self.library, {*model.phonemes, model.silence})
 
     def _tags(self) -> None:
         """Warn of languages that state what another answers to already."""
@@ -248,32 +265,6 @@ class _Run:
         except PackError as error:
             self._note(Fault(f"{FOLDERS['language']}/{COMMON}.yaml", 1, 1, "P001", str(error)))
         return None
-
-
-class _Known(Collection[str]):
-    """Phonemes of every language: reads all their packs, but only for one not declared in common.
-
-    Parameters
-    ----------
-    common : those that are declared in common
-    more : finds those that languages declare themselves
-    """
-
-    def __init__(self, common: set[str], more: Callable[[], set[str]]) -> None:
-        self._common, self._more = common, more
-
-    @cached_property
-    def _whole(self) -> set[str]:
-        return self._common | self._more()
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._common or name in self._whole
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._whole)
-
-    def __len__(self) -> int:
-        return len(self._whole)
 
 
 def _quietly(load: Callable[[], T]) -> T | None:

@@ -35,6 +35,9 @@ class Motion:
     After them it can only lower curves, contacts included.
     """
 
+    hold: float = 0.0
+    """Seconds; poses are shown one at a time, each at least as long. At 0 they blend."""
+
 
 PRESETS = {
     "default": Motion(),

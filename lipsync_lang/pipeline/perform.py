@@ -9,13 +9,15 @@ import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import constrain
+from lipsync_lang.pipeline.delivery import Blend, Dial, scale, shares
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
 from lipsync_lang.pipeline.limit import envelope, lower_envelope, rest_at_ends
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay, lay_over
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 from lipsync_lang.pipeline.stitch import stitch
-from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
 from lipsync_lang.pipeline.warp import Place, locate, warp
 
@@ -59,10 +61,12 @@ class Performance:
     overlays: tuple[Overlay, ...]
     demanded: Bools
     """(H, n) for each contact pose, the phonemes that demand it: it is smoothed within these."""
+    blends: tuple[Blend, ...] = ()
+    dials: tuple[Dial, ...] = ()
 
     def weights(self) -> Floats:
         """Run every stage: (T, P)."""
-        if self.frames.count <= BLOCK or self.motion.smooth == "chord":
+        if self.frames.count <= BLOCK or self.far:
             last = self.stages(0, self.frames.count)[-1]
             return np.ascontiguousarray(last.curves.T)
         out = np.empty((self.frames.count, len(self.tables.priority)))
@@ -74,6 +78,11 @@ class Performance:
             out[begin:stop] = curves[:, begin - low : stop - low].T
         return out
 
+    @property
+    def far(self) -> bool:
+        """Whether a frame may depend on frames at any distance."""
+        return self.motion.smooth == "chord" or self.motion.hold > 0
+
     def halo(self) -> int:
         """Frames on either side of a block that its own frames depend on."""
         seconds = self.motion.window + 2 / self.motion.speed_limit
@@ -81,9 +90,42 @@ class Performance:
 
     def stages(self, begin: int, stop: int) -> list[Stage]:
         """Run the stages on frames `begin` to `stop`, keeping what each one made."""
-        place = locate(self.track, self.frames.times(begin, stop))
-        ending, beginning = warp(self.tables, self.track, place)
+        times = self.frames.times(begin, stop)
+        place = locate(self.track, times)
+        ending, beginning = self.bigrams(place, times)
         return list(self._run(ending, beginning, place, begin, stop))
+
+    def bigrams(self, place: Place, times: Floats) -> tuple[Floats, Floats]:
+        """Read the two bigrams that cover each frame, styles blended in: (T, P) each."""
+        neutral = warp(self.tables.neutral, self.track, place)
+        if not self.blends:
+            return neutral
+        styles = [self.tables.styles[blend.style] for blend in self.blends]
+        heard = [neutral, *(warp(bank, self.track, place) for bank in styles)]
+        parts = shares(self.blends, times)[..., None]
+        ending, beginning = (
+            np.sum([part * one for part, one in zip(parts, side, strict=True)], axis=0)
+            for side in zip(*heard, strict=True)
+        )
+        return ending, beginning
+
+    def bigram(self, number: int) -> tuple[Floats, Floats]:
+        """Return one bigram's own curves, styles blended in: (K,) seconds and (K, P)."""
+        track, row = self.track, self.track.rows[number]
+        middle = track.bounds[number + 1]
+        ends = (middle - track.reach[number], middle, middle + track.reach[number + 1])
+        banks = [self.tables.neutral, *(self.tables.styles[blend.style] for blend in self.blends)]
+        place = np.linspace(0, 1, RESOLUTION + 1)
+        times = np.interp(place, (0, track.boundary(banks[0])[number], 1), ends)
+        if not self.blends:
+            return times, banks[0].curves[row]
+        parts = shares(self.blends, times)
+        out = np.zeros_like(banks[0].curves[row])
+        for part, bank in zip(parts, banks, strict=True):
+            own = np.interp(times, ends, (0, track.boundary(bank)[number], 1))
+            for pose, curve in enumerate(bank.curves[row].T):
+                out[:, pose] += part * np.interp(own, place, curve)
+        return times, out
 
     def _run(
         self, ending: Floats, beginning: Floats, place: Place, begin: int, stop: int
@@ -95,8 +137,14 @@ class Performance:
         if self.overlays:
             curves = lay_over(curves, self.overlays, self.frames.times(begin, stop))
             yield Stage("overlay", curves)
+        if self.dials:
+            curves = scale(curves, self.dials, self.frames.times(begin, stop))
+            yield Stage("dial", curves)
         curves = self._smooth(curves, place)
         yield Stage("smooth", curves)
+        if motion.hold:
+            curves = self._switch(curves, begin, stop)
+            yield Stage("switch", curves)
         curves = rest_at_ends(curves, step, head=begin == 0, tail=stop == self.frames.count)
         yield Stage("rest", curves)
         if motion.contacts == "hold":
@@ -128,6 +176,17 @@ class Performance:
             out[held] = closing_within(curves[held], self.demanded[:, place.phoneme], width)
         return out
 
+    def _switch(self, curves: Floats, begin: int, stop: int) -> Floats:
+        """Show one pose at a time; a contact says which, as long as it holds."""
+        barred = np.zeros(curves.shape, bool)
+        forced = np.full(curves.shape[1], FREE)
+        if self.motion.contacts == "hold":
+            for contact, (_, frames) in zip(self.tables.contacts, self.held, strict=True):
+                here = frames[begin:stop]
+                barred[np.ix_(contact.ceiling < REST, here)] = True
+                forced[here] = int(contact.floor.argmax()) if contact.raised else NONE
+        return switch(curves, barred, forced, round(self.motion.hold * self.frames.fps))
+
     def _limit(self, curves: Floats, step: float) -> Floats:
         if self.motion.contacts == "free":
             return lower_envelope(curves, step)
@@ -158,8 +217,15 @@ def _frames_until(edge: float, sound: float, reach: float, flank: float, fps: fl
     return max(math.ceil(edge * fps - 1e-6), reached, math.ceil((sound + flank) * fps - 1e-6))
 
 
-def perform(
-    tables: Tables, track: Track, motion: Motion, fps: float, overlays: tuple[Overlay, ...] = ()
+def perform(  # noqa: PLR0913 what is said, and how
+    tables: Tables,
+    track: Track,
+    motion: Motion,
+    fps: float,
+    *,
+    overlays: tuple[Overlay, ...] = (),
+    blends: tuple[Blend, ...] = (),
+    dials: tuple[Dial, ...] = (),
 ) -> Performance:
     """Prepare a track's performance: its frames, and where its contacts are held."""
     frames = lay_frames(track, motion, fps)
@@ -170,4 +236,6 @@ def perform(
         wanted = demands(contact, track)
         held.append((wanted, held_frames(wanted, track, first, fps, frames.count)))
         demanded |= (contact.floor[tables.held] > 0)[:, None] & wanted
-    return Performance(tables, track, motion, frames, tuple(held), overlays, demanded)
+    return Performance(
+        tables, track, motion, frames, tuple(held), overlays, demanded, blends, dials
+    )

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,17 @@ class Contact:
         return [int(pose) for pose in np.flatnonzero(self.ceiling < 1)]
 
 
+class Bank(NamedTuple):
+    """Curves of every bigram in one manner of speaking; row 0 is rest."""
+
+    curves: Singles
+    """(B, RESOLUTION + 1, P) weights over normalised time."""
+    boundary: Floats
+    """(B,) where in normalised time the first phoneme ends."""
+    free: Bools
+    """(B,) True where a bigram waives the contacts of its two phonemes."""
+
+
 @dataclass(frozen=True, eq=False)
 class Tables:
     """A language and a character, ready to be performed."""
@@ -55,6 +67,13 @@ class Tables:
     """(P,) larger wins; infinite never yields."""
     at_most: tuple[tuple[int, int], ...] = ()
     """(pose, other): pose never above other, in an order in which each other is final."""
+    styles: tuple[Bank, ...] = ()
+    """Other manners of speaking, row by row like the neutral one."""
+
+    @property
+    def neutral(self) -> Bank:
+        """The neutral manner of speaking."""
+        return Bank(self.curves, self.boundary, self.free)
 
     @cached_property
     def caps(self) -> tuple[Cap, ...]:

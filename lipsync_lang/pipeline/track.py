@@ -1,12 +1,14 @@
 """Surround and pair: common phonemes in time, silence on both sides (paper 3.2.1, figure 6)."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.delivery import Blend
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.pipeline.tables import Bank, Tables
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,8 +23,9 @@ class Track:
     """(n,) seconds of each phoneme that a bigram uses: all of a sound, some of a silence."""
     rows: Ints
     """(n - 1,) table row of each bigram."""
-    boundary: Floats
-    """(n - 1,) normalised time at which the bigram passes from its first phoneme to its second."""
+    even: Floats | None
+    """(n - 1,) normalised time of the spoken boundary, where bigrams are stretched evenly onto it;
+    None where their own boundary is pinned there."""
     waived: Bools
     """(n,) True where a bigram of the phoneme waives its contacts."""
     source: Ints
@@ -32,8 +35,19 @@ class Track:
     end: float
     """Seconds at which it ends."""
 
+    def boundary(self, bank: Bank) -> Floats:
+        """Return when each bigram passes from its first phoneme to its second: (n - 1,)."""
+        return bank.boundary[self.rows] if self.even is None else self.even
 
-def lay_track(ids: Ints, times: Floats, source: Ints, tables: Tables, motion: Motion) -> Track:
+
+def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of them
+    ids: Ints,
+    times: Floats,
+    source: Ints,
+    tables: Tables,
+    motion: Motion,
+    blends: Sequence[Blend] = (),
+) -> Track:
     """Surround common phonemes with silence and pair neighbours.
 
     Bigram (p_i, p_i+1) covers (t_i, t_i+2). Silence lends a bigram at most
@@ -44,6 +58,7 @@ def lay_track(ids: Ints, times: Floats, source: Ints, tables: Tables, motion: Mo
     ids : (m,) common phonemes
     times : (m + 1,) boundaries in seconds, rising
     source : (m,) where each came from
+    blends : the styles that are heard
     """
     start, end = float(times[0]), float(times[-1])
     quiet = ids == tables.silence
@@ -67,12 +82,21 @@ def lay_track(ids: Ints, times: Floats, source: Ints, tables: Tables, motion: Mo
     length = bounds[1:] - bounds[:-1]
     reach = np.where(ids == tables.silence, np.minimum(length, far), length)
     rows = tables.pairs[ids[:-1], ids[1:]]
-    if motion.warp == "anchored":
-        boundary = tables.boundary[rows]
-    else:
-        boundary = reach[:-1] / (reach[:-1] + reach[1:])
+    even = None if motion.warp == "anchored" else reach[:-1] / (reach[:-1] + reach[1:])
     free = tables.free[rows]
+    if blends:
+        free = np.logical_and.reduce([bank.free[rows] for bank in _heard(tables, blends)])
     waived = np.zeros(len(ids), bool)
     waived[:-1] |= free
     waived[1:] |= free
-    return Track(ids, bounds, reach, rows, boundary, waived, source, start, end)
+    return Track(ids, bounds, reach, rows, even, waived, source, start, end)
+
+
+def _heard(tables: Tables, blends: Sequence[Blend]) -> Iterator[Bank]:
+    """Yield the banks that are heard at some time; neutral is, unless styles leave it nothing."""
+    least = sum(float(blend.share.values.min()) for blend in blends)
+    if least < 1:
+        yield tables.neutral
+    for blend in blends:
+        if blend.share.values.max() > 0:
+            yield tables.styles[blend.style]

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats, Ints
-from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.pipeline.arrays import Floats, Ints, Singles
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank
 from lipsync_lang.pipeline.track import Track
 
 TOUCH = 1e-7
@@ -35,10 +35,10 @@ def locate(track: Track, times: Floats) -> Place:
     return Place(phoneme, coming, going)
 
 
-def warp(tables: Tables, track: Track, place: Place) -> tuple[Floats, Floats]:
+def warp(bank: Bank, track: Track, place: Place) -> tuple[Floats, Floats]:
     """Read the two bigrams that cover each frame.
 
-    The track's `boundary` is pinned onto the spoken one, so time is stretched by one factor
+    The bank's boundary is pinned onto the spoken one, so time is stretched by one factor
     on each side of it. The paper stretches evenly over the whole span: then `boundary` is
     where the spoken one falls, and the factors are equal.
 
@@ -48,28 +48,29 @@ def warp(tables: Tables, track: Track, place: Place) -> tuple[Floats, Floats]:
     """
     last = len(track.rows)
     if last == 0:  # nothing but silence
-        still = np.zeros((len(place.phoneme), tables.curves.shape[-1]))
+        still = np.zeros((len(place.phoneme), bank.curves.shape[-1]))
         return still, still
     before, after = place.phoneme - 1, np.minimum(place.phoneme, last - 1)
     ends = (before >= 0) & (place.coming <= 1)
     begins = (place.phoneme < last) & (place.going >= 0)
-    pin = track.boundary[before]
+    boundary = track.boundary(bank)
+    pin = boundary[before]
     rows = np.empty((2, len(before)), np.intp)
     position = np.empty((2, len(before)))
     np.multiply(track.rows[before], ends, out=rows[0])
     np.multiply(track.rows[after], begins, out=rows[1])
     position[0] = pin + (1 - pin) * place.coming
-    position[1] = track.boundary[after] * place.going
-    ending, beginning = _read(tables, rows, position)
+    position[1] = boundary[after] * place.going
+    ending, beginning = _read(bank.curves, rows, position)
     return ending, beginning
 
 
-def _read(tables: Tables, rows: Ints, position: Floats) -> Floats:
+def _read(curves: Singles, rows: Ints, position: Floats) -> Floats:
     """Interpolate table rows at normalised positions: (2, T), (2, T) -> (2, T, P)."""
     steps = np.minimum(np.maximum(position * RESOLUTION, 0), RESOLUTION - 1e-9)
     low = steps.astype(np.intp)
     part = (steps - low)[..., None]
-    flat = tables.curves.reshape(-1, tables.curves.shape[-1])
+    flat = curves.reshape(-1, curves.shape[-1])
     index = rows * (RESOLUTION + 1) + low
     under = flat.take(index, axis=0)
     over = flat.take(index + 1, axis=0)

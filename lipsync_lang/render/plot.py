@@ -35,6 +35,8 @@ from lipsync_lang.render.view import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -62,7 +64,9 @@ BIGRAMS = (("#d3e7f6", "#6ba6d3"), ("#f3e8c8", "#c2a54d"))
 STAGES = {
     "stitch": ("stitched", "#444444"),
     "overlay": ("own words", "#c9b458"),
+    "dial": ("dialled", "#9c8fc9"),
     "smooth": ("smoothed", "#66c4ab"),
+    "switch": ("one at a time", "#a9a38a"),
     "rest": ("brought to rest", "#b9b9b9"),
     "hold": ("contacts held", "#dca2c2"),
     "limit": ("speed limited", "#5fa4cf"),
@@ -91,11 +95,22 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
     OutputError
         The format is unknown, matplotlib is missing, or nobody knows who performed this.
     """
+    if animation.performer is None:
+        raise OutputError("this animation was not performed here; its stages cannot be drawn")
+    draw(lambda: _page(View(animation)), stream, format)
+
+
+def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  # noqa: A002
+    """Make a figure and write it, whatever the user's own settings of matplotlib are.
+
+    Raises
+    ------
+    OutputError
+        The format is unknown, or matplotlib is missing.
+    """
     name = format.lower()
     if name not in FORMATS:
         raise OutputError(f"no picture in '{format}'; known: {', '.join(FORMATS)}")
-    if animation.performer is None:
-        raise OutputError("this animation was not performed here; its stages cannot be drawn")
     try:
         import matplotlib as mpl  # noqa: F401 its absence hides behind modules loaded before
         from matplotlib import style
@@ -104,8 +119,7 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
     with warnings.catch_warnings(), style.context(RC, after_reset=True):
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
-        figure = _page(View(animation))
-        figure.savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
+        page().savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
 
 
 def _page(view: View) -> "Figure":
@@ -239,20 +253,16 @@ def _bigrams(axes: "Axes", view: View) -> None:
     """Draw each bigram's own curve over its span, every other one in the same hue."""
     from matplotlib.collections import LineCollection, PolyCollection
 
-    track, curves = view.performance.track, view.performance.tables.curves[:, ::THINNED]
     low, high = axes.get_xlim()
-    place = np.linspace(0, 1, curves.shape[1])
     lines: list[list[Floats]] = [[] for _ in BIGRAMS]
-    for i, number in enumerate(track.rows.tolist()):
-        middle = track.bounds[i + 1]
-        ends = (middle - track.reach[i], middle, middle + track.reach[i + 1])
-        if ends[0] < high and ends[2] > low:
-            times = np.interp(place, (0, track.boundary[i], 1), ends)
+    for i in range(len(view.performance.track.rows)):
+        times, curves = (values[::THINNED] for values in view.performance.bigram(i))
+        if times[0] < high and times[-1] > low:
             for row, pose in enumerate(view.moving):
-                curve = curves[number, :, pose]
+                curve = curves[:, pose]
                 if curve.max() > VISIBLE:
                     line = np.column_stack([times, view.y(row, curve)])
-                    feet = [(at, view.y(row, 0)) for at in (ends[0], ends[2])]
+                    feet = [(at, view.y(row, 0)) for at in (times[0], times[-1])]
                     lines[i % len(BIGRAMS)].append(np.vstack([feet[:1], line, feet[1:]]))
     for shapes, (fill, edge) in zip(lines, BIGRAMS, strict=True):
         axes.add_collection(PolyCollection(shapes, facecolor=fill, lw=0, alpha=0.7, zorder=2))

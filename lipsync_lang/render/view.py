@@ -52,13 +52,13 @@ class View:
         self.animation = animation
         self.performer: Performer = animation.performer
         self.performance = self.performer.performance(
-            animation.schedule, animation.fps, line=animation.line
+            animation.schedule, animation.fps, **animation.asked
         )
         self.begin = float(animation.times[0])
         self.end = min(float(animation.times[-1]), self.begin + SHOWN)
         self.end = max(self.end, self.begin + 1 / animation.fps)
         self.strips = math.ceil((self.end - self.begin) / STRIP)
-        self.left = 0.5 + max(_width(name, 10) for name in (*animation.poses, "phonemes"))
+        self.left = 0.5 + max(text_width(name, 10) for name in (*animation.poses, "phonemes"))
         self.scale = (WIDTH - self.left - RIGHT) * self.strips / (self.end - self.begin)
         """Inches per second."""
         self.times, self.stages = _stages(self.performance, self.end)
@@ -82,7 +82,7 @@ def _stages(performance: Performance, end: float) -> tuple[Floats, list[Stage]]:
     times = performance.frames.times()
     times = times[times < end + 1 / performance.frames.fps]
     stop = min(performance.frames.count, len(times) + performance.halo())
-    if performance.motion.smooth == "chord":  # its tops may be as long as the whole
+    if performance.far:
         stop = performance.frames.count
     stages = performance.stages(0, stop)
     return times, [Stage(name, curves[:, : len(times)]) for name, curves in stages]
@@ -132,14 +132,14 @@ def _band(  # noqa: PLR0913, PLR0917 a row of `_bands`
     ends = [-math.inf] * LANES
     lanes: list[int] = []
     for label, middle in zip(labels, spans.mean(axis=1).tolist(), strict=True):
-        half = (_width(label, size) + APART) / view.scale / 2
+        half = (text_width(label, size) + APART) / view.scale / 2
         room = (lane for lane in range(LANES) if ends[lane] <= middle - half)
         lanes.append(next(room, ends.index(min(ends))))
         ends[lanes[-1]] = middle + half
     return Band(name, labels, spans, lanes, size, top, top + LANE * (max(lanes, default=0) + 1.15))
 
 
-def _width(text: str, size: float) -> float:
+def text_width(text: str, size: float) -> float:
     """Measure the inches of a text set in a size of points."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import text_to_path

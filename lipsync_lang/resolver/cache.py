@@ -19,11 +19,11 @@ import numpy as np
 
 from lipsync_lang import __version__
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import Contact, Tables
+from lipsync_lang.pipeline.tables import Bank, Contact, Tables
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.resolver.compiled import Compiled, Origin
 
 MARK = b"lipsync-lang compiled pair, v1.\n"
 DIGEST = 32
@@ -31,6 +31,9 @@ DIGEST = 32
 
 COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 """Folders of the code that turns packs into tables; if it changes, so must the tables."""
+
+ARRAYS = ("curves", "boundary", "free", "pairs", "thresholds", "priority")
+"""Arrays of the tables."""
 
 KEPT = 100
 """Pairs in the cache, some megabytes each; one more, and the oldest goes."""
@@ -108,14 +111,9 @@ def _forget(folder: Path) -> None:
 
 def _encode(compiled: "Compiled", key: str, library: "Library") -> bytes:
     tables = compiled.tables
-    arrays: dict[str, np.ndarray[Any, Any]] = {
-        "curves": tables.curves,
-        "boundary": tables.boundary,
-        "free": tables.free,
-        "pairs": tables.pairs,
-        "thresholds": tables.thresholds,
-        "priority": tables.priority,
-    }
+    arrays: dict[str, np.ndarray[Any, Any]] = {name: getattr(tables, name) for name in ARRAYS}
+    for number, bank in enumerate(tables.styles):
+        arrays |= {f"style.{number}.{part}": array for part, array in bank._asdict().items()}
     for number, contact in enumerate(tables.contacts):
         for part in ("phonemes", "floor", "ceiling"):
             arrays[f"contact.{number}.{part}"] = getattr(contact, part)
@@ -176,7 +174,7 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
 
 
 def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
-    from lipsync_lang.resolver.compiled import Compiled, Origin, Report
+    from lipsync_lang.resolver.compiled import Compiled, Report
 
     def array(name: str) -> np.ndarray[Any, Any]:
         dtype, shape, offset = head["arrays"][name]
@@ -188,16 +186,22 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
         Contact(*(array(f"contact.{n}.{part}") for part in ("phonemes", "floor", "ceiling")))
         for n in range(len(plain["contact_names"]))
     ]
+    banks = [
+        Bank(*(array(f"style.{n}.{part}") for part in Bank._fields))
+        for n in range(len(plain["style_origins"]))
+    ]
     tables = Tables(
-        **{n: array(n) for n in ("curves", "boundary", "free", "pairs", "thresholds", "priority")},
+        **{n: array(n) for n in ARRAYS},
         silence=head["silence"],
         contacts=tuple(contacts),
+        styles=tuple(banks),
         at_most=tuple((pose, other) for pose, other in head["at_most"]),
     )
-    origins = [
-        Origin((pair[0], pair[1]), layer, status, tuple(places), word)
-        for pair, layer, status, places, word in plain.pop("origins")
-    ]
+    origins = [_origin(origin) for origin in plain.pop("origins")]
+    styles = {
+        style: {row: _origin(origin) for row, origin in rows.items()}
+        for style, rows in plain.pop("style_origins").items()
+    }
     notations = {
         name: {label: tuple((p, s) for p, s in value) for label, value in table.items()}
         for name, table in plain.pop("notations").items()
@@ -210,9 +214,17 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
     return Compiled(
         **rest,
         origins=tuple(origins),
+        style_origins=styles,
         notations=notations,
         words=words,
         tables=tables,
         motion=Motion(**head["motion"]),
         report=Report(**report),
     )
+
+
+def _origin(plain: Any) -> "Origin":
+    from lipsync_lang.resolver.compiled import Origin
+
+    pair, layer, status, places, word = plain
+    return Origin((pair[0], pair[1]), layer, status, tuple(places), word)

@@ -2,20 +2,24 @@
 
 from collections import Counter
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lipsync_lang.banks.draft import shape
 from lipsync_lang.packs.faults import Fault, shown
-from lipsync_lang.pipeline.arrays import Floats, Singles
+from lipsync_lang.packs.rig_channels import pose_names
+from lipsync_lang.pipeline.arrays import Bools, Floats, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
-from lipsync_lang.resolver.layers import Row, Shelf
+from lipsync_lang.resolver.layers import NEUTRAL, Row, Shelf
 from lipsync_lang.resolver.manner import manner_of, tables_of
 from lipsync_lang.resolver.nearest import plain_among
+from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
 
 if TYPE_CHECKING:
@@ -32,16 +36,20 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
     for number, row in enumerate(rows, start=1):
         a, b = (shelf.phonemes.index(p) for p in row.origin.pair)
         pairs[a, b] = number if row.origin.layer != "gap" else 0
+    curves = _tabulate(rows, len(shelf.poses))
+    boundary, free = _marks(rows)
+    styles = {style: _styled(shelf, rows, style) for style in shelf.styles}
     tables = Tables(
-        curves=_tabulate(rows, len(shelf.poses)),
-        boundary=np.array([0.5, *(r.boundary for r in rows)]),
-        free=np.array([False, *(r.free for r in rows)]),
+        curves=curves,
+        boundary=boundary,
+        free=free,
         pairs=pairs,
         silence=0,
         contacts=tuple(shelf.contacts()),
         thresholds=shelf.thresholds(),
         priority=shelf.priority(),
         at_most=tuple(shelf.at_most()),
+        styles=tuple(_bank(changed, curves) for changed in styles.values()),
     )
     model = spoken.model
     manner = manner_of(spoken, common.model, who.model)
@@ -60,12 +68,25 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         ),
         origins=(Origin(("", ""), "gap", "", ()), *(r.origin for r in rows)),
         contact_names=tuple(poseset.model.contacts),
+        style_origins={
+            style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
+            for style, changed in styles.items()
+        },
+        regions=_regions(poseset.model),
+        delivery=_delivery(who.model),
+        line_deliveries={name: _delivery(line) for name, line in who.model.lines.items()},
         tables=tables,
         motion=_motion(poseset.model.motion, who.model.motion),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
-        report=_report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
+        report=replace(
+            _report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
+            styles={style: _statuses(changed) for style, changed in styles.items()},
+        ),
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
+        rig=plain_rig(library, who, poseset),
+        pose_names=pose_names(poseset.model),
+        model=model_file(who, poseset),
     )
 
 
@@ -88,14 +109,65 @@ def _tabulate(rows: list[Row], poses: int) -> Singles:
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
     alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
+    drafted: list[tuple[int, int, Floats]] = []
     for number, row in enumerate(rows, start=1):
         for pose, points in row.curves.items():
-            alike.setdefault((len(points), row.linear), []).append((number, pose, points))
+            kept = drafted if row.drafted else alike.setdefault((len(points), row.linear), [])
+            kept.append((number, pose, points))
+    if drafted:  # all have the same control times, so that one look at these is enough
+        values = np.stack([points[:, 1] for _, _, points in drafted])
+        _put(out, drafted, values @ shape(at))
     for (_, linear), curves in alike.items():
         points = np.stack([control for _, _, control in curves])
-        sampled = (polyline if linear else bspline)(points, at).clip(0, 1)
-        out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled
+        _put(out, curves, (polyline if linear else bspline)(points, at))
     return out
+
+
+def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -> None:
+    out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled.clip(0, 1)
+
+
+def _styled(shelf: Shelf, rows: list[Row], style: str) -> list[Row]:
+    """Return the rows of a style: those that no bank of it changes are neutral's own."""
+    found = (shelf.authored(row.origin.pair, style) for row in rows)
+    return [
+        one if one is not None and one.style == style else row
+        for one, row in zip(found, rows, strict=True)
+    ]
+
+
+def _bank(rows: list[Row], neutral: Singles) -> Bank:
+    """Tabulate the rows of a style over those of neutral."""
+    own = [number for number, row in enumerate(rows, 1) if row.style != NEUTRAL]
+    curves = neutral.copy()
+    curves[own] = _tabulate([rows[number - 1] for number in own], neutral.shape[2])[1:]
+    return Bank(curves, *_marks(rows))
+
+
+def _statuses(rows: list[Row]) -> dict[str, int]:
+    """Count the bigrams that banks of a style state."""
+    return dict(sorted(Counter(r.origin.status for r in rows if r.style != NEUTRAL).items()))
+
+
+def _marks(rows: list[Row]) -> tuple[Floats, Bools]:
+    """Return every row's boundary and waiver, row 0 at rest."""
+    boundary = np.array([0.5, *(row.boundary for row in rows)])
+    return boundary, np.array([False, *(row.free for row in rows)])
+
+
+def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
+    """Return the poses of each region, by number."""
+    regions: dict[str, list[int]] = {}
+    for number, pose in enumerate(poseset.poses.values()):
+        if pose.region:
+            regions.setdefault(pose.region, []).append(number)
+    return regions
+
+
+def _delivery(manner: "models.Delivery") -> dict[str, Any]:
+    """Return how a line is spoken, as plain data."""
+    plain: dict[str, Any] = _plain({"styles": manner.styles, "dials": manner.dials})
+    return plain
 
 
 ENOUGH = 0.9

@@ -1,6 +1,6 @@
 """What resolving gives: tables and names as plain data, and a report of where they came from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from lipsync_lang.phonology.labels import Value
@@ -49,6 +49,8 @@ class Report:
     automatic: bool = False
     """Whether labels that no notation maps go to the nearest common phonemes by features."""
     warnings: tuple[str, ...] = ()
+    styles: dict[str, dict[str, int]] = field(default_factory=dict)
+    """Bigrams of each style by status, silence included; all others are neutral's."""
 
     def __str__(self) -> str:
         total = self.shared + self.extra
@@ -65,6 +67,9 @@ class Report:
         ]
         if self.automatic:
             lines.insert(1, "automatic: IPA that no pack maps goes to the nearest by features")
+        for style, statuses in self.styles.items():
+            told = ", ".join(f"{number} {status}" for status, number in statuses.items())
+            lines.append(f"style {style}: {told}; the rest is neutral")
         if self.gaps:
             lines.append(f"gaps: {', '.join(self.gaps)}")
         return "\n".join([*lines, *self.warnings])
@@ -98,6 +103,14 @@ class Compiled:
     origins: tuple[Origin, ...]
     """One for each table row; that of row 0, rest, is empty."""
     contact_names: tuple[str, ...]
+    style_origins: dict[str, dict[str, Origin]]
+    """For each style, in the order of the tables, where the rows come from that it changes."""
+    regions: dict[str, list[int]]
+    """The numbers of the poses of each region."""
+    delivery: dict[str, Any]
+    """How the character speaks: points of `styles` and `dials`, by name."""
+    line_deliveries: dict[str, dict[str, Any]]
+    """Likewise for each line that has a manner of its own."""
     tables: Tables
     motion: Motion
     measures: dict[str, dict[str, float]]
@@ -107,3 +120,9 @@ class Compiled:
     each phoneme names, as JSON holds them."""
     manner: dict[str, Any]
     """How the language's text is read and spoken: a `Manner`, as JSON holds it."""
+    rig: dict[str, Any] | None
+    """What drives the character's model: channels and what each is, as JSON holds them."""
+    pose_names: dict[str, list[str]]
+    """How models spell each pose otherwise."""
+    model: str | None
+    """The model file, in full."""

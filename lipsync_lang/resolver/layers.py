@@ -12,6 +12,7 @@ import numpy as np
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs import checks
 from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.known import known
 from lipsync_lang.packs.models import AtMost, Threshold
 from lipsync_lang.packs.validate import validate
 from lipsync_lang.pipeline.arrays import Floats
@@ -22,6 +23,10 @@ from lipsync_lang.resolver.compiled import Origin, Pair
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library, Pack, Place
+
+
+NEUTRAL = "neutral"
+"""The style of a bank that names none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +41,9 @@ class Row:
     free: bool = False
     place: "Place | None" = None
     """Where a bank states it."""
+    style: str = NEUTRAL
+    drafted: bool = False
+    """Whether its control times are those of every draft."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,21 +87,24 @@ class Shelf:
     def refuse_faults(self) -> None:
         """Raise every fault that keeps these packs from being performed together.
 
-        Phonemes that this pair does not know may well be another language's.
+        Phonemes that this pair does not know may well be another language's, but must be some.
         """
         common, poseset = self.common.model, self.poseset.model
         rigs = {path.stem for path in self.library.rigs_of(poseset.name)}
         spoken = {found.name for found in self.library.names("language")}
-        strict = [
+        phonemes = known(self.library, {*common.phonemes, *self.phonemes})
+        found = [
             *checks.check_phonemes(self.common),
             *checks.check_language(self.language, common),
+            *checks.check_poseset(self.poseset, phonemes),
         ]
-        lenient = [*checks.check_poseset(self.poseset, self.phonemes)]
         for bank in (*self.banks, *self.own_banks):
-            lenient += checks.check_bank(bank, poseset, self.phonemes, spoken)
+            found += checks.check_bank(bank, poseset, phonemes, spoken)
         if self.character.path != self.poseset.path:
-            lenient += checks.check_character(self.character, poseset, self.phonemes, rigs, spoken)
-        found = [*strict, *(f for f in lenient if f.code != "P202")]
+            styles = {bank.model.style for bank in (*self.banks, *self.own_banks)}
+            found += checks.check_character(
+                self.character, poseset, phonemes, rigs=rigs, languages=spoken, styles=styles
+            )
         faults = [f for f in found if f.severity == "fault"]
         if faults:
             raise PackFaults(sorted(set(faults)))
@@ -123,28 +134,45 @@ class Shelf:
         return found
 
     @cached_property
-    def layers(self) -> dict[str, dict[Pair, Row]]:
-        """Bigrams of the first three layers; within a layer the earlier file wins."""
+    def layers(self) -> dict[str, dict[str, dict[Pair, Row]]]:
+        """Bigrams of the first three layers, by style; within both the earlier file wins."""
         own = self.character
-        character = dict(self._bank_rows("character", own, own.model.bigrams, linear=False))
-        for bank in self.own_banks:
-            character = {**dict(self._pack_rows("character", bank)), **character}
-        layers: dict[str, dict[Pair, Row]] = {"character": character, "language": {}, "shared": {}}
-        for bank in self.banks:
-            if bank.model.style != "neutral":
-                continue
-            spoken = bank.model.language
-            if spoken is None or spoken in self.language.lineage:
-                layer = "shared" if spoken is None else "language"
-                layers[layer] = {**dict(self._pack_rows(layer, bank)), **layers[layer]}
+        rows = self._bank_rows("character", own, own.model.bigrams, linear=False)
+        layers: dict[str, dict[str, dict[Pair, Row]]] = {
+            "character": {NEUTRAL: dict(rows)},
+            "language": {},
+            "shared": {},
+        }
+        for bank in (*self.own_banks, *self.banks):
+            layer = "character" if bank in self.own_banks else "shared"
+            if layer == "shared" and bank.model.language is not None:
+                if bank.model.language not in self.language.lineage:
+                    continue
+                layer = "language"
+            known = layers[layer].setdefault(bank.model.style, {})
+            for pair, row in self._pack_rows(layer, bank):
+                known.setdefault(pair, row)
         return layers
+
+    @property
+    def styles(self) -> tuple[str, ...]:
+        """The styles that some bank of this pair has, neutral aside."""
+        found = {style for layer in self.layers.values() for style in layer}
+        return tuple(sorted(found - {NEUTRAL}))
 
     def _pack_rows(self, layer: str, bank: "Pack[models.Bank]") -> Iterator[tuple[Pair, Row]]:
         linear = bank.model.interpolation == "linear"
-        return self._bank_rows(layer, bank, bank.model.bigrams, linear=linear)
+        bigrams, style = bank.model.bigrams, bank.model.style
+        return self._bank_rows(layer, bank, bigrams, linear=linear, style=style)
 
     def _bank_rows(
-        self, layer: str, pack: "Pack[Any]", bigrams: "Mapping[str, models.Bigram]", *, linear: bool
+        self,
+        layer: str,
+        pack: "Pack[Any]",
+        bigrams: "Mapping[str, models.Bigram]",
+        *,
+        linear: bool,
+        style: str = NEUTRAL,
     ) -> Iterator[tuple[Pair, Row]]:
         for key, bigram in bigrams.items():
             first, second = key.split("-")
@@ -156,7 +184,8 @@ class Shelf:
             }
             straight = bigram.interpolation == "linear" or (linear and not bigram.interpolation)
             free = bigram.contact == "free"
-            yield (first, second), Row(origin, curves, straight, bigram.boundary, free, place)
+            row = Row(origin, curves, straight, bigram.boundary, free, place, style)
+            yield (first, second), row
 
     def rows(self) -> Iterator[Row]:
         """Answer every ordered pair, in the order of the phonemes."""
@@ -172,19 +201,24 @@ class Shelf:
         silence = self.common.model.silence
         return [(a, b) for a in self.phonemes for b in self.phonemes if {a, b} != {silence}]
 
-    def authored(self, pair: Pair) -> Row | None:
-        """Return what a bank says of a pair, or of the pair it is like."""
-        for layer in self.layers.values():
-            if pair in layer:
-                return layer[pair]
+    def authored(self, pair: Pair, style: str = NEUTRAL) -> Row | None:
+        """Return what a bank says of a pair, or of the pair it is like.
+
+        Within a layer the style comes first, then neutral.
+        """
+        row = self._stated(pair, style)
+        if row is not None:
+            return row
         likes = self.likes()
         alike = (likes.get(pair[0], pair[0]), likes.get(pair[1], pair[1]))
-        if alike == pair:
-            return None
+        row = self._stated(alike, style) if alike != pair else None
+        return row and replace(row, origin=row.origin._replace(pair=pair, layer="like"))
+
+    def _stated(self, pair: Pair, style: str) -> Row | None:
         for layer in self.layers.values():
-            if alike in layer:
-                row = layer[alike]
-                return replace(row, origin=row.origin._replace(pair=pair, layer="like"))
+            for manner in dict.fromkeys((style, NEUTRAL)):
+                if pair in layer.get(manner, ()):
+                    return layer[manner][pair]
         return None
 
     def drafts(self, pairs: list[Pair]) -> dict[Pair, Row]:
@@ -199,7 +233,7 @@ class Shelf:
             places = tuple(targets[p][1] for p in pair if targets[p][1])
             moving = np.flatnonzero(poses.any(axis=1))
             curves = {int(pose): np.column_stack((TIMES, poses[pose])) for pose in moving}
-            drafts[pair] = Row(Origin(pair, "draft", "drafted", places), curves)
+            drafts[pair] = Row(Origin(pair, "draft", "drafted", places), curves, drafted=True)
         return drafts
 
     def _targets(self) -> dict[str, tuple[Target, str]]:

@@ -7,8 +7,13 @@ from typing import Any, get_args, get_type_hints
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 
-RANGES = {"speed_limit": (1e-3, 1e6), "window": (0.0, 10.0), "silence_reach": (0.0, 10.0)}
-"""Least and greatest of each setting that is a number: weight per second, seconds, seconds."""
+RANGES = {
+    "speed_limit": (1e-3, 1e6),
+    "window": (0.0, 10.0),
+    "silence_reach": (0.0, 10.0),
+    "hold": (0.0, 10.0),
+}
+"""Least and greatest of each setting that is a number: weight per second, or seconds."""
 
 
 def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Motion:

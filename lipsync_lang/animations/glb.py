@@ -1,0 +1,298 @@
+"""The performance within the model itself, for browsers, games and 3D programs.
+
+What the model's file holds stays as it is: the animation is added at the end of its lists and
+of its binary data. So the file's JSON is worked on as such; a library that knows the fields of
+glTF loses those that it does not know.
+
+glTF has no time below zero: where the mouth moves before the sound, all times are shifted, and
+`audio_start` in the animation's extras says when the sound begins.
+"""
+
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from pathlib import Path
+from textwrap import shorten
+from typing import BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.registry import binary_writer
+from lipsync_lang.errors import OutputError
+from lipsync_lang.rigs.container import (
+    BINARY_CHUNK,
+    JSON_CHUNK,
+    Json,
+    binary_of,
+    fail,
+    has_binary,
+    read_chunk,
+    write_parts,
+)
+from lipsync_lang.rigs.model import Mesh, Model, numbers, read_model, some
+from lipsync_lang.rigs.names import on_mesh
+from lipsync_lang.rigs.transforms import parts, product, turns
+
+Floats = npt.NDArray[np.float64]
+
+FLOAT = 5126
+TINY = 1e-6
+IDENTITY = (0.0, 0.0, 0.0, 1.0)
+
+
+def unplaced(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what of an animation a model does not show, and what is doubtful."""
+    if animation.model is None:
+        return
+    channels = _channels(animation)
+    model = _model(animation.model, channels)
+    placed = [on_mesh(channels, mesh) for mesh in model.meshes]
+    shown = {number for one in placed for number in one.shapes}
+    moved = np.abs(animation.weights).max(axis=0, initial=0.0) > 0
+    lost = [
+        channel.node or channel.name
+        for number, channel in enumerate(channels)
+        if number not in shown and channel.node not in model.nodes and moved[number]
+    ]
+    if lost:
+        yield f"{model.path} has nothing for {', '.join(lost)}"
+    yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
+
+
+def _channels(animation: Animation) -> tuple[Channel, ...]:
+    return animation.channels or tuple(map(Channel, animation.poses))
+
+
+def _model(path: Path, channels: Sequence[Channel]) -> Model:
+    return read_model(path, bones=any(channel.node is not None for channel in channels))
+
+
+@binary_writer("glb", suffix=".glb", remarks=unplaced)
+def write_glb(animation: Animation, out: BinaryIO) -> None:
+    """The character's 3D model with the animation added, all else in it kept."""
+    if animation.model is None:
+        raise OutputError(
+            "there is no model to move; name one with --model FILE, or `model:` in the character"
+        )
+    channels = _channels(animation)
+    model = _model(animation.model, channels)
+    start = max(0.0, -float(animation.times[0]))
+    times = (animation.times + start).astype("<f4")
+    frames = np.append(True, np.diff(times) > 0)
+    take = _Take(model, times[frames])
+    _move_shapes(take, channels, animation.weights[frames])
+    _move_nodes(take, channels, animation.weights[frames])
+    if not take.channels:
+        raise _nothing_moves(model, channels)
+    take.finish(_name(animation), {"audio_start": round(start, 6)})
+    _write(out, take)
+
+
+class _Take:
+    """An animation that is being added to a model: rows of its JSON, and binary data."""
+
+    def __init__(self, model: Model, times: npt.NDArray[np.float32]) -> None:
+        self.model = model
+        self.document = dict(model.document)
+        self.binary = binary_of(model.path, model.document, model.chunks)
+        self.data: list[bytes] = []
+        self.samplers: list[Json] = []
+        self.channels: list[Json] = []
+        bounds = {"min": [float(times[0])], "max": [float(times[-1])]}
+        self._accessors = [self._accessor("SCALAR", times) | bounds]
+
+    def _accessor(self, kind: str, values: npt.NDArray[np.float32]) -> Json:
+        """Add values to the binary data, and return what describes them."""
+        offset = sum(map(len, self.data))
+        self.data.append(values.astype("<f4").tobytes())
+        count = values.size if kind == "SCALAR" else len(values)
+        view = len(self.document.get("bufferViews", ()))
+        place = {"bufferView": view, "byteOffset": offset}
+        return {**place, "componentType": FLOAT, "count": count, "type": kind}
+
+    def sample(self, kind: str, values: Floats) -> int:
+        """Add values for every time; return the number of their sampler."""
+        first = len(self.document.get("accessors", ()))
+        output = first + len(self._accessors)
+        self._accessors.append(self._accessor(kind, values.astype(np.float32)))
+        self.samplers.append({"input": first, "output": output, "interpolation": "LINEAR"})
+        return len(self.samplers) - 1
+
+    def drive(self, node: int, path: str, sampler: int) -> None:
+        """Let a sampler drive a property of a node."""
+        self.channels.append({"sampler": sampler, "target": {"node": node, "path": path}})
+
+    def replace_node(self, number: int, node: Json) -> None:
+        """Put a node in the place of another."""
+        nodes = list(self.document["nodes"])
+        nodes[number] = node
+        self.document["nodes"] = nodes
+
+    def finish(self, name: str, extras: Json) -> None:
+        """Add to the model's lists what was gathered."""
+        self.data.insert(0, b"\0" * (-len(self.binary) % 4))
+        start = len(self.binary) + len(self.data[0])
+        length = sum(map(len, self.data[1:]))
+        view = {"buffer": 0, "byteOffset": start, "byteLength": length}
+        first, *others = self.document.get("buffers") or [{}]
+        kept = {key: value for key, value in first.items() if key != "uri"}
+        self.document["buffers"] = [kept | {"byteLength": start + length}, *others]
+        animation = {"name": self._unused(name), "channels": self.channels}
+        self._append("bufferViews", view)
+        self._append("accessors", *self._accessors)
+        self._append("animations", animation | {"samplers": self.samplers, "extras": extras})
+
+    def _append(self, name: str, *rows: Json) -> None:
+        self.document[name] = [*self.document.get(name, ()), *rows]
+
+    def _unused(self, name: str) -> str:
+        taken = [row.get("name") for row in self.document.get("animations", ())]
+        number, free = 1, name
+        while free in taken:
+            number += 1
+            free = f"{name} {number}"
+        return free
+
+
+def _name(animation: Animation) -> str:
+    """Return what the animation is called: its words, or the file they came from."""
+    source = Path(animation.schedule.source)
+    words = " ".join(word.text for word in animation.schedule.words)
+    return shorten(words, 60, placeholder=" ...") or (source.stem if source.suffix else "lipsync")
+
+
+# Morph targets
+
+
+def _move_shapes(take: _Take, channels: Sequence[Channel], values: Floats) -> None:
+    """Drive the weights of every node that shows a mesh with a shape that is found."""
+    driven = {mesh.number: _columns(mesh, channels) for mesh in take.model.meshes}
+    samplers: dict[tuple[int, tuple[float, ...]], int] = {}
+    for number, mesh, rest in _shown(take.model):
+        columns, key = driven[mesh.number], (mesh.number, rest)
+        if columns and key not in samplers:
+            samplers[key] = take.sample("SCALAR", _weights(rest, columns, values))
+        if columns:
+            take.drive(number, "weights", samplers[key])
+
+
+def _shown(model: Model) -> Iterator[tuple[int, Mesh, tuple[float, ...]]]:
+    """Yield the nodes that show a mesh with morph targets, and their weights at rest."""
+    meshes = {mesh.number: mesh for mesh in model.meshes}
+    for number, node in enumerate(model.document.get("nodes", ())):
+        mesh = meshes.get(node.get("mesh", -1))
+        if mesh is not None:
+            rest = node.get("weights", [*mesh.rest])
+            yield (
+                number,
+                mesh,
+                numbers(model.path, f"weights of node {number}", rest, len(mesh.rest)),
+            )
+
+
+def _columns(mesh: Mesh, channels: Sequence[Channel]) -> dict[int, list[int]]:
+    """Return which columns drive each morph target of a mesh."""
+    columns: dict[int, list[int]] = defaultdict(list)
+    for column, shapes in on_mesh(channels, mesh).shapes.items():
+        for shape in shapes:
+            columns[mesh.shapes.index(shape)].append(column)
+    return columns
+
+
+def _weights(rest: tuple[float, ...], columns: dict[int, list[int]], values: Floats) -> Floats:
+    """Return the (T, n) weights of a mesh; of two columns for one target, the larger counts."""
+    weights = np.tile(np.array(rest), (len(values), 1))
+    for target, sources in columns.items():
+        weights[:, target] = values[:, sources].max(axis=1)
+    return weights
+
+
+# Nodes
+
+
+def _move_nodes(take: _Take, channels: Sequence[Channel], values: Floats) -> None:
+    """Turn and move the nodes that channels name, from where they rest."""
+    moves: dict[str, list[tuple[Channel, Floats]]] = defaultdict(list)
+    for column, channel in enumerate(channels):
+        if channel.node is not None:
+            moves[channel.node].append((channel, values[:, column]))
+    for number, node in enumerate(take.model.document.get("nodes", ())):
+        mine = moves.get(node.get("name", ""))
+        if mine:
+            _move_node(take, number, mine)
+
+
+def _move_node(take: _Take, number: int, moves: list[tuple[Channel, Floats]]) -> None:
+    path, node = take.model.path, take.model.document["nodes"][number]
+    what = f"node '{node['name']}'"
+    node = _parted(path, what, node)
+    take.replace_node(number, node)
+    rotations = [_turned(c, v) for c, v in moves if c.rotation is not None]
+    if rotations:
+        rest = numbers(path, f"rotation of {what}", node.get("rotation", [*IDENTITY]), 4)
+        length = float(np.linalg.norm(rest))
+        if length < TINY:
+            fail(path, f"rotation of {what}: is 0 throughout")
+        values = reduce(product, rotations, np.array([rest]) / length)
+        take.drive(number, "rotation", take.sample("VEC4", values))
+    shifts = [np.outer(v, c.translation) for c, v in moves if c.translation is not None]
+    if shifts:
+        rest = numbers(path, f"translation of {what}", node.get("translation", [0.0] * 3), 3)
+        take.drive(number, "translation", take.sample("VEC3", np.array(rest) + sum(shifts)))
+
+
+def _turned(channel: Channel, degrees: Floats) -> Floats:
+    axis = np.array(channel.rotation, dtype=np.float64)
+    if not axis.any():
+        raise OutputError(
+            f"'{channel.name}': a rotation about (0, 0, 0) turns nothing; give it an axis, "
+            "as (1, 0, 0)"
+        )
+    return turns(axis, degrees)
+
+
+def _parted(path: Path, what: str, node: Json) -> Json:
+    """Return a node whose matrix is parted into what an animation can drive."""
+    if "matrix" not in node:
+        return node
+    found = parts(np.reshape(numbers(path, f"matrix of {what}", node["matrix"], 16), (4, 4)))
+    if found is None:
+        mend = "apply its transform in your 3D program and export the model again"
+        fail(path, f"{what} is sheared or flat, so nothing can turn or move it", mend)
+    own = {name: part.tolist() for name, part in found._asdict().items()}
+    return {key: value for key, value in node.items() if key != "matrix"} | own
+
+
+# The file
+
+
+def _write(out: BinaryIO, take: _Take) -> None:
+    model = take.model
+    try:
+        text = json.dumps(take.document, ensure_ascii=False, separators=(",", ":"))
+    except RecursionError:
+        fail(model.path, "its JSON is nested too deep for a model")
+    encoded = text.encode("utf-8", "backslashreplace")
+    others = model.chunks[has_binary(model.chunks) :]
+    chunks: list[tuple[int, list[bytes]]] = [
+        (JSON_CHUNK, [encoded, b" " * (-len(encoded) % 4)]),
+        (BINARY_CHUNK, [take.binary, *take.data]),
+        *(
+            (chunk.kind, [read_chunk(model.path, chunk), b"\0" * (-chunk.length % 4)])
+            for chunk in others
+        ),
+    ]
+    write_parts(out, chunks)
+
+
+def _nothing_moves(model: Model, channels: Sequence[Channel]) -> OutputError:
+    wanted = [channel.node or channel.name for channel in channels]
+    shapes = dict.fromkeys(shape for names in model.shapes.values() for shape in names)
+    return OutputError(
+        f"{model.path}: nothing in it is called as the animation's poses are: it has "
+        f"{some(shapes)}; the poses are {some(wanted)}. Give the character a rig that says which "
+        "pose moves what (`lipsync-lang characters new` drafts one)"
+    )

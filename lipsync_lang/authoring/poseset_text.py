@@ -1,0 +1,184 @@
+"""A pose set as text: commented, and short enough to be read at once."""
+
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from textwrap import wrap
+
+from lipsync_lang.packs.conflicts import FREE
+from lipsync_lang.packs.models import Contact, Phonemes, PoseSet, Target
+
+LINES = 60
+"""A draft is no longer; of many poses, several share a line."""
+
+WIDTH = 100
+"""Characters of a line that goes on in the next."""
+
+_PLAIN = re.compile(r"[^\W\d][\w.]*(-[\w.]+)*")
+_SPACED = re.compile(r"[^\W\d]\w*( [\w()/'-]+)+")
+_WORDS = {"true", "false", "null"}
+
+
+def laid_out(
+    model: PoseSet, common: Phonemes, why: Mapping[str, str], left: Sequence[str] = ()
+) -> str:
+    """Write a pose set out as its author would: at length, or as shortly as it takes.
+
+    Parameters
+    ----------
+    common : what the sounds are called
+    why : a comment for each pose that wants one; under "" one for all
+    left : names that are no poses yet
+    """
+    lines: list[str] = []
+    for packed, dense in ((False, False), (True, False), (True, True)):
+        lines = [*_lines(model, common, why, left, packed=packed)]
+        lines = [line for line in lines if line or not dense]
+        if len(lines) <= LINES:
+            break
+    return "\n".join(lines) + "\n"
+
+
+def scalar(text: str) -> str:
+    """Return text as YAML reads it back."""
+    if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
+        return text
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _lines(
+    model: PoseSet,
+    common: Phonemes,
+    why: Mapping[str, str],
+    left: Sequence[str],
+    *,
+    packed: bool,
+) -> Iterator[str]:
+    name = model.name
+    yield f"# {model.title}: a draft. It runs as it is:"
+    yield f"#   lipsync-lang run 'Hello' -l LANGUAGE -c {name} --plot {name}.png"
+    yield from (f"# {line}" for line in wrap(why[""], WIDTH - 2))
+    yield "kind: poseset"
+    yield "format: 1"
+    yield f"name: {name}"
+    yield f"title: {_flow(model.title)}"
+    if model.model is not None:
+        yield f"model: {scalar(model.model)}"
+    yield ""
+    yield from _poses(model, why, packed=packed)
+    if left:
+        yield "# not moved yet; what is to speak goes above, and into the targets:"
+        yield from _wrapped("#   ", map(scalar, left), "")
+    yield ""
+    yield from _constraints(model, packed=packed)
+    yield ""
+    yield "# What must be seen, at any speed: poses that rise to a floor, or stay below a ceiling"
+    yield from _contacts(model.contacts)
+    yield ""
+    yield "# Weight per second that no pose passes, and other settings of how things move"
+    yield f"motion: {_flow(model.motion.model_dump(exclude_none=True))}"
+    yield ""
+    yield "# How each pose stands at each sound, from 0 to 1. A pose that is not named rests."
+    yield "targets:"
+    yield from _targets(model, common, packed=packed)
+    if model.measures:
+        yield ""
+        yield "# Read-outs for quality reports: sums of gain times pose"
+        yield "measures:"
+        yield from (f"  {scalar(k)}: {_flow(gains)}" for k, gains in model.measures.items())
+
+
+def _targets(model: PoseSet, common: Phonemes, *, packed: bool) -> Iterator[str]:
+    entries = {label: f"  {label + ':':<4} {_steps(s)}" for label, s in model.targets.items()}
+    width = min(40, max(map(len, entries.values()), default=0))
+    for label, entry in entries.items():
+        told = common.phonemes[label].title if label in common.phonemes and not packed else ""
+        yield f"{entry:<{width}}   # {told}" if told else entry
+
+
+def _poses(model: PoseSet, why: Mapping[str, str], *, packed: bool) -> Iterator[str]:
+    if packed:
+        told = (f"{scalar(n)}: {_flow(_stated(region=p.region))}" for n, p in model.poses.items())
+        yield from _wrapped("poses: {", told, "}")
+        return
+    yield "poses:"
+    width = max(len(scalar(name)) for name in model.poses) + 1
+    for name, pose in model.poses.items():
+        stated = _flow(_stated(title=pose.title, region=pose.region))
+        entry = f"  {scalar(name) + ':':<{width}} {stated}"
+        yield f"{entry}   # {why[name]}" if name in why else entry
+
+
+def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
+    """Write what makes way for what, or an example that a person may take the `#` from."""
+    stated = model.constraints
+    pairs = [_flow(pair.model_dump()) for pair in stated.pairs]
+    binds = stated.default < FREE
+    yield "# Two poses that must not be seen together: at most so much of both; who yields, first"
+    if not pairs and not binds:
+        some = [*model.poses, *model.poses][:2]
+        yield f"# constraints: {{pairs: [{{between: {_list(some)}, threshold: 1}}]}}"
+        yield f"# priority: {_list(some[:1])}"
+        return
+    yield "constraints:"
+    if binds:
+        yield f"  default: {stated.default:g}"
+    if pairs and packed:
+        yield from _wrapped("  pairs: [", pairs, "]")
+    elif pairs:
+        yield "  pairs:"
+        yield from (f"    - {pair}" for pair in pairs)
+    if model.priority:
+        yield from _wrapped("priority: [", map(scalar, model.priority), "]")
+
+
+def _contacts(contacts: Mapping[str, Contact]) -> Iterator[str]:
+    yield "contacts:" if contacts else "contacts: {}"
+    for name, contact in contacts.items():
+        parts = {"floor": contact.floor, "ceiling": contact.ceiling}
+        held = "".join(f", {part}: {_flow(poses)}" for part, poses in parts.items() if poses)
+        yield f"  {scalar(name)}: {{phonemes: {_list(contact.phonemes)}{held}}}"
+
+
+def _steps(steps: Sequence[Target]) -> str:
+    told = [_target(step) for step in steps]
+    return told[0] if len(told) == 1 else f"[{', '.join(told)}]"
+
+
+def _target(target: Target) -> str:
+    insisting = target.dominance or target.overall
+    dominance = {} if insisting in ({}, None) else {"dominance": insisting}
+    return _flow({**target.weights, **dominance})
+
+
+def _stated(**fields: str) -> dict[str, str]:
+    return {field: text for field, text in fields.items() if text}
+
+
+def _list(names: Iterable[str]) -> str:
+    return f"[{', '.join(map(scalar, names))}]"
+
+
+def _flow(value: object) -> str:
+    """Return plain data as YAML writes it on one line."""
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{scalar(key)}: {_flow(inner)}' for key, inner in value.items())}}}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_flow, value))}]"
+    if isinstance(value, str):
+        return scalar(value) if not _SPACED.fullmatch(value) else value
+    return f"{value:g}" if isinstance(value, float) else json.dumps(value)
+
+
+def _wrapped(head: str, items: Iterable[str], end: str) -> Iterator[str]:
+    """Write items in lines of their own that go on below the head."""
+    line, indent = head, "#   " if head.startswith("#") else " " * len(head)
+    told = list(items)
+    for number, item in enumerate(told):
+        last = number == len(told) - 1
+        more = item + (end if last else ", ")
+        if len(line) + len(more) > WIDTH and line.strip(" #"):
+            yield line.rstrip()
+            line = indent
+        line += more
+    yield line

@@ -1,0 +1,159 @@
+"""A rig drafted for one model: the shapes and bones that it has, under its own names."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+from lipsync_lang.authoring.poseset_text import WIDTH, scalar
+from lipsync_lang.packs.braces import expanded
+from lipsync_lang.packs.models import Channel, PoseSet, Rig
+from lipsync_lang.packs.rig_channels import channels_of
+from lipsync_lang.rigs.names import folded
+
+if TYPE_CHECKING:
+    from lipsync_lang.rigs.model import Model
+    from lipsync_lang.rigs.recognise import Match
+
+ABSENT = "the model has no shape for it"
+"""Why a pose is lost."""
+
+TURN = 15
+"""Degrees of a bone, as an example."""
+
+_SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), ("l", "r"))
+
+
+def drafted(name: str, title: str, match: "Match", poseset: PoseSet, rig: Rig | None) -> Rig:
+    """Draft a rig of the channels that a model has.
+
+    Parameters
+    ----------
+    match : what was found, of the poses themselves or of a rig's channels
+    rig : that rig
+    """
+    own = {pose: Channel(gains={pose: 1}) for pose in poseset.poses}
+    channels = own if rig is None else channels_of(rig)
+    found = dict(_channels(match, channels))
+    shown = {pose for one in found.values() for pose, gain in one.gains.items() if gain}
+    known = rig.lost if rig is not None else {}
+    lost = {pose: known.get(pose, ABSENT) for pose in poseset.poses if pose not in shown}
+    return Rig(
+        kind="rig",
+        format=1,
+        name=name,
+        title=title,
+        poseset=poseset.name,
+        channels=_paired(found),
+        lost={**{pose: why for pose, why in known.items() if pose in poseset.poses}, **lost},
+    )
+
+
+def _channels(match: "Match", channels: Mapping[str, Channel]) -> Iterator[tuple[str, Channel]]:
+    """Yield every shape that is driven, and each bone under its channel's name."""
+    found = match.found.places
+    places = {n: (n,) if channels[n].node is not None else own for n, own in found.items()}
+    for name, channel in channels.items():
+        for number, shape in enumerate(filter(_plain, places.get(name, ()))):
+            sharing = [channels[other].gains for other in match.found.shared.get(shape, (name,))]
+            poses = dict.fromkeys(pose for gains in sharing for pose in gains)
+            gains = {p: sum(g.get(p, 0) for g in sharing) / len(sharing) for p in poses}
+            limit = _limit(places, channel.at_most, number)
+            yield shape, channel.model_copy(update={"gains": gains, "at_most": limit})
+
+
+def _plain(shape: str) -> bool:
+    """Tell whether a shape can be a channel: braces in its name would stand for several."""
+    return expanded(shape) == (shape,)
+
+
+def _limit(places: Mapping[str, Sequence[str]], name: str | None, number: int) -> str | None:
+    """Return what a shape never passes, under the model's names."""
+    shapes = places.get(name, ()) if name is not None else ()
+    return shapes[min(number, len(shapes) - 1)] if shapes else None
+
+
+def _paired(channels: Mapping[str, Channel]) -> dict[str, Channel]:
+    """State the two sides of what is driven alike at once."""
+    made: dict[str, Channel] = {}
+    done: set[str] = set()
+    for name, channel in channels.items():
+        if name not in done:
+            alike = (one for one in _braced(name) if _same(channels, one))
+            key = next(alike, name)
+            made[key] = channel
+            done.update(expanded(key))
+    return made
+
+
+def _same(channels: Mapping[str, Channel], braced: str) -> bool:
+    one, other = map(channels.get, expanded(braced))
+    return one is not None and one == other
+
+
+def _braced(name: str) -> Iterator[str]:
+    """Yield what may stand for a name and its like of the other side."""
+    for pair in _SIDES:
+        for side in pair:
+            start, found, end = name.rpartition(side)
+            braced = f"{start}{{{','.join(pair)}}}{end}"
+            if found and expanded(braced) == tuple(start + one + end for one in pair):
+                yield braced
+
+
+# The text
+
+
+def laid_out(rig: Rig, model: "Model", match: "Match", poseset: PoseSet) -> str:
+    """Write a drafted rig out, with what is left to a person in comments."""
+    return "\n".join(_lines(rig, model, match, poseset)) + "\n"
+
+
+def _lines(rig: Rig, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
+    yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
+    yield "# A gain is how much of a shape a pose moves; a shape may have several, below zero too."
+    yield "kind: rig"
+    yield "format: 1"
+    yield f"name: {scalar(rig.name)}"
+    yield f"title: {scalar(rig.title)}"
+    yield f"poseset: {scalar(rig.poseset)}"
+    yield "channels:"
+    yield from (f"  {scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
+    if rig.lost:
+        yield "# Give each of these to a shape above that looks a little like it, or leave it lost"
+        yield "lost:"
+        yield from (f"  {scalar(pose)}: {scalar(why)}" for pose, why in rig.lost.items())
+    yield from _bones(rig, model, poseset)
+    if match.left:
+        yield "# Shapes that nothing moves:"
+        yield from (f"#   {line}" for line in wrap(", ".join(match.left), WIDTH - 4))
+
+
+def _channel(channel: Channel) -> str:
+    """Write a channel on one line."""
+    gains = ", ".join(f"{scalar(pose)}: {gain:g}" for pose, gain in channel.gains.items())
+    parts = [f"gains: {{{gains}}}"]
+    for name in ("range", "rotation", "translation"):
+        values = getattr(channel, name)
+        parts += [f"{name}: [{', '.join(f'{v:g}' for v in values)}]"] if values else []
+    for name in ("node", "mesh", "at_most"):
+        value = getattr(channel, name)
+        parts += [f"{name}: {scalar(value)}"] if value is not None else []
+    return f"{{{', '.join(parts)}}}"
+
+
+def _free(model: "Model") -> list[str]:
+    """Return the nodes that show no mesh: a bone is one of them."""
+    nodes = model.document.get("nodes", ())
+    return [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
+
+
+def _bones(rig: Rig, model: "Model", poseset: PoseSet) -> Iterator[str]:
+    """Show how a bone that is called like a region moves a pose of it that is lost."""
+    for pose in rig.lost:
+        region = folded(poseset.poses[pose].region)
+        node = next((node for node in _free(model) if region and region in folded(node)), None)
+        if node is not None:
+            turned = Channel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
+            yield f"# '{pose}' may be a bone. Degrees, about x; try which axis and sign are right:"
+            yield f"#   {scalar(node)}: {_channel(turned)}"
+            return

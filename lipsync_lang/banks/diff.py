@@ -1,0 +1,278 @@
+"""What a layer changes: bigrams of one character beside those of another, or of what lies beneath.
+
+Curves are compared as they are performed: sampled over normalised time, 0 outside their points.
+With d(x) what a pose gained at normalised time x, the figures are the largest |d| with its sign
+and its x, the root of the mean of d squared, and the area, the mean of |d|. Banks of other
+manners of speaking, and a character's words, lines and motion, are not looked at.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.curve import bspline, polyline
+from lipsync_lang.pipeline.tables import RESOLUTION
+from lipsync_lang.resolver.compiled import Origin
+from lipsync_lang.resolver.layers import Row, Shelf
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+
+SLACK = 1e-6
+"""A smaller difference is none."""
+
+TIMES: Floats = np.linspace(0, 1, RESOLUTION + 1)
+"""(K,) normalised times at which curves are compared."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A bigram as one of two characters has it."""
+
+    origin: Origin
+    curves: Floats
+    """(K, P) weights at `TIMES`."""
+    boundary: float
+    """Where in normalised time the first phoneme ends."""
+    free: bool
+    """Whether it waives its contacts."""
+
+    def __str__(self) -> str:
+        return ", ".join(filter(None, (self.origin.layer, self.origin.status)))
+
+
+@dataclass(frozen=True)
+class PoseChange:
+    """How far a pose's curve in one bigram differs."""
+
+    pose: str
+    largest: float
+    """The largest difference, positive where the pose gained."""
+    at: float
+    """Its normalised time."""
+    rms: float
+    """Root mean square difference."""
+    area: float
+    """Area between the two curves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """One bigram on both sides, and the poses that differ, those that differ most first."""
+
+    before: Side
+    after: Side
+    poses: tuple[PoseChange, ...]
+
+    @property
+    def bigram(self) -> str:
+        """The bigram, such as `l-ow`."""
+        return "-".join(self.after.origin.pair)
+
+    @property
+    def word(self) -> str | None:
+        """A word in which it is heard."""
+        return self.after.origin.word or self.before.origin.word
+
+    @property
+    def largest(self) -> float:
+        """The largest difference of any pose, without its sign."""
+        return max((abs(pose.largest) for pose in self.poses), default=0.0)
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything of it is performed otherwise."""
+        before, after = self.before, self.after
+        return bool(self.poses) or (before.boundary, before.free) != (after.boundary, after.free)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the change as JSON holds it."""
+        return {
+            "bigram": self.bigram,
+            "word": self.word,
+            "changed": self.changed,
+            "before": _origin(self.before),
+            "after": _origin(self.after),
+            "poses": [vars(pose) for pose in self.poses],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Diff:
+    """What differs between two characters of one pose set."""
+
+    language: str
+    character: str
+    against: str
+    """What it was compared with, in words."""
+    poses: tuple[str, ...]
+    total: int
+    """Bigrams compared."""
+    named: tuple[Change, ...]
+    """The bigrams asked for, or else all that differ; the largest difference first."""
+
+    @cached_property
+    def changes(self) -> tuple[Change, ...]:
+        """Those that differ."""
+        return tuple(change for change in self.named if change.changed)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the comparison as JSON holds it."""
+        return {
+            "language": self.language,
+            "character": self.character,
+            "against": self.against,
+            "bigrams": self.total,
+            "changed": len(self.changes),
+            "unchanged": self.total - len(self.changes),
+            "changes": [change.to_dict() for change in self.named],
+        }
+
+
+def diff_banks(
+    library: "Library",
+    language: str,
+    character: str,
+    against: str | None = None,
+    wanted: Sequence[str] = (),
+) -> Diff:
+    """Compare the bigrams of two characters.
+
+    Parameters
+    ----------
+    against : another character of the pose set; None is what lies beneath: a character's bare pose
+        set, or a bare pose set's drafts
+    wanted : bigrams such as `l-ow` to compare; none means all
+
+    Raises
+    ------
+    LipsyncError
+        A pack is unsound, the two have different poses, or a wanted bigram is unknown.
+    """
+    shelf = Shelf.open(library, language, character)
+    other, words = _beneath(shelf) if against is None else _other(library, shelf, against)
+    rows = zip(other.rows(), shelf.rows(), strict=True)
+    pairs = {"-".join(after.origin.pair): (before, after) for before, after in rows}
+    for key in wanted:
+        if key not in pairs:
+            name = shelf.language.model.name
+            raise LipsyncError(f"no bigram '{key}' in {name}; {did_you_mean(key, pairs)}")
+    chosen = list(dict.fromkeys(wanted)) or list(pairs)
+    both = [row for key in chosen for row in pairs[key]]
+    sides = list(map(_side, both, _sampled(both, len(shelf.poses))))
+    found = [_change(*two, shelf.poses) for two in zip(sides[::2], sides[1::2], strict=True)]
+    found.sort(key=lambda change: -change.largest)
+    return Diff(
+        language=shelf.language.model.name,
+        character=shelf.character.model.name,
+        against=words,
+        poses=shelf.poses,
+        total=len(chosen),
+        named=tuple(change for change in found if wanted or change.changed),
+    )
+
+
+def _beneath(shelf: Shelf) -> tuple[Shelf, str]:
+    """Return what a shelf lies on: the bare pose set, or its drafts."""
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.models import Character
+
+    name = shelf.poseset.model.name
+    if shelf.character.path == shelf.poseset.path:
+        return replace(shelf, banks=()), "its drafts"
+    bare = Character(kind="character", format=1, name=name, poseset=name)
+    return replace(shelf, character=Pack(bare, shelf.poseset.sources), own_banks=()), name
+
+
+def _other(library: "Library", shelf: Shelf, against: str) -> tuple[Shelf, str]:
+    """Open another character of the same pose set."""
+    other = Shelf.open(library, shelf.language.model.name, against)
+    mine, its = shelf.poseset.model.name, other.poseset.model.name
+    if mine != its:
+        raise LipsyncError(
+            f"'{shelf.character.model.name}' moves the poses of {mine}, '{against}' those of "
+            f"{its}; compare characters of one pose set"
+        )
+    return other, other.character.model.name
+
+
+def _sampled(rows: Sequence[Row], poses: int) -> Floats:
+    """Sample bigrams' curves, as tables hold them: (B, K, P)."""
+    out = np.zeros((len(rows), RESOLUTION + 1, poses))
+    alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
+    for number, row in enumerate(rows):
+        for pose, points in row.curves.items():
+            alike.setdefault((len(points), row.linear), []).append((number, pose, points))
+    for (_, linear), curves in alike.items():
+        keys = np.stack([points for _, _, points in curves])
+        drawn = (polyline if linear else bspline)(keys, TIMES).clip(0, 1)
+        out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = drawn
+    return out
+
+
+def _side(row: Row, curves: Floats) -> Side:
+    return Side(row.origin, curves, row.boundary, row.free)
+
+
+def _change(before: Side, after: Side, poses: Sequence[str]) -> Change:
+    gained = after.curves - before.curves
+    differs = np.flatnonzero(np.abs(gained).max(axis=0) > SLACK).tolist()
+    changes = [_pose(poses[pose], gained[:, pose]) for pose in differs]
+    changes.sort(key=lambda change: -abs(change.largest))
+    return Change(before, after, tuple(changes))
+
+
+def _pose(pose: str, gained: Floats) -> PoseChange:
+    peak = int(np.abs(gained).argmax())
+    rms, area = np.sqrt(_mean(gained**2)), _mean(np.abs(gained))
+    return PoseChange(pose, float(gained[peak]), float(TIMES[peak]), float(rms), float(area))
+
+
+def _mean(values: Floats) -> float:
+    """Return the mean over normalised time, by the trapezoidal rule."""
+    return float((values[1:] + values[:-1]).mean() / 2)
+
+
+def _origin(side: Side) -> dict[str, Any]:
+    return {
+        "layer": side.origin.layer,
+        "status": side.origin.status,
+        "places": list(side.origin.places),
+        "boundary": side.boundary,
+        "contact": "free" if side.free else "hold",
+    }
+
+
+def told(diff: Diff, most: int | None = None) -> str:
+    """Return a comparison in words, with figures for as many bigrams as `most` allows."""
+    shown = diff.named[:most]
+    differ = f"{len(diff.changes)} of {diff.total} bigrams differ"
+    lines = [f"{diff.language} on {diff.character} against {diff.against}: {differ}"]
+    for change in shown:
+        lines += _told_change(change)
+    if len(shown) < len(diff.named):
+        lines.append(f"... and {len(diff.named) - len(shown)} that differ less (--all)")
+    return "\n".join(lines)
+
+
+def _told_change(change: Change) -> Iterable[str]:
+    before, after = change.before, change.after
+    word = f", as in {change.word}" if change.word else ""
+    if not change.changed:
+        yield f"{change.bigram}{word}: the same"
+        return
+    notes = [f"{before} -> {after}"]
+    if before.boundary != after.boundary:
+        notes.append(f"boundary {before.boundary:g} -> {after.boundary:g}")
+    if before.free != after.free:
+        notes.append("contacts waived" if after.free else "contacts held")
+    yield f"{change.bigram}{word}: {'; '.join(notes)}"
+    width = max((len(pose.pose) for pose in change.poses), default=0)
+    for pose in change.poses:
+        figures = f"{pose.largest:+.2f} at {pose.at:.2f}  rms {pose.rms:.2f}  area {pose.area:.2f}"
+        yield f"  {pose.pose:<{width}}  {figures}"

@@ -1,0 +1,181 @@
+"""Fit the bigrams of another program to our phonemes and poses, and tell what had to give.
+
+Times and weights are brought into [0, 1], times into order, both rounded to `DECIMALS`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+from lipsync_lang.banks.smartbody import ALONE, Diphone, Pair, Point, Remarks, visible
+from lipsync_lang.banks.write import Points
+from lipsync_lang.errors import did_you_mean
+
+DECIMALS = 4
+"""Of a time or weight; finer than any curve editor's pixel."""
+
+MOST_KEYS = 200
+"""Keys of a curve; more than there are steps in a performed curve are no person's work."""
+
+FEWEST_KEYS = 2
+"""Keys of a curve."""
+
+LONGEST, HINTS = 40, 100
+"""Characters of a name that a remark repeats, and how many unknown names get a hint."""
+
+Curves = dict[str, Points]
+
+
+@dataclass(frozen=True)
+class Names:
+    """What their labels and shapes are called here."""
+
+    sounds: Mapping[str, str]
+    """Common phonemes by label, in small letters."""
+    poses: Mapping[str, str]
+    """Poses by shape, in the order of the pose set."""
+    silence: str
+
+
+@dataclass(frozen=True)
+class _Stray:
+    """Keys of a bigram that lay outside [0, 1]."""
+
+    key: str
+    diphone: Diphone
+    count: int
+    farthest: float
+
+
+class Fitting:
+    """One bank on its way into ours."""
+
+    def __init__(self, names: Names, remarks: Remarks) -> None:
+        self.names, self.remarks = names, remarks
+        self.bigrams: dict[str, Curves] = {}
+        self.strays: list[_Stray] = []
+        self.unknown: dict[tuple[str, str], list[Diphone]] = {}
+        """(kind, name) of what is unknown: the diphones that have it."""
+
+    def fit(self, pairs: Mapping[Pair, Diphone]) -> dict[str, Curves]:
+        """Return curves by bigram; of two that become one, that with the more of our own labels."""
+        ours = {pair: self._pair(pair, diphone) for pair, diphone in pairs.items()}
+        known = [(pair, key) for pair, key in ours.items() if key]
+        known.sort(key=lambda one: sum(self.names.sounds[label] != label for label in one[0]))
+        taken: dict[str, Pair] = {}
+        for pair, key in known:
+            if key in taken:
+                what = f"{_shown(pair)} is {key} too; that of {_shown(taken[key])} stays"
+                self._tell("twice", pairs[pair], what)
+                continue
+            curves = self._curves(key, pairs[pair])
+            if curves is not None:
+                taken[key] = pair
+                self.bigrams[key] = curves
+        self._tell_unknown()
+        self._tell_strays()
+        order = {key: number for number, key in enumerate(ours.values())}
+        return dict(sorted(self.bigrams.items(), key=lambda one: order[one[0]]))
+
+    def _tell(self, kind: str, diphone: Diphone, text: str) -> None:
+        self.remarks.add(kind, diphone.file, diphone.line, text)
+
+    def _pair(self, pair: Pair, diphone: Diphone) -> str:
+        """Return the bigram that a pair is, or nothing where it is none."""
+        if ALONE in pair and ALONE not in self.names.sounds:
+            what = f"{_shown(pair)} is passed over: the curve of one phoneme alone is no bigram"
+            self._tell("alone", diphone, what)
+            return ""
+        missing = [label for label in dict.fromkeys(pair) if label not in self.names.sounds]
+        for label in missing:
+            self.unknown.setdefault(("phoneme", label), []).append(diphone)
+        if missing:
+            return ""
+        first, second = (self.names.sounds[label] for label in pair)
+        if first == second == self.names.silence:
+            what = f"{_shown(pair)} is passed over: silence is at rest by itself"
+            self._tell("alone", diphone, what)
+            return ""
+        return f"{first}-{second}"
+
+    def _curves(self, key: str, diphone: Diphone) -> Curves | None:
+        """Return a bigram's curves, in the order of our poses; None where none is left."""
+        shapes = {shape: points for shape, points in diphone.shapes.items() if points}
+        if not shapes:
+            self._tell("empty", diphone, f"{key} has no keys and is passed over: it stays drafted")
+            return None
+        known = {shape: points for shape, points in shapes.items() if shape in self.names.poses}
+        for shape in shapes.keys() - known.keys():
+            self.unknown.setdefault(("pose", shape), []).append(diphone)
+        if not known:
+            what = f"{key} is passed over: none of its shapes is a pose here"
+            self._tell("empty", diphone, what)
+            return None
+        if max(map(len, known.values())) > MOST_KEYS:
+            what = f"{key} is passed over: it has a curve of more than {MOST_KEYS} keys"
+            self._tell("keys", diphone, what)
+            return None
+        return self._drawn(key, diphone, known)
+
+    def _drawn(self, key: str, diphone: Diphone, known: dict[str, list[Point]]) -> Curves | None:
+        order = list(self.names.poses)
+        curves: Curves = {}
+        for shape in sorted(known, key=order.index):
+            pose = self.names.poses[shape]
+            points = self._points(key, diphone, shape, known[shape])
+            if len(points) < FEWEST_KEYS:
+                what = f"{key}: one key of '{visible(shape)}' is no curve, and is passed over"
+                self._tell("empty", diphone, what)
+            elif pose in curves:
+                what = f"{key}: '{visible(shape)}' is {pose} too, and is passed over"
+                self._tell("twice", diphone, what)
+            else:
+                curves[pose] = points
+        if not curves:
+            return None
+        self._count_strays(key, diphone, [p for points in known.values() for p in points])
+        return {pose: points for pose, points in curves.items() if any(v for _, v in points)}
+
+    def _points(self, key: str, diphone: Diphone, shape: str, points: list[Point]) -> Points:
+        """Sort keys by time, bring them into the unit square, and merge what is there twice."""
+        if any(after < before for (before, _), (after, _) in pairwise(points)):
+            what = f"{key}: the times of '{visible(shape)}' fall; they are put in order"
+            self._tell("order", diphone, what)
+            points = sorted(points, key=lambda point: point[0])
+        unit = [[_unit(time), _unit(weight)] for time, weight in points]
+        merged = [unit[0], *(here for before, here in pairwise(unit) if here != before)]
+        if len(merged) < len(unit):
+            what = f"{key}: '{visible(shape)}' has keys twice; {len(merged)} are left"
+            self._tell("repeat", diphone, what)
+        return merged
+
+    def _count_strays(self, key: str, diphone: Diphone, points: list[Point]) -> None:
+        by = [max(0 - t, t - 1, 0 - v, v - 1) for t, v in points]
+        count = sum(distance > 0 for distance in by)
+        if count:
+            self.strays.append(_Stray(key, diphone, count, max(by)))
+
+    def _tell_strays(self) -> None:
+        for stray in sorted(self.strays, key=lambda one: -one.farthest):
+            keys = "key" if stray.count == 1 else "keys"
+            what = f"{stray.key}: {stray.count} {keys} outside 0 to 1 drawn in, "
+            self._tell("stray", stray.diphone, f"{what}the farthest by {stray.farthest:.3g}")
+
+    def _tell_unknown(self) -> None:
+        for (kind, name), diphones in self.unknown.items():
+            ours = self.names.sounds if kind == "phoneme" else self.names.poses
+            count = "1 bigram" if len(diphones) == 1 else f"{len(diphones)} bigrams"
+            lost = "passed over" if kind == "phoneme" else "without it"
+            label = visible(name[:LONGEST])
+            near = self.remarks.counts[kind] < HINTS
+            hint = f"; {did_you_mean(label, set(ours.values()))}" if near else ""
+            what = f"unknown {kind} '{label}', {count} {lost}{hint}"
+            self._tell(kind, diphones[0], f"{what} (--map {label}=OURS)")
+
+
+def _unit(number: float) -> float:
+    return round(min(max(number, 0.0), 1.0), DECIMALS) + 0.0
+
+
+def _shown(pair: Pair) -> str:
+    return visible("-".join(pair))

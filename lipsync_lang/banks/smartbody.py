@@ -1,0 +1,462 @@
+"""Read the phone-bigram banks of SmartBody, which calls a bigram a diphone and a pose a viseme.
+
+What its own sources say of the two forms (`VisemeViewerWindow::OnSaveCB`, its bigram editor;
+`SBDiphone::addKey`; `SBPhonemeManager::exportForService`; as published on GitHub):
+
+- The editor saves Python scripts, which SmartBody loads by running them. A key goes before the
+  first one that is later, so keys may come in any order; asked for a pair that is there already,
+  `createDiphone` returns that one, so keys of two calls add up; case makes no difference::
+
+    diphoneManager = scene.getDiphoneManager()
+    diphoneManager.deleteDiphoneSet("default")
+
+    diphone = diphoneManager.createDiphone("f", "ah", "default")
+    diphone.addKey("FV", 0.0105, 0)
+    diphone.addKey("FV", 0.24871, 0.70313)
+
+- `exportForService` writes text: how sounds are mapped, then every pair and its shapes, each with
+  how many numbers follow, which are times and weights in turn. Sets are not named, and each
+  follows the one before; pairs with silence are lost, since it splits their names at `_`::
+
+    Map ae ah
+    Diphone f ah
+    Shape FV 4 0.0105 0 0.24871 0.70313
+
+A script is never run. It is parsed statement by statement, and only calls of these forms with
+literal arguments, or names bound to literals, are understood; whatever else is there is told.
+"""
+
+import ast
+import math
+import tokenize
+import warnings
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from io import StringIO
+from pathlib import Path
+from typing import NamedTuple, TypeAlias
+
+from lipsync_lang.errors import PackError
+
+LARGEST = 10_000_000
+"""Bytes of a file; the largest bank published has 0.24 million."""
+
+MOST_REMARKS = 1000
+"""Remarks of a kind that are kept; all are counted."""
+
+ALONE = "-"
+"""What the editor writes in the place of a second phoneme for the curve of one phoneme alone."""
+
+KEPT = 60
+"""Characters of a line that a remark repeats."""
+
+LAST = ""
+"""Stands for the last diphone made, where keys are added to nothing else."""
+
+Pair: TypeAlias = tuple[str, str]
+Value: TypeAlias = str | float
+Point: TypeAlias = tuple[float, float]
+
+
+class Remark(NamedTuple):
+    """One thing that was not taken over as it stands."""
+
+    kind: str
+    file: str
+    line: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}: {self.text}"
+
+
+@dataclass
+class Remarks:
+    """Everything that was not taken over as it stands."""
+
+    kept: list[Remark] = field(default_factory=list)
+    counts: Counter[str] = field(default_factory=Counter)
+    """How many there are of each kind."""
+
+    def add(self, kind: str, file: str, line: int, text: str) -> None:
+        """Count a remark, and keep it while there are few of its kind."""
+        self.counts[kind] += 1
+        if self.counts[kind] <= MOST_REMARKS:
+            self.kept.append(Remark(kind, file, line, text))
+
+
+@dataclass(eq=False)
+class Diphone:
+    """The keys of one pair as they stand in a file."""
+
+    file: str
+    line: int
+    shapes: dict[str, list[Point]] = field(default_factory=dict)
+    """(time, weight) by shape, in the order of the file."""
+
+
+Sets: TypeAlias = dict[str, dict[Pair, Diphone]]
+"""Pairs by the name of their set, and keys by pair; phonemes in small letters."""
+
+
+def read_smartbody(path: Path, remarks: Remarks) -> Sets:
+    """Read a bank.
+
+    Parameters
+    ----------
+    path : a script, or a text export
+    remarks : gets what is not understood
+
+    Raises
+    ------
+    PackError
+        The file cannot be read, is too large, or is no text.
+    """
+    text = _text(path)
+    name = visible(str(path))
+    words = next((line.split() for line in text.split("\n") if line.strip()), [""])
+    if words[0] in {"Map", "Diphone"}:
+        return _Export(name, remarks).read(text)
+    return _Script(name, remarks).read(text)
+
+
+def visible(text: str) -> str:
+    """Write out characters that do not show, or that no output can hold."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
+def _text(path: Path) -> str:
+    """Return what a file holds, with plain line ends."""
+    shown = visible(str(path))
+    try:
+        if path.stat().st_size > LARGEST:
+            raise PackError(
+                f"{shown}: has more than {LARGEST // 1_000_000} MB, which no bank needs; "
+                "give the script or text that holds the bank alone"
+            )
+        with path.open("rb") as stream:
+            content = stream.read(LARGEST + 1)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise PackError(f"{shown}: cannot be read: {why}") from None
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        text, why = "\0", f"byte {error.start} is not UTF-8"
+    else:
+        why = "it holds a zero byte"
+    if "\0" in text or len(content) > LARGEST:
+        raise PackError(f"{shown}: is no script or text of SmartBody: {why}")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+# Scripts
+
+
+class _Statement(NamedTuple):
+    """A statement of the top level."""
+
+    line: int
+    text: str
+    bound: frozenset[str] | None
+    """For one with a body, such as a loop, the names that may be bound in it; None for others."""
+
+
+class _Script:
+    """What a script has bound and made so far."""
+
+    def __init__(self, file: str, remarks: Remarks) -> None:
+        self.file, self.remarks = file, remarks
+        self.sets: Sets = {}
+        self.values: dict[str, Value] = {}
+        """Names of literals."""
+        self.made: dict[str, Diphone | None] = {}
+        """Names of diphones, and the last as `LAST`; None for one that was not understood."""
+        self.line = 0
+
+    def read(self, text: str) -> Sets:
+        """Go through the statements in order."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of escapes in its strings
+            try:
+                for statement in _statements(text):
+                    self.line = statement.line
+                    self._statement(statement)
+            except tokenize.TokenError as error:
+                why, (line, _) = error.args
+                self._tell(f"cannot be read beyond this line: {why}", line)
+            except SyntaxError as error:
+                self._tell(f"cannot be read beyond this line: {error.msg}", error.lineno)
+        return self.sets
+
+    def _tell(self, text: str, line: int | None = None) -> None:
+        self.remarks.add("statement", self.file, line or self.line, text)
+
+    def _statement(self, statement: _Statement) -> None:
+        shown = visible(statement.text.strip().split("\n")[0][:KEPT])
+        if statement.bound is not None:
+            self._forget(statement.bound)
+            self._tell(f"passed over with all in it: `{shown}`; write its calls out one by one")
+            return
+        try:
+            body = ast.parse(statement.text).body
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            self._tell(f"not understood and passed over: `{shown}`")
+            return
+        for node in body:
+            if not self._node(node):
+                inner = (n for n in ast.walk(node) if isinstance(n, ast.Name))
+                self._forget({n.id for n in inner if isinstance(n.ctx, ast.Store)})
+                self._tell(f"not understood and passed over: `{shown}`")
+
+    def _forget(self, names: Iterable[str]) -> None:
+        """Let go of what may have been bound anew."""
+        for name in names:
+            self.values.pop(name, None)
+            if name in self.made:
+                self.made[name] = None
+
+    def _node(self, node: ast.stmt) -> bool:
+        """Do what a statement says; tell whether it was understood, or told of already."""
+        if isinstance(node, ast.Assign):
+            names = [target.id for target in node.targets if isinstance(target, ast.Name)]
+            return len(names) == len(node.targets) and self._assign(names, node.value)
+        if not isinstance(node, ast.Expr):
+            return isinstance(node, ast.Pass)
+        call = node.value
+        if not isinstance(call, ast.Call):
+            return isinstance(call, ast.Constant) and isinstance(call.value, str)
+        match _called(call):
+            case "createDiphone":
+                self._create(call)
+            case "addKey":
+                self._add_key(call)
+            case "deleteDiphoneSet":
+                self._delete(call)
+            case _:
+                return False
+        return True
+
+    def _assign(self, names: list[str], value: ast.expr) -> bool:
+        self._forget(names)
+        if isinstance(value, ast.Call) and _called(value) == "createDiphone":
+            made = self._create(value)
+            self.made.update(dict.fromkeys(names, made))
+            return True
+        for name in names:
+            self.made.pop(name, None)
+        literal = self._literal(value)
+        if literal is not None:
+            self.values.update(dict.fromkeys(names, literal))
+            return True
+        return isinstance(value, ast.Call) and _called(value) == "getDiphoneManager"
+
+    def _literal(self, node: ast.expr) -> Value | None:
+        """Return a text or a number, or what a name was bound to."""
+        if isinstance(node, ast.Name):
+            return self.values.get(node.id)
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
+            inner = self._literal(node.operand) if isinstance(node.operand, ast.Constant) else None
+            if inner is None or isinstance(inner, str):
+                return None
+            return -inner if isinstance(node.op, ast.USub) else inner
+        if not isinstance(node, ast.Constant) or isinstance(node.value, bool):
+            return None
+        if isinstance(node.value, str):
+            return node.value
+        return _number(node.value) if isinstance(node.value, (int, float)) else None
+
+    def _arguments(self, call: ast.Call, forms: tuple[type, ...]) -> list[Value] | None:
+        """Return the arguments of a call if they are of these types, and else tell."""
+        values = [self._literal(node) for node in call.args]
+        fit = len(values) == len(forms) and all(map(isinstance, values, forms))
+        if not fit or call.keywords:
+            name = _called(call)
+            needs = ", ".join("a text" if form is str else "a number" for form in forms)
+            self._tell(f"{name} is passed over: it is understood with {needs}, written out")
+            return None
+        return [value for value in values if value is not None]
+
+    def _create(self, call: ast.Call) -> Diphone | None:
+        values = self._arguments(call, (str, str, str))
+        made = None
+        if values is not None:
+            first, second, name = map(str, values)
+            pair = (first.casefold(), second.casefold())
+            pairs = self.sets.setdefault(name, {})
+            made = pairs.setdefault(pair, Diphone(self.file, self.line))
+        self.made[LAST] = made
+        return made
+
+    def _add_key(self, call: ast.Call) -> None:
+        diphone = self._receiver(call.func)
+        if diphone is None:
+            return
+        values = self._arguments(call, (str, float, float))
+        if values is not None:
+            time, weight = float(values[1]), float(values[2])
+            _key(diphone, str(values[0]), time, weight, self.remarks, self.line)
+
+    def _receiver(self, function: ast.expr) -> Diphone | None:
+        """Return the diphone that a key is added to; tell where there is none."""
+        value = function.value if isinstance(function, ast.Attribute) else None
+        if isinstance(value, ast.Call) and _called(value) == "createDiphone":
+            return self._create(value)
+        name = value.id if isinstance(value, ast.Name) else LAST
+        if (value is None or name) and name in self.made:
+            if self.made[name] is None:
+                self._tell("addKey is passed over with the createDiphone before it")
+            return self.made[name]
+        self._tell("addKey is passed over: no createDiphone made what it adds to")
+        return None
+
+    def _delete(self, call: ast.Call) -> None:
+        values = self._arguments(call, (str,))
+        if values is not None:
+            self.sets.pop(str(values[0]), None)
+
+
+def _called(call: ast.Call) -> str:
+    """Return the last name of what is called: `addKey` of `diphone.addKey`."""
+    if isinstance(call.func, ast.Attribute):
+        return call.func.attr
+    return call.func.id if isinstance(call.func, ast.Name) else ""
+
+
+def _number(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
+
+
+def _key(  # noqa: PLR0913, PLR0917 what a key is, and where it stands
+    diphone: Diphone, shape: str, time: float, weight: float, remarks: Remarks, line: int
+) -> None:
+    if math.isfinite(time) and math.isfinite(weight):
+        diphone.shapes.setdefault(shape, []).append((time, weight))
+    else:
+        remarks.add("number", diphone.file, line, "a key that is not finite is passed over")
+
+
+SPACE = {tokenize.NL, tokenize.COMMENT}
+ENDS = {tokenize.NEWLINE, tokenize.ENDMARKER}
+BINDERS = {"for", "as", "def", "class", "import", "del", "global"}
+
+
+class _Line(NamedTuple):
+    """A line of a script, which brackets and quotes may stretch over several."""
+
+    depth: int
+    first: int
+    last: int
+    names: set[str]
+    """Names that may be bound in it."""
+
+
+def _statements(text: str) -> Iterator[_Statement]:
+    """Part a script into the statements of its top level, without judging them."""
+    lines = text.split("\n")
+    head: _Line | None = None
+    names: set[str] = set()
+    body = False
+
+    def statement(head: _Line) -> _Statement:
+        source = "\n".join(lines[head.first - 1 : head.last])
+        return _Statement(head.first, source, frozenset(names) if body else None)
+
+    try:
+        for line in _lines(text):
+            if line.depth:
+                names |= line.names
+                body = True
+            else:
+                if head:
+                    yield statement(head)
+                head, names, body = line, line.names, False
+    except (tokenize.TokenError, SyntaxError):  # what stands before it is sound
+        if head:
+            yield statement(head)
+        raise
+    if head:
+        yield statement(head)
+
+
+def _lines(text: str) -> Iterator[_Line]:
+    depth, start, before = 0, 0, ""
+    names: set[str] = set()
+    for token in tokenize.generate_tokens(StringIO(text).readline):
+        if token.type == tokenize.INDENT:
+            depth += 1
+        elif token.type == tokenize.DEDENT:
+            depth -= 1
+        elif token.type in ENDS:
+            if start:
+                yield _Line(depth, start, token.start[0], names)
+            start = 0
+        elif token.type not in SPACE:
+            if not start:
+                start, names = token.start[0], set()
+            if token.string == "=" or before in BINDERS:
+                names.add(token.string if before in BINDERS else before)
+        before = token.string
+
+
+# Text exports
+
+
+class _Export:
+    """What a text export has stated so far."""
+
+    def __init__(self, file: str, remarks: Remarks) -> None:
+        self.file, self.remarks = file, remarks
+        self.pairs: dict[Pair, Diphone] = {}
+        self.now: Diphone | None = None
+        self.mapped = 0
+
+    def read(self, text: str) -> Sets:
+        """Go through the lines in order."""
+        for number, line in enumerate(text.split("\n"), start=1):
+            match line.split():
+                case []:
+                    pass
+                case ["Map", _, _]:
+                    self.mapped += 1
+                case ["Diphone", first, second]:
+                    self._pair(number, (first.casefold(), second.casefold()))
+                case ["Shape", *words] if self.now is not None:
+                    self._shape(number, self.now, words)
+                case _:
+                    self._tell(number, f"not understood: `{visible(line.strip()[:KEPT])}`")
+        if self.mapped:
+            what = f"{self.mapped} Map lines are passed over: here languages map their sounds"
+            self.remarks.add("map", self.file, 1, what)
+        return {"": self.pairs} if self.pairs else {}
+
+    def _tell(self, line: int, text: str) -> None:
+        self.remarks.add("statement", self.file, line, text)
+
+    def _pair(self, line: int, pair: Pair) -> None:
+        self.now = Diphone(self.file, line)
+        if pair in self.pairs:
+            what = f"{visible('-'.join(pair))} stands here again, of another set; the first stays"
+            self.remarks.add("twice", self.file, line, what)
+        self.pairs.setdefault(pair, self.now)
+
+    def _shape(self, line: int, diphone: Diphone, words: list[str]) -> None:
+        """Read a shape's name, which may have spaces, the count, and as many numbers."""
+        at = next((n for n in range(1, len(words)) if words[n] == str(len(words) - n - 1)), None)
+        try:
+            numbers = [float(word) for word in words[at + 1 :]] if at else None
+        except ValueError:
+            numbers = None
+        if not at or numbers is None or len(numbers) % 2:
+            what = "Shape is passed over: it wants a name, a count, and as many numbers, in pairs"
+            self._tell(line, what)
+            return
+        name = " ".join(words[:at])
+        for time, weight in zip(numbers[::2], numbers[1::2], strict=True):
+            _key(diphone, name, time, weight, self.remarks, line)

@@ -1,0 +1,154 @@
+"""Drive: channels of a model as sums of gain times pose, with the promises kept on them.
+
+Not in the paper, whose curves go to the model as they are. Poses have kept their promises already:
+between 0 and 1, at most `step` a frame, contacts held, at rest at both ends. A channel is
+
+    clip(gains @ poses, low, high), slow enough, and then never above the channel it yields to
+
+and each promise holds on it once more:
+
+Bounds
+    Clipping sets them. An envelope stays within the range of its curve, and the last stage goes
+    down no farther than `low`.
+Speed
+    The `span` of a channel is how far it can go: its range, or the sum of its gains' sizes where
+    nothing bounds it. It passes ``step * span`` a frame as little as a pose passes `step`. Poses
+    being slow, only a channel whose gains add up to more than its span can be too fast at all.
+Contacts
+    A channel that contact poses raise is slowed by the upper envelope: it is never below its sum,
+    so where a contact holds it has the share of the contact's floors, ``clip(gains @ floor)``,
+    unless another pose's gain takes from it. One that they lower is slowed by the lower envelope.
+    Where they do both, the stronger wins. All others are slowed towards rest, from either side, as
+    poses are: what a ceiling keeps down stays down.
+Rest
+    Clipping comes first, so all channels rest where all poses do. An envelope could leave rest
+    before the first frame; the curve is kept within reach of it, as that of a pose is. A channel
+    gets anywhere within ``1 / step`` frames, like a pose, so contacts lose nothing by it.
+Never above another
+    ``c = max(low, min(c, other))``, once `other` is final. A minimum of two slow curves is slow if
+    both keep to the speed of the slower. Where `other` may move faster than `c` (more units a
+    frame), the lower envelope follows: it takes away only, so `c` stays below `other`. A contact
+    then keeps what `other` leaves of it, and for a faster `other` what it leaves from near by. That
+    is meant: a shape that closes the lips over an open jaw has nothing to close when the jaw is.
+    Only where a faster `other` drops below the rest of `c` may `c` start and end below rest.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.limit import lower_envelope, upper_envelope
+
+RESTING = 1e-4
+"""A pose below it rests."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rig:
+    """What drives each channel, and what bounds it."""
+
+    gains: Floats
+    """(C, P) how much of the channel each pose moves."""
+    low: Floats
+    """(C,) the least it takes; minus infinity where nothing bounds it."""
+    high: Floats
+    """(C,) the most it takes; infinite where nothing bounds it."""
+    at_most: tuple[tuple[int, int], ...]
+    """(channel, other): channel never above other, in an order in which each other is final."""
+    contact: Ints
+    """(C,) 1 where contact poses raise the channel, -1 where they lower it, 0 where neither."""
+
+    @cached_property
+    def span(self) -> Floats:
+        """(C,) how far each channel can go."""
+        bound = np.isfinite(self.low) & np.isfinite(self.high)
+        reach: Floats = np.abs(self.gains).sum(axis=1)
+        return np.where(bound, self.high - self.low, reach)
+
+    @cached_property
+    def rest(self) -> Floats:
+        """(C,) where each channel stands when no pose moves."""
+        out = np.clip(np.zeros(len(self.low)), self.low, self.high)
+        for channel, other in self.at_most:
+            out[channel] = max(self.low[channel], min(out[channel], out[other]))
+        return out
+
+
+def sides(gains: Floats, floors: Floats) -> Ints:
+    """Tell which channels contact poses raise (1) and lower (-1): (C,).
+
+    Parameters
+    ----------
+    gains : (C, P)
+    floors : (P,) the highest floor of any contact; 0 for poses that none holds up
+    """
+    share = gains * floors
+    strongest = share[np.arange(len(share)), np.abs(share).argmax(axis=1)]
+    out: Ints = np.sign(strongest).astype(np.intp)
+    return out
+
+
+def drive(weights: Floats, rig: Rig, step: float) -> Floats:
+    """Drive the channels of a rig by poses; the module says what is promised of them, and why.
+
+    Parameters
+    ----------
+    weights : (T, P) of a whole animation, in [0, 1], at most `step` apart from frame to frame
+    step : weight by which a pose may change from frame to frame
+
+    Returns
+    -------
+    (T, C)
+    """
+    low, high = rig.low[:, None], rig.high[:, None]
+    curves = np.clip(rig.gains @ weights.T, low, high)
+    fast = _fast(curves, step * rig.span)
+    if fast.any():
+        slow = _slowed(curves[fast], rig, fast, step, _ends(weights))
+        curves[fast] = np.clip(slow, low[fast], high[fast])  # for rounding's sake
+    for channel, other in rig.at_most:
+        own = np.minimum(curves[channel], curves[other], out=curves[channel])
+        np.maximum(own, rig.low[channel], out=own)
+        if rig.span[other] > rig.span[channel]:
+            own[:] = lower_envelope(own[None], step * rig.span[channel])[0]
+    return np.ascontiguousarray(curves.T)
+
+
+def _fast(curves: Floats, steps: Floats) -> Bools:
+    """Tell which (C, T) curves anywhere pass their step: (C,)."""
+    change = np.abs(np.diff(curves, axis=1)).max(axis=1, initial=0)
+    too: Bools = change > steps
+    return too
+
+
+def _ends(weights: Floats) -> tuple[bool, bool]:
+    """Tell whether (T, P) poses begin at rest, and end so."""
+    return bool(weights[0].max() < RESTING), bool(weights[-1].max() < RESTING)
+
+
+def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[bool, bool]) -> Floats:
+    """Slow (C, T) curves of some channels, keeping those that a contact needs up, or down."""
+    span, rest = rig.span[which, None], np.clip(0.0, rig.low, rig.high)[which, None]
+    unit = np.where(span > 0, span, 1.0)
+    curves = _near_rest((curves - rest) / unit, step, *ends)
+    below, above = lower_envelope(curves, step), upper_envelope(curves, step)
+    # the middle one of below, rest and above: as far from rest as may be, but no farther than asked
+    towards_rest = np.maximum(below, np.minimum(above, 0.0))
+    contact = rig.contact[which, None]
+    out: Floats = np.where(contact > 0, above, np.where(contact < 0, below, towards_rest))
+    out *= unit
+    out += rest
+    return out
+
+
+def _near_rest(curves: Floats, step: float, head: bool, tail: bool) -> Floats:  # noqa: FBT001 passed on
+    """Keep (C, T) curves within reach of 0 at the ends that are at rest."""
+    reach = np.full(curves.shape[1], np.inf)
+    ramp = np.arange(curves.shape[1]) * step
+    if head:
+        reach = ramp
+    if tail:
+        reach = np.minimum(reach, ramp[::-1])
+    return np.clip(curves, -reach, reach)

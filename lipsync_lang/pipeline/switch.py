@@ -1,0 +1,154 @@
+"""Switch: one pose at a time, for faces that are drawn and not blended.
+
+Not in the paper. A drawn mouth that changes too often flickers, so each is shown for a least time.
+What a contact demands is shown first, and something between two contacts alike; of the rest the
+shortest makes room, until all that is shown lasts. So what is shown may depend on the whole run of
+speech, but hardly ever does beyond a few phonemes; and where two poses are equally strong, a small
+change may show the other.
+"""
+
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+from itertools import pairwise
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+
+REST = 0.25
+"""A pose below it is not shown: the face at rest is."""
+
+NONE = -1
+"""The face at rest."""
+
+FREE = -2
+"""No contact says what is shown."""
+
+
+def switch(curves: Floats, barred: Bools, forced: Ints, frames: int) -> Floats:
+    """Show the strongest pose alone, each for at least some frames.
+
+    Parameters
+    ----------
+    curves : (P, T)
+    barred : (P, T) poses that a contact keeps down
+    forced : (T,) the pose that a contact holds up, `NONE` where it only keeps others down, `FREE`
+        where there is none
+    frames : how many frames a pose is shown at least; a contact may cut others short
+
+    Returns
+    -------
+    (P, T) of 0 and 1
+    """
+    shown = np.where(barred, 0.0, curves)
+    best = np.argmax(shown, axis=0)
+    best = np.where(shown.max(axis=0, initial=0.0) < REST, NONE, best)
+    held = forced != FREE
+    best = np.where(held & (forced != NONE), forced, best)
+    best, held = _widen(best, held, frames)
+    best = _settle(best, held, shown, frames)
+    out = np.zeros(curves.shape)
+    at = np.flatnonzero(best != NONE)
+    out[best[at], at] = 1.0
+    return out
+
+
+def _runs(values: Ints) -> Ints:
+    """Return where runs of equal values begin, and the end: (R + 1,)."""
+    return np.concatenate(([0], np.flatnonzero(np.diff(values)) + 1, [len(values)]))
+
+
+def _widen(best: Ints, held: Bools, frames: int) -> tuple[Ints, Bools]:
+    """Show contacts as long as the rest, as far as what lies between two of them leaves room."""
+    spans = [(int(a), int(b)) for a, b in pairwise(_runs(best + len(best) * held)) if held[a]]
+    gaps = [later - b for (_, b), (later, _) in pairwise(spans)]
+    rooms = [len(best), *(max(0, gap - frames) // 2 for gap in gaps), len(best)]
+    wide_best, wide_held = best.copy(), held.copy()
+    for (a, b), before, after in zip(spans, rooms, rooms[1:], strict=False):
+        short = max(0, frames - (b - a))
+        early = min((short + 1) // 2, before, a)
+        low, high = a - early, b + min(short - early, after)
+        wide_best[low:high] = best[a]
+        wide_held[low:high] = True
+    return wide_best, wide_held
+
+
+@dataclass
+class _Run:
+    """Some frames of one pose, between two others."""
+
+    number: int
+    start: int
+    stop: int
+    pose: int
+    held: bool
+    before: "_Run | None" = None
+    after: "_Run | None" = None
+    gone: bool = False
+
+    @property
+    def frames(self) -> int:
+        return self.stop - self.start
+
+    def take(self, other: "_Run") -> None:
+        """Take over the run that follows, which is alike."""
+        self.stop, self.held = other.stop, self.held or other.held
+        self.after, other.gone = other.after, True
+        if other.after is not None:
+            other.after.before = self
+
+
+def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
+    """Let the shortest runs go, one after the other, until the others last."""
+    runs = [
+        _Run(number, int(a), int(b), int(best[a]), bool(held[a:b].any()))
+        for number, (a, b) in enumerate(pairwise(_runs(best)))
+    ]
+    for one, other in pairwise(runs):
+        one.after, other.before = other, one
+    waiting = [(run.frames, run.number) for run in runs if not run.held]
+    heapify(waiting)
+    while waiting:
+        length, number = heappop(waiting)
+        run = runs[number]
+        if run.gone or run.held or length != run.frames or length >= frames:
+            continue
+        if _between(run, held, frames):
+            continue
+        for other in _let_go(run, shown):
+            heappush(waiting, (other.frames, other.number))
+    out = best.copy()
+    for run in runs:
+        if not run.gone:
+            out[run.start : run.stop] = run.pose
+    return out
+
+
+def _between(run: _Run, held: Bools, frames: int) -> bool:
+    """Tell whether a run is all that parts two contacts alike: a vowel between two of a kind."""
+    alike = run.before and run.after and run.before.pose == run.after.pose
+    early, late = held[max(0, run.start - frames) : run.start], held[run.stop : run.stop + frames]
+    return bool(alike and early.any() and late.any())
+
+
+def _let_go(run: _Run, shown: Floats) -> list[_Run]:
+    """Give a run's frames to those around it; return the ones that are longer now."""
+    before, after = run.before, run.after
+    if before is None or after is None:  # at the ends the face is at rest
+        return []
+    cut = _cut(shown, run.start, run.stop, before.pose, after.pose)
+    before.stop, after.start = cut, cut
+    before.after, after.before, run.gone = after, before, True
+    if before.pose == after.pose:
+        before.take(after)
+    return [other for other in (before, after) if not other.gone]
+
+
+def _cut(shown: Floats, start: int, stop: int, before: int, after: int) -> int:
+    """Return where the pose before gives way to the one after: where the latter grows stronger."""
+    one, other = (
+        shown[pose, start:stop] if pose != NONE else np.full(stop - start, REST)
+        for pose in (before, after)
+    )
+    lead = np.concatenate(([0.0], np.cumsum(one - other)))
+    return start + int(np.argmax(lead))

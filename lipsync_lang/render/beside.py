@@ -1,0 +1,117 @@
+"""A picture of one line on several faces, below each other: what each makes of the same sounds."""
+
+from collections.abc import Sequence
+from textwrap import shorten
+from typing import TYPE_CHECKING, BinaryIO
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.render.plot import INK, RULE, SILENT, TITLE, draw
+from lipsync_lang.render.view import SHOWN, VISIBLE, text_width
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH, PER_SECOND, MOST = 4.0, 4.0, 15.0
+"""Inches: least, for each second, and most."""
+
+HEAD, ROW, GAP, FOOT = 0.75, 0.24, 0.3, 0.4
+MARGIN, RIGHT = 0.2, 0.15
+
+HUES = ("#4f8fbf", "#c2853f", "#5f9e77", "#b0629a", "#8a7fc0", "#9a8f4a")
+"""One for each face, in turn."""
+
+
+def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
+    """Draw animations of one schedule below each other, each pose that moves in a row of its own.
+
+    Parameters
+    ----------
+    animations : of one schedule, each performed here
+    stream : open for bytes
+    format : as of `plot`
+
+    Raises
+    ------
+    LipsyncError
+        There is nothing to draw, or the animations speak different schedules.
+    """
+    if not animations:
+        raise LipsyncError("no animation to draw")
+    first = animations[0].schedule
+    for one in animations[1:]:
+        if one.schedule.labels != first.labels or not np.array_equal(
+            one.schedule.times, first.times
+        ):
+            raise LipsyncError("animations of different lines cannot stand below each other")
+    draw(lambda: _page(animations), stream, format)
+
+
+def _moving(animation: Animation) -> list[int]:
+    return np.flatnonzero(np.abs(animation.weights).max(axis=0) > VISIBLE).tolist()
+
+
+def _page(animations: Sequence[Animation]) -> "Figure":
+    from matplotlib.figure import Figure
+
+    schedule = animations[0].schedule
+    begin = min(float(one.times[0]) for one in animations)
+    end = min(max(float(one.times[-1]) for one in animations), begin + SHOWN)
+    rows = [_moving(one) for one in animations]
+    heights = [max(1, len(row)) * ROW for row in rows]
+    named = [one.poses[pose] for one, row in zip(animations, rows, strict=True) for pose in row]
+    left = MARGIN + max((text_width(name, 8) for name in named), default=0.0)
+    width = left + RIGHT + float(np.clip((end - begin) * PER_SECOND, WIDTH, MOST))
+    height = HEAD + sum(heights) + GAP * len(heights) + FOOT
+    figure = Figure(figsize=(width, height))
+    texts = [word.text for word in schedule.words] or schedule.labels
+    title = shorten(" ".join(texts), TITLE, placeholder=" …")
+    figure.text(left / width, 1 - 0.1 / height, title, size=12, weight="bold", va="top")
+    top = height - HEAD
+    for number, (one, row, tall) in enumerate(zip(animations, rows, heights, strict=True)):
+        top -= GAP
+        place = (left / width, (top - tall) / height, 1 - (left + RIGHT) / width, tall / height)
+        axes = figure.add_axes(place, xlim=(begin, end), ylim=(max(1, len(row)), 0))
+        _face(axes, one, row, HUES[number % len(HUES)])
+        if number == 0:
+            _phonemes(axes, one)
+        axes.tick_params(axis="x", labelbottom=number == len(animations) - 1, length=0)
+        top -= tall
+    return figure
+
+
+def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> None:
+    """Draw what moves of one face."""
+    for row, pose in enumerate(rows):
+        low = row + 0.97
+        axes.fill_between(
+            animation.times, low, low - 0.9 * animation.weights[:, pose], color=hue, lw=0
+        )
+    axes.set_yticks(np.arange(len(rows)) + 0.6, [animation.poses[p] for p in rows], size=8)
+    axes.tick_params(axis="y", length=0)
+    axes.set_title(
+        animation.performer.character, loc="left", size=10, color=hue, weight="bold", pad=4
+    )
+    axes.spines[["left", "right", "top"]].set_visible(False)
+    axes.xaxis.set_major_formatter("{x:g} s")
+    bounds = animation.schedule.times
+    axes.vlines(bounds, 0, max(1, len(rows)), color=RULE, lw=0.5, zorder=0)
+    for start, stop in ((axes.get_xlim()[0], bounds[0]), (bounds[-1], axes.get_xlim()[1])):
+        axes.axvspan(start, stop, color=SILENT, lw=0, zorder=-1)
+
+
+def _phonemes(axes: "Axes", animation: Animation) -> None:
+    """Set the phonemes above the first face."""
+    schedule, (low, high) = animation.schedule, axes.get_xlim()
+    for label, start, stop in zip(
+        schedule.labels, schedule.times[:-1], schedule.times[1:], strict=True
+    ):
+        if low <= start < high:
+            at = (start + stop) / 2
+            text = " ".join(label.split())
+            axes.annotate(
+                text, (at, 0), (0, 17), textcoords="offset points", ha="center", size=8, color=INK
+            )

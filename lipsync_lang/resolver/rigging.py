@@ -1,0 +1,57 @@
+"""What a character's model is driven by, as plain data: the cache keeps it beside the tables."""
+
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.rig_channels import plain_channels
+from lipsync_lang.packs.rig_checks import check_rig
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library, Pack
+
+
+def plain_rig(
+    library: "Library", character: "Pack[models.Character]", poseset: "Pack[models.PoseSet]"
+) -> dict[str, Any] | None:
+    """Return the rig that a character names; None where it names none.
+
+    Raises
+    ------
+    PackFaults
+        The rig is unsound, or does not fit the pose set.
+    """
+    name = character.model.rig
+    if name is None:
+        return None
+    model = load_rig(library, name, poseset.model).model
+    to = library.poseset(model.to).model if model.to is not None else None
+    return {"name": model.name, "channels": plain_channels(model, to), "lost": dict(model.lost)}
+
+
+def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.Rig]":
+    """Load a rig of a pose set, sound in itself and with it.
+
+    Raises
+    ------
+    PackFaults
+        It is not.
+    """
+    path = next(path for path in library.rigs_of(poseset.name) if path.stem == name)
+    rig: Pack[Any] = library.load(path, "rig", name)
+    known = {found.name for found in library.names("poseset")}
+    to = library.poseset(rig.model.to).model if rig.model.to in known else None
+    faults = [f for f in check_rig(rig, poseset, known, to) if f.severity == "fault"]
+    if faults:
+        raise library.failing(*sorted(set(faults)))
+    return rig
+
+
+def model_file(character: "Pack[models.Character]", poseset: "Pack[models.PoseSet]") -> str | None:
+    """Return the model file that a character names, or else its pose set."""
+    for pack in (character, poseset):
+        named = pack.model.model
+        path = beside(pack.path, named) if named is not None else None
+        if path is not None:
+            return str(path.resolve())
+    return None

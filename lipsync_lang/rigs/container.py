@@ -1,0 +1,214 @@
+"""GLB: a header, a chunk of JSON that says what there is, and chunks of binary data.
+
+Every length is held against the file's real size before anything is read, so that a file that
+lies costs nothing. A .gltf is JSON alone.
+"""
+
+import struct
+from base64 import b64decode
+from binascii import Error as NotBase64
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple, NoReturn
+
+from lipsync_lang.errors import ModelError, OutputError
+
+Json = dict[str, Any]
+
+LARGEST = 2**30
+"""Bytes; a larger file is no model that a browser or a game would load."""
+
+LARGEST_WRITTEN = 2**32 - 1
+"""Bytes; a GLB cannot say that it is larger."""
+
+MAGIC = b"glTF"
+JSON_CHUNK = 0x4E4F534A
+BINARY_CHUNK = 0x004E4942
+
+EXPORT = "export the model as GLB (binary glTF 2.0)"
+
+SEEMS = (
+    (b"Kaydara FBX", "an FBX file"),
+    (b"; FBX", "an FBX file"),
+    (b"\x89PNG", "a PNG image"),
+    (b"\xff\xd8\xff", "a JPEG image"),
+    (b"PK\x03\x04", "a zip archive; unpack it first"),
+    (b"\x1f\x8b", "a gzip archive; unpack it first"),
+    (b"BLENDER", "a Blender file"),
+    (b"PXR-USDC", "a USD file"),
+    (b"#usda", "a USD file"),
+    (b"version https://git-lfs", "a Git LFS pointer; fetch the file itself with `git lfs pull`"),
+    (b"<!DOCTYPE html", "a web page; download the file itself"),
+    (b"<html", "a web page; download the file itself"),
+    (b"<?xml", "XML, such as COLLADA"),
+    (b"ply", "a PLY file"),
+    (b"solid", "an STL file"),
+)
+"""How other files begin, and what they are."""
+
+OBJ_LINES = ("#", "mtllib ", "o ", "g ", "v ", "vt ", "vn ", "f ", "usemtl ", "s ")
+
+
+MOST_CHUNKS = 1000
+"""Two are usual."""
+
+
+class Chunk(NamedTuple):
+    """Where a part of a GLB lies in its file."""
+
+    kind: int
+    start: int
+    length: int
+
+
+def fail(path: Path, what: str, mend: str = f"it is damaged; {EXPORT} anew") -> NoReturn:
+    """Say what is wrong with a model, and how to mend it."""
+    raise ModelError(f"{path}: {what}; {mend}")
+
+
+def open_model(path: Path) -> tuple[bytes, tuple[Chunk, ...]]:
+    """Return the JSON of a model, and where the other parts of its file lie.
+
+    Raises
+    ------
+    ModelError
+        The file is missing, too large, neither GLB nor JSON, or ends too early.
+    """
+    try:
+        size = path.stat().st_size
+        if size > LARGEST:
+            fail(path, "is larger than 1 GB", "export it with smaller textures and fewer vertices")
+        with path.open("rb") as stream:
+            return _container(path, stream, size)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        fail(path, f"cannot be read: {why}", "check the path")
+
+
+def _container(path: Path, stream: BinaryIO, size: int) -> tuple[bytes, tuple[Chunk, ...]]:
+    head = stream.read(256)
+    if not head.startswith(MAGIC):
+        if not head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
+            fail(path, f"is not GLB; it seems to be {_seems(head)}", EXPORT)
+        stream.seek(0)
+        return stream.read(size), ()
+    _check_header(path, head, size)
+    first, *rest = islice(_chunks(path, stream, size), MOST_CHUNKS + 1)
+    if len(rest) == MOST_CHUNKS:
+        fail(path, f"has more than {MOST_CHUNKS} parts")
+    if first.kind != JSON_CHUNK:
+        fail(path, "does not begin with JSON, as GLB does")
+    stream.seek(first.start)
+    return stream.read(first.length).rstrip(b"\0 "), tuple(rest)
+
+
+def _seems(head: bytes) -> str:
+    if not head:
+        return "empty"
+    for start, what in SEEMS:
+        if head.lower().startswith(start.lower()):
+            return what
+    lines = head.decode("latin-1").splitlines()
+    if lines[0].startswith(OBJ_LINES) and lines[-2:][0].startswith(OBJ_LINES):
+        return "an OBJ file, which has no morph targets"
+    return "something else"
+
+
+def _check_header(path: Path, head: bytes, size: int) -> None:
+    if len(head) < 20:  # noqa: PLR2004 a header, and that of a chunk
+        fail(path, f"ends after {size} bytes", "copy or download it again")
+    _, version, length = struct.unpack_from("<4sII", head)
+    if version != 2:  # noqa: PLR2004
+        fail(path, f"is GLB version {version}", f"{EXPORT}, version 2")
+    if length > size:
+        fail(path, f"ends after {size} of {length} bytes", "copy or download it again")
+    if length < size:
+        fail(path, f"has {size} bytes, but says that it has {length}")
+
+
+def _chunks(path: Path, stream: BinaryIO, size: int) -> Iterator[Chunk]:
+    start = 12
+    while start < size:
+        stream.seek(start)
+        head = stream.read(8)
+        length, kind = struct.unpack("<2I", head.ljust(8, b"\0"))
+        start += 8
+        if length > size - start:
+            fail(path, f"ends in the middle of a part of {length} bytes")
+        yield Chunk(kind, start, length)
+        start += length
+
+
+# Binary data
+
+
+def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
+    """Return the data of a document's first buffer.
+
+    Raises
+    ------
+    ModelError
+        Data is missing, or lies in other files.
+    """
+    first, *others = document.get("buffers") or [{}]
+    for row in (first, *others, *document.get("images", ())):
+        _check_within(path, row.get("uri"))
+    data = _decoded(path, first["uri"]) if "uri" in first else _first(path, chunks)
+    length = first.get("byteLength", 0)
+    if not isinstance(length, int) or not 0 <= length <= len(data):
+        fail(path, f"has {len(data)} bytes of binary data, fewer than it says")
+    return data
+
+
+def _check_within(path: Path, uri: object) -> None:
+    within = uri is None or (isinstance(uri, str) and uri.lower().startswith(("data:", "http")))
+    if not within:
+        fail(path, f"keeps a part in another file ('{str(uri)[:60]}')", f"{EXPORT}, in one file")
+
+
+def _decoded(path: Path, uri: str) -> bytes:
+    try:
+        return b64decode(uri.partition(",")[2], validate=True)
+    except (NotBase64, ValueError):
+        fail(path, "its binary data is not Base64")
+
+
+def _first(path: Path, chunks: Sequence[Chunk]) -> bytes:
+    return read_chunk(path, chunks[0]) if has_binary(chunks) else b""
+
+
+def has_binary(chunks: Sequence[Chunk]) -> bool:
+    """Tell whether a file holds its first buffer, which comes right after the JSON."""
+    return bool(chunks) and chunks[0].kind == BINARY_CHUNK
+
+
+def read_chunk(path: Path, chunk: Chunk) -> bytes:
+    """Return a part of a file as it is."""
+    try:
+        with path.open("rb") as stream:
+            stream.seek(chunk.start)
+            data = stream.read(chunk.length)
+    except OSError as error:
+        fail(path, f"cannot be read: {error.strerror}", "check the path")
+    if len(data) < chunk.length:
+        fail(path, "has changed while it was read", "try again")
+    return data
+
+
+def write_parts(out: BinaryIO, parts: Iterable[tuple[int, Sequence[bytes]]]) -> None:
+    """Write the parts of a GLB: for each its kind, and pieces that add up to full words.
+
+    Raises
+    ------
+    OutputError
+        They are more than a GLB holds.
+    """
+    known = [(kind, pieces, sum(map(len, pieces))) for kind, pieces in parts]
+    total = 12 + sum(8 + length for _, _, length in known)
+    if total > LARGEST_WRITTEN:
+        raise OutputError("the animation is too long for one GLB; write fewer frames per second")
+    out.write(struct.pack("<4sII", MAGIC, 2, total))
+    for kind, pieces, length in known:
+        out.write(struct.pack("<2I", length, kind))
+        out.writelines(pieces)

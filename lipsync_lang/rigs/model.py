@@ -1,0 +1,244 @@
+"""A 3D model as its file tells it: the names of its morph targets and nodes.
+
+Models are glTF 2.0. Names and rest poses are all in its JSON, so the binary data stays unread.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import NoReturn
+
+from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
+
+LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
+"""The lists of a document that are read or added to."""
+
+FEW = 12
+"""As many names as a message lists."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A mesh with morph targets.
+
+    Parameters
+    ----------
+    number : its place among the document's meshes
+    name : its name in messages and in `Model.shapes`, which no other mesh has
+    given : its name in the file, which other meshes may share
+    shapes : n names of morph targets
+    rest : n weights it has when nothing drives it
+    """
+
+    number: int
+    name: str
+    given: str | None
+    shapes: tuple[str, ...]
+    rest: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What a model's file says of itself.
+
+    Parameters
+    ----------
+    path : the file
+    shapes : name of a mesh -> names of its morph targets, in order
+    nodes : names of the nodes that have one
+    meshes : the meshes with morph targets
+    document : the file's JSON; whoever changes it changes a copy
+    chunks : the parts of a GLB past its JSON; none where the file is JSON itself
+    """
+
+    path: Path
+    shapes: dict[str, tuple[str, ...]]
+    nodes: tuple[str, ...]
+    meshes: tuple[Mesh, ...]
+    document: Json
+    chunks: tuple[Chunk, ...]
+
+
+def read_model(path: Path, *, bones: bool = False) -> Model:
+    """Read the names in a model.
+
+    Parameters
+    ----------
+    path : a .glb or .gltf file
+    bones : whether a model without morph targets will do
+
+    Raises
+    ------
+    ModelError
+        The file is missing, no glTF 2.0, damaged, or has no morph targets that are needed.
+    """
+    text, chunks = open_model(path)
+    document = _document(path, text)
+    nodes = document.get("nodes", [])
+    meshes = _meshes(path, document, bones=bones)
+    _check_nodes(path, document)
+    return Model(
+        path,
+        {mesh.name: mesh.shapes for mesh in meshes},
+        tuple(node["name"] for node in nodes if "name" in node),
+        meshes,
+        document,
+        chunks,
+    )
+
+
+def some(names: Iterable[str]) -> str:
+    """List a few names."""
+    known = list(names)
+    return ", ".join(known[:FEW]) + (", ..." if len(known) > FEW else "")
+
+
+# The document
+
+
+def _document(path: Path, text: bytes) -> Json:
+    try:
+        document = json.loads(
+            text.decode("utf-8-sig"), parse_float=_finite, parse_constant=_no_number
+        )
+    except UnicodeDecodeError as error:
+        fail(path, f"its JSON is not UTF-8 text (byte {error.start})")
+    except ValueError as error:
+        fail(path, f"its JSON cannot be read: {str(error)[:80]}")
+    except RecursionError:
+        fail(path, "its JSON is nested too deep for a model")
+    asset = document.get("asset") if isinstance(document, dict) else None
+    if not isinstance(asset, dict):
+        fail(path, "is JSON, but not glTF", EXPORT)
+    if not str(asset.get("version")).startswith("2."):
+        fail(path, f"is glTF version {str(asset.get('version'))[:20]}", f"{EXPORT}, version 2")
+    for name in LISTS:
+        _check_list(path, f"its {name}", document.get(name, []))
+    found: Json = document
+    return found
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    return number if isfinite(number) else _no_number(text)
+
+
+def _no_number(text: str) -> NoReturn:
+    raise ValueError(f"{text[:20]} is not a number")
+
+
+def _check_list(path: Path, name: str, rows: object) -> None:
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        fail(path, f"{name} are not a list of objects")
+
+
+def _check_nodes(path: Path, document: Json) -> None:
+    count = len(document.get("meshes", ()))
+    for number, node in enumerate(document.get("nodes", ())):
+        if not isinstance(node.get("name", ""), str):
+            fail(path, f"the name of node {number} is not text")
+        if "mesh" in node and not is_index(node["mesh"], count):
+            fail(path, f"node {number} shows a mesh that is not there")
+
+
+def is_index(value: object, count: int) -> bool:
+    """Tell whether a value of a document is a place in a list of `count`."""
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
+
+
+def numbers(path: Path, what: str, values: object, count: int) -> tuple[float, ...]:
+    """Return `count` numbers of a document, or say what they are."""
+    good = isinstance(values, list) and len(values) == count and all(map(_is_number, values))
+    if not good or not isinstance(values, list):
+        fail(path, f"{what}: not a list of {count} numbers")
+    return tuple(map(float, values))
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e30  # noqa: PLR2004 far within float32
+
+
+# Meshes
+
+
+def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
+    rows = document.get("meshes", [])
+    if not rows and not bones:
+        fail(path, "has no meshes", "export the model itself, not only its animation or scene")
+    labels = list(_labels(path, rows))
+    found = tuple(
+        Mesh(number, label, row.get("name"), shapes, _rest(path, label, row, len(shapes)))
+        for number, (label, row) in enumerate(zip(labels, rows, strict=True))
+        if (shapes := _shapes(path, label, row))
+    )
+    if not found and not bones:
+        fail(
+            path,
+            f"no mesh has morph targets (meshes: {some(labels)})",
+            "export it with its shape keys (blend shapes)",
+        )
+    return found
+
+
+def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
+    """Yield a name for every mesh that is its alone."""
+    names = [row.get("name", "") for row in rows]
+    if not all(isinstance(name, str) for name in names):
+        fail(path, "the name of a mesh is not text")
+    taken = Counter(names)
+    for number, name in enumerate(names):
+        if not name:
+            yield f"mesh {number}"
+        else:
+            yield name if taken[name] == 1 else f"{name} (mesh {number})"
+
+
+def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
+    """Return the names of a mesh's morph targets."""
+    primitives = row.get("primitives")
+    _check_list(path, f"the primitives of '{label}'", primitives)
+    counts = {_target_count(path, label, one) for one in primitives or ()}
+    if len(counts) > 1:
+        fail(path, f"'{label}': its parts have different numbers of morph targets")
+    count = next(iter(counts), 0)
+    if not count or not primitives:
+        return ()
+    given = _target_names(row) or _target_names(primitives[0])
+    names = [f"target {number}" for number in range(count)] if given is None else given
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        fail(path, f"'{label}': the names of its morph targets are not a list of texts")
+    if len(names) != count:
+        fail(path, f"'{label}': has {count} morph targets, but names {len(names)}")
+    _check_names(path, label, names)
+    return tuple(names)
+
+
+def _target_count(path: Path, label: str, primitive: Json) -> int:
+    targets = primitive.get("targets", [])
+    _check_list(path, f"the morph targets of '{label}'", targets)
+    return len(targets)
+
+
+def _target_names(holder: Json) -> object:
+    extras = holder.get("extras")
+    return extras.get("targetNames") if isinstance(extras, dict) else None
+
+
+def _check_names(path: Path, label: str, names: list[str]) -> None:
+    mend = "give every morph target a name of its own and export the model again"
+    if not all(name.strip() for name in names):
+        number = [bool(name.strip()) for name in names].index(False)
+        fail(path, f"'{label}': its morph target {number} has no name", mend)
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        fail(path, f"'{label}': several morph targets share a name: {some(twice)}", mend)
+
+
+def _rest(path: Path, label: str, row: Json, count: int) -> tuple[float, ...]:
+    given = row.get("weights")
+    if given is None:
+        return (0.0,) * count
+    return numbers(path, f"weights of '{label}'", given, count)

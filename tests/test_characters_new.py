@@ -1,0 +1,350 @@
+"""Characters drafted from models: what is recognised, what is written, and that it speaks."""
+
+import json
+from pathlib import Path
+
+import pytest
+from packs_tree import plant
+from small_models import glb
+
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.rig_channels import channels_of
+from lipsync_lang.rigs.model import read_model
+from lipsync_lang.rigs.recognise import find, recognise
+
+BUILT_IN = Library(project=None)
+SETS = {found.name: BUILT_IN.poseset(found.name).model for found in BUILT_IN.names("poseset")}
+RIGS = [(name, rig) for name in SETS for rig in BUILT_IN.rigs(name)]
+assert SETS, "a sweep over nothing passes"
+assert RIGS, "a sweep over nothing passes"
+
+LINE = [
+    {"label": label, "start": n / 10, "end": (n + 1) / 10}
+    for n, label in enumerate(["HH", "AH", "L", "OW", "F", "AA", "DH", "ER", "P"])
+]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A project's folder, which is the current one."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def new(cli, *arguments):
+    """Make a character; what was said, and the pack."""
+    ended = cli("characters", "new", *arguments)
+    assert ended.code == 0, ended.err
+    return ended.err, Library().character(arguments[0]).model
+
+
+def speak(cli, name):
+    """Let a character speak into its model; return the shapes and bones that move."""
+    Path("line.json").write_text(json.dumps(LINE), "utf-8")
+    ended = cli("validate", *(f for f in ("characters", "posesets") if Path(f).exists()))
+    assert (ended.code, ended.out) == (0, ""), ended.out
+    out = Path(f"{name}-line.glb")
+    ended = cli("run", "--schedule", "line.json", "-l", "english", "-c", name, "-o", out)
+    assert ended.code == 0, ended.err
+    return read_model(out)
+
+
+def moved(model):
+    """The targets of a model's animation."""
+    nodes = model.document["nodes"]
+    return {
+        (nodes[channel["target"]["node"]]["name"], channel["target"]["path"])
+        for animation in model.document["animations"]
+        for channel in animation["channels"]
+    }
+
+
+# What fits is taken
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_every_pose_set_is_recognised_by_its_own_names(name, tmp_path):
+    model = read_model(glb(tmp_path / "face.glb", *SETS[name].poses))
+    best = recognise(BUILT_IN, model)[0]
+    assert (best.poseset, best.rig, best.shown) == (name, None, len(SETS[name].poses))
+    assert best.complete
+    assert not best.left
+    assert not best.losses
+
+
+@pytest.mark.parametrize(("poseset", "rig"), RIGS, ids=[rig.model.name for _, rig in RIGS])
+def test_every_rig_is_recognised_by_its_own_names(poseset, rig, tmp_path):
+    channels = channels_of(rig.model)
+    shapes = [name for name, channel in channels.items() if channel.node is None]
+    bones = [channel.node for channel in channels.values() if channel.node is not None]
+    model = read_model(glb(tmp_path / "face.glb", *shapes, bones=bones))
+    match = next(m for m in recognise(BUILT_IN, model) if m.rig == rig.model.name)
+    assert match.poseset == poseset
+    assert match.complete
+
+
+def test_a_character_of_a_model_with_known_names(cli, folder):
+    glb(folder / "face.glb", *SETS["crab"].poses)
+    said, made = new(cli, "anna", "--model", "face.glb", "--title", "  Anna  B ")
+    assert (made.poseset, made.rig, made.model, made.title) == (
+        "crab", None, "../face.glb", "Anna B",
+    )  # fmt: skip
+    assert "8 shapes in one mesh; 8 of 8 poses of crab\n" in said
+    assert "-c anna -o anna.glb" in said
+    assert moved(speak(cli, "anna")) == {("head", "weights")}
+
+
+def test_a_model_elsewhere_is_copied_and_a_copy_is_used_again(cli, folder, tmp_path_factory):
+    model = glb(tmp_path_factory.mktemp("other") / "face.glb", *SETS["vrm"].poses)
+    said, made = new(cli, "anna", "--model", model)
+    assert made.model == "face.glb"
+    assert "face.glb: a copy of " in said
+    assert (folder / "characters/face.glb").read_bytes() == model.read_bytes()
+    said, made = new(cli, "bea", "--model", model)
+    assert made.model == "face.glb"
+    assert "a copy of" not in said
+    speak(cli, "bea")
+    glb(model, *SETS["crab"].poses)
+    ended = cli("characters", "new", "cleo", "--model", model)
+    assert ended.code == 2
+    assert "face.glb: is there already; name that one, or move it" in ended.err
+    assert not (folder / "characters/cleo.yaml").exists()
+
+
+def test_the_model_itself_is_not_proposed_to_be_written(cli, folder):
+    glb(folder / "anna.glb", *SETS["vrm"].poses)
+    said, _ = new(cli, "anna", "--model", "anna.glb")
+    assert "-o anna-line.glb" in said
+
+
+def test_a_head_with_two_sets_of_shapes(cli, folder, data):
+    model = data / "rigs/head_arkit52_oculus15.glb"
+    said, made = new(cli, "anna", "--model", model)
+    assert (made.poseset, made.rig) == ("arkit", None)
+    assert "67 shapes in 6 meshes; 15 of 15 poses of arkit\n" in said
+    assert "or 14 of 14 poses of oculus: --poseset oculus\n" in said
+    assert len(moved(speak(cli, "anna"))) == 6
+    said, made = new(cli, "bea", "--model", model, "--poseset", "facefx")
+    assert made.rig in {rig.model.name for _, rig in RIGS}
+    assert not (folder / "posesets").exists()
+    speak(cli, "bea")
+    said, made = new(cli, "cleo", "--model", model, "--rig", "facefx-to-arkit")
+    assert (made.poseset, made.rig) == ("facefx", "facefx-to-arkit")
+    assert "lost: tRoof: " in said
+
+
+# What fits in part gets a rig of its own
+
+
+def test_only_some_shapes(cli, folder):
+    glb(folder / "face.glb", "Jaw_Open", "Mouth_Pucker", "Mouth_Funnel", "Mouth_Close", "Blink")
+    said, made = new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
+    assert (made.poseset, made.rig) == ("arkit", "anna")
+    assert "4 of 15 poses of arkit" in said
+    assert "left alone: Blink\n" in said
+    rig = Library().rigs("arkit")[0].model
+    assert channels_of(rig)["Jaw_Open"].gains == {"jawOpen": 1}
+    assert len(rig.channels) == 4
+    assert len(rig.lost) == 11
+    assert all(f"{pose}, " in said or f"{pose}\n" in said for pose in rig.lost)
+    speak(cli, "anna")
+
+
+def test_pairs_that_are_one_shape(cli, folder):
+    shapes = dict.fromkeys(
+        pose.removesuffix("Left").removesuffix("Right") for pose in SETS["arkit"].poses
+    )
+    glb(folder / "face.glb", *shapes)
+    said, made = new(cli, "anna", "--model", "face.glb")
+    assert made.rig == "anna"
+    assert "about right: mouthPressLeft and mouthPressRight are one shape, mouthPress\n" in said
+    channels = channels_of(Library().rigs("arkit")[0].model)
+    assert channels["mouthPress"].gains == {"mouthPressLeft": 0.5, "mouthPressRight": 0.5}
+    assert set(channels) == set(shapes)
+    speak(cli, "anna")
+
+
+def test_shapes_that_are_pairs_are_found_without_a_rig(cli, folder):
+    some = [pose for pose in SETS["arkit"].poses if pose != "mouthPucker"]
+    glb(folder / "face.glb", *some, "MOUTH_PUCKER_L", "MOUTH_PUCKER_R")
+    _, made = new(cli, "anna", "--model", "face.glb")
+    assert (made.poseset, made.rig) == ("arkit", None)
+    speak(cli, "anna")
+
+
+def test_a_rig_in_part_keeps_its_gains_limits_and_reasons(cli, folder):
+    known = next(rig.model for _, rig in RIGS if rig.model.name == "facefx-to-arkit")
+    shapes = [f"head_{name}" for name in channels_of(known) if name != "tongueOut"]
+    glb(folder / "face.glb", *shapes)
+    said, made = new(cli, "anna", "--model", "face.glb", "--poseset", "facefx")
+    assert made.rig == "anna"
+    assert "which the model lacks: tongueOut\n" in said
+    text = Path("posesets/facefx/rigs/anna.yaml").read_text("utf-8")
+    assert '"head_mouthPress{Left,Right}": ' in text
+    rig = next(rig.model for rig in Library().rigs("facefx") if rig.model.name == "anna")
+    channels, whole = channels_of(rig), channels_of(known)
+    assert channels["head_mouthClose"].at_most == "head_jawOpen"
+    assert [*channels] == shapes
+    for name in shapes:
+        assert channels[name].gains == whole[name.removeprefix("head_")].gains
+    assert rig.lost["tRoof"] == known.lost["tRoof"]
+    assert "tTeeth" in rig.lost
+    speak(cli, "anna")
+
+
+RIG = """\
+kind: rig
+format: 1
+name: bony
+title: Bony
+poseset: crab
+channels:
+  jaw: {node: Jaw, rotation: [1, 0, 0], gains: {mouthOpen: 12}}
+  round: {gains: {mouthOO: 1}, at_most: jaw}
+  gone: {node: Gone, translation: [0, 1, 0], gains: {smile: 1}}
+lost: {frown: none, bareTeeth: none, tongueTip: none, tongueBack: none, tongueOut: none}
+"""
+
+
+def test_bones_of_a_rig_are_found_by_their_nodes(cli, folder):
+    rig = folder / "posesets/crab/rigs/bony.yaml"
+    rig.parent.mkdir(parents=True)
+    rig.write_text(RIG, "utf-8")
+    glb(folder / "face.glb", "Round", bones=["Jaw", "Neck"])
+    said, made = new(cli, "anna", "--model", "face.glb", "--rig", "bony")
+    assert made.rig == "anna"
+    assert "which the model lacks: gone\n" in said
+    made = next(r.model for r in Library().rigs("crab") if r.model.name == "anna")
+    assert made.channels["jaw"].node == "Jaw"
+    assert made.channels["jaw"].gains == {"mouthOpen": 12}
+    assert set(made.channels) == {"jaw", "Round"}
+    assert made.lost["smile"]
+    assert moved(speak(cli, "anna")) == {("head", "weights"), ("Jaw", "rotation")}
+
+
+def test_a_bone_called_like_a_region_is_shown_as_an_example(cli, folder):
+    glb(folder / "face.glb", "mouthClose", "mouthPucker", "mouthFunnel", "tongueOut",
+        bones=["CC_Base_JawRoot"])  # fmt: skip
+    new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
+    path = Path("posesets/arkit/rigs/anna.yaml")
+    text = path.read_text("utf-8")
+    line = next(line for line in text.splitlines() if "JawRoot" in line)
+    text = text.replace("lost:\n", f"{line.replace('#', '', 1)[1:]}\nlost:\n")
+    text = "\n".join(row for row in text.splitlines() if not row.startswith("  jawOpen:"))
+    path.write_text(text + "\n", "utf-8")
+    assert ("CC_Base_JawRoot", "rotation") in moved(speak(cli, "anna"))
+
+
+def test_meshes_may_have_prefixes_of_their_own(cli, folder):
+    poses = [*SETS["crab"].poses]
+    meshes = {mesh: [f"{mesh}_geo_{pose}" for pose in poses] for mesh in ("shell", "teeth")}
+    glb(folder / "face.glb", **meshes)
+    said, made = new(cli, "anna", "--model", "face.glb")
+    assert (made.poseset, made.rig) == ("crab", None)
+    assert "16 shapes in 2 meshes" in said
+    assert len(moved(speak(cli, "anna"))) == 2
+
+
+# What does not fit, and what is misused
+
+
+def test_a_model_that_nobody_knows(cli, folder):
+    glb(folder / "face.glb", "alpha", "beta", "tongueOut", "gamma")
+    ended = cli("characters", "new", "anna", "--model", "face.glb")
+    assert ended.code == 2
+    assert "face.glb: no pose set knows its shapes" in ended.err
+    assert "It has alpha, beta, tongueOut, gamma" in ended.err
+    assert "lipsync-lang posesets new anna --model face.glb" in ended.err
+    assert not (folder / "characters").exists()
+    assert not (folder / "posesets").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "characters new NAME --model FILE"),
+        (("anna",), "characters new NAME --model FILE"),
+        (("a/b", "--model", "face.glb"), "'a/b' cannot be a pack's name"),
+        (("anna", "--model", "none.glb"), "none.glb: cannot be read: No such file"),
+        (("anna", "--model", "text.glb"), "text.glb: is not GLB; it seems to be something else"),
+        (("anna", "--model", "bare.glb"), "bare.glb: no mesh has morph targets (meshes: head)"),
+        (("anna", "--model", "twice.glb"), "'head': several morph targets share a name: a"),
+        (("anna", "--model", "blank.glb"), "'head': its morph target 1 has no name"),
+        (("anna", "--model", "face.glb", "--poseset", "carb"), "did you mean 'crab'?"),
+        (("anna", "--model", "face.glb", "--rig", "facefx-to-arkti"), "mean 'facefx-to-arkit'?"),
+        (("anna", "--model", "face.glb", "--poseset", "crab", "--rig", "x"), "unknown rig 'x'"),
+        (("anna", "--model", "face.glb", "--poseset", "crab"), "pose set 'crab' knows none of its"),
+        (("anna", "--model", "face.glb", "--rig", "facefx-to-arkit"), "knows none of its shapes"),
+    ],
+)
+def test_bad_input_is_told_and_nothing_is_written(arguments, said, cli, folder):
+    glb(folder / "face.glb", "Fcl_MTH_A", "Fcl_MTH_I", "Fcl_MTH_U", "Fcl_MTH_E", "Fcl_MTH_O")
+    glb(folder / "bare.glb", head=())
+    glb(folder / "twice.glb", "a", "a")
+    glb(folder / "blank.glb", "a", " ")
+    (folder / "text.glb").write_text("hello")
+    before = sorted(folder.rglob("*"))
+    ended = cli("characters", "new", *arguments)
+    assert ended.code == 2
+    assert said in ended.err
+    assert not ended.out
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_nothing_is_overwritten(cli, folder):
+    glb(folder / "face.glb", "jawOpen", "mouthClose", "mouthPucker", "mouthFunnel")
+    new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
+    ended = cli("characters", "new", "anna", "--model", "face.glb")
+    assert ended.code == 2
+    assert "characters/anna.yaml: is there already; choose another name" in ended.err
+    Path("characters/anna.yaml").unlink()
+    before = Path("posesets/arkit/rigs/anna.yaml").read_text("utf-8")
+    ended = cli("characters", "new", "anna", "--model", "face.glb", "--rig", "facefx-to-arkit")
+    assert ended.code == 0  # its rig is one of another pose set
+    ended = cli(
+        "characters", "new", "facefx-to-vrm", "--model", "face.glb", "--rig", "facefx-to-arkit"
+    )
+    assert ended.code == 2
+    assert "facefx-to-vrm.yaml: is there already; choose another name" in ended.err
+    assert Path("posesets/arkit/rigs/anna.yaml").read_text("utf-8") == before
+
+
+def test_a_rig_is_not_written_where_it_is_not_looked_for(cli, folder):
+    plant(folder / "packs")
+    glb(folder / "face.glb", "open")
+    ended = cli(
+        "characters", "new", "zoe", "--model", "face.glb", "--poseset", "face", "--path", "packs"
+    )
+    assert ended.code == 2
+    assert "belongs beside pose set 'face'" in ended.err
+    assert "go to packs first" in ended.err
+    assert not (folder / "characters").exists()
+
+
+def test_unsound_packs_are_passed_over(folder):
+    bad = folder / "posesets/facefx/rigs/bad.yaml"
+    bad.parent.mkdir(parents=True)
+    bad.write_text(RIG.replace("bony", "bad").replace("crab", "facefx"), "utf-8")
+    (folder / "posesets/broken").mkdir()
+    (folder / "posesets/broken/poseset.yaml").write_text("kind: [", "utf-8")
+    model = read_model(glb(folder / "face.glb", *SETS["facefx"].poses, bones=["Jaw"]))
+    found = recognise(Library(), model)
+    assert found[0].name == "facefx"
+    assert "bad" not in {match.rig for match in found}
+
+
+def test_json_says_the_same(cli, folder):
+    glb(folder / "face.glb", "jawOpen", "mouthClose", "mouthPucker", "mouthFunnel", "extra")
+    ended = cli("characters", "new", "anna", "--model", "face.glb", "--poseset", "arkit", "--json")
+    told = json.loads(ended.out)
+    assert told["rig"] == "anna"
+    assert told["wrote"] == ["characters/anna.yaml", "posesets/arkit/rigs/anna.yaml"]
+    assert told["match"]["poseset"] == "arkit"
+    assert told["match"]["channels"]["jawOpen"] == ["jawOpen"]
+    assert told["match"]["left"] == ["extra"]
+    assert len(told["match"]["lost"]) == 11
+    assert "wrote characters/anna.yaml" in ended.err
+
+
+def test_nothing_is_found_of_no_channels(tmp_path):
+    assert not find((), read_model(glb(tmp_path / "face.glb", "a"))).places

@@ -1,0 +1,109 @@
+"""Every pose set that comes with the program speaks every language, and keeps its promises."""
+
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.validate import validate
+from lipsync_lang.performer import Performer
+from lipsync_lang.resolver.compile import compile_pair
+from lipsync_lang.resolver.settings import motion_with
+from lipsync_lang.speaking import Speaker
+
+LIBRARY = Library(project=None)
+SETS = [found.name for found in LIBRARY.names("poseset")]
+LANGUAGES = [found.name for found in LIBRARY.names("language")]
+assert SETS, "a sweep over nothing passes"
+assert LANGUAGES
+
+EXACT = 1e-9
+FPS = 30
+WORDS = 8
+LONGEST = 60
+"""Lines of YAML that a pose set takes, comments and blank ones aside."""
+
+every_set = pytest.mark.parametrize("name", SETS)
+
+
+@cache
+def sentence(language):
+    """Words of a language's own tests, read aloud with estimated times."""
+    tests = LIBRARY.language(language).model.tests
+    text = " ".join(test.text for test in tests[:WORDS] if test.text) or "a"
+    return Speaker.of(language).speak(text, engine="none")
+
+
+def demanded(performance):
+    """Yield each contact, with the span of every phoneme that demands it."""
+    track = performance.track
+    for contact, (wanted, _) in zip(performance.tables.contacts, performance.held, strict=True):
+        for number in np.flatnonzero(wanted):
+            yield contact, track.bounds[number], track.bounds[number + 1]
+
+
+def assert_promises(performance, name):
+    tables, weights = performance.tables, performance.weights()
+    times = performance.frames.times()
+    assert np.isfinite(weights).all(), name
+    assert weights.min() >= 0, name
+    assert weights.max() <= 1, name
+    assert weights.max() > 0.2, f"{name}: nothing moves"
+    assert np.abs(weights[[0, -1]]).max() <= 1e-5, name
+    step = performance.motion.speed_limit / FPS
+    assert np.abs(np.diff(weights, axis=0)).max() <= step + EXACT, name
+    for low, high, threshold in tables.caps:
+        over = weights[:, low] + weights[:, high] > threshold + EXACT
+        assert (weights[over, low] <= EXACT).all(), name
+    for pose, other in tables.at_most:
+        assert (weights[:, pose] <= weights[:, other] + EXACT).all(), name
+    for contact, start, end in demanded(performance):
+        near = (times >= start - 0.5 / FPS - 1e-6) & (times <= end + 0.5 / FPS + 1e-6)
+        up = (weights >= 0.9 * contact.floor - EXACT).all(axis=1)
+        down = (weights <= contact.ceiling + EXACT).all(axis=1)
+        assert (near & up & down).any(), (name, start)
+    hold = performance.motion.hold
+    if hold:
+        shown = np.where(weights.any(axis=1), weights.argmax(axis=1), -1)
+        held = np.logical_or.reduce([frames for _, frames in performance.held])
+        bounds = [0, *(np.flatnonzero(np.diff(shown)) + 1), len(shown)]
+        least = round(hold * FPS)
+        for start, stop in list(pairwise(bounds))[1:-1]:
+            contact = held[max(0, start - 2 * least) : stop + 2 * least].any()
+            assert stop - start >= least or contact, (name, start, stop)
+
+
+@every_set
+def test_every_language_is_performed_with_all_promises_kept(name):
+    for module in ("phonemizer", "epitran", "pypinyin", "opencc", "pyopenjtalk"):
+        pytest.importorskip(module, reason=f"{module} is not installed, which reads a language")
+    for language in LANGUAGES:
+        compiled = compile_pair(LIBRARY, language, name)
+        assert not compiled.report.gaps, language
+        performer = Performer(compiled, motion_with(compiled.motion, None))
+        performance = performer.performance(sentence(language), FPS)
+        assert_promises(performance, language)
+
+
+@every_set
+def test_a_pose_set_is_sound_and_says_nothing_in_vain(name):
+    path = LIBRARY.find("poseset", name)
+    assert not [str(fault) for fault in validate(LIBRARY, [path.parent])]
+
+
+@every_set
+def test_a_pose_set_takes_sixty_lines_or_fewer(name):
+    text = LIBRARY.find("poseset", name).read_text("utf-8")
+    stated = [one for one in text.splitlines() if one.strip() and not one.strip().startswith("#")]
+    assert len(stated) <= LONGEST
+
+
+@every_set
+def test_every_phoneme_has_a_target_and_every_pose_a_title(name):
+    model = LIBRARY.poseset(name).model
+    phonemes = LIBRARY.common().model.phonemes
+    assert not [label for label in phonemes if label not in model.targets and label != "_"]
+    assert not [pose for pose, told in model.poses.items() if not told.title or not told.region]
+    assert model.measures
