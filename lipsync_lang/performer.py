@@ -115,9 +115,17 @@ class Performer:
         """
         performance = self.performance(schedule, fps, line=line, styles=styles, dials=dials)
         asked = {"line": line, "styles": styles, "dials": dials}
-        times = performance.frames.times()
-        made = Animation(times, self.poses, performance.weights(), fps, schedule, self, asked)
-        return replace(made, channels=self.channels, model=self.model)
+        return Animation(
+            performance.frames.times(),
+            self.poses,
+            performance.weights(),
+            fps,
+            schedule,
+            performer=self,
+            asked=asked,
+            channels=self.channels,
+            model=self.model,
+        )
 
     def rigged(self, animation: Animation) -> Animation:
         """Drive the character's model: an animation of its rig's channels in place of poses.
