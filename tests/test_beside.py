@@ -36,6 +36,9 @@ def test_different_lines_are_refused():
     longer = Schedule(("M", "AA", "P"), (0.0, 0.1, 0.3, 0.5), notation="arpabet")
     with pytest.raises(LipsyncError, match="different lines"):
         drawn([real().perform(LINE), real().perform(longer)])
+    other = Schedule(("M", "IY", "P"), LINE.times, notation="arpabet")
+    with pytest.raises(LipsyncError, match="different lines"):
+        drawn([real().perform(LINE), real().perform(other)])
     with pytest.raises(LipsyncError, match="no animation"):
         drawn([])
 

@@ -107,6 +107,45 @@ def test_each_bank_is_warped_by_its_own_boundary(bare):
     assert w[at] == pytest.approx(float(curve[row, round(0.3 * 128), 1]), abs=0.02)
 
 
+def test_of_a_layer_the_style_comes_first_and_of_styles_each_has_its_own(tmp_path):
+    banks = tmp_path / "posesets/facefx/banks"
+    banks.mkdir(parents=True)
+    for style, weight in (("neutral", 0.2), ("angry", 0.6), ("calm", 0.1)):
+        (banks / f"{style}.yaml").write_text(
+            f"kind: bank\nformat: 1\nname: {style}\nposeset: facefx\nstyle: {style}\n"
+            "interpolation: linear\nbigrams:\n"
+            f"  l-ow: {{curves: {{wide: [[0, {weight}], [1, {weight}]]}}}}\n", "utf-8",
+        )  # fmt: skip
+    for _ in range(2):  # the second time from the cache
+        performer = ll.resolve("english", "facefx", paths=[tmp_path])
+        wide = performer.poses.index("wide")
+        row = next(n for n, o in enumerate(performer.compiled.origins) if o.pair == ("l", "ow"))
+        tables = performer.compiled.tables
+        assert tuple(performer.compiled.style_origins) == ("angry", "calm")
+        found = [bank.curves[row, 64, wide] for bank in (tables.neutral, *tables.styles)]
+        assert found == pytest.approx([0.2, 0.6, 0.1])
+
+
+def test_a_contact_is_waived_only_if_all_that_is_heard_waives_it(tmp_path):
+    banks = tmp_path / "posesets/facefx/banks"
+    banks.mkdir(parents=True)
+    free = "".join(
+        f"  {pair}: {{contact: free, curves: {{}}}}\n" for pair in ("ow-bmp", "bmp-aa", "aa-bmp")
+    )
+    (banks / "loose.yaml").write_text(
+        "kind: bank\nformat: 1\nname: loose\nposeset: facefx\nstyle: loose\nbigrams:\n" + free,
+        "utf-8",
+    )
+    performer = ll.resolve("english", "facefx", paths=[tmp_path], cache=False)
+
+    def held(share):
+        performance = performer.performance(LINE, 60, styles={"loose": share})
+        return performance.held[0][0].sum()
+
+    assert (held(0), held(0.5), held(1)) == (2, 2, 0)
+    assert held([(0, 1), (1, 0.9)]) == 2, "neutral is heard at the end"
+
+
 def test_shares_over_time_pass_from_one_to_the_other(bare):
     bare = bare.with_motion({"stitch": "crossfade"})
     times, neutral = stitched(bare)
@@ -283,6 +322,16 @@ def test_a_contact_lasts_as_long_as_the_rest():
     forced[20:22] = 0
     out = switch(curves, np.zeros(curves.shape, bool), forced, 6)
     assert np.flatnonzero(out[0]).tolist() == list(range(18, 24))
+
+
+def test_a_vowel_between_two_contacts_alike_stays_however_short():
+    curves = np.zeros((2, 30))
+    curves[1, 12:15] = 1
+    forced = np.full(30, FREE)
+    forced[8:12] = forced[15:19] = 0
+    curves[0, forced == 0] = 1
+    out = switch(curves, np.zeros(curves.shape, bool), forced, 8)
+    assert np.flatnonzero(out[1]).tolist() == [12, 13, 14]
 
 
 def test_a_flicker_makes_room_where_its_neighbours_meet():

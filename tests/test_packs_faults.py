@@ -184,6 +184,8 @@ BAD = [
         (("P207", 17, "PBM: 0."),), "hold 'open'"),
     Bad("contacts exclude each other", POSESET, "{pose: wide, at_most: open}",
         "{between: [FV, PBM], threshold: 1}", (("P208", 14, "1}"),), "raise"),
+    Bad("contacts just fit, rounding aside", POSESET, "{pose: wide, at_most: open}",
+        "{between: [FV, PBM], threshold: 1.7}", ()),
     Bad("contacts exclude each other by default", POSESET, "default: 2.0", "default: 1.0",
         (("P208", 11, "1.0"), ("P207", 17, "PBM: 0."), ("P207", 18, "FV: 0.8"))),
     Bad("ceiling on a contact", POSESET, "floor: {FV: 0.8}", "floor: {FV: 0.8}, ceiling: {PBM: 0}",
