@@ -88,6 +88,8 @@ def main(folder: Path, poseset: str = "facefx") -> int:
     }
     print(f"Pearson r, {performer.character} speaking {performer.language}, at {FPS:g} fps")
     for measure, gains in performer.compiled.measures.items():
+        if not all(measure in signals for _, _, signals, _ in lines):
+            continue  # no sensor shows it
         print(
             f"\n{measure:<24}" + "".join(f"{name[-14:]:>16}" for name, *_ in lines) + f"{'mean':>8}"
         )

@@ -22,14 +22,17 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any, get_args, get_type_hints
 
+from lipsync_lang.animations.readers.registry import load_animation_readers
 from lipsync_lang.animations.registry import load_writers
 from lipsync_lang.cli import parser
+from lipsync_lang.lines.registry import load_readers as load_line_readers
 from lipsync_lang.packs.faults import CODES
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS, Language, PoseSet
 from lipsync_lang.packs.schema import schema
 from lipsync_lang.pipeline import motion
+from lipsync_lang.quality.measures import load_measures
 from lipsync_lang.rigs.loss import losses
 from lipsync_lang.schedules.registry import load_readers
 
@@ -49,6 +52,7 @@ def pages() -> dict[str, str]:
         "packs.md": packs(),
         "faults.md": faults(),
         "motion.md": motions(),
+        "checks.md": checks(),
         "formats.md": formats(),
     }
     return {name: f"{MADE}\n{text.strip()}\n" for name, text in made.items()}
@@ -231,6 +235,11 @@ targets:
   bmp: {shut: 1, dominance: {shut: 2, jaw: 6}}
   h: {jaw: 0.4, dominance: 0.001}          # one number for all: takes the shape around it
   ow: [{jaw: 0.7}, {jaw: 0.3}]
+measures: {aperture: {jaw: 1, shut: -0.5}}
+checks:                        # what `lipsync-lang check` holds an animation against
+  jitter: 1
+  rules:
+    opens: {phonemes: [aa, ow], measure: aperture, at_least: 0.3, missed: 0.1}
 """,
     "posesets/puppet/banks/common.yaml": """\
 kind: bank
@@ -251,6 +260,7 @@ format: 1
 name: anna
 poseset: puppet
 motion: {speed_limit: 8}
+checks: {closure_late: 0.03}
 pronunciations:
   stage-english: {either: [ay, th, er]}    # said so by her alone
 bigrams:
@@ -615,6 +625,54 @@ def _attribute_docstrings(module: Any) -> dict[str, str]:
     return told
 
 
+# Checks
+
+
+def checks() -> str:
+    """Describe every measure of a finished animation."""
+    measures = load_measures().values()
+    parts = [
+        "# Checks",
+        (
+            "What `lipsync-lang check` measures of a finished animation; the smaller the better. "
+            "How to use it is in [check an animation](../how-to/check-an-animation.md). A limit is "
+            "stated, each over the one before, in a pose set's `checks`, in a character's "
+            "`checks`, "
+            'and in a call: `--limit jitter=3`, or `check(animation, limits={"jitter": 3})`. A '
+            "value that is rounded past its limit by a thousandth of it is sound."
+        ),
+        table(
+            ("measure", "unit", "limit unless stated", "what it is"),
+            [
+                (f"[`{one.name}`](#{one.name})", one.unit, _limit(one.name, one.limit), _first(one))
+                for one in measures
+            ],
+        ),
+        (
+            "Curves are those of poses, from 0 to 1. On the channels of a rig all is told in "
+            "shares of a channel's range; constraints are then those between channels, and rules "
+            "are not judged. A sound is a phoneme that is not silence; its bounds are those of its "
+            "common phonemes. `Rule`, with the phonemes, measure and bounds of one, is in "
+            "in [packs](packs.md#rule-in-poseset)."
+        ),
+    ]
+    for one in measures:
+        said, _, formula = inspect.cleandoc(one.told).rpartition("::\n")
+        told = f"{said.rstrip().removesuffix('It is').rstrip().removesuffix('.')}:"
+        parts += [f"## {one.name}", told, f"```text\n{inspect.cleandoc(formula)}\n```"]
+    return "\n\n".join(parts)
+
+
+def _limit(name: str, limit: float | None) -> str:
+    if name == "speed":
+        return "the motion's `speed_limit`"
+    return "none" if limit is None else f"{limit:g}"
+
+
+def _first(measure: Any) -> str:
+    return inspect.cleandoc(measure.told).partition("\n")[0]
+
+
 # Formats
 
 
@@ -623,6 +681,7 @@ def formats() -> str:
     read = [
         (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title) for r in load_readers().values()
     ]
+    judged = sorted((r.name, f"`{r.suffix}`", r.title) for r in load_animation_readers().values())
     written = [(w.name, f"`{w.suffix}`", w.title) for w in load_writers().values()]
     return "\n\n".join(
         [
@@ -634,6 +693,18 @@ def formats() -> str:
                 "Details: [schedules as JSON](schedule-json.md) and how to "
                 "[use your own timings](../how-to/use-your-own-timings.md)."
             ),
+            "## Read: lines of a script, to be counted",
+            table(
+                ("name", "suffix", "what it holds"),
+                sorted(
+                    (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title)
+                    for r in load_line_readers().values()
+                ),
+            ),
+            "How: [plan the work](../how-to/plan-the-work.md).",
+            "## Read: animations, to be judged",
+            table(("name", "suffix", "what it holds"), judged),
+            "How: [check an animation](../how-to/check-an-animation.md).",
             "## Written: animations",
             table(("name", "suffix", "what it holds"), sorted(written)),
             "Details: [animation files](animation-files.md).",

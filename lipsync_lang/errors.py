@@ -31,6 +31,10 @@ class ModelError(LipsyncError):
     """A 3D model that cannot be read, or that nothing here can drive."""
 
 
+class AnimationError(LipsyncError):
+    """An animation that cannot be read, or is of another face."""
+
+
 class OutputError(LipsyncError):
     """A result that cannot be written where it was asked for."""
 

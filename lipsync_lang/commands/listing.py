@@ -23,11 +23,18 @@ def voices(options: Namespace) -> int:
 
 def formats(options: Namespace) -> int:
     """Print every registered reader and writer."""
+    from lipsync_lang.animations.readers.registry import load_animation_readers
     from lipsync_lang.animations.registry import load_writers
+    from lipsync_lang.lines.registry import load_readers as load_line_readers
     from lipsync_lang.schedules.registry import load_readers
 
     rows = [
         *(("read", r.name, " ".join(r.suffixes), r.title) for r in load_readers().values()),
+        *(
+            ("lines", r.name, " ".join(r.suffixes) or ".*", r.title)
+            for r in load_line_readers().values()
+        ),
+        *(("judge", r.name, r.suffix, r.title) for r in load_animation_readers().values()),
         *(("write", w.name, w.suffix, w.title) for w in load_writers().values()),
     ]
     if options.json:
@@ -35,5 +42,5 @@ def formats(options: Namespace) -> int:
         print(as_json([dict(zip(keys, row, strict=True)) for row in rows]))
     else:
         for direction, name, suffix, title in rows:
-            print(f"{direction:<6}{name:<10}{suffix:<12}{title}")
+            print(f"{direction:<6}{name:<16}{suffix:<16}{title}")
     return SOUND

@@ -5,7 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lipsync_lang import __version__
-from lipsync_lang.commands import banks, checking, listing, packs, performing
+from lipsync_lang.commands import banks, check, checking, coverage, listing, packs, performing
+from lipsync_lang.coverage.forms import FORMS
 
 Command = Callable[[argparse.Namespace], int]
 """Options in, exit code out."""
@@ -38,6 +39,7 @@ def parser() -> argparse.ArgumentParser:
 
     _add_performing(add)
     _add_checking(add)
+    _add_coverage(add)
     _add_packs(add)
     _add_bank(add)
     voices_ = add("voices", listing.voices, "list the voices that speak text", "voices")
@@ -75,6 +77,9 @@ def _add_performing(add: Add) -> None:
         help="draw this character below the other instead of the stages; may be repeated",
     )  # fmt: skip
     run_.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
+    run_.add_argument(
+        "--check", action="store_true", help="judge the animation's poses as well, as `check` does"
+    )
 
     transcribe_ = add(
         "transcribe",
@@ -137,6 +142,81 @@ def _add_checking(add: Add) -> None:
         "schema language > language.json",
     )
     schema_.add_argument("kind", metavar="KIND", nargs="?", help="without it, the kinds are listed")
+
+
+def _add_coverage(add: Add) -> None:
+    coverage_ = add(
+        "coverage",
+        coverage.coverage,
+        "show which bigrams a script needs, and what to author next",
+        "coverage script.txt -l english -c facefx",
+    )
+    coverage_.add_argument(
+        "corpus", metavar="CORPUS", type=Path, nargs="+", help="a file of lines, or a folder"
+    )
+    for short, name, what in (
+        ("-l", "language", "name or tag of a language"),
+        ("-c", "character", "a character or a pose set"),
+    ):
+        coverage_.add_argument(
+            short, f"--{name}", metavar=name.upper(), action="append", required=True,
+            help=f"{what}; may be repeated",
+        )  # fmt: skip
+    coverage_.add_argument(
+        "--format", choices=tuple(FORMS), help="what to write [by the suffix of -o, else text]"
+    )
+    coverage_.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="write to a file instead of the terminal"
+    )
+    coverage_.add_argument(
+        "--column", metavar="NAME", action="append", default=[],
+        help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's",
+    )  # fmt: skip
+    coverage_.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
+    coverage_.add_argument(
+        "--minutes", metavar="N", type=float, default=5.0, help="minutes to author a bigram [5]"
+    )
+    coverage_.add_argument(
+        "--fail-under", metavar="PERCENT", type=float,
+        help="exit with 1 where less of what is spoken is authored",
+    )  # fmt: skip
+    coverage_.add_argument(
+        "--against", metavar="OLD.json", type=Path, help="tell what changed since an older JSON"
+    )
+    coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
+    _add_path(coverage_)
+
+    _add_check(add)
+
+
+def _add_check(add: Add) -> None:
+    check_ = add(
+        "check",
+        check.check,
+        "measure how good an animation is, and hold it against limits",
+        "check 'Hello, world' -l english -c facefx --baseline",
+    )
+    _add_line(check_)
+    check_.add_argument(
+        "--animation", metavar="FILE", type=Path,
+        help="judge what this file holds, of any program, instead of performing the line",
+    )  # fmt: skip
+    check_.add_argument(
+        "--channels", action="store_true", help="judge the channels of the character's rig"
+    )
+    check_.add_argument(
+        "--baseline", action="store_true", help="measure plain methods on the same line beside it"
+    )
+    check_.add_argument(
+        "--limit", metavar="NAME=NUMBER", action="append", default=[], dest="limits",
+        help="the most of a measure that is sound: --limit jitter=2; may be repeated",
+    )  # fmt: skip
+    check_.add_argument(
+        "--format", choices=("text", "json", "junit"), default="text", help="how it is told [text]"
+    )
+    check_.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="write it to a file instead"
+    )
 
 
 def _add_packs(add: Add) -> None:

@@ -39,6 +39,10 @@ def run(options: Namespace) -> int:
     print(_summary(shown, list(outputs)), file=sys.stderr)
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
         print(remark, file=sys.stderr)
+    if options.check:
+        from lipsync_lang.quality.checks import check
+
+        print(check(animation), file=sys.stderr)
     return SOUND
 
 
@@ -82,11 +86,19 @@ def _refuse_same(options: Namespace) -> None:
 
 
 def _perform(options: Namespace) -> "Animation":
+    performer = performer_for(options)
+    return perform_line(options, performer, schedule_for(options, performer))
+
+
+def performer_for(options: Namespace) -> "Performer":
+    """Return the performer of the pair that is named, with all that is asked of it."""
     from dataclasses import replace
 
-    performer = _performer(options)
-    performer = replace(performer, unknown=options.unknown)
-    schedule = _schedule(options, performer)
+    return replace(_performer(options), unknown=options.unknown)
+
+
+def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule") -> "Animation":
+    """Perform a line as it is to be delivered."""
     return performer.perform(
         schedule,
         fps=options.fps,
@@ -142,7 +154,8 @@ def _motion(settings: list[str]) -> dict[str, object]:
     return change
 
 
-def _schedule(options: Namespace, performer: "Performer") -> "Schedule":
+def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
+    """Return the timed phonemes of a text, or of a file."""
     from lipsync_lang.schedules.registry import read_schedule
 
     if (options.text is None) == (options.schedule is None):

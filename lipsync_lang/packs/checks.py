@@ -17,6 +17,7 @@ from lipsync_lang.packs.models import (
     Bank,
     Bigram,
     Character,
+    Checks,
     Delivery,
     Language,
     Phonemes,
@@ -112,6 +113,7 @@ def check_poseset(
         yield from _twice(poseset, ("contacts", name, "phonemes"), contact.phonemes)
     for label in model.targets:
         yield from _phoneme(poseset, ("targets", label), label, phonemes, key=True)
+    yield from _rules(poseset, model.checks, model, phonemes)
     yield from _model(poseset)
     yield from conflicts(poseset, banks)
     yield from _without_target(poseset)
@@ -213,6 +215,7 @@ def check_character(  # noqa: PLR0913 what is known of others
                 loc = ("lines", name, "edits", index, "curves", pose)
                 yield from check_pose(character, loc, pose, poseset.poses)
     yield from _pronunciations(character, phonemes, languages)
+    yield from _rules(character, model.checks, poseset, phonemes)
     for number, file in enumerate(model.banks):
         if beside(character.path, file) is None:
             what, hint = f"there is no file '{file}'", "it belongs beside the character"
@@ -221,6 +224,26 @@ def check_character(  # noqa: PLR0913 what is known of others
     if model.rig is not None and model.rig not in rigs:
         what, hint = f"unknown rig '{model.rig}'", did_you_mean(model.rig, rigs)
         yield character.fault(("rig",), "P212", what, hint)
+
+
+def _rules(
+    pack: "Pack[PoseSet] | Pack[Character]",
+    stated: Checks,
+    poseset: PoseSet,
+    phonemes: Collection[str],
+) -> Iterator[Fault]:
+    """Rules are about phonemes that exist, and read measures of the pose set."""
+    for name, rule in stated.rules.items():
+        at: Loc = ("checks", "rules", name)
+        for number, label in enumerate(rule.phonemes):
+            yield from _phoneme(pack, (*at, "phonemes", number), label, phonemes)
+        yield from _twice(pack, (*at, "phonemes"), rule.phonemes)
+        if rule.measure not in poseset.measures:
+            what = f"unknown measure '{rule.measure}'"
+            hint = did_you_mean(rule.measure, poseset.measures)
+            if not poseset.measures:
+                hint = "state it under `measures` of the pose set, as sums of gain times pose"
+            yield pack.fault((*at, "measure"), "P231", what, hint)
 
 
 def _model(pack: "Pack[PoseSet] | Pack[Character]") -> Iterator[Fault]:

@@ -75,6 +75,7 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Told:
         lines.append(f"  without: {' '.join(missing)}")
     for name, gains in model.measures.items():
         lines.append(f"measure {name}: {_sum(gains)}")
+    lines += _checks(model.checks)
     lines += _parts(library, model.name)
     lines += _model(pack, model.model)
     return Told("\n".join(lines), model.model_dump(mode="json", by_alias=True))
@@ -90,6 +91,17 @@ def _rules(model: "models.PoseSet") -> "Iterator[str]":
             yield f"{' + '.join(pair.between)} at most {pair.threshold:g}"
     if model.constraints.default < FREE:
         yield f"any other two at most {model.constraints.default:g}"
+
+
+def _checks(checks: "models.Checks") -> "Iterator[str]":
+    """Tell what a finished animation is held against."""
+    for name, rule in checks.rules.items():
+        bounds = {"at least": rule.at_least, "at most": rule.at_most}
+        told = " and ".join(f"{word} {n:g}" for word, n in bounds.items() if n is not None)
+        missed = f", missed by {rule.missed:g} of them at most" if rule.missed else ""
+        yield f"rule {name} for {' '.join(rule.phonemes)}: {rule.measure} {told}{missed}"
+    limits = checks.model_dump(exclude_none=True, exclude={"rules"})
+    yield from (f"limit {name}: {value:g}" for name, value in limits.items())
 
 
 def _parts(library: "Library", poseset: str) -> "Iterator[str]":
@@ -129,6 +141,7 @@ def _character(library: "Library", pack: "Pack[models.Character]") -> Told:
     for what, values in levels.items():
         told = ", ".join(f"{name} {_level(value)}" for name, value in values.items())
         lines += [f"{what}: {told}"] if told else []
+    lines += _checks(model.checks)
     rigs = [path.stem for path in library.rigs_of(model.poseset)]
     lines += (
         [f"rig: {model.rig}"]

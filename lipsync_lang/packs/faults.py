@@ -73,6 +73,7 @@ CODES: dict[str, str] = {
     "P224": "Two poses claim one spelling of a model's shapes.",
     "P225": "The face at rest is called like a pose.",
     "P230": "A region is unknown to the pose set.",
+    "P231": "A measure is unknown to the pose set.",
     # W3: sound, but probably not meant
     "W301": "A pose has no target, so that drafts never move it.",
     "W302": "A constraint binds two poses of equal priority, so that neither yields.",

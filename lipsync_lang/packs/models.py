@@ -1,5 +1,6 @@
 """The form of every kind of pack: one class, one sentence."""
 
+from lipsync_lang.packs.check_models import Checks
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.forms import Pack
 from lipsync_lang.packs.ipa_models import Ipa
@@ -42,6 +43,7 @@ __all__ = [
     "Bigram",
     "Channel",
     "Character",
+    "Checks",
     "Constraints",
     "Contact",
     "Delivery",

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
+from lipsync_lang.packs.check_models import Checks
 from lipsync_lang.packs.forms import (
     BigramKey,
     Common,
@@ -193,6 +194,8 @@ class PoseSet(Pack):
     """How poses stand at each phoneme; several in a row for a sound that moves."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
     """Read-outs for quality reports: sums of gain times pose."""
+    checks: Checks = Checks()
+    """What a finished animation is held against."""
     model: Text | None = None
     """A model file to show the poses on."""
 
@@ -329,6 +332,8 @@ class Character(Pack, Delivery):
     """Lines with edits of their own."""
     motion: Motion = Motion()
     """What differs from the pose set's motion."""
+    checks: Checks = Checks()
+    """What differs from the pose set's checks."""
     rig: Name | None = None
     """The rig that drives the model."""
     model: Text | None = None

@@ -10,6 +10,8 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.performer import Performer
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
+from lipsync_lang.quality.checks import Limits, check
+from lipsync_lang.quality.figures import Quality
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
 FALL = 50.0
 """Per second: how fast a target's say falls away in `dominance`; of 10 to 80, what follows three
 recordings of real mouths best."""
+
+LEAST = 2 / 24
+"""Seconds that a shape stays at least in `held`: drawings last two frames of film."""
 
 
 def keyframes(
@@ -107,6 +112,70 @@ def _insisting(steps: "tuple[Target, ...]", performer: Performer) -> tuple[Float
             [step.dominance.get(p, d) for p, d in zip(performer.poses, usual, strict=True)]
         )
     return rows, np.maximum(usual, 1e-6)
+
+
+def held(
+    performer: Performer, schedule: Schedule, fps: float = 60, library: Library | None = None
+) -> Animation:
+    """Animate by one shape at a time, each held, as programs for drawn mouths do.
+
+    The shape of a phoneme is the strongest pose of its target, at its weight; one that moves has
+    one for each of its targets, evenly spread. A shape stays for `LEAST` at least: one that is not
+    through when the next begins delays it, and one whose time is over by then is left out. Nothing
+    is blended, held or limited.
+
+    Returns
+    -------
+    An animation over the same frames as the performer's own
+    """
+    targets = (library or Library()).poseset(performer.compiled.poseset).model.targets
+    ids, bounds, _ = performer.common_phonemes(schedule)
+    starts: list[float] = [-np.inf]
+    shapes = [np.zeros(len(performer.poses))]
+    for number, start, end in zip(ids, bounds, bounds[1:], strict=False):
+        steps = targets.get(performer.compiled.phonemes[number], ())
+        for step, shape in enumerate(_strongest(steps, performer)):
+            begin = max(start + (end - start) * step / max(1, len(steps)), starts[-1] + LEAST)
+            if begin < start + (end - start) * (step + 1) / max(1, len(steps)):
+                starts.append(begin)
+                shapes.append(shape)
+    starts.append(max(bounds[-1], starts[-1] + LEAST))
+    shapes.append(np.zeros(len(performer.poses)))
+    frames = performer.performance(schedule, fps).frames.times()
+    shown = np.searchsorted(starts, frames + 1e-9, side="right") - 1
+    return Animation(frames, performer.poses, np.array(shapes)[shown], fps, schedule)
+
+
+def _strongest(steps: "tuple[Target, ...]", performer: Performer) -> Floats:
+    """Return the strongest pose of each target alone: (m, P)."""
+    rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
+    weights = np.array(rows or [[0.0] * len(performer.poses)])
+    most = weights.argmax(axis=1)
+    alone = np.zeros_like(weights)
+    alone[np.arange(len(weights)), most] = weights[np.arange(len(weights)), most]
+    return alone
+
+
+BASELINES = {"keyframes": keyframes, "dominance": dominance, "held": held}
+"""Plain methods by name."""
+
+
+def compare(
+    performer: Performer, schedule: Schedule, fps: float = 60, *, limits: Limits | None = None
+) -> dict[str, Quality]:
+    """Judge a performance, and plain methods on the same line.
+
+    Returns
+    -------
+    What each method came to: `performed`, and the names of `BASELINES`
+    """
+    library = Library()
+    performed = {"performed": performer.perform(schedule, fps)}
+    plain = {name: make(performer, schedule, fps, library) for name, make in BASELINES.items()}
+    return {
+        name: check(animation, performer=performer, limits=limits)
+        for name, animation in (performed | plain).items()
+    }
 
 
 def read_out(animation: Animation, gains: dict[str, float]) -> Floats:

@@ -78,6 +78,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         tables=tables,
         motion=_motion(poseset.model.motion, who.model.motion),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
+        checks=_checks(poseset.model.checks, who.model.checks),
         report=replace(
             _report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
             styles={style: _statuses(changed) for style, changed in styles.items()},
@@ -102,6 +103,17 @@ def _motion(*layers: "models.Motion") -> Motion:
     for layer in layers:
         motion = motion_with(motion, layer.model_dump(exclude_none=True))
     return motion
+
+
+def _checks(*layers: "models.Checks") -> dict[str, Any]:
+    """Return limits and rules as plain data, later ones over earlier."""
+    limits: dict[str, Any] = {}
+    rules: dict[str, Any] = {}
+    for layer in layers:
+        stated = layer.model_dump(exclude_none=True)
+        rules |= _plain(stated.pop("rules"))
+        limits |= stated
+    return {"limits": limits, "rules": rules}
 
 
 def _tabulate(rows: list[Row], poses: int) -> Singles:

@@ -114,6 +114,8 @@ class Compiled:
     tables: Tables
     motion: Motion
     measures: dict[str, dict[str, float]]
+    checks: dict[str, Any]
+    """What a finished animation is held against: stated limits by name, and `rules`."""
     report: Report
     nearest: dict[str, Any] | None
     """Where unmapped IPA goes to the nearest common phonemes: the features of the IPA and what

@@ -1,0 +1,71 @@
+"""Comma-separated values: a column of times, and one for each curve."""
+
+import csv
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from lipsync_lang.animations.readers.registry import Recording, fail, reader, text_of
+
+TIMES = {
+    "time": 1.0,
+    "times": 1.0,
+    "seconds": 1.0,
+    "sec": 1.0,
+    "t": 1.0,
+    "timestamp": 1.0,
+    "timeseconds": 1.0,
+    "timecode": 1.0,
+    "ms": 1e-3,
+    "timems": 1e-3,
+    "milliseconds": 1e-3,
+}
+"""Headers of a column of times, without what parts words, and its unit in seconds."""
+
+SEPARATORS = ",;\t"
+
+
+@reader("csv", suffix=".csv")
+def read_csv(path: Path, content: bytes) -> Recording:
+    """A column of times (`time_s`, `time`, `time_ms`, ...), then a column for each curve."""
+    text = text_of(path, content)
+    first = text.partition("\n")[0]
+    separator = max(SEPARATORS, key=first.count)
+    try:
+        rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
+    except csv.Error as error:
+        fail(path, f"is no table: {error}")
+    if not rows:
+        fail(path, "is empty", "export it again")
+    head = [name.strip() for name in rows[0]]
+    unit = TIMES.get(_plain(head[0]))
+    if unit is None:
+        fail(f"{path}:1", f"its first column is '{head[0]}', no time", "call it time_s or time_ms")
+    values = np.array([_numbers(path, n, row, len(head)) for n, row in enumerate(rows[1:], 2)])
+    table = values.reshape(-1, len(head))
+    return Recording(str(path), table[:, 0] * unit, tuple(head[1:]), table[:, 1:])
+
+
+def _plain(name: str) -> str:
+    return "".join(letter for letter in name.lower() if letter.isalpha())
+
+
+def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:
+    """Return the numbers of a row."""
+    if len(row) != count:
+        fail(f"{path}:{line}", f"has {len(row)} values for {count} columns", "export it again")
+    try:
+        return [float(value) for value in row]
+    except ValueError:
+        bad = next(value for value in islice(row, count) if not _is_number(value))
+        mend = "write it with a point" if "," in bad else "leave text out"
+        fail(f"{path}:{line}", f"'{bad[:20]}' is no number", mend)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,74 @@
+"""JSON as it is written here: curves, and the phonemes they belong to."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.animations.readers.registry import Floats, Recording, fail, reader, text_of
+from lipsync_lang.errors import ScheduleError
+from lipsync_lang.schedules.schedule import Schedule
+
+MARK = "lipsync-lang animation "
+FORM = f'it is {{"format": "{MARK}1", "fps": ..., "start": ..., "poses": [...], "frames": [...]}}'
+
+
+@reader("json", suffix=".json")
+def read_json(path: Path, content: bytes) -> Recording:
+    """The JSON that `-o line.json` writes, with the phonemes and words performed."""
+    try:
+        document = json.loads(text_of(path, content))
+    except json.JSONDecodeError as error:
+        fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", FORM)
+    except RecursionError:
+        fail(path, "is nested too deep for an animation", FORM)
+    if not isinstance(document, dict) or not str(document.get("format")).startswith(MARK):
+        fail(path, "is JSON, but no animation of this program", FORM)
+    names, frames = _names(path, document), _frames(path, document)
+    fps, start = (_number(path, document, key) for key in ("fps", "start"))
+    if fps <= 0:
+        fail(path, f"has {fps:g} frames per second", "give a number above 0")
+    times = start + np.arange(len(frames)) / fps
+    return Recording(str(path), times, names, frames, _schedule(path, document))
+
+
+def _names(path: Path, document: dict[str, Any]) -> tuple[str, ...]:
+    names = document.get("poses")
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        fail(path, "its poses are no list of names", FORM)
+    return tuple(names)
+
+
+def _number(path: Path, document: dict[str, Any], key: str) -> float:
+    value = document.get(key)
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        fail(path, f"its `{key}` is no number", FORM)
+    return float(value)
+
+
+def _frames(path: Path, document: dict[str, Any]) -> Floats:
+    rows, count = document.get("frames"), len(document["poses"])
+    if not isinstance(rows, list):
+        fail(path, "its frames are no list", FORM)
+    for number, row in enumerate(rows):
+        good = isinstance(row, list) and len(row) == count
+        if not good or not all(isinstance(v, (int, float)) for v in row):
+            fail(path, f"frame {number} is not a list of {count} numbers", FORM)
+    return np.array(rows, float).reshape(len(rows), count)
+
+
+def _schedule(path: Path, document: dict[str, Any]) -> Schedule | None:
+    """Return what was said, as far as the file tells."""
+    rows = document.get("phonemes")
+    if not isinstance(rows, list) or not rows:
+        return None
+    try:
+        return Schedule.from_intervals(
+            [(row["label"], row["start"], row["end"]) for row in rows],
+            source=str(path),
+            notation=document.get("notation"),
+            language=document.get("language"),
+        )
+    except (KeyError, TypeError, ScheduleError) as error:
+        fail(path, f"its phonemes are unsound ({error})", "each needs label, start and end")

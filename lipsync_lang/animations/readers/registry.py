@@ -1,0 +1,146 @@
+"""Which animation files can be read, and what is in one: curves, times, and what was said."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import NoReturn
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.errors import AnimationError
+from lipsync_lang.schedules.schedule import Schedule
+
+Floats = npt.NDArray[np.float64]
+
+LARGEST = 2**30
+"""Bytes; a larger file is no animation of a line."""
+
+LEAST = 2
+"""Frames; one alone does not move."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Curves as a file holds them.
+
+    Parameters
+    ----------
+    source : the file, as messages call it
+    times : (T,) seconds from the start of the sound, rising
+    names : C columns
+    values : (T, C)
+    schedule : what was said, where the file tells
+    remarks : what is doubtful about it, in words
+    """
+
+    source: str
+    times: Floats
+    names: tuple[str, ...]
+    values: Floats
+    schedule: Schedule | None = None
+    remarks: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        """Refuse what no curve can be."""
+        if len(self.times) < LEAST:
+            fail(self.source, f"has {len(self.times)} frames", "export the whole take")
+        if not self.names:
+            fail(self.source, "has no columns of curves", "export it with its blend shapes")
+        twice = sorted({name for name in self.names if self.names.count(name) > 1})
+        if twice:
+            fail(self.source, f"has two columns called '{twice[0]}'", "name each once")
+        _refuse(self.source, ~np.isfinite(self.times), "its time is no number")
+        bad = np.asarray(~np.isfinite(self.values).all(axis=1))
+        _refuse(self.source, bad, "a value is no number")
+        falls = np.append(False, np.diff(self.times) <= 0)
+        _refuse(self.source, falls, "its time does not rise; put the frames in order")
+
+
+def _refuse(source: str, bad: npt.NDArray[np.bool_], what: str) -> None:
+    if bad.any():
+        fail(source, f"frame {int(bad.argmax())}: {what}")
+
+
+def fail(source: str | Path, what: str, mend: str = "") -> NoReturn:
+    """Say what is wrong with an animation file, and how to mend it."""
+    raise AnimationError(f"{source}: {what}{'; ' if mend else ''}{mend}")
+
+
+Read = Callable[[Path, bytes], Recording]
+Guess = Callable[[bytes], bool]
+
+
+@dataclass(frozen=True)
+class Reader:
+    """One format: its name and suffix, what reads it, and what tells it from others alike."""
+
+    name: str
+    suffix: str
+    title: str
+    read: Read
+    fits: Guess | None
+
+
+READERS: dict[str, Reader] = {}
+
+
+def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Read], Read]:
+    """Register ``(path, content) -> Recording`` as the reader of a format.
+
+    Where several formats share a suffix, the first whose `fits` says so reads a file, and one
+    without `fits` reads all others.
+    """
+
+    def register(read: Read) -> Read:
+        title = (read.__doc__ or "").strip().splitlines()[0]
+        READERS[name] = Reader(name, suffix, title, read, fits)
+        return read
+
+    return register
+
+
+def load_animation_readers() -> dict[str, Reader]:
+    """Import every module of this folder, so that each has registered itself."""
+    from lipsync_lang.animations import readers
+
+    for module in iter_modules(readers.__path__):
+        import_module(f"{readers.__name__}.{module.name}")
+    return READERS
+
+
+def read_animation(path: str | Path) -> Recording:
+    """Read the curves of an animation file; its suffix names the format.
+
+    Raises
+    ------
+    AnimationError
+        The file is missing, too large, of no known format, or holds no curves.
+    """
+    path = Path(path)
+    known = sorted(load_animation_readers().values(), key=lambda one: one.fits is None)
+    chosen = [one for one in known if one.suffix == path.suffix.lower()]
+    if not chosen:
+        what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
+        fail(path, what, f"known: {', '.join(sorted({one.suffix for one in known}))}")
+    try:
+        if path.stat().st_size > LARGEST:
+            fail(path, "is larger than 1 GB", "is it an animation?")
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        fail(path, f"cannot be read: {why}", "check the path")
+    fits = [one for one in chosen if one.fits is None or one.fits(content)]
+    if not fits:
+        fail(path, f"is no {' or '.join(one.name for one in chosen)}", "check what wrote it")
+    return fits[0].read(path, content)
+
+
+def text_of(path: Path, content: bytes) -> str:
+    """Return the text of a file, or say why it is none."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        fail(path, f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")

@@ -1,0 +1,125 @@
+"""The command that says which bigrams a corpus needs, and what to author next."""
+
+import sys
+from argparse import Namespace
+from io import TextIOWrapper
+from typing import TYPE_CHECKING, BinaryIO
+
+from lipsync_lang.commands.output import FAULTS, SOUND
+from lipsync_lang.errors import LipsyncError, OutputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from lipsync_lang.coverage import Coverage
+    from lipsync_lang.lines import Line
+
+WHOLE = 100
+"""Percent."""
+
+
+def coverage(options: Namespace) -> int:
+    """Count a corpus and print what it needs; too little authored is a fault."""
+    from lipsync_lang.coverage.changes import read_document, since
+
+    if options.fail_under is not None and not 0 <= options.fail_under <= WHOLE:
+        raise LipsyncError(f"--fail-under {options.fail_under:g}: give a percentage, 0 to 100")
+    if options.output and any(options.output.resolve() == p.resolve() for p in options.corpus):
+        raise OutputError(f"{options.output}: is what is counted; name another file")
+    old = read_document(options.against) if options.against else None
+    found = _counted(options)
+    _write(options, since(old, found, str(options.against)) if old else found)
+    return _judged(found, options.fail_under)
+
+
+def _counted(options: Namespace) -> "Coverage":
+    """Count the lines, and those of each column by themselves."""
+    from lipsync_lang.coverage import coverage as count
+    from lipsync_lang.coverage.matrix import joined
+    from lipsync_lang.lines import read_lines
+
+    documents = []
+    for column, languages in _columns(options.language, options.column).items():
+        lines = read_lines(options.corpus, column=column, encoding=options.encoding, remark=_remark)
+        documents.append(
+            count(
+                _shown(lines),
+                languages,
+                options.character,
+                paths=options.path,
+                minutes=options.minutes,
+            )
+        )
+    return joined(documents)
+
+
+def _columns(languages: list[str], stated: list[str]) -> dict[str | None, list[str]]:
+    """Return the languages of each column: of ``german=de``, or of ``de`` for all others."""
+    own: dict[str, str] = {}
+    others: str | None = None
+    for one in stated:
+        language, equals, column = one.partition("=")
+        if equals and language in languages:
+            own[language] = column
+        elif others is None:
+            others = one
+        else:
+            raise LipsyncError(
+                f"--column {one}: there is --column {others} already; say which language has "
+                f"which column: --column {languages[0]}={others}"
+            )
+    found: dict[str | None, list[str]] = {}
+    for language in dict.fromkeys(languages):
+        found.setdefault(own.get(language, others), []).append(language)
+    return found
+
+
+def _remark(remark: str) -> None:
+    print(remark, file=sys.stderr)
+
+
+def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":
+    """Yield lines, and say on a terminal how many there have been."""
+    shows = sys.stderr is not None and sys.stderr.isatty()
+    try:
+        for number, line in enumerate(lines):
+            if shows and number % every == 0:
+                told = f"{number:,} lines, {line.file}"
+                print(f"\x1b[2K{told}", end="\r", file=sys.stderr, flush=True)
+            yield line
+    finally:
+        if shows:
+            print("\x1b[2K", end="\r", file=sys.stderr, flush=True)
+
+
+def _write(options: Namespace, found: "Coverage") -> None:
+    from lipsync_lang.coverage.forms import Asked, find_form
+    from lipsync_lang.coverage.forms.registry import SUFFIXES
+    from lipsync_lang.files import write_all
+
+    suffix = options.output.suffix.lower() if options.output else ""
+    write = find_form(options.format or SUFFIXES.get(suffix, "text"))
+    asked = Asked(everything=options.all, fail_under=options.fail_under)
+    if options.output is None:
+        write(found, sys.stdout, asked)
+        return
+
+    def encoded(stream: BinaryIO) -> None:
+        text = TextIOWrapper(stream, "utf-8", "backslashreplace", newline="", write_through=True)
+        write(found, text, asked)
+        text.detach()
+
+    write_all({options.output: encoded})
+    print(f"wrote {options.output}", file=sys.stderr)
+
+
+def _judged(found: "Coverage", fail_under: float | None) -> int:
+    """Name the reports that are under what is wanted."""
+    under = [one for one in found.reports if one.authored.percent < (fail_under or 0)]
+    for one in under:
+        print(
+            f"{one.language} on {one.character}: {one.authored.percent:g} % are authored, under "
+            f"{fail_under:g} %",
+            file=sys.stderr,
+        )
+    return FAULTS if under else SOUND

@@ -1,0 +1,70 @@
+"""What changed since an older document."""
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from lipsync_lang.coverage.report import FORMAT, Change, Coverage, Report, Since
+from lipsync_lang.errors import LipsyncError
+
+
+def read_document(path: Path) -> Coverage:
+    """Read a document that was written as JSON.
+
+    Raises
+    ------
+    LipsyncError
+        There is none, or it is of another form or version.
+    """
+    try:
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise LipsyncError(f"{path}: cannot be read: {why}; check the path") from None
+    try:
+        return Coverage.model_validate_json(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(step) for step in first["loc"])
+        raise LipsyncError(
+            f"{path}: is no '{FORMAT}' document ({where or 'the whole'}: {first['msg']}); write "
+            f"one with coverage ... --format json -o {path.name}"
+        ) from None
+
+
+def since(old: Coverage, new: Coverage, file: str) -> Coverage:
+    """Return a document with what changed since an older one."""
+    before, now = _by_pair(old), _by_pair(new)
+    both = [pair for pair in now if pair in before]
+    return new.model_copy(
+        update={
+            "since": Since(
+                file=file,
+                reports=tuple(_change(before[pair], now[pair]) for pair in both),
+                unmatched=tuple(f"{a} on {b}" for a, b in before.keys() ^ now.keys()),
+            )
+        }
+    )
+
+
+def _by_pair(document: Coverage) -> dict[tuple[str, str], Report]:
+    return {(report.language, report.character): report for report in document.reports}
+
+
+def _change(old: Report, new: Report) -> Change:
+    was, has = _authored(old), _authored(new)
+    needed, needs = ([one.bigram for one in report.bigrams] for report in (old, new))
+    return Change(
+        language=new.language,
+        character=new.character,
+        percent=(old.authored.percent, new.authored.percent),
+        left=(old.left.bigrams, new.left.bigrams),
+        authored=tuple(name for name in needs if name in has - was),
+        lost=tuple(name for name in needed if name in was - has and name in needs),
+        new=tuple(name for name in needs if name not in needed),
+        gone=tuple(name for name in needed if name not in needs),
+    )
+
+
+def _authored(report: Report) -> set[str]:
+    return {one.bigram for one in report.bigrams if one.authored}

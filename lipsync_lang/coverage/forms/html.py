@@ -1,0 +1,15 @@
+"""HTML: a page that needs nothing else."""
+
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.forms.registry import Asked
+    from lipsync_lang.coverage.report import Coverage
+
+
+def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+    """Write the page."""
+    from lipsync_lang.coverage.page import page
+
+    del asked  # it is always whole
+    out.write(page(coverage.to_dict()))

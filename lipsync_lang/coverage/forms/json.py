@@ -1,0 +1,19 @@
+"""JSON: the document itself, whose schema is `docs/reference/coverage.schema.json`."""
+
+import json
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.forms.registry import Asked
+    from lipsync_lang.coverage.report import Coverage
+
+
+def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+    """Write the document."""
+    del asked  # it is always whole
+    json.dump(coverage.to_dict(), out, ensure_ascii=not _holds_all(out), indent=2)
+    out.write("\n")
+
+
+def _holds_all(out: TextIO) -> bool:
+    return (getattr(out, "encoding", None) or "utf-8").lower().startswith("utf")

@@ -1,0 +1,56 @@
+"""JUnit XML, which builds show: a suite per report, a case per bigram.
+
+The first case of a suite is the only one that can fail: whether enough is authored. A bigram that
+is not authored is skipped, not failed.
+"""
+
+import re
+from typing import TYPE_CHECKING, TextIO
+from xml.etree import ElementTree as ET
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.forms.registry import Asked
+    from lipsync_lang.coverage.report import Coverage, Report
+
+FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that XML cannot hold."""
+
+
+def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+    """Write the suites."""
+    top = ET.Element("testsuites", name="coverage")
+    for report in coverage.reports:
+        top.append(_suite(report, asked.fail_under))
+    ET.indent(top)
+    out.write('<?xml version="1.0" encoding="UTF-8"?>\n')
+    out.write(ET.tostring(top, encoding="unicode") + "\n")
+
+
+def _suite(report: "Report", fail_under: float | None) -> ET.Element:
+    name = f"{report.language} on {report.character}"
+    failed = fail_under is not None and report.authored.percent < fail_under
+    suite = ET.Element(
+        "testsuite",
+        name=name,
+        tests=str(len(report.bigrams) + 1),
+        failures=str(int(failed)),
+        errors="0",
+        skipped=str(report.left.bigrams),
+    )
+    told = f"{report.authored.percent:g} % of {report.occurrences} occurrences are authored"
+    whole = ET.SubElement(suite, "testcase", classname=name, name="authored")
+    if failed:
+        ET.SubElement(whole, "failure", message=f"{told}, under {fail_under:g} %")
+    for one in report.bigrams:
+        case = ET.SubElement(suite, "testcase", classname=name, name=one.bigram)
+        if not one.authored:
+            met = f"{one.layer}, {one.status or 'unanswered'}; {one.count} times"
+            ET.SubElement(case, "skipped", message=_sound(f"{met}: {', '.join(one.places)}"))
+    lost = [f"{one.place}: not read: {one.what} ({one.count} times)" for one in report.unread]
+    lost += [f"{one.place}: no map for: {one.what} ({one.count} times)" for one in report.unmapped]
+    ET.SubElement(suite, "system-out").text = _sound("\n".join([told, *lost]))
+    return suite
+
+
+def _sound(text: str) -> str:
+    return FORBIDDEN.sub("�", text)

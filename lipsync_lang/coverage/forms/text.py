@@ -1,0 +1,192 @@
+"""Text for a terminal: what to do next, then the bigrams, then the rest of the facts."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, TextIO
+
+from lipsync_lang.authoring.table import columns
+from lipsync_lang.coverage.report import authored
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.forms.registry import Asked
+    from lipsync_lang.coverage.report import Change, Corpus, Coverage, Report, Since, Tally
+
+TOP = 20
+"""Bigrams that are listed unless all are asked for."""
+
+FEW = 8
+"""Things that are named of a longer list."""
+
+
+def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+    """Write all reports, one below the other; several begin with a table of them."""
+    blocks = [_read(coverage.corpus)]
+    if len(coverage.reports) > 1:
+        blocks += [_matrix(coverage.reports)]
+    blocks += [
+        _report(report, coverage.minutes, everything=asked.everything)
+        for report in coverage.reports
+    ]
+    shared = list(_shared(coverage))
+    blocks += [shared] if shared else []
+    blocks += [_since(coverage.since)] if coverage.since else []
+    out.write("\n\n".join("\n".join(lines) for lines in blocks) + "\n")
+
+
+def _read(corpus: "Corpus") -> list[str]:
+    read = (len(corpus.files), "file"), (corpus.lines, "line"), (corpus.words, "word")
+    lines = [", ".join(_count(number, thing) for number, thing in read)]
+    if corpus.dropped:
+        lines.append(f"not spoken: {_tallies(corpus.dropped)}")
+    return lines
+
+
+def _matrix(reports: "Sequence[Report]") -> list[str]:
+    rows = [("language", "character", "authored", "left", "hours")]
+    rows += [
+        (
+            r.language,
+            r.character,
+            f"{r.authored.percent:6.2f} %",
+            f"{r.left.bigrams:4}",
+            f"{r.left.hours:5.1f}",
+        )
+        for r in reports
+    ]
+    return list(columns(rows))
+
+
+def _report(report: "Report", minutes: float, *, everything: bool) -> list[str]:
+    met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
+    return [
+        f"{report.language} on {report.character}: {met}",
+        *(f"  {line}" for line in _next(report, minutes)),
+        "",
+        *(f"  {line}" for line in _table(report, everything=everything)),
+        "",
+        *(f"  {line}" for line in _facts(report)),
+        *(f"  {line}" for line in _sentences(report, everything=everything)),
+    ]
+
+
+def _next(report: "Report", minutes: float) -> Iterator[str]:
+    if not report.bigrams:
+        yield "these lines hold nothing that the language reads"
+        return
+    if not report.left.bigrams:
+        yield "next: nothing; every bigram of these lines is authored"
+        return
+    soon = report.next_hour.bigrams
+    if soon:
+        spent = len(soon) * minutes
+        within = "an hour" if len(soon) < report.left.bigrams else f"{spent:g} minutes"
+        yield (
+            f"next: draw {_count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
+            f"{report.next_hour.percent:.1f} % of what is spoken:"
+        )
+        yield (
+            f"  lipsync-lang bank draft -l {report.language} -c {report.character} "
+            f"--write {' '.join(soon)}"
+        )
+    else:
+        yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
+    yield (
+        f"authored: {report.authored.bigrams} of {_count(len(report.bigrams), 'bigram')}, "
+        f"{report.authored.percent:.1f} % of what is spoken; "
+        f"{_count(report.left.bigrams, 'bigram')} left, {report.left.hours:g} hours"
+    )
+
+
+def _table(report: "Report", *, everything: bool) -> Iterator[str]:
+    shown = report.bigrams if everything else report.bigrams[:TOP]
+    rows = [("rank", "bigram", "count", "%", "running", "from", "status", "in", "first at")]
+    rows += [
+        (
+            f"{rank:4}",
+            one.bigram,
+            f"{one.count:5}",
+            f"{one.percent:5.2f}",
+            f"{one.running:7.2f}",
+            one.layer,
+            one.status or "unanswered",
+            one.example,
+            one.places[0] if one.places else "",
+        )
+        for rank, one in enumerate(shown, 1)
+    ]
+    yield from columns(rows)
+    if len(shown) < len(report.bigrams):
+        yield f"... and {len(report.bigrams) - len(shown)} more; --all lists them"
+
+
+def _facts(report: "Report") -> Iterator[str]:
+    shares = ", ".join(f"{share} % in {number}" for share, number in report.needed.items())
+    yield f"most frequent bigrams: {shares}"
+    kinds = len(report.bigrams) + len(report.unused)
+    yield f"never used: {len(report.unused)} of {kinds} bigrams"
+    drawn = sum(authored(one.layer, one.status) for one in report.silence)
+    yield f"with silence: {len(report.silence)} bigrams, {drawn} of them authored"
+    if report.unread:
+        yield f"not read: {_tallies(report.unread)}"
+    if report.unmapped:
+        yield f"no map for: {_tallies(report.unmapped)}"
+
+
+def _sentences(report: "Report", *, everything: bool) -> Iterator[str]:
+    if not report.sentences:
+        return
+    shown = report.sentences if everything else report.sentences[:3]
+    yield f"{_count(len(report.sentences), 'line')} to try all that is left:"
+    for one in shown:
+        yield f"  {one.place}: {one.text or '(timed phonemes)'} ({len(one.bigrams)} new)"
+    if len(shown) < len(report.sentences):
+        yield f"  ... and {len(report.sentences) - len(shown)} more; --all lists them"
+
+
+def _shared(coverage: "Coverage") -> Iterator[str]:
+    if len(coverage.shared) < 2 and not any(one.bigrams for one in coverage.shared):  # noqa: PLR2004 one language shares nothing
+        return
+    for one in coverage.shared:
+        if one.bigrams:
+            yield (
+                f"{one.language} adds {_count(one.bigrams, 'bigram')} with "
+                f"{', '.join(one.phonemes)}, {one.used} of them needed here"
+            )
+        else:
+            yield f"{one.language} adds nothing: all its bigrams are shared"
+
+
+def _since(since: "Since") -> list[str]:
+    lines = [f"since {since.file}:"]
+    for change in since.reports:
+        lines += [f"  {line}" for line in _change(change)]
+    lines += [f"  {name}: only in one of the two" for name in since.unmatched]
+    return lines
+
+
+def _change(change: "Change") -> Iterator[str]:
+    before, now = change.percent
+    yield (
+        f"{change.language} on {change.character}: {before:.1f} % to {now:.1f} % authored, "
+        f"{change.left[0]} to {change.left[1]} left"
+    )
+    for what, which in (
+        ("authored", change.authored),
+        ("no longer authored", change.lost),
+        ("newly needed", change.new),
+        ("no longer needed", change.gone),
+    ):
+        if which:
+            yield f"  {what}: {_few(which)}"
+
+
+def _tallies(found: "Sequence[Tally]") -> str:
+    return _few([f"{one.what} ({one.count}, {one.place})" for one in found])
+
+
+def _few(names: Sequence[str]) -> str:
+    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
+    return ", ".join(names[:FEW]) + more
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number:,} {thing}{'' if number == 1 else 's'}"

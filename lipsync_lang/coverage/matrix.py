@@ -1,0 +1,226 @@
+"""Several languages on several characters, from one reading of the lines."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.coverage import plan
+from lipsync_lang.coverage.corpus import Count, Pages, count
+from lipsync_lang.coverage.report import (
+    Authored,
+    Bigram,
+    Corpus,
+    Coverage,
+    Left,
+    NextHour,
+    Report,
+    Sentence,
+    Shared,
+    Tally,
+)
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines import Line
+    from lipsync_lang.performer import Performer
+    from lipsync_lang.resolver.compiled import Origin
+
+
+def coverage(
+    lines: "Iterable[Line]",
+    language: str | Sequence[str],
+    character: str | Sequence[str],
+    *,
+    paths: Sequence[str | Path] = (),
+    minutes: float = 5.0,
+) -> Coverage:
+    """Count the bigrams that lines need, and what characters have of them.
+
+    Parameters
+    ----------
+    lines : what is to be spoken, such as `read_lines` yields; it is gone through once
+    language, character : names, one or several: there is a report for each pair
+    paths : folders to search for packs before all others
+    minutes : how long it takes to author a bigram
+
+    Raises
+    ------
+    LipsyncError
+        There are no lines, a pack is missing or unsound, or a language does not read text.
+    """
+    if not 0 < minutes < float("inf"):
+        raise LipsyncError(f"{minutes:g} minutes a bigram: give a number above 0")
+    pairs = _resolved(_names(language), _names(character), paths)
+    reading: list[Performer] = []
+    reads = [_reader(performer, reading) for performer in pairs]
+    with Pages() as pages:
+        corpus, counts = count(lines, reading, pages)
+        if not corpus.lines:
+            raise LipsyncError(
+                "there are no lines to count; give files, or folders, that hold some text"
+            )
+        told = [Told(one, pages) for one in counts]
+        reports = tuple(
+            _report(performer, told[at], minutes, _title(performer, paths))
+            for performer, at in zip(pairs, reads, strict=True)
+        )
+    shared = {p.language: _shared(p, counts[at]) for p, at in zip(pairs, reads, strict=True)}
+    return Coverage(corpus=corpus, minutes=minutes, reports=reports, shared=tuple(shared.values()))
+
+
+def joined(documents: Sequence[Coverage]) -> Coverage:
+    """Join documents of other lines, such as the columns of a table, to one."""
+    if len(documents) == 1:
+        return documents[0]
+    corpora = [document.corpus for document in documents]
+    dropped: dict[str, Tally] = {}
+    for tally in (tally for corpus in corpora for tally in corpus.dropped):
+        known = dropped.get(tally.what)
+        total = tally.count + (known.count if known else 0)
+        dropped[tally.what] = (known or tally).model_copy(update={"count": total})
+    return Coverage(
+        corpus=Corpus(
+            files=tuple(dict.fromkeys(file for corpus in corpora for file in corpus.files)),
+            lines=sum(corpus.lines for corpus in corpora),
+            words=sum(corpus.words for corpus in corpora),
+            dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
+        ),
+        minutes=documents[0].minutes,
+        reports=tuple(report for document in documents for report in document.reports),
+        shared=tuple(one for document in documents for one in document.shared),
+    )
+
+
+def _names(given: str | Sequence[str]) -> list[str]:
+    return [given] if isinstance(given, str) else list(dict.fromkeys(given))
+
+
+def _resolved(
+    languages: Sequence[str], characters: Sequence[str], paths: Sequence[str | Path]
+) -> "list[Performer]":
+    from lipsync_lang.resolver import resolve
+
+    return [
+        resolve(language, character, paths=paths, gaps="rest")
+        for language in languages
+        for character in characters
+    ]
+
+
+def _reader(performer: "Performer", reading: "list[Performer]") -> int:
+    """Return who of those that read already reads the same, or add this one."""
+    for number, other in enumerate(reading):
+        mine, others = performer.compiled, other.compiled
+        if (mine.manner, mine.words) == (others.manner, others.words):
+            return number
+    reading.append(performer)
+    return len(reading) - 1
+
+
+def _title(performer: "Performer", paths: Sequence[str | Path]) -> str:
+    from lipsync_lang.packs.library import Library
+
+    return Library(paths).language(performer.language).model.title or performer.language
+
+
+class Told:
+    """A count, with what is told of it whoever the character is."""
+
+    def __init__(self, counted: Count, pages: Pages) -> None:
+        self.count = counted
+        self.pages = pages
+        self.examples = counted.examples()
+        codes = np.arange(counted.size**2)
+        sounding = counted.sounding(codes)
+        self.spoken = np.where(sounding, counted.bigrams, 0)
+        self.silent = np.where(sounding, 0, counted.bigrams)
+        self.unused = [int(c) for c in codes if sounding[c] and not counted.bigrams[c]]
+
+    def bigrams(
+        self, counts: plan.Ints, origins: "dict[int, Origin]", names: Sequence[str]
+    ) -> tuple[Bigram, ...]:
+        """Return ranked bigrams with where each comes from."""
+        total, running = int(counts.sum()), 0
+        found = []
+        for code in plan.ranked(counts):
+            number = int(counts[code])
+            running += number
+            found.append(
+                Bigram(
+                    bigram=names[code],
+                    count=number,
+                    percent=plan.percent(number, total),
+                    running=plan.percent(running, total),
+                    layer=origins[code].layer,
+                    status=origins[code].status,
+                    example=self.examples.get(code, ""),
+                    places=tuple(self.pages[line][0] for line in self.count.first[code]),
+                )
+            )
+        return tuple(found)
+
+    def sentences(self, missing: Sequence[int], names: Sequence[str]) -> tuple[Sentence, ...]:
+        """Return a short list of lines that hold all bigrams that are missing."""
+        sets, starts = self.count.sets()
+        return tuple(
+            Sentence(
+                place=self.pages[line][0],
+                text=self.pages[line][1],
+                bigrams=tuple(names[code] for code in new),
+            )
+            for line, new in plan.cover(sets, starts, np.array(missing, np.int64))
+        )
+
+
+def _report(performer: "Performer", told: Told, minutes: float, title: str) -> Report:
+    counted, phonemes = told.count, performer.compiled.phonemes
+    names = [f"{a}-{b}" for a in phonemes for b in phonemes]
+    codes = {name: code for code, name in enumerate(names)}
+    origins = {codes["-".join(o.pair)]: o for o in performer.compiled.origins[1:]}
+    rows = told.bigrams(told.spoken, origins, names)
+    total = sum(row.count for row in rows)
+    missing = [row for row in rows if not row.authored]
+    done = [row for row in rows if row.authored]
+    soon = missing[: plan.affordable(minutes)]
+    return Report(
+        language=performer.language,
+        language_title=title,
+        character=performer.character,
+        poseset=performer.compiled.poseset,
+        lines=counted.lines,
+        words=counted.words,
+        phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
+        occurrences=total,
+        bigrams=rows,
+        silence=told.bigrams(told.silent, origins, names),
+        unused=tuple(names[code] for code in told.unused),
+        needed=plan.needed([row.count for row in rows]),
+        authored=Authored(bigrams=len(done), percent=_share(done, total)),
+        left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
+        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_share(soon, total)),
+        sentences=told.sentences([codes[row.bigram] for row in missing], names),
+        unread=counted.unread.tallies(),
+        unmapped=counted.unmapped.tallies(),
+    )
+
+
+def _share(rows: Sequence[Bigram], total: int) -> float:
+    return plan.percent(sum(row.count for row in rows), total)
+
+
+def _shared(performer: "Performer", counted: Count) -> Shared:
+    report = performer.report
+    own = {performer.compiled.phonemes.index(name) for name in report.added}
+    used = [
+        code
+        for code in np.flatnonzero(counted.bigrams).tolist()
+        if code >= counted.size and code % counted.size and own & set(divmod(code, counted.size))
+    ]
+    return Shared(
+        language=performer.language,
+        phonemes=report.added,
+        bigrams=report.extra,
+        used=len(used),
+    )

@@ -1,0 +1,60 @@
+"""Numbers and lists as a producer reads them.
+
+A space that may not break is a no-break space; shares are rounded down, so that 100 % is all.
+"""
+
+from collections.abc import Iterable, Sequence
+from math import floor
+from os.path import commonprefix
+
+NBSP = "\N{NO-BREAK SPACE}"
+SHOWN = 3  # names that a list holds before the rest is counted
+WHOLE, FINE, TENTHS = 100, 99, 10
+
+
+def percent(share: float) -> str:
+    """Write a share of 100: `7.3 %`, `31 %`, `99.9 %`."""
+    if share >= WHOLE:
+        return f"100{NBSP}%"
+    fine = share > FINE or 0 < share < TENTHS
+    number = f"{floor(share * 10) / 10:.1f}".removesuffix(".0") if fine else f"{floor(share)}"
+    return f"{'under 0.1' if fine and number == '0' else number}{NBSP}%"
+
+
+def hours(time: float) -> str:
+    """Write a time: `25 min`, `3.5 h`, `34 h`."""
+    minutes = round(time * 60)
+    if minutes < 60:  # noqa: PLR2004 of an hour
+        return f"{minutes}{NBSP}min"
+    return (
+        f"{time:,.0f}{NBSP}h" if time >= TENTHS else f"{time:.1f}".removesuffix(".0") + f"{NBSP}h"
+    )
+
+
+def count(number: int, noun: str, nouns: str = "") -> str:
+    """Write how many there are: `1 bigram`, `1,240 bigrams`."""
+    return f"{number:,}{NBSP}{noun if number == 1 else nouns or noun + 's'}"
+
+
+def listed(names: Sequence[str], shown: int = SHOWN) -> str:
+    """Write names as a sentence does: `a`, `a and b`, `a, b and 3 more`."""
+    most = list(names[:shown])
+    if len(names) > shown:
+        most.append(f"{len(names) - shown} more")
+    *rest, last = most or ["none"]
+    return f"{', '.join(rest)} and {last}" if rest else last
+
+
+def folder(paths: Sequence[str]) -> str:
+    """Return what all paths begin with, up to its last separator."""
+    start = commonprefix(list(paths))  # noqa: RUF071 it is cut at a separator
+    return start[: max(start.rfind("/"), start.rfind("\\")) + 1]
+
+
+def gathered(places: Iterable[str]) -> str:
+    """Write places in files, each file once: `act1.csv:3, 17; act2.csv:5`."""
+    lines: dict[str, list[str]] = {}
+    for place in places:
+        file, colon, line = place.rpartition(":")
+        lines.setdefault(file + colon, []).append(line)
+    return "; ".join(f"{file}{', '.join(found)}" for file, found in lines.items())

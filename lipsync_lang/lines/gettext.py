@@ -1,0 +1,99 @@
+"""Translations of gettext: an entry is a line, each of its plural forms too.
+
+Where a file translates anything, the translations are the lines, and what has none is left out with
+a remark; a template's lines are its originals. Fuzzy and obsolete entries are left out.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from lipsync_lang.lines.line import Line
+from lipsync_lang.lines.registry import Source, reader
+
+STATED = re.compile(r'\s*(?:(msgctxt|msgid_plural|msgid|msgstr)(?:\[(\d+)\])?\s*)?"(.*)"\s*$')
+ESCAPED = re.compile(r"\\(.)", re.DOTALL)
+ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "a": "", "b": "", "f": "", "v": ""}
+CHARSET = re.compile(rb"charset=([\w.:-]+)", re.ASCII)
+
+
+@dataclass
+class Entry:
+    """One entry: what it states by key (`msgstr 1` is a plural form), and at which line."""
+
+    texts: dict[str, str] = field(default_factory=dict)
+    places: dict[str, int] = field(default_factory=dict)
+    fuzzy: bool = False
+
+    def translations(self) -> Iterator[tuple[int, str]]:
+        """Yield the forms that are translated."""
+        for key, text in self.texts.items():
+            if key.startswith("msgstr") and text.strip():
+                yield self.places[key], text
+
+    def originals(self) -> Iterator[tuple[int, str]]:
+        """Yield the original and its plural."""
+        for key in ("msgid", "msgid_plural"):
+            if self.texts.get(key, "").strip():
+                yield self.places[key], self.texts[key]
+
+
+@reader("gettext", suffixes=[".po", ".pot"])
+def read(source: Source) -> Iterator[Line]:
+    """Translations of gettext: what is translated, or the originals where nothing is."""
+    source = replace(source, encoding=source.encoding or _charset(source))
+    translated = any(any(entry.translations()) for entry in _sound(source))
+    left = 0
+    for entry in _entries(source):
+        if entry.fuzzy or not entry.texts.get("msgid"):
+            left += entry.fuzzy and bool(entry.texts.get("msgid"))
+            continue
+        texts = list(entry.translations() if translated else entry.originals())
+        left += not texts
+        for number, text in texts:
+            yield source.line(number, text, name=entry.texts.get("msgctxt", ""))
+    if left:
+        source.remark(f"{source.path}: left out {left} entries that are fuzzy or not translated")
+
+
+def _charset(source: Source) -> str | None:
+    """Return what the header says of the encoding, where nothing else tells."""
+    try:
+        with source.path.open("rb") as stream:
+            head = stream.read(4096)
+    except OSError:
+        return None
+    found = CHARSET.search(head)
+    name = found[1].decode().lower() if found else ""
+    return None if name in ("", "charset", "utf-8", "utf8") else name
+
+
+def _sound(source: Source) -> Iterator[Entry]:
+    return (e for e in _entries(source) if e.texts.get("msgid") and not e.fuzzy)
+
+
+def _entries(source: Source) -> Iterator[Entry]:
+    entry, key = Entry(), ""
+    for number, text in source.numbered():
+        if text.lstrip().startswith("#") or not text.strip():
+            if entry.texts.keys() - {"msgctxt"}:
+                yield entry
+                entry, key = Entry(), ""
+            entry.fuzzy |= text.startswith("#,") and "fuzzy" in text
+            continue
+        found = STATED.match(text)
+        if found is None or not (found[1] or key):
+            raise source.fault(number, f'not gettext: {text.strip()[:40]}; write msgid "..."')
+        if found[1] in ("msgctxt", "msgid") and "msgid" in entry.texts:
+            yield entry
+            entry = Entry()
+        if found[1]:
+            key = f"{found[1]} {found[2] or ''}".rstrip()
+            entry.places[key] = number
+        entry.texts[key] = entry.texts.get(key, "") + _unescaped(found[3])
+    if entry.texts.keys() - {"msgctxt"}:
+        yield entry
+
+
+def _unescaped(text: str) -> str:
+    return ESCAPED.sub(lambda found: ESCAPES.get(found[1], found[1]), text)

@@ -1,0 +1,182 @@
+"""Which formats lines are kept in, and reading files and folders of them."""
+
+import os
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+
+from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.lines.decoding import numbered
+from lipsync_lang.lines.line import Line
+from lipsync_lang.lines.markup import spoken
+
+Remark = Callable[[str], None]
+"""What is worth a word, but no fault."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file on its way to lines.
+
+    Parameters
+    ----------
+    path : the file
+    remark : where to say what is left out
+    column : of a table, by name or number; None for the likeliest
+    encoding : None to tell it by the file
+    """
+
+    path: Path
+    remark: Remark
+    column: str | None = None
+    encoding: str | None = None
+
+    def numbered(self) -> Iterator[tuple[int, str]]:
+        """Yield the lines of its text with their numbers."""
+        return numbered(self.path, self.encoding)
+
+    def line(self, number: int, text: str, *, name: str = "", speaker: str = "") -> Line:
+        """Return what is said there, markup removed."""
+        said, dropped = spoken(text)
+        return Line(said, f"{self.path}:{number}", name, speaker, dropped=dropped)
+
+    def fault(self, number: int, what: str) -> LipsyncError:
+        """Return an error that says where."""
+        return LipsyncError(f"{self.path}:{number}: {what}")
+
+
+Read = Callable[[Source], Iterable[Line]]
+
+
+@dataclass(frozen=True)
+class Reader:
+    """One format: its name, the suffixes it is known by, and what reads it."""
+
+    name: str
+    suffixes: tuple[str, ...]
+    title: str
+    read: Read
+
+
+READERS: dict[str, Reader] = {}
+
+
+def reader(name: str, *, suffixes: Sequence[str]) -> Callable[[Read], Read]:
+    """Register a function ``(source) -> lines`` as the reader of a format."""
+
+    def register(read: Read) -> Read:
+        title = (read.__doc__ or "").strip().splitlines()[0]
+        READERS[name] = Reader(name, tuple(suffixes), title, read)
+        return read
+
+    return register
+
+
+@cache
+def load_readers() -> dict[str, Reader]:
+    """Import every module of this folder, so that each has registered itself."""
+    from lipsync_lang import lines
+
+    for module in iter_modules(lines.__path__):
+        import_module(f"{lines.__name__}.{module.name}")
+    return READERS
+
+
+@cache
+def by_suffix() -> dict[str, Reader]:
+    """Return the reader of each suffix; of timed phonemes, those that no text claims."""
+    from lipsync_lang.lines.schedule import NAME
+
+    readers = load_readers()
+    last = sorted(readers.values(), key=lambda reader: reader.name == NAME)
+    known: dict[str, Reader] = {}
+    for one in last:
+        for suffix in one.suffixes:
+            known.setdefault(suffix, one)
+    return known
+
+
+def _warn(remark: str) -> None:
+    warnings.warn(remark, stacklevel=3)
+
+
+def read_lines(
+    paths: str | Path | Iterable[str | Path],
+    *,
+    column: str | None = None,
+    encoding: str | None = None,
+    remark: Remark = _warn,
+) -> Iterator[Line]:
+    """Read the lines of files, and of folders with all below them in order of name.
+
+    Parameters
+    ----------
+    paths : files and folders, one or several; a file twice is read once
+    column : of tables, the text's, by name or number from 1; None for the likeliest
+    encoding : of all files; None for UTF-8, or what a file's own mark says
+    remark : where to say what was left out; as warnings where nothing is given
+
+    Raises
+    ------
+    LipsyncError
+        A path is missing or of no known format (at once), or a file cannot be read (when it is
+        its turn). Files of a folder that are of no known format are left out with a remark.
+    """
+    found: dict[str, tuple[Path, bool]] = {}
+    for path in map(Path, [paths] if isinstance(paths, (str, Path)) else paths):
+        files = _below(path, remark) if path.is_dir() else [_known(path)]
+        for file in files:
+            found.setdefault(os.path.realpath(file), (file, path.is_dir()))
+    return _read(found.values(), column, encoding, remark)
+
+
+def _known(path: Path) -> Path:
+    """Return a file that was named, or say what is wrong with it."""
+    suffixes = ", ".join(sorted(by_suffix()))
+    if not path.exists():
+        raise LipsyncError(f"{path}: no such file or folder; check the path")
+    if path.suffix.lower() not in by_suffix():
+        what = f"nothing reads lines from '{path.suffix}'" if path.suffix else "has no suffix"
+        raise LipsyncError(f"{path}: {what}; known: {suffixes}")
+    return path
+
+
+def _below(folder: Path, remark: Remark) -> Iterator[Path]:
+    """Yield the files of a folder that can be read, and tell of the others by suffix."""
+    others: dict[str, list[Path]] = {}
+
+    def refused(error: OSError) -> None:
+        remark(f"{error.filename}: left out: {error.strerror}")
+
+    for here, folders, files in os.walk(folder, onerror=refused):
+        hidden = [name for name in (*folders, *files) if name.startswith(".")]
+        if hidden:
+            remark(f"{here}: left out what is hidden: {', '.join(sorted(hidden)[:8])}")
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for name in sorted(set(files) - set(hidden)):
+            path = Path(here, name)
+            if path.suffix.lower() in by_suffix():
+                yield path
+            else:
+                others.setdefault(path.suffix.lower(), []).append(path)
+    for suffix, left in sorted(others.items()):
+        what = f"'{suffix}'" if suffix else "files without a suffix"
+        more = f" and {len(left) - 1} more" if len(left) > 1 else ""
+        remark(f"{left[0]}{more}: left out: nothing reads lines from {what}")
+
+
+def _read(
+    files: Iterable[tuple[Path, bool]], column: str | None, encoding: str | None, remark: Remark
+) -> Iterator[Line]:
+    for path, among_others in files:
+        chosen = by_suffix()[path.suffix.lower()]
+        try:
+            yield from chosen.read(Source(path, remark, column, encoding))
+        except ScheduleError as error:
+            if not among_others:
+                raise
+            remark(f"{error}; left out")

@@ -1,0 +1,125 @@
+"""Ren'Py scripts: dialogue, menus and translations.
+
+Read are statements that say something: ``e "Hello"``, ``e happy @ wave "Hello"``, ``"Eileen"
+"Hello"``, a lone ``"Narration"``, ``extend "and more"``, the choices of menus, texts in triple
+quotes (an empty line in them starts another line), and ``new`` of translations. Blocks of
+Python, screens, styles and the like are passed over.
+"""
+
+import re
+from collections import deque
+from collections.abc import Iterator
+
+from lipsync_lang.lines.line import Line
+from lipsync_lang.lines.registry import Source, reader
+
+STRING = r"""(?:\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|`(?:\\.|[^`\\])*`)"""
+TRIPLE = r"(?:\"\"\"(?:\\.|[^\\])*?\"\"\"|'''(?:\\.|[^\\])*?''')"
+TOKENS = re.compile(rf"{TRIPLE}|{STRING}|(?P<comment>#[^\n]*)|(?P<lone>[\"'`])", re.DOTALL)
+"""What may hold a `#` or an end of line; and a quote that does not close."""
+
+SAYS = re.compile(
+    rf"(?:(?P<who>[^\W\d]\w*)(?P<attributes>(?:\s+@|\s+-?[^\W\d]\w*)*)\s+|(?P<name>{STRING})\s+)?"
+    rf"(?P<what>{TRIPLE}|{STRING})"
+    r"(?:\s*\(.*\))?(?:\s+(?:nointeract|with|id)\b[^\"']*)?(?P<choice>(?:\s+if\s.*)?:)?\s*",
+    re.DOTALL,
+)
+
+BLOCKS = re.compile(
+    r"(?:init\b.*\bpython|python|screen|style|transform|layeredimage|image\s.*:|testcase"
+    r"|translate\s+\w+\s+(?:python|style))\b"
+)
+"""What opens a block that holds no dialogue."""
+
+TRANSLATES = re.compile(r"translate\s+\w+\s+(?P<name>\w+)\s*:")
+
+OTHER = re.compile(
+    r"(?:call|camera|default|define|elif|else|hide|if|image|import|in|init|jump|label|menu|nvl|old|on"
+    r"|pass|pause|play|queue|return|rpy|scene|show|stop|translate|voice|while|window|with)"
+)
+"""First words of statements that say nothing."""
+
+NARRATOR = frozenset(("extend", "new", "narrator"))
+"""Those that say something, but are nobody's name."""
+
+LONGEST = 200
+"""Lines of a file; a statement that goes on for longer is none."""
+
+QUOTES = {'"""': 3, "'''": 3}
+
+
+@reader("renpy", suffixes=[".rpy"])
+def read(source: Source) -> Iterator[Line]:
+    """Ren'Py scripts: what is said, choices of menus, and translations."""
+    passed, name = -1, ""
+    for number, statement in _statements(source):
+        indent = len(statement) - len(statement.lstrip())
+        text = statement.strip()
+        if 0 <= passed < indent:
+            continue
+        passed = indent if BLOCKS.match(text) and text.endswith(":") else -1
+        if not indent:
+            block = TRANSLATES.match(text)
+            name = block["name"] if block and block["name"] != "strings" else ""
+        if passed < 0:
+            yield from _said(source, number, text, name)
+
+
+def _said(source: Source, number: int, text: str, name: str) -> Iterator[Line]:
+    found = SAYS.fullmatch(text)
+    if found is None or OTHER.fullmatch(found["who"] or ""):
+        return
+    who = found["who"] or _inner(found["name"] or "''")
+    speaker = "" if who in NARRATOR else who
+    whole = found["what"]
+    if whole[:3] not in QUOTES:
+        if _inner(whole).strip():
+            yield source.line(number, _inner(whole), name=name, speaker=speaker)
+        return
+    for part in re.finditer(r"(?:[^\n]*\S[^\n]*(?:\n|$))+", whole[3:-3]):
+        row = number + whole[: part.start() + 3].count("\n")
+        yield source.line(row, part[0], name=name, speaker=speaker)
+
+
+def _inner(string: str) -> str:
+    return string[1:-1]
+
+
+def _statements(source: Source) -> Iterator[tuple[int, str]]:
+    """Yield statements without comments; one goes on while a text in it is open."""
+    ahead: deque[tuple[int, str]] = deque()
+    lines = source.numbered()
+    while ahead or (ahead := deque(_next(lines))):
+        number, text = ahead.popleft()
+        whole, closed = _without_comments(text)
+        taken: list[tuple[int, str]] = []
+        while not closed and len(taken) < LONGEST:
+            more = [ahead.popleft()] if ahead else _next(lines)
+            if not more:
+                break
+            taken += more
+            text += "\n" + more[0][1]
+            whole, closed = _without_comments(text)
+        if not closed:  # a lone quote, such as an apostrophe in a statement of the game's own
+            ahead.extendleft(reversed(taken))
+        if whole.strip() and closed:
+            yield number, whole
+        elif not closed and SAYS.match(whole.split("\n")[0].strip() + '"'):
+            source.remark(f"{source.path}:{number}: left out: a quote is left open here")
+
+
+def _next(lines: Iterator[tuple[int, str]]) -> list[tuple[int, str]]:
+    found = next(lines, None)
+    return [] if found is None else [found]
+
+
+def _without_comments(text: str) -> tuple[str, bool]:
+    """Return a statement without its comment, and whether all its texts are closed."""
+    closed = True
+
+    def kept(found: re.Match[str]) -> str:
+        nonlocal closed
+        closed &= not found["lone"]
+        return "" if found["comment"] is not None else found[0]
+
+    return TOKENS.sub(kept, text), closed

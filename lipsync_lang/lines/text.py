@@ -1,0 +1,14 @@
+"""Plain text."""
+
+from collections.abc import Iterator
+
+from lipsync_lang.lines.line import Line
+from lipsync_lang.lines.registry import Source, reader
+
+
+@reader("text", suffixes=[".txt"])
+def read(source: Source) -> Iterator[Line]:
+    """Plain text, a line each; empty ones are passed over."""
+    for number, text in source.numbered():
+        if text.strip():
+            yield source.line(number, text)

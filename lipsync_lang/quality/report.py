@@ -1,0 +1,73 @@
+"""Figures for people and for machines: text, JSON and JUnit's XML; one animation or several."""
+
+import json
+from collections.abc import Callable, Mapping
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from lipsync_lang.quality.figures import Figure, Quality, told
+
+Qualities = Mapping[str, Quality]
+"""Figures by the name of what was judged; the first is the one that counts."""
+
+
+def as_text(qualities: Qualities) -> str:
+    """Tell the first in full, and beside it, in columns, what the others came to."""
+    first, *others = qualities.values()
+    if not others:
+        return str(first)
+    return f"{first}\n\n{_columns(qualities)}"
+
+
+def _columns(qualities: Qualities) -> str:
+    names = list(dict.fromkeys(f.name for one in qualities.values() for f in one.figures))
+    known = [{figure.name: figure for figure in one.figures} for one in qualities.values()]
+    rows = [["", *qualities]]
+    rows += [[name, *(_cell(one.get(name)) for one in known)] for name in names]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ("  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows)
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def _cell(figure: Figure | None) -> str:
+    if figure is None or figure.value is None:
+        return "-"
+    return f"{figure.value:.3g}{'' if figure.passed else ' FAIL'}"
+
+
+def as_json(qualities: Qualities) -> str:
+    """Return the figures of each, by name."""
+    data = {name: quality.to_dict() for name, quality in qualities.items()}
+    return json.dumps(data, ensure_ascii=True, indent=2)
+
+
+def as_junit(qualities: Qualities) -> str:
+    """Return a test suite for each, a case for each figure, as build servers read them."""
+    root = Element("testsuites")
+    for name, quality in qualities.items():
+        figures = quality.figures
+        skipped = sum(figure.verdict == "-" for figure in figures)
+        counts = {"tests": len(figures), "failures": len(quality.failed), "skipped": skipped}
+        told_counts = {key: str(number) for key, number in counts.items()}
+        suite = SubElement(root, "testsuite", {"name": name, **told_counts})
+        for figure in figures:
+            _case(
+                SubElement(suite, "testcase", classname=quality.subject, name=figure.name), figure
+            )
+    indent(root)
+    return tostring(root, encoding="unicode", xml_declaration=True)
+
+
+def _case(case: Element, figure: Figure) -> None:
+    if figure.verdict == "-":
+        SubElement(case, "skipped", message=told(figure))
+    if not figure.passed:
+        failure = SubElement(case, "failure", message=told(figure))
+        failure.text = "\n".join(f"{one.at:.3f} s: {one.what}" for one in figure.findings)
+
+
+FORMATS: dict[str, Callable[[Qualities], str]] = {
+    "text": as_text,
+    "json": as_json,
+    "junit": as_junit,
+}
+"""How figures are told."""

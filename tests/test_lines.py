@@ -1,0 +1,404 @@
+"""Lines: every format, markup, encodings, folders, and what cannot be read."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lipsync_lang import LipsyncError
+from lipsync_lang.lines import Line, read_lines
+from lipsync_lang.lines.markup import spoken
+from lipsync_lang.lines.registry import by_suffix, load_readers
+from lipsync_lang.schedules.registry import load_readers as schedule_readers
+
+
+def write(path: Path, text: str | bytes, encoding: str = "utf-8") -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(text if isinstance(text, bytes) else text.encode(encoding))
+    return path
+
+
+def read(*paths, **options) -> list[Line]:
+    return list(read_lines(paths, **options))
+
+
+def refusal(path: Path) -> str:
+    """What is wrong with a file; `nothing` where it can be read."""
+    try:
+        read(path, remark=lambda _: None)
+    except LipsyncError as error:
+        return str(error)
+    return "nothing"
+
+
+def told(lines: list[Line]) -> list[tuple[int, str, str, str]]:
+    return [(int(x.place.rpartition(":")[2]), x.name, x.speaker, x.text) for x in lines]
+
+
+# Markup
+
+
+@pytest.mark.parametrize(
+    ("written", "said", "dropped"),
+    [
+        ("Plain  text.", "Plain text.", ()),
+        ("a <i>won</i>derful day", "a wonderful day", ("<i>", "</i>")),
+        ("{i}Well{/i}{w=0.5}, yes", "Well, yes", ("{i}", "{/i}", "{w=0.5}")),
+        ("{\\an8}Top", "Top", ("{\\an8}",)),
+        ("Hi [player!t], [names['a']]!", "Hi, !", ("[player!t]", "[names['a']]")),
+        ("Hi {name}, {0:>3}", "Hi,", ("{name}", "{0:>3}")),
+        ("%s has %(count)d of %1$s", "has of", ("%s", "%(count)d", "%1$s")),
+        ("100% sure, 5% discount", "100% sure, 5% discount", ()),
+        ("%d%% done", "% done", ("%d",)),
+        ("$name pays $5 to ${who}", "pays $5 to", ("$name", "${who}")),
+        ("one\\ntwo\nthree", "one two three", ()),
+        ("{{braces}} and [[brackets]", "{braces} and [brackets]", ()),
+        ("<ruby>漢<rt>かん</rt></ruby>字", "漢字", ("<ruby>", "<rt>かん</rt>", "</ruby>")),
+        ("{rb}東{/rb}{rt}とう{/rt}", "東", ("{rb}", "{/rb}", "{rt}とう{/rt}")),
+        ("♪ la la ♪", "la la", ("♪", "♪")),
+        ("I <3 you, 1 < 2 > 0", "I <3 you, 1 < 2 > 0", ()),
+        ('\\"Yes\\", she said', '"Yes", she said', ()),
+        ("{name}", "", ("{name}",)),
+        ("", "", ()),
+    ],
+)
+def test_what_is_written_and_what_is_said(written, said, dropped):
+    assert spoken(written) == (said, dropped)
+
+
+@given(st.text())
+def test_no_markup_is_too_odd(text):
+    said, dropped = spoken(text)
+    assert said == " ".join(said.split())
+    assert all(dropped)
+
+
+@given(st.text(alphabet="abc äñ漢,.!?'-", max_size=40))
+def test_text_without_markup_stays(text):
+    assert spoken(text) == (" ".join(text.split()), ())
+
+
+# Formats
+
+SAMPLES = {
+    ".txt": ("One.\n\n  \nTwo.\n", [(1, "", "", "One."), (4, "", "", "Two.")]),
+    ".csv": (
+        'id,speaker,text\n1,Ann,"Hello,\nyou"\n2,Bob,\n3,Bob,Bye\n',
+        [(2, "1", "Ann", "Hello, you"), (5, "3", "Bob", "Bye")],
+    ),
+    ".tsv": ("key\tline\na\tHello\n", [(2, "a", "", "Hello")]),
+    ".srt": (
+        (
+            "1\n00:00:01,000 --> 00:00:02,000\n- <i>Hi</i>.\n- You &amp; me\n\n\n"
+            "2\n00:00:03,000 --> 00:00:04,000\nBye\n\nfor now\n"
+        ),
+        [(3, "1", "", "Hi. You & me"), (9, "2", "", "Bye"), (11, "", "", "for now")],
+    ),
+    ".vtt": (
+        (
+            "WEBVTT - title\n\nNOTE not\nspoken\n\nfirst\n00:01.000 --> 00:02.000 align:start\n"
+            "<v Ann>Hello <c.loud>you</c></v>\n\nSTYLE\n::cue {}\n"
+        ),
+        [(8, "first", "Ann", "Hello you")],
+    ),
+    ".po": (
+        (
+            'msgid ""\nmsgstr ""\n"Content-Type: text/plain; charset=UTF-8\\n"\n\n'
+            'msgctxt "greet"\nmsgid "Hello"\nmsgstr ""\n"Bon"\n"jour"\n'
+            '#, fuzzy\nmsgid "a"\nmsgstr "b"\n\n'
+            'msgid "%d file"\nmsgid_plural "%d files"\n'
+            'msgstr[0] "fichier"\nmsgstr[1] "fichiers"\n\n'
+            '#~ msgid "c"\n#~ msgstr "d"\n'
+        ),
+        [(7, "greet", "", "Bonjour"), (16, "", "", "fichier"), (17, "", "", "fichiers")],
+    ),
+    ".pot": (
+        (
+            'msgid ""\nmsgstr ""\n\n#: place\nmsgid "One \\"more\\"\\nrow"\nmsgstr ""\n\n'
+            'msgid "A"\nmsgid_plural "B"\nmsgstr[0] ""\nmsgstr[1] ""\n'
+        ),
+        [(5, "", "", 'One "more" row'), (8, "", "", "A"), (9, "", "", "B")],
+    ),
+    ".rpy": (
+        """\
+# comment "not this"
+define e = Character("Eileen", color="#fff")
+image e happy = "e.png"
+label start:
+    play music "song.ogg"
+    e "Hello, {i}you{/i}! It's [player]. \\"Yes\\"\\nno" # "no"
+    e happy @ -wave "Attributes" (what_size=3) with dissolve
+    "Bob" "Named."
+    'Narrated, don\\'t you see?'
+    e "Over
+       two lines."
+    extend " more"
+    custom don't care
+    $ x = "python"
+    python:
+        y = "not"
+
+        z = {"a": "b"}
+    e \"\"\"
+    First paragraph
+    goes on.
+
+    Second.
+    \"\"\"
+    menu:
+        "What now?"
+        "Tea" if tea > 1:
+            e "Tea it is."
+screen hello():
+    text "not"
+translate french start_915:
+    # e "Hello"
+    e "Bonjour"
+translate french strings:
+    old "Tea"
+    new "Thé"
+    old "Cup"
+    new ""
+""",
+        [
+            (6, "", "e", 'Hello, you! It\'s. "Yes" no'),
+            (7, "", "e", "Attributes"),
+            (8, "", "Bob", "Named."),
+            (9, "", "", "Narrated, don't you see?"),
+            (10, "", "e", "Over two lines."),
+            (12, "", "", "more"),
+            (20, "", "e", "First paragraph goes on."),
+            (23, "", "e", "Second."),
+            (26, "", "", "What now?"),
+            (27, "", "", "Tea"),
+            (28, "", "e", "Tea it is."),
+            (33, "start_915", "e", "Bonjour"),
+            (36, "", "", "Thé"),
+        ],
+    ),
+}
+"""By suffix, a file and what is said in it: line, name, speaker, text."""
+
+REMARKED = {".po"}
+"""Those of them of which something is left out with a remark."""
+
+
+def test_every_format_has_a_sample():
+    texts = {s for r in load_readers().values() if r.name != "schedule" for s in r.suffixes}
+    assert set(SAMPLES) == texts
+
+
+@pytest.mark.parametrize("suffix", SAMPLES)
+def test_what_is_said_in_each_format(tmp_path, suffix):
+    text, wanted = SAMPLES[suffix]
+    remarks = []
+    path = write(tmp_path / f"a{suffix}", text)
+    lines = read(path, remark=remarks.append)
+    assert told(lines) == wanted
+    assert all(line.file == str(path) for line in lines)
+    assert bool(remarks) == (suffix in REMARKED)
+
+
+@pytest.mark.parametrize("ends", ["\r\n", "\r"])
+@pytest.mark.parametrize("suffix", SAMPLES)
+def test_other_ends_of_lines_are_the_same_lines(tmp_path, suffix, ends):
+    text, wanted = SAMPLES[suffix]
+    path = write(tmp_path / f"a{suffix}", text.replace("\n", ends))
+    assert told(read(path, remark=lambda _: None)) == wanted
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-32"])
+@pytest.mark.parametrize("suffix", SAMPLES)
+def test_marked_encodings_are_known(tmp_path, suffix, encoding):
+    text, wanted = SAMPLES[suffix]
+    path = write(tmp_path / f"a{suffix}", text, encoding)
+    assert told(read(path, remark=lambda _: None)) == wanted
+
+
+@pytest.mark.parametrize("suffix", SAMPLES)
+def test_an_empty_file_has_no_lines_or_says_why(tmp_path, suffix):
+    path = write(tmp_path / f"a{suffix}", "")
+    assert refusal(path).startswith((f"{path}:1: has no", "nothing"))
+
+
+@given(st.text(st.characters(codec="utf-8"), max_size=200), st.sampled_from(sorted(SAMPLES)))
+def test_no_text_gives_a_traceback(tmp_path_factory, text, suffix):
+    path = write(tmp_path_factory.mktemp("odd") / f"a{suffix}", text, "utf-8-sig")
+    assert refusal(path).startswith((str(path), "nothing"))
+
+
+@given(st.binary(max_size=200), st.sampled_from(sorted(SAMPLES)))
+def test_no_bytes_give_a_traceback(tmp_path_factory, content, suffix):
+    path = write(tmp_path_factory.mktemp("odd") / f"a{suffix}", content)
+    assert refusal(path).startswith((str(path), "nothing"))
+
+
+def test_timed_phonemes_come_as_they_are(tmp_path):
+    phonemes = [{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY", "start": 0.1, "end": 0.3}]
+    words = [{"text": "hi", "start": 0, "end": 0.3}]
+    path = tmp_path / "hi.json"
+    write(path, json.dumps({"phonemes": phonemes, "words": words}))
+    (line,) = read(path)
+    assert (line.text, line.name, line.place) == ("hi", "hi", f"{path}:1")
+    assert line.schedule.labels == ("HH", "AY")
+
+
+def test_every_format_of_timed_phonemes_is_read():
+    assert {s for r in schedule_readers().values() for s in r.suffixes} <= set(by_suffix())
+
+
+def test_a_file_of_a_translator_names_its_encoding(tmp_path):
+    text = 'msgid ""\nmsgstr "Content-Type: text/plain; charset=ISO-8859-1\\n"\n\n'
+    path = write(tmp_path / "a.po", text + 'msgid "a"\nmsgstr "ä"\n', "latin-1")
+    assert [line.text for line in read(path)] == ["ä"]
+
+
+def test_what_is_not_translated_is_named(tmp_path):
+    path = write(tmp_path / "a.po", 'msgid "a"\nmsgstr "b"\n\nmsgid "c"\nmsgstr ""\n')
+    with pytest.warns(UserWarning, match="a.po: left out 1 entries"):
+        assert [line.text for line in read(path)] == ["b"]
+
+
+def test_an_open_quote_of_a_script_is_named(tmp_path):
+    path = write(tmp_path / "a.rpy", 'e "open\n' + 'e "closed"\n' * 400)
+    remarks = []
+    read(path, remark=remarks.append)
+    assert not remarks or "quote" in remarks[0]
+
+
+# Tables
+
+
+def test_a_column_by_name_or_number(tmp_path):
+    path = write(tmp_path / "a.csv", "id;en;de\n1;Hello;Hallo\n")
+    for column in ("de", "DE", "3"):
+        assert [line.text for line in read(path, column=column)] == ["Hallo"]
+
+
+@pytest.mark.parametrize(
+    ("column", "match"),
+    [
+        ("fr", "a.tsv:1: has no column 'fr'.*Its columns: id, en, de"),
+        ("9", "no column '9'"),
+        (None, "which column is the text. Say --column NAME. Its columns: id, en, de"),
+    ],
+)
+def test_a_column_that_is_not_there_names_the_columns(tmp_path, column, match):
+    path = write(tmp_path / "a.tsv", "id\ten\tde\n1\tHello\tHallo\n")
+    with pytest.raises(LipsyncError, match=match):
+        read(path, column=column)
+
+
+def test_the_only_column_left_is_the_text(tmp_path):
+    path = write(tmp_path / "a.csv", "line_id|speaker|french\n1|e|Oui, bon\n")
+    assert told(read(path)) == [(2, "1", "e", "Oui, bon")]
+
+
+def test_a_quote_that_does_not_close_is_named(tmp_path):
+    path = write(tmp_path / "a.csv", "text\nfine\n" + '"open\n' + "more\n" * 300)
+    with pytest.raises(LipsyncError, match=r"a.csv:3: .* left open"):
+        read(path)
+
+
+def test_short_rows_hold_nothing(tmp_path):
+    path = write(tmp_path / "a.csv", "id,text\n1\n\n2,Hello,more\n")
+    assert [line.text for line in read(path)] == ["Hello"]
+
+
+# Files and folders
+
+
+def test_folders_are_read_in_order_of_name(tmp_path):
+    for name in ("b.txt", "a.txt", "c/d.txt", "C/e.TXT"):
+        write(tmp_path / name, name)
+    assert [line.text for line in read(tmp_path)] == ["a.txt", "b.txt", "C/e.TXT", "c/d.txt"]
+
+
+def test_a_file_twice_is_read_once(tmp_path):
+    path = write(tmp_path / "a.txt", "One")
+    assert len(read(path, tmp_path, path)) == 1
+    assert len(list(read_lines(str(path)))) == 1
+
+
+def test_what_nothing_reads_is_named(tmp_path):
+    write(tmp_path / "a.txt", "One")
+    for name in ("b.png", "c.png", "README", ".git/config"):
+        write(tmp_path / name, "x")
+    remarks = []
+    assert len(read(tmp_path, remark=remarks.append)) == 1
+    shown = "\n".join(remarks)
+    assert "b.png and 1 more: left out: nothing reads lines from '.png'" in shown
+    assert "README" in shown
+    assert ".git" in shown
+
+
+def test_a_file_of_a_folder_that_is_no_schedule_is_left_out_with_a_remark(tmp_path):
+    path = write(tmp_path / "package.json", "{}")
+    remarks = []
+    assert read(tmp_path, remark=remarks.append) == []
+    assert str(path) in remarks[0]
+    with pytest.raises(LipsyncError, match="has no list of phonemes"):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "match"),
+    [("gone.txt", "no such file"), ("a.docx", "nothing reads lines from '.docx'; known: .*.txt"),
+     ("README", "has no suffix; known")],
+)  # fmt: skip
+def test_a_path_that_cannot_be_read_is_named_at_once(tmp_path, name, match):
+    if name != "gone.txt":
+        write(tmp_path / name, "x")
+    with pytest.raises(LipsyncError, match=match):
+        read_lines([tmp_path / name])
+
+
+@pytest.mark.parametrize(
+    ("content", "match"),
+    [
+        ("One\nGrüße\n".encode("latin-1"), r"a.txt:2: is not UTF-8 .* UTF-16 .*--encoding"),
+        (b"One\n\0\x01\x02", r"a.txt:2: holds zero bytes"),
+        ("One".encode("utf-16-le"), r"a.txt:1: holds zero bytes.*--encoding utf-16-le"),
+        (b"\xff\xfea\0b", r"a.txt: has the mark of UTF-16 but is not"),
+        (b"x" * 1_000_001, r"a.txt:1: this line is longer"),
+    ],
+)
+def test_what_is_no_text_says_what_was_tried(tmp_path, content, match):
+    path = write(tmp_path / "a.txt", content)
+    with pytest.raises(LipsyncError, match=match):
+        read(path)
+
+
+def test_an_encoding_can_be_named(tmp_path):
+    path = write(tmp_path / "a.txt", "Grüße", "latin-1")
+    assert [line.text for line in read(path, encoding="cp1252")] == ["Grüße"]
+    with pytest.raises(LipsyncError, match="no encoding has this name"):
+        read(path, encoding="klingon")
+    with pytest.raises(LipsyncError, match="is not ascii"):
+        read(path, encoding="ascii")
+
+
+def test_lines_are_streamed(tmp_path):
+    path = write(tmp_path / "a.txt", "One\n" * 100_000 + "\0")
+    lines = read_lines([path])
+    assert next(lines).text == "One"
+    with pytest.raises(LipsyncError, match=r"a.txt:100001: "):
+        list(lines)
+
+
+def test_real_dialogue_is_read_in_every_language(data):
+    path = data / "text" / "the_question_lines.tsv"
+    head = path.read_text("utf-8").split("\n", 1)[0].split("\t")
+    for column in head[2:]:
+        lines = read(path, column=column)
+        assert len(lines) > 60
+        assert all(line.name and line.text for line in lines)
+
+
+def test_real_sentences_are_read_whole(data):
+    path = data / "text" / "harvard-sentences.txt"
+    lines = read(path)
+    assert [line.text for line in lines] == path.read_text("utf-8").splitlines()
+    assert lines[-1].place == f"{path}:720"
