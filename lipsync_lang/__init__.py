@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.errors import LipsyncError, PackError, ScheduleError, SpeechError
     from lipsync_lang.performer import Performer
+    from lipsync_lang.quality.checks import check
     from lipsync_lang.resolver import resolve
     from lipsync_lang.schedules.registry import read_schedule
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
@@ -35,6 +36,7 @@ _HOMES = {
     "SpeechError": "lipsync_lang.errors",
     "Schedule": "lipsync_lang.schedules.schedule",
     "Word": "lipsync_lang.schedules.schedule",
+    "check": "lipsync_lang.quality.checks",
     "read_schedule": "lipsync_lang.schedules.registry",
     "resolve": "lipsync_lang.resolver",
     "speak": "lipsync_lang.speaking",
@@ -52,6 +54,7 @@ __all__ = [
     "SpeechError",
     "Word",
     "__version__",
+    "check",
     "read_schedule",
     "resolve",
     "speak",
