@@ -3,7 +3,6 @@
 Units: x is normalised time; y is inches from the top of a panel, so that every size is a real one.
 """
 
-import warnings
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from lipsync_lang.banks.diff import TIMES, Change, Diff
 from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Floats
-from lipsync_lang.render.plot import BIGRAMS, DPI, FINAL, FORMATS, INK, RC, STAGES, THIN
+from lipsync_lang.render.plot import BIGRAMS, FINAL, INK, STAGES, THIN, draw
 from lipsync_lang.render.view import VISIBLE, WIDTH
 
 if TYPE_CHECKING:
@@ -58,20 +57,9 @@ def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noq
     OutputError
         The format is unknown, matplotlib is missing, or there is nothing to draw.
     """
-    name = format.lower()
-    if name not in FORMATS:
-        raise OutputError(f"no picture in '{format}'; known: {', '.join(FORMATS)}")
     if not diff.named:
         raise OutputError(f"nothing to draw: no bigram differs from those of {diff.against}")
-    try:
-        import matplotlib as mpl  # noqa: F401 its absence hides behind modules loaded before
-        from matplotlib import style
-    except ImportError:
-        raise OutputError('a picture needs matplotlib: pip install "lipsync-lang[plot]"') from None
-    with warnings.catch_warnings(), style.context(RC, after_reset=True):
-        warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
-        _page(diff).savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
+    draw(lambda: _page(diff), stream, format)
 
 
 def _page(diff: Diff) -> "Figure":
