@@ -487,3 +487,7 @@ def test_an_empty_folder_says_so(cli, packs):
     assert ended.code == 2
     assert "a.png: left out: nothing reads lines from '.png'" in ended.err
     assert "there are no lines" in ended.err
+
+
+def test_a_share_that_is_met_exactly_needs_no_more():
+    assert plan.needed([90, 5, 4, 1]) == {"90": 1, "95": 2, "99": 3, "100": 4}
