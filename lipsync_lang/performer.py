@@ -327,7 +327,7 @@ class Performer:
     def _unknown(self, schedule: Schedule, at: list[int], notation: Notation) -> str:
         name = next(n for n, known in self._notations.items() if known is notation)
         lines = [
-            f"{schedule.source}: phoneme {i} ({schedule.labels[i]!r}, {schedule.times[i]:g} to "
+            f"{schedule.place(i)}: phoneme {i} ({schedule.labels[i]!r}, {schedule.times[i]:g} to "
             f"{schedule.times[i + 1]:g} s) is not in the {name} of {self.language}; "
             f"{self._hint(schedule.labels[i], name)}"
             for i in at[:8]

@@ -182,6 +182,7 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
         told += "\ntimes are estimated by classes of sounds; nothing speaks them"
     if animation.schedule.unread:
         told += f"\nnot read: {' '.join(animation.schedule.unread)}"
+    told += "".join(f"\n{remark}" for remark in animation.schedule.remarks)
     if not written:
         return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
     return told + "".join(f"\nwrote {path}" for path in written)

@@ -61,6 +61,10 @@ class Schedule:
     estimated : True where the times come from a rule, not from a voice
     source : what to call this schedule in messages
     unread : characters of the text it was made of that nothing could read
+    lines : the line of the file each label stands in, or empty where there is none to tell
+    remarks : what is doubtful about it, in words
+    recognised : True where a machine heard the words, so that they may be wrong
+    confidence : from 0 to 1, how well times or words fit the sound; None where nobody can tell
     """
 
     labels: tuple[str, ...]
@@ -72,6 +76,10 @@ class Schedule:
     estimated: bool = False
     source: str = field(default="schedule")
     unread: tuple[str, ...] = ()
+    lines: tuple[int, ...] = ()
+    remarks: tuple[str, ...] = ()
+    recognised: bool = False
+    confidence: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse what cannot be performed, saying where and how to mend it."""
@@ -82,6 +90,10 @@ class Schedule:
         object.__setattr__(self, "words", tuple(self.words))
         _check(self.source, self.labels, times)
         _check_words(self.source, self.words, len(self.labels))
+
+    def place(self, index: int) -> str:
+        """Return where phoneme `index` stands in the file, as messages say it."""
+        return f"{self.source}:{self.lines[index]}" if self.lines else self.source
 
     @classmethod
     def from_intervals(
