@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
+from lipsync_lang.schedules.source import Source
 from lipsync_lang.schedules.textgrid import read_textgrid, read_tier
 
 PHONES = [("", 0, 0.1), ("HH", 0.1, 0.2), ("AY1", 0.2, 0.45), ("", 0.45, 0.6)]
@@ -52,7 +53,7 @@ TIERS = [("words", WORDS), ("phones", PHONES)]
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
 def test_every_text_form_reads_alike(form, newline, encoding):
     text = form(TIERS).replace("\n", newline).replace("AY1", "ˈaɪ")
-    schedule = read_textgrid(PATH, text.encode(encoding))
+    schedule = read_textgrid(Source(PATH, text.encode(encoding)))
     assert schedule.labels == (SILENCE, "HH", "ˈaɪ", SILENCE)
     np.testing.assert_allclose(schedule.times, [0, 0.1, 0.2, 0.45, 0.6])
     assert [(w.text, w.first, w.stop) for w in schedule.words] == [("hi", 1, 3)]
@@ -164,7 +165,7 @@ def test_what_cannot_be_performed_is_refused_with_the_files_name(form, tiers, me
 )
 def test_what_is_no_text_grid_is_refused(content, message):
     with pytest.raises(ScheduleError, match=message):
-        read_textgrid(PATH, content)
+        read_textgrid(Source(PATH, content))
 
 
 def test_a_file_with_fewer_intervals_than_it_says_is_refused():
@@ -189,7 +190,7 @@ def test_a_file_cut_off_anywhere_is_refused_or_loses_nothing(form):
 @example(b"\xff\xfe")
 def test_any_bytes_are_refused_in_words(content):
     with pytest.raises(ScheduleError):
-        read_textgrid(PATH, content)
+        read_textgrid(Source(PATH, content))
 
 
 @settings(suppress_health_check=[HealthCheck.too_slow])

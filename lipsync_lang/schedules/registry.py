@@ -1,4 +1,8 @@
-"""Which input formats are known, and which one a file is in."""
+"""Which input formats are known, and which one a file is in.
+
+A file's content tells its format, before its suffix does: many programs write `.json`, `.lab`,
+`.csv` and `.txt`.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,10 +10,12 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 
-from lipsync_lang.errors import ScheduleError
+from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.source import Source
 
-Read = Callable[[Path, bytes], Schedule]
+Read = Callable[[Source], Schedule]
+Looks = Callable[[Source], bool]
 
 LARGEST = 64 * 2**20
 """Bytes; a larger file of timings is not one."""
@@ -17,23 +23,28 @@ LARGEST = 64 * 2**20
 
 @dataclass(frozen=True)
 class Reader:
-    """One input format: its name, the suffixes it is known by, and what reads it."""
+    """One input format: its name, the suffixes it is known by, what tells it, and what reads it."""
 
     name: str
     suffixes: tuple[str, ...]
     title: str
+    looks: Looks
     read: Read
 
 
 READERS: dict[str, Reader] = {}
 
 
-def reader(name: str, *suffixes: str) -> Callable[[Read], Read]:
-    """Register a function ``(path, content) -> Schedule`` as the reader of a format."""
+def reader(name: str, *suffixes: str, looks: Looks) -> Callable[[Read], Read]:
+    """Register a function ``(source) -> Schedule`` as the reader of a format.
+
+    `looks` tells by its content whether a file is in it: quickly, by ``source.head`` or
+    ``source.document``, and without raising.
+    """
 
     def register(read: Read) -> Read:
         title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = Reader(name, suffixes, title, read)
+        READERS[name] = Reader(name, suffixes, title, looks, read)
         return read
 
     return register
@@ -48,13 +59,26 @@ def load_readers() -> dict[str, Reader]:
     return READERS
 
 
-def read_schedule(path: str | Path, notation: str | None = None) -> Schedule:
+def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
+    path: str | Path,
+    notation: str | None = None,
+    *,
+    read_as: str | None = None,
+    tier: str | None = None,
+    rate: float | None = None,
+    encoding: str | None = None,
+) -> Schedule:
     """Read timed phonemes from a file.
 
     Parameters
     ----------
-    path : the file; its suffix names the format
-    notation : the labels' notation (`arpabet`, `ipa`, ...); None lets the language pack tell
+    path : the file; its content and its suffix tell the format
+    notation : the labels' notation (`arpabet`, `ipa`, ...); None for what the format says, or
+        else what the language pack can tell
+    read_as : the name of the format, where neither content nor suffix tells
+    tier : the tier, speaker or channel, where a file has several
+    rate : units per second of the file's times; None for what the format says
+    encoding : of the file's text; None for UTF-8 or UTF-16
 
     Raises
     ------
@@ -64,18 +88,53 @@ def read_schedule(path: str | Path, notation: str | None = None) -> Schedule:
     from dataclasses import replace
 
     path = Path(path)
-    readers = load_readers()
-    known = {suffix: r for r in readers.values() for suffix in r.suffixes}
-    found = known.get(path.suffix.lower())
-    if found is None:
-        what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
-        raise ScheduleError(f"{path}: {what}; known: {', '.join(sorted(known))}")
+    if rate is not None and not 0 < rate < float("inf"):
+        raise ScheduleError(f"{rate:g} units per second: give a number above 0")
+    source = Source(path, _content(path), tier, rate, encoding)
+    schedule = find_reader(source, read_as).read(source)
+    return replace(schedule, notation=notation) if notation else schedule
+
+
+def _content(path: Path) -> bytes:
     try:
         if path.stat().st_size > LARGEST:
             raise ScheduleError(f"{path}: is larger than {LARGEST >> 20} MB; is it a schedule?")
-        content = path.read_bytes()
+        return path.read_bytes()
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise ScheduleError(f"{path}: cannot be read: {why}; check the path") from None
-    schedule = found.read(path, content)
-    return replace(schedule, notation=notation) if notation else schedule
+
+
+def find_reader(source: Source, name: str | None = None) -> Reader:
+    """Return the reader of a file: the one named, or the one its content and suffix tell."""
+    readers = load_readers()
+    if name is not None:
+        if name not in readers:
+            raise ScheduleError(f"no format is called '{name}'; {did_you_mean(name, readers)}")
+        return readers[name]
+    named = [one for one in readers.values() if source.path.suffix.lower() in one.suffixes]
+    alike = [one for one in readers.values() if one.looks(source)]
+    both = [one for one in alike if one in named]
+    for found in (both, alike, named):
+        if len(found) == 1:
+            return found[0]
+        if found and found is not named:
+            names = " or ".join(one.name for one in found)
+            raise source.fault(f"may be {names}; say which (--read-as {found[0].name})")
+    _check_form(source)
+    if named:
+        titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
+        raise source.fault(f"is in none of the formats that end in '{source.path.suffix}':{titles}")
+    suffixes = sorted({suffix for one in readers.values() for suffix in one.suffixes})
+    raise source.fault(
+        f"nothing reads timings from this; known: {', '.join(suffixes)} (`lipsync-lang formats`)"
+    )
+
+
+def _check_form(source: Source) -> None:
+    """Refuse what is neither text nor, where it starts like them, JSON or XML."""
+    start = source.text.lstrip()[:1]
+    if start in ("{", "["):
+        _ = source.json
+    elif start == "<":
+        _ = source.xml

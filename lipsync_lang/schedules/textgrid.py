@@ -20,6 +20,7 @@ from typing import Any
 from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.schedule import SILENCE, SNAP, Schedule, words_from_spans
+from lipsync_lang.schedules.source import Source
 
 Row = tuple[str, float, float]
 
@@ -81,10 +82,16 @@ class Tier:
         )
 
 
-@reader("textgrid", ".textgrid")
-def read_textgrid(path: Path, content: bytes) -> Schedule:
+def looks(source: Source) -> bool:
+    """Tell whether it says that it is Praat's."""
+    start = source.head[:300]
+    return "ooTextFile" in start or source.content.startswith(b"ooBinaryFile")
+
+
+@reader("textgrid", ".textgrid", looks=looks)
+def read_textgrid(source: Source) -> Schedule:
     """Praat TextGrid with a tier of phones; words are taken along where there is a tier of them."""
-    return read_tier(path, content)
+    return read_tier(source.path, source.content, source.tier)
 
 
 def read_tier(path: Path, content: bytes, tier: str | None = None) -> Schedule:

@@ -1,0 +1,161 @@
+"""Rows of a label and its times, as files have them, made into a schedule.
+
+Files leave gaps, keep their rows in any order, and count in milliseconds or frames; here all
+that becomes one contiguous schedule in seconds, or a fault that names the line.
+"""
+
+from collections.abc import Iterable, Sequence
+from math import log
+from statistics import median
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.schedules.schedule import SILENCE, SNAP, Schedule, words_from_spans
+from lipsync_lang.schedules.source import Source
+
+SOUND = 0.08
+"""Seconds that a phoneme lasts, about."""
+
+LONG = 1.0
+"""Seconds; where half of all sounds last longer, they are not in seconds."""
+
+RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
+"""Units per second that files count in where they should count seconds."""
+
+
+class Row(NamedTuple):
+    """A label from `start` to `end`, in seconds, and the line of the file it stands in."""
+
+    label: str
+    start: float
+    end: float
+    line: int | None = None
+
+
+def schedule_of(
+    source: Source,
+    rows: Iterable[Row],
+    *,
+    words: Iterable[Row] = (),
+    notation: str | None = None,
+    guess: bool = False,
+) -> Schedule:
+    """Make a schedule of rows; gaps, and the time from zero on, are silence.
+
+    Parameters
+    ----------
+    source : the file, for messages; times are divided by its `rate` where one is asked for
+    rows : labels with their times, in any order; a blank label is silence
+    words : texts with their times; each has the phonemes whose middle lies in it
+    notation : of the labels, where the format states one
+    guess : where a format does not say its unit, take one that fits, and say so
+
+    Raises
+    ------
+    ScheduleError
+        A time is below zero, runs backwards or overlaps another; the line is named.
+    """
+    phones, spans = sorted(rows, key=_order), sorted(words, key=_order)
+    if not phones:
+        raise source.fault("has no phonemes in it; check that it was written to the end")
+    rate, remarks = source.rate, tuple[str, ...]()
+    if rate is None and guess:
+        rate, remarks = _guessed(source, phones)
+    if rate is not None:
+        phones, spans = _seconds(phones, rate), _seconds(spans, rate)
+    whole = _without_gaps(source, phones)
+    times = [0.0, *(row.end for row in whole)]
+    schedule = Schedule(
+        tuple(row.label for row in whole),
+        np.array(times),
+        notation=notation,
+        source=str(source.path),
+        lines=_lines(whole),
+        remarks=remarks,
+    )
+    return with_words(schedule, [(row.label, row.start, row.end) for row in spans])
+
+
+def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) -> Schedule:
+    """Return a schedule with words, given their text, start and end; silent ones are left out."""
+    from dataclasses import replace
+
+    found = words_from_spans(schedule, list(spans))
+    heard = [w for w in found if set(schedule.labels[w.first : w.stop]) != {SILENCE}]
+    return replace(schedule, words=tuple(heard))
+
+
+def _order(row: Row) -> tuple[float, float]:
+    return row.start, row.end
+
+
+def _lines(rows: Sequence[Row]) -> tuple[int, ...]:
+    """Return the line of every row; of silence that was filled in, that of what follows it."""
+    if any(row.line is None for row in rows if row.label != SILENCE):
+        return ()
+    lines: list[int] = []
+    below = next((row.line for row in rows[::-1] if row.line is not None), 1)
+    for row in rows[::-1]:
+        below = row.line if row.line is not None else below
+        lines.append(below)
+    return tuple(lines[::-1])
+
+
+def _guessed(source: Source, rows: Sequence[Row]) -> tuple[float | None, tuple[str, ...]]:
+    """Return the units per second that times are likely to be in, and a word about it."""
+    lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
+    typical = median(lengths) if lengths else 0.0
+    if typical <= LONG:
+        return None, ()
+    rate = min(RATES, key=lambda one: abs(log(typical / one / SOUND)))
+    unit = "milliseconds" if rate == RATES[0] else f"frames at {rate:g} a second"
+    told = (
+        f"{source.path}: its sounds would last {typical:g} s each, so its times are taken for "
+        f"{unit}; if they are not, say how many make a second (--rate {rate:g})"
+    )
+    return rate, (told,)
+
+
+def _seconds(rows: Sequence[Row], rate: float) -> list[Row]:
+    return [row._replace(start=row.start / rate, end=row.end / rate) for row in rows]
+
+
+def _without_gaps(source: Source, rows: Sequence[Row]) -> list[Row]:
+    """Fill gaps with silence, join what is only rounding apart, and refuse all else."""
+    filled: list[Row] = []
+    end = 0.0
+    for row in rows:
+        label = row.label.strip() or SILENCE
+        here = f"{label!r}, {row.start:g} to {row.end:g} s"
+        if row.start < -SNAP:
+            raise source.fault(
+                f"{here}, starts below 0; shift all times so that the sound starts at 0", row.line
+            )
+        if row.end < row.start:
+            raise source.fault(f"{here}, ends before it starts; swap its times", row.line)
+        if row.end - row.start < SNAP and label == SILENCE:
+            continue
+        if row.end == row.start:
+            raise source.fault(
+                f"{here}, has no length; give it some time, or leave it out", row.line
+            )
+        if row.start < end - SNAP:
+            before = filled[-1]
+            raise source.fault(
+                f"{here}, starts before {before.label!r} ends ({before.end:g} s): they overlap; "
+                "move one of the two boundaries, or keep one speaker in the file",
+                row.line,
+            )
+        if row.start > end + SNAP:
+            _append(filled, Row(SILENCE, end, row.start, None))
+            end = row.start
+        _append(filled, Row(label, end, row.end, row.line))
+        end = row.end
+    return filled
+
+
+def _append(rows: list[Row], row: Row) -> None:
+    if rows and rows[-1].label == row.label == SILENCE:
+        row = row._replace(start=rows.pop().start)
+    rows.append(row)

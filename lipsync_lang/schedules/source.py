@@ -1,0 +1,158 @@
+"""A file of timings on its way to a schedule: its text, its JSON, its XML, and its faults."""
+
+import json
+import re
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE, BOM_UTF32_BE, BOM_UTF32_LE
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.errors import ScheduleError
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+MARKS = {
+    BOM_UTF32_LE: "utf-32",
+    BOM_UTF32_BE: "utf-32",
+    BOM_UTF16_LE: "utf-16",
+    BOM_UTF16_BE: "utf-16",
+}
+"""Marks at the start of a file, longer ones first, and what they are the mark of."""
+
+HEAD = 4096
+"""Bytes that a format is told by."""
+
+TAG = re.compile(r"\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<([A-Za-z_][\w.:-]*)", re.DOTALL)
+"""The first element of an XML file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A file of timings, and what is asked of it.
+
+    Parameters
+    ----------
+    path : the file, as messages call it
+    content : its bytes
+    tier : the tier, speaker or channel to read, by name; None where there must be only one
+    rate : units per second of the times it holds; None for what the format says
+    encoding : of its text; None to tell it by the file
+    """
+
+    path: Path
+    content: bytes
+    tier: str | None = None
+    rate: float | None = None
+    encoding: str | None = None
+
+    def fault(self, what: str, line: int | None = None, column: int | None = None) -> ScheduleError:
+        """Return an error that says where: `what` is wrong, and how to mend it."""
+        where = ":".join(str(part) for part in (self.path, line, column) if part is not None)
+        return ScheduleError(f"{where}: {what}")
+
+    @cached_property
+    def text(self) -> str:
+        """The text; lines end in a newline alone.
+
+        UTF-8, UTF-16 and UTF-32, with a byte order mark or, of the first two, without.
+        """
+        encoding = self.encoding or _encoding(self.content)
+        try:
+            text = self.content.decode(encoding)
+        except UnicodeDecodeError as error:
+            line = self.content.count(b"\n", 0, error.start) + 1
+            asked = encoding if self.encoding else "UTF-8 or UTF-16"
+            raise self.fault(
+                f"is not {asked} text (byte {error.start}); save it as UTF-8, or name its "
+                "encoding (--encoding cp1252)",
+                line,
+            ) from None
+        except LookupError:
+            raise self.fault(
+                f"no encoding is called '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
+            ) from None
+        if "\0" in text:
+            line = text.count("\n", 0, text.index("\0")) + 1
+            raise self.fault("holds zero bytes, so it is no text; check what wrote it", line)
+        return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
+
+    @cached_property
+    def lines(self) -> list[tuple[int, str]]:
+        """Lines that are not blank, with their numbers."""
+        rows = enumerate(self.text.split("\n"), 1)
+        return [(number, line) for number, line in rows if line.strip()]
+
+    @cached_property
+    def head(self) -> str:
+        """The start of the text, to tell a format by; nothing is refused in it."""
+        encoding = self.encoding or _encoding(self.content)
+        try:
+            text = self.content[:HEAD].decode(encoding, "ignore")
+        except LookupError:
+            return ""
+        return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
+
+    @cached_property
+    def json(self) -> Any:
+        """What it says as JSON; a fault where it is none."""
+        try:
+            return json.loads(self.text)
+        except json.JSONDecodeError as error:
+            raise self.fault(
+                f"not JSON: {error.msg}; mend it there, or save it anew", error.lineno, error.colno
+            ) from None
+        except (RecursionError, ValueError) as error:
+            what = "is nested too deep" if isinstance(error, RecursionError) else str(error)
+            raise self.fault(f"not JSON of timings: {what}; check what wrote it") from None
+
+    @cached_property
+    def document(self) -> Any:
+        """What it says as JSON; None where it is none."""
+        if self.head.lstrip()[:1] not in ("{", "["):
+            return None
+        try:
+            return self.json
+        except ScheduleError:
+            return None
+
+    def holds(self, *keys: str) -> bool:
+        """Tell whether it is a JSON object with all these keys."""
+        return isinstance(self.document, dict) and self.document.keys() >= set(keys)
+
+    @property
+    def root(self) -> str | None:
+        """The name of the outermost element, where it looks like XML."""
+        found = TAG.match(self.head)
+        return found[1] if found else None
+
+    @cached_property
+    def xml(self) -> "Element":
+        """What it says as XML; a fault where it is none, or declares entities."""
+        from xml.etree import ElementTree as ET
+
+        declared = re.search(r"<!(DOCTYPE|ENTITY)", self.text)
+        if declared:
+            line = self.text.count("\n", 0, declared.start()) + 1
+            raise self.fault(
+                f"has a <!{declared[1]}>, which is never read; take it out of the file", line
+            )
+        try:
+            return ET.fromstring(re.sub(r"^\s*<\?xml.*?\?>", "", self.text, flags=re.DOTALL))  # noqa: S314 no entities
+        except ET.ParseError as error:
+            raise self.fault(
+                f"not XML: {error.msg.split(':')[0]}; mend it there, or export it anew",
+                error.position[0],
+            ) from None
+
+
+def _encoding(content: bytes) -> str:
+    marked = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
+    if marked:
+        return marked
+    if content[1:2] == b"\0" and content[:1] != b"\0":
+        return "utf-16-le"
+    if content[:1] == b"\0" and content[1:2] != b"\0":
+        return "utf-16-be"
+    return "utf-8"
