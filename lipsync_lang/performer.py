@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.rates import exact
 from lipsync_lang.delivery import delivery
 from lipsync_lang.edits import overlays
 from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
@@ -100,7 +101,7 @@ class Performer:
         Parameters
         ----------
         schedule : timed phonemes in any notation of the language
-        fps : output frames per second, from 1 to 1000
+        fps : output frames per second, from 1 to 1000; 23.976 and 29.97 mean their fractions
         line : the name of a line, where the character has something of its own for it
         styles : by name, the share of a style over neutral, from 0 to 1
         dials : by region, how far its poses move: 0 not at all, 1 as usual, 2 twice as far;
@@ -113,6 +114,7 @@ class Performer:
         LipsyncError
             A style, a region or a line is unknown here.
         """
+        fps = exact(fps)
         performance = self.performance(schedule, fps, line=line, styles=styles, dials=dials)
         asked = {"line": line, "styles": styles, "dials": dials}
         return Animation(
@@ -161,6 +163,7 @@ class Performer:
         """Prepare a performance whose stages can be looked at one by one; see `perform`."""
         if not 1 <= fps <= FASTEST:
             raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
+        fps = exact(fps)
         ids, times, source = self.common_phonemes(schedule)
         compiled = self.compiled
         blends, scaled = delivery(compiled, schedule, line, styles, dials)

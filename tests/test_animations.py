@@ -127,7 +127,7 @@ def test_every_writer_says_what_it_writes(writer):
 
 def test_every_module_of_the_folder_is_known():
     folder = Path(ll.__file__).parent / "animations"
-    own = {"__init__", "animation", "registry"}
+    own = {"__init__", "animation", "keys", "rates", "registry"}
     assert {path.stem for path in folder.glob("*.py")} - own == set(WRITERS)
 
 

@@ -311,7 +311,7 @@ def test_rates_somebody_plays_are_taken(fps, animate):
 
 
 def test_a_rate_that_is_no_number_is_refused(animate):
-    refused(animate("--fps", "fast"), "argument --fps: invalid float value: 'fast'")
+    refused(animate("--fps", "fast"), "--fps fast: write a number of frames per second")
 
 
 @pytest.mark.parametrize("command", [["run"], ["explain", "--at", "0"]])

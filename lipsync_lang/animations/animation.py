@@ -12,6 +12,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from lipsync_lang.animations.keys import Curve
     from lipsync_lang.trace import Explanation
 
 
@@ -49,6 +50,9 @@ class Animation:
     asked : how it was to be performed: the line's name, styles and dials
     channels : what each column drives on a model; empty where nothing is known of it
     model : the model file that the character or its pose set names
+    offset : seconds at which the sound begins on the timeline of the files that are written
+    tolerance : how far keyframes may stray from the curves, in formats that have keyframes; None
+        for what suits the format
     """
 
     times: npt.NDArray[np.float64]
@@ -60,6 +64,33 @@ class Animation:
     asked: Mapping[str, Any] = field(default_factory=dict)
     channels: tuple[Channel, ...] = ()
     model: Path | None = None
+    offset: float = 0.0
+    tolerance: float | None = None
+
+    @property
+    def begins(self) -> float:
+        """Seconds at which the sound begins in files whose time cannot be below zero.
+
+        The `offset`, or later where the mouth moves before that.
+        """
+        return max(self.offset, -float(self.times[0]))
+
+    @property
+    def timeline(self) -> npt.NDArray[np.float64]:
+        """(T,) seconds from the start of such files."""
+        return np.maximum(self.times + self.begins, 0.0)
+
+    def keys(self, tolerance: float) -> "list[Curve]":
+        """Return the keyframes of every column: as few as keep to a tolerance.
+
+        Parameters
+        ----------
+        tolerance : what suits the format; the animation's own comes before it
+        """
+        from lipsync_lang.animations.keys import curves
+
+        error = tolerance if self.tolerance is None else self.tolerance
+        return curves(self.poses, self.timeline, self.weights, error)
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""
@@ -75,11 +106,17 @@ class Animation:
         inside = (self.times > self.schedule.start - half) & (self.times < self.schedule.end + half)
         return replace(self, times=self.times[inside], weights=self.weights[inside])
 
-    def save(self, path: str | Path) -> None:
-        """Write to a file whose suffix names the format (``lipsync-lang formats`` lists them)."""
+    def save(self, path: str | Path, writer: str | None = None) -> None:
+        """Write to a file.
+
+        Parameters
+        ----------
+        path : the file; its suffix names the format (``lipsync-lang formats`` lists them)
+        writer : the name of the format, where the suffix is another's
+        """
         from lipsync_lang.animations.registry import save
 
-        save(self, Path(path))
+        save(self, Path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":
         """Say why each pose stands where it stands at a time."""

@@ -13,5 +13,5 @@ def write_csv(animation: Animation, out: TextIO) -> None:
     """One row per frame: time_s, then a column per pose."""
     out.write(",".join(["time_s", *animation.poses]) + "\n")
     row = ",".join(["%.6f", *["%.5f"] * len(animation.poses)]) + "\n"
-    table = np.column_stack([animation.times, animation.weights])
+    table = np.column_stack([animation.times + animation.offset, animation.weights])
     out.writelines(row % tuple(values) for values in table.tolist())

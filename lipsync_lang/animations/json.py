@@ -16,6 +16,7 @@ def write_json(animation: Animation, out: TextIO) -> None:
         "format": "lipsync-lang animation 1",
         "fps": animation.fps,
         "start": round(float(animation.times[0]), 6),
+        "offset": round(animation.offset, 6),
         "estimated": schedule.estimated,
         "language": schedule.language,
         "notation": schedule.notation,

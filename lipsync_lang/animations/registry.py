@@ -9,7 +9,7 @@ from pkgutil import iter_modules
 from typing import BinaryIO, TextIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.errors import OutputError
+from lipsync_lang.errors import OutputError, did_you_mean
 from lipsync_lang.files import atomic
 
 WriteText = Callable[[Animation, TextIO], None]
@@ -73,18 +73,33 @@ def load_writers() -> dict[str, Writer]:
     return WRITERS
 
 
-def find_writer(path: Path) -> Writer:
-    """Return the writer for a path's suffix, or say which suffixes there are."""
-    known = {w.suffix: w for w in load_writers().values()}
-    found = known.get(path.suffix.lower())
-    if found is None:
+def find_writer(path: Path, name: str | None = None) -> Writer:
+    """Return the writer that is named, or else that of the longest suffix a path ends in."""
+    writers = load_writers()
+    if name is not None:
+        if name not in writers:
+            raise OutputError(
+                f"{path}: no format is called '{name}'; {did_you_mean(name, writers)}"
+            )
+        return writers[name]
+    found = [one for one in writers.values() if path.name.lower().endswith(one.suffix)]
+    if not found:
+        known = ", ".join(sorted(one.suffix for one in writers.values()))
         what = f"no writer for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
-        raise OutputError(f"{path}: {what}; end it in {', '.join(sorted(known))}")
-    return found
+        raise OutputError(f"{path}: {what}; end it in {known}")
+    return max(found, key=lambda one: len(one.suffix))
 
 
-def save(animation: Animation, path: Path) -> None:
+def parse_output(text: str) -> tuple[Path, Writer]:
+    """Read ``line.csv``, or ``live-link:line.csv`` with the name of a format before the file."""
+    name, colon, rest = text.partition(":")
+    if colon and rest and name in load_writers():
+        return Path(rest), WRITERS[name]
+    return Path(text), find_writer(Path(text))
+
+
+def save(animation: Animation, path: Path, name: str | None = None) -> None:
     """Write an animation to `path`, whole or not at all."""
-    chosen = find_writer(path)
+    chosen = find_writer(path, name)
     with atomic(path) as stream:
         chosen.write(animation, stream)

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lipsync_lang import __version__
+from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands import banks, check, checking, coverage, listing, packs, performing
 from lipsync_lang.coverage.forms import FORMS
 
@@ -61,8 +62,9 @@ def _add_performing(add: Add) -> None:
     )
     _add_line(run_)
     run_.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, action="append", default=[],
-        help="write the animation; the suffix names the format, and -o may be repeated",
+        "-o", "--output", metavar="FILE", action="append", default=[],
+        help="write the animation; the suffix names the format, or FORMAT:FILE does; may be "
+        "repeated",
     )  # fmt: skip
     run_.add_argument("--plot", metavar="FILE", type=Path, help="draw every stage to a picture")
     run_.add_argument(
@@ -77,6 +79,15 @@ def _add_performing(add: Add) -> None:
         help="draw this character below the other instead of the stages; may be repeated",
     )  # fmt: skip
     run_.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
+    run_.add_argument(
+        "--offset", metavar="TIME", default="0",
+        help="where the sound begins in the files: seconds, or a timecode 01:00:00:00 [0]",
+    )  # fmt: skip
+    run_.add_argument(
+        "--tolerance", metavar="ERROR", type=float,
+        help="how far keyframes may stray from the curves; 0 keeps them all "
+        "[0.005 in formats that are edited by hand, else 0]",
+    )  # fmt: skip
     run_.add_argument(
         "--check", action="store_true", help="judge the animation's poses as well, as `check` does"
     )
@@ -417,6 +428,17 @@ def _add_line(made: argparse.ArgumentParser) -> None:
     made.add_argument(
         "--schedule", metavar="FILE", type=Path, help="timed phonemes, instead of text"
     )
+    made.add_argument(
+        "--read-as", metavar="FORMAT", help="the schedule's format, where the file does not tell"
+    )
+    made.add_argument(
+        "--tier", metavar="NAME", help="the schedule's tier, speaker or channel, of several"
+    )
+    made.add_argument(
+        "--rate", metavar="N", type=float,
+        help="units per second of the schedule's times: 1000 for milliseconds, 16000 for samples",
+    )  # fmt: skip
+    made.add_argument("--encoding", metavar="NAME", help="the schedule's encoding [UTF-8]")
     made.add_argument("--notation", metavar="NAME", help="the notation of the schedule's labels")
     made.add_argument("--line", metavar="NAME", help="the character's own edits of this line")
     made.add_argument(
@@ -432,7 +454,10 @@ def _add_line(made: argparse.ArgumentParser) -> None:
         "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
         help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
     )  # fmt: skip
-    made.add_argument("--fps", metavar="N", type=float, default=60.0, help="frames per second [60]")
+    made.add_argument(
+        "--fps", metavar="N", type=parse_rate, default=60.0,
+        help="frames per second, such as 24, 23.976 or 24000/1001 [60]",
+    )  # fmt: skip
     made.add_argument(
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
         help="change a motion setting, or take a preset: --set motion=paper",

@@ -3,7 +3,8 @@
 import os
 import sys
 from argparse import Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,15 +20,19 @@ if TYPE_CHECKING:
 
 def run(options: Namespace) -> int:
     """Animate a line and write it wherever it is wanted."""
-    from lipsync_lang.animations.registry import find_writer
+    from lipsync_lang.animations.rates import parse_offset
+    from lipsync_lang.animations.registry import parse_output
     from lipsync_lang.files import write_all
 
-    _refuse_same(options)
+    if options.tolerance is not None and not 0 <= options.tolerance < 1:
+        raise LipsyncError(f"--tolerance {options.tolerance:g}: give a number from 0 to 1")
+    writers = dict(map(parse_output, options.output))
+    _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
         raise LipsyncError("--beside draws; name the picture with --plot FILE")
-    writers = {path: find_writer(path) for path in options.output}
+    offset = parse_offset(options.offset, options.fps)
     animation = _perform(options)
-    shown = _shown(options, animation)
+    shown = replace(_shown(options, animation, writers), offset=offset, tolerance=options.tolerance)
 
     def writing(path: Path) -> Callable[[Any], None]:
         return lambda stream: writers[path].write(shown, stream)
@@ -46,15 +51,13 @@ def run(options: Namespace) -> int:
     return SOUND
 
 
-def _shown(options: Namespace, animation: "Animation") -> "Animation":
+def _shown(options: Namespace, animation: "Animation", paths: Iterable[Path]) -> "Animation":
     """Return what is written: the channels of the character's rig, or its poses."""
-    from dataclasses import replace
-
     if not options.poses:
         animation = animation.performer.rigged(animation)
     if options.model is not None:
         animation = replace(animation, model=options.model)
-    for path in options.output:
+    for path in paths:
         if animation.model is not None and os.path.realpath(path) == os.path.realpath(
             animation.model
         ):
@@ -75,10 +78,10 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
     return lambda stream: plot_beside(faces, stream, kind)
 
 
-def _refuse_same(options: Namespace) -> None:
+def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
     """Refuse to write a file twice, or over the schedule."""
     taken = {os.path.realpath(options.schedule): "the schedule"} if options.schedule else {}
-    for path in (*options.output, *([options.plot] if options.plot else [])):
+    for path in (*outputs, *([options.plot] if options.plot else [])):
         real = os.path.realpath(path)
         if real in taken:
             raise OutputError(f"{path}: is {taken[real]} already; name another file")
@@ -92,8 +95,6 @@ def _perform(options: Namespace) -> "Animation":
 
 def performer_for(options: Namespace) -> "Performer":
     """Return the performer of the pair that is named, with all that is asked of it."""
-    from dataclasses import replace
-
     return replace(_performer(options), unknown=options.unknown)
 
 
@@ -163,9 +164,18 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
     if options.schedule is not None:
         if options.tts is not None:
             raise LipsyncError("--tts speaks a TEXT; leave it out with --schedule")
-        return read_schedule(options.schedule, notation=options.notation)
-    if options.notation is not None:
-        raise LipsyncError("--notation is that of a --schedule; leave it out with a TEXT")
+        return read_schedule(
+            options.schedule,
+            options.notation,
+            read_as=options.read_as,
+            tier=options.tier,
+            rate=options.rate,
+            encoding=options.encoding,
+        )
+    for name in ("notation", "read_as", "tier", "rate", "encoding"):
+        if getattr(options, name) is not None:
+            option = f"--{name.replace('_', '-')}"
+            raise LipsyncError(f"{option} is of a --schedule; leave it out with a TEXT")
     return performer.speaker.speak(options.text, engine=options.tts)
 
 
