@@ -426,7 +426,8 @@ def languages() -> str:
                 "this program with the phonemes that it gives them, and says what it is known to "
                 "get wrong. `lipsync-lang languages show NAME` shows one as a table: its sounds, "
                 "their mouths, and why. A language without a pack that eSpeak NG or Epitran reads "
-                "is `-l espeak:CODE` or `-l epitran:CODE`; how to do better is in "
+                "is `-l espeak:CODE` or `-l epitran:CODE`; any language at all, where its sounds "
+                "are timed in IPA, is `-l ipa:CODE`; how to do better is in "
                 "[add a language](../tutorial/add-a-language.md)."
             ),
             table(

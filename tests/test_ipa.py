@@ -381,14 +381,18 @@ def spoken(performer, line):
         ("espeak:en-gb-x-rp", "en-gb-x-rp", "espeak", "voice", "en-gb-x-rp"),
         ("espeak:zh_yue+f3", "zh-yue", "espeak", "voice", "zh_yue+f3"),
         ("epitran:amh-Ethi", "amh-Ethi", "epitran", "code", None),
+        ("ipa:lg", "lg", None, "", None),
     ],
 )
 def test_a_code_is_a_language(name, tag, engine, field, voice):
     pack = Library(project=None).language(name)
     model = pack.model
     assert (model.name, model.tag, model.automatic) == (name, tag, True)
-    assert (model.g2p.engine, getattr(model.g2p, field)) == (engine, name.partition(":")[2])
-    assert model.g2p.notation == IPA
+    if engine is None:
+        assert model.g2p is None
+    else:
+        assert (model.g2p.engine, getattr(model.g2p, field)) == (engine, name.partition(":")[2])
+        assert model.g2p.notation == IPA
     assert (model.tts.voice if model.tts else None) == voice
     assert {*COMMON.base, *model.adds, COMMON.silence} == set(COMMON.phonemes)
     assert "automatic" in model.title
@@ -406,9 +410,18 @@ def test_what_is_no_code_is_no_language(name):
 
 
 def test_an_unknown_engine_names_those_there_are():
-    with pytest.raises(ll.PackError, match=r"espeak:CODE or epitran:CODE"):
+    with pytest.raises(ll.PackError, match=r"espeak:CODE or epitran:CODE or ipa:CODE"):
         Library(project=None).language("especk:sw")
-    assert set(READERS) == {"espeak", "epitran"}
+    assert set(READERS) == {"espeak", "epitran", "ipa"}
+
+
+def test_timed_ipa_of_any_language_is_performed_and_no_text():
+    performer = ll.resolve("ipa:lg", "facefx")
+    line = schedule("m", "ʊ", "ɲ", "dʒ", "aː", notation="ipa")
+    assert spoken(performer, line)[:2] == ["bmp", "w"]
+    assert performer.perform(line)["PBM"].max() >= 0.8
+    with pytest.raises(ll.SpeechError, match="give timed phonemes"):
+        ll.speak("Oli otya", "ipa:lg")
 
 
 def test_such_a_language_resolves_and_says_so():

@@ -1,7 +1,7 @@
 """Languages without a pack: what an engine reads, mapped by the features of the IPA.
 
 They are called ENGINE:CODE, as in `espeak:sw`. Whether the engine knows the code, it says itself
-when it reads text.
+when it reads text. `ipa:CODE` reads none: for timed phonemes in IPA, whoever wrote them.
 """
 
 import re
@@ -17,17 +17,18 @@ if TYPE_CHECKING:
 
 
 class Reader(NamedTuple):
-    """An engine that writes IPA: the field of `g2p` with its code, and whether it speaks too."""
+    """What gives IPA: the field of `g2p` with its code, if it reads text, and whether it speaks."""
 
-    field: str
-    speaks: bool
+    field: str | None = None
+    speaks: bool = False
 
 
 READERS: dict[str, Reader] = {
     "espeak": Reader("voice", speaks=True),
-    "epitran": Reader("code", speaks=False),
+    "epitran": Reader("code"),
+    IPA: Reader(),
 }
-"""Engines that write IPA, by name; add one to make its languages known."""
+"""What gives IPA, by name; add an engine to make its languages known."""
 
 CODE = re.compile(r"(?P<tag>[A-Za-z0-9]+([-_][A-Za-z0-9]+)*)(\+[A-Za-z0-9_-]+)?")
 """An engine's code of a language; eSpeak adds a manner of speaking after `+`."""
@@ -52,10 +53,10 @@ def automatic(library: "Library", name: str) -> "Pack[Language] | None":
         "kind": "language",
         "format": 1,
         "name": engine,
-        "title": f"{code} as {engine} reads it, mapped automatically",
+        "title": f"{code} as {engine} has it, mapped automatically",
         "tag": coded["tag"].replace("_", "-"),
         "adds": dict.fromkeys(beyond),
-        "g2p": {"engine": engine, reader.field: code, "notation": IPA},
+        "g2p": {"engine": engine, reader.field: code, "notation": IPA} if reader.field else None,
         "tts": {"engine": engine, "voice": code} if reader.speaks else None,
         "notations": {IPA: {}},
         "automatic": True,

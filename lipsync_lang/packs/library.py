@@ -167,7 +167,7 @@ class Library:
         made = automatic(self, name)
         if made is None:
             unknown = self.finder.unknown(name, "language")
-            raise PackError(f"{unknown}; {HOW}") if ":" in name else unknown
+            raise PackError(f"{unknown}; {HOW}")
         return made
 
     def beneath(self, path: Path) -> Path | None:
