@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
@@ -38,6 +38,7 @@ class Transcript:
     phonemes : the common phonemes they become, pauses as silence; a pack's own words its way
     unmapped : labels that the notation does not have, in order, each once
     unread : characters that the engine could not read, in order, each once
+    gaps : where, in `phonemes`, something is missing that is unmapped or unread: before which
     """
 
     text: str
@@ -47,6 +48,7 @@ class Transcript:
     phonemes: tuple[str, ...] = ()
     unmapped: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
+    gaps: tuple[int, ...] = ()
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -138,16 +140,19 @@ class Speaker:
             words = words[:-1]
         phonemes: list[str] = []
         unmapped: list[str] = []
+        gaps: list[int] = []
         for word in words:
             own = self.manner.words.get(plain(word.text)) if word.labels else (SILENCE,)
-            if own is not None:
-                if word.labels or not word.unread:
-                    phonemes += own
+            start = len(phonemes)
+            if own is not None and (word.labels or not word.unread):
+                phonemes += own
                 continue
             for label in word.labels:
                 value = notation.find(label)
+                gaps += [len(phonemes)] if value is None else []
                 phonemes += [name for name, _ in value or ()]
                 unmapped += [label] if value is None else []
+            gaps += range(start, len(phonemes) + 1) if word.unread else ()
         return Transcript(
             text,
             self.manner.language,
@@ -156,6 +161,7 @@ class Speaker:
             tuple(phonemes),
             tuple(dict.fromkeys(unmapped)),
             tuple(dict.fromkeys(c for word in words for c in word.unread)),
+            tuple(sorted(set(gaps))),
         )
 
     def told(self, transcript: Transcript) -> dict[str, Any]:
@@ -224,17 +230,35 @@ class Speaker:
         manner = self.manner
         if engine == SILENT or (engine is None and manner.voice is None):
             return self._estimated(text)
-        voice = manner.voice[1] if manner.voice else manner.settings.voice or ""
-        engine = engine or (manner.voice[0] if manner.voice else "")
-        if manner.direct:
-            schedule = say(text, voice, engine=engine, words_per_minute=words_per_minute)
+        name, voice = self._voice(engine)
+        if manner.direct or manner.voice is None or name != manner.voice[0]:
+            schedule = say(text, voice, engine=name, words_per_minute=words_per_minute)
             return replace(schedule, language=manner.language)
         (transcript,) = self.transcribe([text])
         spelling = _spelling(transcript)
-        schedule = say(spelling, voice, engine=engine, words_per_minute=words_per_minute)
+        schedule = say(spelling, voice, engine=name, words_per_minute=words_per_minute)
         from lipsync_lang.joining import join
 
         return join(transcript, schedule, manner, self.notations)
+
+    def _voice(self, engine: str | None) -> tuple[str, str]:
+        """Return the speech engine and the voice that speak: the pack's, or its of that engine."""
+        manner = self.manner
+        if manner.voice is not None and engine in (None, manner.voice[0]):
+            return manner.voice
+        name = engine or ""
+        reads = manner.settings.voice if name == manner.engine else None
+        voice = manner.others.get(name, reads)
+        if voice is None:
+            from lipsync_lang.speech import ENGINES
+
+            if name not in ENGINES:
+                raise SpeechError(f"no speech engine '{name}'; {did_you_mean(name, ENGINES)}")
+            raise SpeechError(
+                f"{manner.language} names no voice of {name}; give its pack "
+                f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"
+            )
+        return name, voice
 
     def _estimated(self, text: str) -> Schedule:
         from lipsync_lang.joining import estimate

@@ -3,21 +3,23 @@
 import csv
 import io
 import json
+from collections import Counter
 from itertools import pairwise
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from lipsync_lang import LipsyncError, Schedule
-from lipsync_lang.coverage import coverage, plan
+from lipsync_lang.coverage import coverage, plan, scripts
 from lipsync_lang.coverage.changes import read_document, since
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.coverage.report import Coverage, authored
 from lipsync_lang.coverage.schema import written
 from lipsync_lang.lines import Line, read_lines
+from lipsync_lang.packs.library import Library
 
 LANGUAGE = """\
 kind: language
@@ -146,6 +148,164 @@ def test_timed_phonemes_are_counted_as_they_are():
     assert {one.bigram: one.count for one in told.bigrams} == {"d-aa": 1}
     assert {one.bigram: one.count for one in told.silence} == {"_-d": 1, "aa-_": 1}
     assert [(one.what, one.count, one.place) for one in told.unmapped] == [("x", 1, "a.json:1")]
+
+
+# Gaps
+
+
+def heard(told):
+    """Return how often each bigram is heard, those with silence among them."""
+    return Counter({one.bigram: one.count for one in (*told.bigrams, *told.silence)})
+
+
+def gapped(text, *gaps):
+    return coverage([Line(text, "a.txt:1", gaps=gaps)], "toy", "facefx").reports[0]
+
+
+@pytest.mark.usefixtures("packs")
+def test_what_lies_around_a_placeholder_does_not_follow_on_each_other(tmp_path):
+    path = write(tmp_path / "a.txt", "ta {name} mi\n%s ta\nta, $who. Mi\nt<i>a</i> mi\n")
+    one, two, three, four = (
+        heard(coverage([line], "toy", "facefx").reports[0]) for line in read_lines(path)
+    )
+    assert one == {"_-d": 1, "d-aa": 1, "bmp-ih": 1, "ih-_": 1}
+    assert two == {"d-aa": 1, "aa-_": 1}
+    assert three == {"_-d": 1, "d-aa": 1, "aa-_": 1, "_-bmp": 1, "bmp-ih": 1, "ih-_": 1}
+    assert four == {"_-d": 1, "d-aa": 1, "aa-bmp": 1, "bmp-ih": 1, "ih-_": 1}
+
+
+@pytest.mark.usefixtures("packs")
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.text("ta mi,.", max_size=12), st.lists(st.integers(0, 12), max_size=3))
+def test_a_gap_takes_away_and_never_adds(text, gaps):
+    inside = sorted(gap for gap in gaps if gap <= len(text))
+    assert heard(gapped(text, *inside)) <= heard(gapped(text))
+
+
+@pytest.mark.usefixtures("packs")
+def test_what_is_not_read_stands_between_its_neighbours():
+    told = report("ta 7 mi")
+    assert heard(told) == {"_-d": 1, "d-aa": 1, "bmp-ih": 1, "ih-_": 1}
+    told = report("taxmi")
+    assert heard(told) == {}, "where in the word the x stands is not known"
+    assert told.phonemes | {"d": 1, "aa": 1, "bmp": 1, "ih": 1} == told.phonemes
+
+
+def test_a_label_without_a_map_stands_between_its_neighbours(packs):
+    lexicon = "g2p: {engine: lexicon, notation: ipa, file: words.tsv}"
+    given = [x for x in LANGUAGE.splitlines() if "g2p" not in x]
+    write(packs / "languages/toy.yaml", "\n".join([*given, lexicon, ""]))
+    write(packs / "languages/words.tsv", "taqmi\tt a Q m i\n")
+    told = report("taqmi")
+    assert [(one.what, one.count) for one in told.unmapped] == [("Q", 1)]
+    assert heard(told) == {"_-d": 1, "d-aa": 1, "bmp-ih": 1, "ih-_": 1}
+    assert {one.example for one in told.bigrams} == {"taqmi"}
+    schedule = Schedule(("t", "a", "x", "m", "i"), [0, 1, 2, 3, 4, 5], notation="ipa")
+    timed = coverage([Line("", "a.json:1", schedule=schedule)], "toy", "facefx").reports[0]
+    assert heard(timed) == heard(told)
+
+
+# Other scripts
+
+
+WRITTEN = LANGUAGE.replace(
+    "rules: [", "rules: [{from: да, to: [t, a]}, {from: м, to: m}, {from: и, to: i}, "
+) + ("tests:\n- {text: ta mi, phonemes: [d, aa, bmp, ih]}\n")
+"""The toy language in Latin letters; of Cyrillic, it reads one word and spells another."""
+
+
+@pytest.mark.parametrize(
+    ("character", "found"),
+    [
+        ("a", "LATIN"), ("Ａ", "LATIN"), ("я", "CYRILLIC"), ("字", "CJK"), ("ｱ", "KATAKANA"),
+        ("ー", ""), ("№", ""), ("1", ""), ("\u0301", ""), ("’", ""), ("\ud800", ""),
+    ],
+)  # fmt: skip
+def test_letters_have_scripts_and_nothing_else_has(character, found):
+    assert scripts.script(character) == found
+
+
+def test_every_language_with_tests_is_known_to_be_written_in_something(root):
+    packs = sorted((root / "languages").glob("*.yaml"))
+    written_in = {}
+    for path in packs:
+        if "kind: language\n" in path.read_text("utf-8"):
+            pack = Library(()).language(path.stem).model
+            written_in[path.stem] = scripts.scripts_of(pack)
+            assert bool(written_in[path.stem]) == bool(pack.tests)
+    assert len(written_in) > 20
+    assert written_in["japanese"] > {"CJK", "HIRAGANA"}
+
+
+def test_words_in_another_script_are_named_and_what_is_spelled_is_not_counted(packs):
+    write(packs / "languages/toy.yaml", WRITTEN)
+    told = report("ta да-да mi", "ta МИ mi", "tи, и ﬁ!", "ta")
+    found = [(one.what, one.count, one.place, one.counted) for one in told.other_scripts]
+    assert found == [
+        ("и", 2, "a.txt:3", False),
+        ("МИ", 1, "a.txt:2", False),
+        ("да-да", 1, "a.txt:1", True),
+    ]
+    assert {one.script for one in told.other_scripts} == {"CYRILLIC"}
+    assert heard(report("ta да mi")) == heard(report("ta ta mi"))
+    assert heard(report("ta ми mi")) == {"_-d": 1, "d-aa": 1, "bmp-ih": 1, "ih-_": 1}
+    assert report("ta МИ mi").words == 2
+
+
+def test_a_language_that_does_not_say_how_it_is_written_has_no_other_scripts(packs):
+    write(packs / "languages/toy.yaml", WRITTEN.split("tests:", maxsplit=1)[0])
+    told = report("ta ми")
+    assert told.other_scripts == ()
+    assert "aa-bmp" in heard(told)
+
+
+def test_a_word_that_a_language_or_a_character_says_its_way_counts(packs):
+    write(packs / "languages/toy.yaml", WRITTEN + "words: {ми: [s, ih]}\n")
+    told = report("ta МИ", "ta им")
+    assert [one.what for one in told.other_scripts] == ["им"]
+    assert {"aa-s", "s-ih"} < heard(told).keys()
+    write(
+        packs / "characters/ann.yaml",
+        "kind: character\nformat: 1\nname: ann\nposeset: facefx\n"
+        "pronunciations: {toy: {им: [s, aa]}}\n",
+    )
+    (own,) = coverage(lines("ta им"), "toy", "ann").reports
+    assert own.other_scripts == ()
+    assert {"aa-s", "s-aa"} < heard(own).keys()
+
+
+@pytest.mark.usefixtures("packs")
+def test_many_words_in_other_scripts_are_judged_as_few_are(packs, monkeypatch):
+    write(packs / "languages/toy.yaml", WRITTEN)
+    texts = ["ta да mi", "ми ta", "mi им", "ta да"]
+    whole = coverage(lines(*texts), "toy", "facefx")
+    monkeypatch.setattr("lipsync_lang.coverage.corpus.BATCH", 1)
+    monkeypatch.setattr("lipsync_lang.coverage.scripts.KINDS", 0)
+    assert coverage(lines(*texts), "toy", "facefx") == whole
+
+
+def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_for():
+    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    texts = ("Он сказал hello world и ушёл.", "Он сказал 会議 и ушёл.", "Он ушёл.", "I love you")
+    told = coverage(lines(*texts), "russian", "facefx").reports[0]
+    counted = {one.what: one.counted for one in told.other_scripts}
+    latin = dict.fromkeys(("hello", "world", "I", "love", "you"), True)
+    assert counted == {**latin, "会議": False}
+    assert "h-ah" in heard(told), "of hello"
+    spelled = coverage(lines("Он сказал 会議 и ушёл."), "russian", "facefx").reports[0]
+    assert (spelled.words, "sh-ay" in heard(spelled)) == (4, False), "not 'Chinese letter'"
+
+
+def test_real_lines_in_another_script_are_not_taken_for_speech(data):
+    pytest.importorskip("phonemizer", reason="the speech extra is not installed")
+    path = data / "text/the_question_lines.tsv"
+    told = coverage(read_lines(path, column="japanese"), "russian", "facefx").reports[0]
+    read = [one.what for one in told.other_scripts if one.counted]
+    assert read == ["Interactive"]
+    assert {one.example for one in told.bigrams} == {"Interactive"}
+    assert sum(one.count for one in told.other_scripts) > 500
 
 
 @pytest.mark.usefixtures("packs")
@@ -439,6 +599,71 @@ def test_languages_may_have_columns_of_their_own(cli, packs):
     assert [r["bigrams"][0]["bigram"] for r in document["reports"]] == ["d-aa", "bmp-ih"]
     assert document["corpus"]["lines"] == 2
     assert len(document["shared"]) == 2
+
+
+@pytest.fixture
+def both(packs, cli):
+    """Count a language in two columns, with more options."""
+    write(packs / "a.csv", "id,one,two\n1,tyt,mi\n2,,uta\n")
+    columns = ("--column", "toy=one", "--column", "toy=two")
+    return lambda *more: cli("coverage", "a.csv", "-l", "toy", "-c", "facefx", *columns, *more)
+
+
+def test_a_language_may_have_several_columns(both):
+    document = json.loads(both("--format", "json").out)
+    assert [(r["language"], r["column"], r["lines"]) for r in document["reports"]] == [
+        ("toy", "one", 1), ("toy", "two", 2)
+    ]  # fmt: skip
+    (shared,) = document["shared"]
+    assert shared["used"] == 2, "of both columns together"
+
+
+def test_every_form_tells_the_columns_of_a_language_apart(both):
+    text = both().out.splitlines()
+    for label in ("toy (one)", "toy (two)"):
+        assert (
+            sum(line.startswith((f"{label} on facefx:", f"{label}  facefx")) for line in text) == 2
+        )
+    rows = csv.DictReader(io.StringIO(both("--format", "csv").out))
+    assert {row["column"] for row in rows} == {"one", "two"}
+    suites = ET.fromstring(both("--format", "junit").out)  # noqa: S314 our own
+    assert [suite.get("name") for suite in suites] == ["toy (one) on facefx", "toy (two) on facefx"]
+    page = both("--format", "html").out
+    assert page.count("<th>Toy (one)</th>") == page.count("<th>Toy (two)</th>") == 1
+    failed = both("--fail-under", "100").err
+    assert "toy (one) on facefx: 0 % are authored" in failed
+
+
+def test_what_changed_is_told_for_each_column(both, packs):
+    assert both("-o", "old.json").code == 0
+    bank(packs, "edited")
+    write(packs / "a.csv", "id,one,two\n1,tyt,mi\n2,ta,uta\n")
+    ended = both("--against", "old.json")
+    assert "toy (one) on facefx:" in ended.out.partition("since")[2]
+    assert "toy (two) on facefx:" in ended.out.partition("since")[2]
+    assert "only in one of the two" not in ended.out
+    document = json.loads(both("--against", "old.json", "--format", "json").out)
+    assert [change["column"] for change in document["since"]["reports"]] == ["one", "two"]
+    assert document["since"]["reports"][0]["new"] == ["d-aa"]
+
+
+@pytest.mark.usefixtures("script")
+def test_a_column_that_nothing_has_is_told(cli):
+    ended = run(cli, "--column", "en")
+    assert ended.code == 0
+    assert ended.err == "--column en: not used, for none of the files is a table\n"
+
+
+@pytest.mark.parametrize("form", ["text", "junit", "html"])
+def test_words_in_another_script_are_told_in_every_form_for_people(cli, packs, form):
+    write(packs / "languages/toy.yaml", WRITTEN)
+    write(packs / "script.txt", "ta да mi\nta ми\n")
+    shown = run(cli, "--format", form).out
+    assert "да" in shown
+    assert "not counted" in shown
+    if form == "text":
+        assert "in another script, read as it is there: да (1, script.txt:1)" in shown
+        assert "in another script, not counted: ми (1, script.txt:2)" in shown
 
 
 @pytest.mark.parametrize(

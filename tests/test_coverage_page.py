@@ -404,6 +404,30 @@ def test_the_matrix_has_every_pair():
         assert f"{hours(one['left']['hours'])} left" in cell.text
 
 
+def test_no_report_hides_another_in_the_matrix():
+    one = report("english", 0, "facefx", 0)
+    other = report("english", 1, "facefx", 1)
+    columns = [one | {"column": "en"}, other | {"column": "en-gb"}]
+    matrix = read(whole(one, other, *columns)).one(id="matrix")
+    cells = [cell for cell in matrix.all("td") if "data-report" in cell.attributes]
+    assert [cell.attributes["data-report"] for cell in cells] == ["0", "1", "2", "3"]
+    rows = [row.one("th").text for row in matrix.one("tbody").all("tr")]
+    assert rows == ["English", "English", "English (en)", "English (en-gb)"]
+    assert Shown(read(whole(*columns)), 1).title == "English (en-gb) on facefx"
+
+
+def test_words_in_another_script_are_listed_by_whether_they_count():
+    words = [
+        {"what": "会議", "count": 3, "place": "a.csv:7", "script": "CJK", "counted": False},
+        {"what": "hello", "count": 2, "place": "a.csv:9", "script": "LATIN", "counted": True},
+    ]
+    shown = Shown(read(whole(report("english", 0, "facefx", 0) | {"other_scripts": words})), 0)
+    told = shown.parts["unread"].text
+    lists = told.partition("Other scripts, not counted")[2].split("Other scripts, read")
+    assert ["会議3a.csv:7" in each for each in lists] == [True, False]
+    assert ["hello2a.csv:9" in each for each in lists] == [False, True]
+
+
 def test_the_top_says_what_to_do_next():
     header = read(MADE["some"]).one("header")
     best = max(

@@ -65,19 +65,49 @@ def told(lines: list[Line]) -> list[tuple[int, str, str, str]]:
     ],
 )
 def test_what_is_written_and_what_is_said(written, said, dropped):
-    assert spoken(written) == (said, dropped)
+    assert spoken(written)[:2] == (said, dropped)
 
 
 @given(st.text())
 def test_no_markup_is_too_odd(text):
-    said, dropped = spoken(text)
+    said, dropped, gaps = spoken(text)
     assert said == " ".join(said.split())
     assert all(dropped)
+    assert list(gaps) == sorted(gaps)
+    assert all(0 <= gap <= len(said) for gap in gaps)
 
 
 @given(st.text(alphabet="abc äñ漢,.!?'-", max_size=40))
 def test_text_without_markup_stays(text):
-    assert spoken(text) == (" ".join(text.split()), ())
+    assert spoken(text) == (" ".join(text.split()), (), ())
+
+
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        ("Hello, {name}. And you?", "Hello,|. And you?"),
+        ("[sighs] I told you", "|I told you"),
+        ("a %s b $who", "a| b|"),
+        ("a <i>won</i>derful {i}day{/i}{w=0.5}, ♪ {\\an8}yes", "a wonderful day, yes"),
+        ("{{one}} {two} \\n three", "{one}| three"),
+        ("漢{rt}かん{/rt}字{x}{y}", "漢字||"),
+    ],
+)
+def test_a_gap_is_where_something_else_is_heard(written, said):
+    text, _, gaps = spoken(written)
+    for gap in reversed(gaps):
+        text = f"{text[:gap]}|{text[gap:]}"
+    assert text == said
+
+
+def test_a_column_that_no_file_has_is_told(tmp_path):
+    (tmp_path / "a.txt").write_text("One.", encoding="utf-8")
+    told = []
+    assert len(list(read_lines([tmp_path], column="en", remark=told.append))) == 1
+    assert told == ["--column en: not used, for none of the files is a table"]
+    (tmp_path / "b.csv").write_text("id,en\n1,Two.", encoding="utf-8")
+    assert len(list(read_lines([tmp_path], column="en", remark=told.append))) == 2
+    assert len(told) == 1
 
 
 # Formats
@@ -245,6 +275,41 @@ def test_timed_phonemes_come_as_they_are(tmp_path):
     assert line.schedule.labels == ("HH", "AY")
 
 
+TIMED = {
+    ".csv": "phone,start,end,word\nHH,0,0.1,hi\nAY,0.1,0.3,hi\n",
+    ".tsv": "start\tend\tlabel\n0\t0.1\tHH\n0.1\t0.3\tAY\n",
+    ".txt": "0.000000\t0.100000\tHH\n0.100000\t0.300000\tAY\n",
+}
+
+
+@pytest.mark.parametrize("suffix", TIMED)
+def test_a_table_or_text_that_begins_like_timed_phonemes_is_no_text(tmp_path, suffix):
+    path = write(tmp_path / f"hi{suffix}", TIMED[suffix])
+    (line,) = read(path)
+    assert line.schedule.labels == ("HH", "AY")
+    write(tmp_path / f"hi{suffix}", SAMPLES[suffix][0])
+    assert all(line.schedule is None for line in read(path, remark=lambda _: None))
+
+
+def test_a_column_that_is_asked_for_makes_a_table_of_timed_phonemes_too(tmp_path):
+    path = write(tmp_path / "hi.csv", TIMED[".csv"])
+    assert [line.text for line in read(path, column="word")] == ["hi", "hi"]
+
+
+def test_what_is_doubtful_about_timed_phonemes_is_told(tmp_path):
+    path = write(tmp_path / "hi.csv", "phone,start,end\nHH,0,80\nAY,80,200\n")
+    remarks = []
+    (line,) = read(path, remark=remarks.append)
+    assert line.schedule.end == 0.2
+    assert "taken for milliseconds" in remarks[0]
+
+
+def test_an_encoding_is_that_of_timed_phonemes_too(tmp_path):
+    path = write(tmp_path / "hi.csv", "phone,start,end\n\xe4,0,0.1\n", "latin-1")
+    (line,) = read(path, encoding="latin-1")
+    assert line.schedule.labels == ("\xe4",)
+
+
 def test_every_format_of_timed_phonemes_is_read():
     assert {s for r in schedule_readers().values() for s in r.suffixes} <= set(by_suffix())
 
@@ -339,7 +404,7 @@ def test_a_file_of_a_folder_that_is_no_schedule_is_left_out_with_a_remark(tmp_pa
     remarks = []
     assert read(tmp_path, remark=remarks.append) == []
     assert str(path) in remarks[0]
-    with pytest.raises(LipsyncError, match="has no list of phonemes"):
+    with pytest.raises(LipsyncError, match=r"none of the formats that end in '.json'"):
         read(path)
 
 

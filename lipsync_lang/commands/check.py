@@ -72,7 +72,7 @@ def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, 
     if options.animation is not None:
         from lipsync_lang.quality.fitting import read_for
 
-        spoken = options.text is not None or options.schedule is not None
+        spoken = any(getattr(options, of) is not None for of in ("text", "schedule", "audio"))
         schedule = schedule_for(options, performer) if spoken else None
         return read_for(performer, options.animation, schedule, channels=options.channels)
     animation = perform_line(options, performer, schedule_for(options, performer))

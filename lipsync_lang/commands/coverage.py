@@ -38,29 +38,27 @@ def _counted(options: Namespace) -> "Coverage":
     from lipsync_lang.coverage.matrix import joined
     from lipsync_lang.lines import read_lines
 
-    documents = []
+    documents = {}
     for column, languages in _columns(options.language, options.column).items():
         lines = read_lines(options.corpus, column=column, encoding=options.encoding, remark=_remark)
-        documents.append(
-            count(
-                _shown(lines),
-                languages,
-                options.character,
-                paths=options.path,
-                minutes=options.minutes,
-            )
+        documents[column] = count(
+            _shown(lines),
+            languages,
+            options.character,
+            paths=options.path,
+            minutes=options.minutes,
         )
     return joined(documents)
 
 
 def _columns(languages: list[str], stated: list[str]) -> dict[str | None, list[str]]:
     """Return the languages of each column: of ``german=de``, or of ``de`` for all others."""
-    own: dict[str, str] = {}
+    own: dict[str, list[str | None]] = {}
     others: str | None = None
     for one in stated:
         language, equals, column = one.partition("=")
         if equals and language in languages:
-            own[language] = column
+            own.setdefault(language, []).append(column)
         elif others is None:
             others = one
         else:
@@ -70,7 +68,8 @@ def _columns(languages: list[str], stated: list[str]) -> dict[str | None, list[s
             )
     found: dict[str | None, list[str]] = {}
     for language in dict.fromkeys(languages):
-        found.setdefault(own.get(language, others), []).append(language)
+        for each in own.get(language, [others]):
+            found.setdefault(each, []).append(language)
     return found
 
 
@@ -118,7 +117,7 @@ def _judged(found: "Coverage", fail_under: float | None) -> int:
     under = [one for one in found.reports if one.authored.percent < (fail_under or 0)]
     for one in under:
         print(
-            f"{one.language} on {one.character}: {one.authored.percent:g} % are authored, under "
+            f"{one.label} on {one.character}: {one.authored.percent:g} % are authored, under "
             f"{fail_under:g} %",
             file=sys.stderr,
         )

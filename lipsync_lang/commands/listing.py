@@ -1,9 +1,13 @@
 """Commands that list what there is beside packs."""
 
 from argparse import Namespace
+from collections.abc import Sequence
 
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.errors import LipsyncError
+
+SHOWN = 4
+"""Suffixes that a line has room for."""
 
 
 def voices(options: Namespace) -> int:
@@ -25,22 +29,26 @@ def formats(options: Namespace) -> int:
     """Print every registered reader and writer."""
     from lipsync_lang.animations.readers.registry import load_animation_readers
     from lipsync_lang.animations.registry import load_writers
+    from lipsync_lang.authoring.table import columns
     from lipsync_lang.lines.registry import load_readers as load_line_readers
     from lipsync_lang.schedules.registry import load_readers
 
     rows = [
-        *(("read", r.name, " ".join(r.suffixes), r.title) for r in load_readers().values()),
-        *(
-            ("lines", r.name, " ".join(r.suffixes) or ".*", r.title)
-            for r in load_line_readers().values()
-        ),
-        *(("judge", r.name, r.suffix, r.title) for r in load_animation_readers().values()),
-        *(("write", w.name, w.suffix, w.title) for w in load_writers().values()),
+        *(("read", r.name, r.suffixes, r.title) for r in load_readers().values()),
+        *(("lines", r.name, r.suffixes, r.title) for r in load_line_readers().values()),
+        *(("judge", r.name, (r.suffix,), r.title) for r in load_animation_readers().values()),
+        *(("write", w.name, (w.suffix,), w.title) for w in load_writers().values()),
     ]
     if options.json:
         keys = ("direction", "name", "suffix", "title")
-        print(as_json([dict(zip(keys, row, strict=True)) for row in rows]))
+        told = [(kind, name, " ".join(suffixes), title) for kind, name, suffixes, title in rows]
+        print(as_json([dict(zip(keys, row, strict=True)) for row in told]))
     else:
-        for direction, name, suffix, title in rows:
-            print(f"{direction:<6}{name:<16}{suffix:<16}{title}")
+        shown = [(kind, name, _shown(suffixes), title) for kind, name, suffixes, title in rows]
+        print("\n".join(columns(shown)))
     return SOUND
+
+
+def _shown(suffixes: Sequence[str]) -> str:
+    """Return the first suffixes of many."""
+    return " ".join(suffixes[:SHOWN]) + (" ..." if len(suffixes) > SHOWN else "")

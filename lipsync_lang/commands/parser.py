@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lipsync_lang import __version__
-from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands import banks, check, checking, coverage, listing, packs, performing
 from lipsync_lang.coverage.forms import FORMS
+from lipsync_lang.rates import parse_rate
 
 Command = Callable[[argparse.Namespace], int]
 """Options in, exit code out."""
@@ -181,7 +181,8 @@ def _add_coverage(add: Add) -> None:
     )
     coverage_.add_argument(
         "--column", metavar="NAME", action="append", default=[],
-        help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's",
+        help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's, "
+        "which may have several",
     )  # fmt: skip
     coverage_.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
     coverage_.add_argument(
@@ -426,6 +427,12 @@ def _add_line(made: argparse.ArgumentParser) -> None:
     made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
     _add_pair(made)
     made.add_argument(
+        "--audio", metavar="FILE", type=Path,
+        help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
+    )  # fmt: skip
+    made.add_argument("--aligner", metavar="NAME", help="another aligner than the language's")
+    made.add_argument("--recogniser", metavar="NAME", help="another recogniser than the language's")
+    made.add_argument(
         "--schedule", metavar="FILE", type=Path, help="timed phonemes, instead of text"
     )
     made.add_argument(
@@ -453,6 +460,10 @@ def _add_line(made: argparse.ArgumentParser) -> None:
     made.add_argument(
         "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
         help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
+    )  # fmt: skip
+    made.add_argument(
+        "--intensity", metavar="X", type=float, default=0.0,
+        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 [0]",
     )  # fmt: skip
     made.add_argument(
         "--fps", metavar="N", type=parse_rate, default=60.0,

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, working
 from lipsync_lang.errors import LipsyncError, OutputError
 
 if TYPE_CHECKING:
@@ -18,11 +18,15 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 
+LATE = 0.1
+"""Seconds by which a schedule may outlast its sound without a remark."""
+
+
 def run(options: Namespace) -> int:
     """Animate a line and write it wherever it is wanted."""
-    from lipsync_lang.animations.rates import parse_offset
     from lipsync_lang.animations.registry import parse_output
     from lipsync_lang.files import write_all
+    from lipsync_lang.rates import parse_offset
 
     if options.tolerance is not None and not 0 <= options.tolerance < 1:
         raise LipsyncError(f"--tolerance {options.tolerance:g}: give a number from 0 to 1")
@@ -79,8 +83,9 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
 
 
 def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
-    """Refuse to write a file twice, or over the schedule."""
-    taken = {os.path.realpath(options.schedule): "the schedule"} if options.schedule else {}
+    """Refuse to write a file twice, or over what is read."""
+    given = {"the schedule": options.schedule, "the recording": options.audio}
+    taken = {os.path.realpath(path): what for what, path in given.items() if path}
     for path in (*outputs, *([options.plot] if options.plot else [])):
         real = os.path.realpath(path)
         if real in taken:
@@ -106,6 +111,7 @@ def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule
         line=options.line,
         styles=_levels("--style", options.styles),
         dials=_levels("--dial", options.dials),
+        intensity=options.intensity,
     )
 
 
@@ -156,27 +162,71 @@ def _motion(settings: list[str]) -> dict[str, object]:
 
 
 def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
-    """Return the timed phonemes of a text, or of a file."""
+    """Return the timed phonemes of a text, of a file, or of a recording."""
+    _refuse_idle(options)
+    if options.schedule is not None:
+        schedule = _read(options)
+        return schedule if options.audio is None else _sounding(schedule, options.audio)
+    if options.audio is None:
+        return performer.speaker.speak(options.text, engine=options.tts)
+    from lipsync_lang.hearing import aligned, recognised
+
+    speaker = performer.speaker
+    with working(f"listening to {options.audio}"):
+        if options.text is None:
+            return recognised(speaker, options.audio, recogniser=options.recogniser)
+        return aligned(speaker, options.audio, options.text, aligner=options.aligner)
+
+
+def _refuse_idle(options: Namespace) -> None:
+    """Refuse options that have nothing to do, and say what they are of."""
+    text, schedule, audio = (
+        getattr(options, name) is not None for name in ("text", "schedule", "audio")
+    )
+    if (text and schedule) or not (text or schedule or audio):
+        raise LipsyncError(
+            "give either a TEXT to speak or timed phonemes with --schedule FILE; or a recording "
+            "with --audio FILE"
+        )
+    if options.tts is not None and (schedule or audio):
+        given = "--schedule" if schedule else "--audio"
+        raise LipsyncError(f"--tts speaks a TEXT; leave it out with {given}")
+    for name in ("notation", "read_as", "tier", "rate", "encoding"):
+        if getattr(options, name) is not None and not schedule:
+            option = f"--{name.replace('_', '-')}"
+            given = "a TEXT" if text else "a recording alone"
+            raise LipsyncError(f"{option} is of a --schedule; leave it out with {given}")
+    if options.aligner is not None and not (text and audio):
+        raise LipsyncError("--aligner lays a TEXT on a recording; give both, TEXT and --audio")
+    if options.recogniser is not None and (text or schedule):
+        raise LipsyncError("--recogniser hears --audio alone; leave out text and schedule with it")
+
+
+def _read(options: Namespace) -> "Schedule":
     from lipsync_lang.schedules.registry import read_schedule
 
-    if (options.text is None) == (options.schedule is None):
-        raise LipsyncError("give either a TEXT to speak or timed phonemes with --schedule FILE")
-    if options.schedule is not None:
-        if options.tts is not None:
-            raise LipsyncError("--tts speaks a TEXT; leave it out with --schedule")
-        return read_schedule(
-            options.schedule,
-            options.notation,
-            read_as=options.read_as,
-            tier=options.tier,
-            rate=options.rate,
-            encoding=options.encoding,
-        )
-    for name in ("notation", "read_as", "tier", "rate", "encoding"):
-        if getattr(options, name) is not None:
-            option = f"--{name.replace('_', '-')}"
-            raise LipsyncError(f"{option} is of a --schedule; leave it out with a TEXT")
-    return performer.speaker.speak(options.text, engine=options.tts)
+    return read_schedule(
+        options.schedule,
+        options.notation,
+        read_as=options.read_as,
+        tier=options.tier,
+        rate=options.rate,
+        encoding=options.encoding,
+    )
+
+
+def _sounding(schedule: "Schedule", file: Path) -> "Schedule":
+    """Give a schedule its sound, and remark where it is longer."""
+    from dataclasses import replace
+
+    from lipsync_lang.speech.sound import read_audio
+
+    audio = read_audio(file)
+    remarks = schedule.remarks
+    if schedule.end > audio.seconds + LATE:
+        told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"
+        remarks = (*remarks, f"{told}: do they belong together?")
+    return replace(schedule, audio=audio, remarks=remarks)
 
 
 def _summary(animation: "Animation", written: list[Path]) -> str:

@@ -41,14 +41,18 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
             "since": Since(
                 file=file,
                 reports=tuple(_change(before[pair], now[pair]) for pair in both),
-                unmatched=tuple(f"{a} on {b}" for a, b in before.keys() ^ now.keys()),
+                unmatched=tuple(
+                    f"{report.label} on {report.character}"
+                    for pair, report in (before | now).items()
+                    if (pair in before) != (pair in now)
+                ),
             )
         }
     )
 
 
 def _by_pair(document: Coverage) -> dict[tuple[str, str], Report]:
-    return {(report.language, report.character): report for report in document.reports}
+    return {(report.label, report.character): report for report in document.reports}
 
 
 def _change(old: Report, new: Report) -> Change:
@@ -63,6 +67,7 @@ def _change(old: Report, new: Report) -> Change:
         lost=tuple(name for name in needed if name in was - has and name in needs),
         new=tuple(name for name in needs if name not in needed),
         gone=tuple(name for name in needed if name not in needs),
+        column=new.column,
     )
 
 

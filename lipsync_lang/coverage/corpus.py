@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.coverage.report import Corpus, Tally
-from lipsync_lang.phonology.g2p.tokens import pieces
+from lipsync_lang.coverage.kinds import Kinds
+from lipsync_lang.coverage.report import Corpus
+from lipsync_lang.coverage.scripts import OtherScripts
+from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from lipsync_lang.coverage.plan import Ints
+    from lipsync_lang.coverage.scripts import Spans
     from lipsync_lang.lines import Line
     from lipsync_lang.performer import Performer
     from lipsync_lang.speaking import Transcript
@@ -34,9 +37,6 @@ BATCH = 1000
 PLACES = 3
 """Lines that are kept of each bigram."""
 
-KINDS = 10_000
-"""Different words or labels that are told apart; in a corpus with more, the rest is not named."""
-
 IN_MEMORY = 2**24
 """Bytes of text that are kept in memory."""
 
@@ -45,6 +45,9 @@ SMALL = 2**16
 
 WORD = 40
 """Characters; a longer word is no example."""
+
+SILENT, BREAK = 0, -1
+"""Silence, and what stands between phonemes where it is not known what does."""
 
 
 class Pages:
@@ -81,29 +84,6 @@ class Pages:
         return place, text
 
 
-class Kinds:
-    """Things met, how often, and where first."""
-
-    def __init__(self) -> None:
-        self._counts: dict[str, int] = {}
-        self._places: dict[str, str] = {}
-
-    def add(self, what: str, place: str) -> None:
-        """Count one."""
-        if what in self._counts:
-            self._counts[what] += 1
-        elif len(self._counts) < KINDS:
-            self._counts[what] = 1
-            self._places[what] = place
-
-    def tallies(self) -> tuple[Tally, ...]:
-        """Return them, most frequent first."""
-        order = sorted(self._counts, key=lambda what: (-self._counts[what], what))
-        return tuple(
-            Tally(what=what, count=self._counts[what], place=self._places[what]) for what in order
-        )
-
-
 @dataclass
 class Facts:
     """What is said of a corpus in any language."""
@@ -132,7 +112,7 @@ class Facts:
 
 
 class Said(NamedTuple):
-    """A line as a language says it: numbers of common phonemes, and words."""
+    """What a language makes of a line: numbers of common phonemes and breaks, and words."""
 
     ids: list[int]
     words: list[str]
@@ -144,9 +124,10 @@ class Count:
     Parameters
     ----------
     performer : who reads them; of its character, only the words of its own matter
+    scripts : those that its language is written in, where they are known
     """
 
-    def __init__(self, performer: "Performer") -> None:
+    def __init__(self, performer: "Performer", scripts: "Iterable[str]" = ()) -> None:
         self._performer = replace(performer, unknown="rest")
         self._speaker = performer.speaker
         self._numbers = {name: n for n, name in enumerate(performer.compiled.phonemes)}
@@ -156,6 +137,7 @@ class Count:
         self.bigrams = np.zeros(self.size**2, np.int64)
         self.first: list[list[int]] = [[] for _ in range(self.size**2)]
         self.unread, self.unmapped = Kinds(), Kinds()
+        self.others = OtherScripts(self._speaker, scripts)
         self._words: dict[str, None] = {}
         self._sets = array("H" if self.size**2 <= SMALL else "I")
         self._starts = array("Q", [0])
@@ -167,27 +149,30 @@ class Count:
 
     def add(self, start: int, lines: "Sequence[Line]") -> None:
         """Count lines, the first of which has number `start`."""
-        texts = [line.text for line in lines if line.schedule is None and line.text]
+        written = [line for line in lines if line.schedule is None]
+        spelled = self.others.spelled(written)
+        cut = [_parts(line, spans) for line, spans in zip(written, spelled, strict=True)]
+        texts = [text for parts in cut for text in parts if text]
         heard = self._speaker.transcribe(texts) if texts else iter(())
+        left = iter(cut)
         for number, line in enumerate(lines, start):
             if line.schedule is not None:
                 said = self._scheduled(line)
-            elif line.text:
-                said = self._transcribed(next(heard), line.place)
             else:
-                said = Said([], [])
+                said = self._joined(next(left), heard, line.place)
             is_first = self._count(number, said)
             if is_first and line.schedule is None:
                 self._words.update(dict.fromkeys(w for w in said.words if len(w) <= WORD))
 
     def _count(self, number: int, said: Said) -> bool:
         """Count a line, and tell whether it is the first for any bigram."""
-        ids = np.array([0, *said.ids, 0])
+        ids = np.array(said.ids, np.int64)
         codes = ids[:-1] * self.size + ids[1:]
+        codes = codes[(ids[:-1] != BREAK) & (ids[1:] != BREAK)]
         codes = codes[codes > 0]  # silence beside silence is no bigram
         self.lines += 1
         self.words += len(said.words)
-        np.add.at(self.phonemes, ids, 1)
+        np.add.at(self.phonemes, ids[ids != BREAK], 1)
         np.add.at(self.bigrams, codes, 1)
         kinds = np.unique(codes)
         is_first = False
@@ -204,6 +189,21 @@ class Count:
         """Tell which bigrams are without silence."""
         return (codes >= self.size) & (codes % self.size > 0)
 
+    def _joined(self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str) -> Said:
+        """Take the parts of a line together, with breaks between them."""
+        ids: list[int] = [SILENT]
+        words: list[str] = []
+        for number, part in enumerate(parts):
+            if number:
+                ids += [BREAK, SILENT] if part[:1] in PAUSES else [BREAK]
+            if part:
+                said = self._transcribed(next(heard), place)
+                ids += said.ids
+                words += said.words
+            if number + 1 < len(parts) and part[-1:] in PAUSES:
+                ids.append(SILENT)
+        return Said([*ids, SILENT], words)
+
     def _transcribed(self, transcript: "Transcript", place: str) -> Said:
         words = [word for word in transcript.words if word.labels]
         for word in transcript.words if transcript.unread else ():
@@ -215,34 +215,58 @@ class Count:
             for label in (label for word in words for label in word.labels):
                 if label in missing:
                     self.unmapped.add(label, place)
+        return Said(self._ids(transcript), [text for word in words for text in word.text.split()])
+
+    def _ids(self, transcript: "Transcript") -> list[int]:
         ids = [self._numbers[name] for name in transcript.phonemes]
-        return Said(ids, [text for word in words for text in word.text.split()])
+        for gap in reversed(transcript.gaps):
+            ids.insert(gap, BREAK)
+        return ids
 
     def _scheduled(self, line: "Line") -> Said:
         schedule = line.schedule
         assert schedule is not None  # noqa: S101 only lines with one come here
         notation = self._performer.notation(schedule)
-        for label in schedule.labels:
-            if notation.find(label) is None:
-                self.unmapped.add(label, line.place)
-        ids, _, _ = self._performer.common_phonemes(schedule)
-        return Said(ids.tolist(), [word.text for word in schedule.words])
+        missing = {n for n, label in enumerate(schedule.labels) if notation.find(label) is None}
+        for number in sorted(missing):
+            self.unmapped.add(schedule.labels[number], line.place)
+        ids, _, source = self._performer.common_phonemes(schedule)
+        said = [
+            BREAK if number == SILENT and label in missing else number
+            for number, label in zip(ids.tolist(), source.tolist(), strict=True)
+        ]
+        return Said([SILENT, *said, SILENT], [word.text for word in schedule.words])
 
     def examples(self) -> dict[int, str]:
         """Return, for bigrams that lie within a word of the first lines, such a word."""
         examples: dict[int, str] = {}
         for transcript in self._speaker.transcribe(self._words) if self._words else ():
-            for pair in pairwise(transcript.phonemes):
-                code = self._numbers[pair[0]] * self.size + self._numbers[pair[1]]
-                examples.setdefault(code, transcript.text)
+            for first, second in pairwise(self._ids(transcript)):
+                if BREAK not in (first, second):
+                    examples.setdefault(first * self.size + second, transcript.text)
         return examples
 
 
+def _parts(line: "Line", spelled: "Spans") -> list[str]:
+    """Cut a line where something stands of which it is not known how it sounds."""
+    parts, at = [], 0
+    for start, stop in sorted([*spelled, *((gap, gap) for gap in line.gaps)]):
+        parts.append(line.text[at:start].strip())
+        at = max(at, stop)
+    return [*parts, line.text[at:].strip()]
+
+
 def count(
-    lines: "Iterable[Line]", performers: "Sequence[Performer]", pages: Pages
+    lines: "Iterable[Line]",
+    performers: "Sequence[Performer]",
+    scripts: "Sequence[Iterable[str]]",
+    pages: Pages,
 ) -> tuple[Corpus, list[Count]]:
-    """Count lines in several languages at once; texts and places go to `pages`."""
-    facts, counts = Facts(), [Count(performer) for performer in performers]
+    """Count lines in several languages at once; texts and places go to `pages`.
+
+    Each performer has the scripts that its language is written in.
+    """
+    facts, counts = Facts(), [Count(*each) for each in zip(performers, scripts, strict=True)]
     for batch in _batches(lines):
         start = len(pages)
         for line in batch:

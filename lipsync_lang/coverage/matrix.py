@@ -1,6 +1,7 @@
 """Several languages on several characters, from one reading of the lines."""
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,10 +21,12 @@ from lipsync_lang.coverage.report import (
     Shared,
     Tally,
 )
+from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
+    from lipsync_lang.packs.language_models import Language
     from lipsync_lang.performer import Performer
     from lipsync_lang.resolver.compiled import Origin
 
@@ -55,31 +58,39 @@ def coverage(
     pairs = _resolved(_names(language), _names(character), paths)
     reading: list[Performer] = []
     reads = [_reader(performer, reading) for performer in pairs]
+    packs = {performer.language: _pack(performer, paths) for performer in pairs}
+    scripts = [scripts_of(packs[performer.language]) for performer in reading]
     with Pages() as pages:
-        corpus, counts = count(lines, reading, pages)
+        corpus, counts = count(lines, reading, scripts, pages)
         if not corpus.lines:
             raise LipsyncError(
                 "there are no lines to count; give files, or folders, that hold some text"
             )
         told = [Told(one, pages) for one in counts]
         reports = tuple(
-            _report(performer, told[at], minutes, _title(performer, paths))
+            _report(performer, told[at], minutes, packs[performer.language].title)
             for performer, at in zip(pairs, reads, strict=True)
         )
     shared = {p.language: _shared(p, counts[at]) for p, at in zip(pairs, reads, strict=True)}
     return Coverage(corpus=corpus, minutes=minutes, reports=reports, shared=tuple(shared.values()))
 
 
-def joined(documents: Sequence[Coverage]) -> Coverage:
-    """Join documents of other lines, such as the columns of a table, to one."""
+def joined(documents: Mapping[str | None, Coverage]) -> Coverage:
+    """Join what was found in columns of a table to one document.
+
+    Parameters
+    ----------
+    documents : by column; reports of a language that is in several of them name theirs
+    """
     if len(documents) == 1:
-        return documents[0]
-    corpora = [document.corpus for document in documents]
+        return next(iter(documents.values()))
+    corpora = [document.corpus for document in documents.values()]
     dropped: dict[str, Tally] = {}
     for tally in (tally for corpus in corpora for tally in corpus.dropped):
         known = dropped.get(tally.what)
         total = tally.count + (known.count if known else 0)
         dropped[tally.what] = (known or tally).model_copy(update={"count": total})
+    reports = tuple(_told_apart(documents))
     return Coverage(
         corpus=Corpus(
             files=tuple(dict.fromkeys(file for corpus in corpora for file in corpus.files)),
@@ -87,10 +98,34 @@ def joined(documents: Sequence[Coverage]) -> Coverage:
             words=sum(corpus.words for corpus in corpora),
             dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
         ),
-        minutes=documents[0].minutes,
-        reports=tuple(report for document in documents for report in document.reports),
-        shared=tuple(one for document in documents for one in document.shared),
+        minutes=next(iter(documents.values())).minutes,
+        reports=reports,
+        shared=tuple(_used_by_any(documents.values(), reports)),
     )
+
+
+def _told_apart(documents: Mapping[str | None, Coverage]) -> Iterator[Report]:
+    """Yield all reports; where a language has several columns, each says which is its own."""
+    languages = [{report.language for report in d.reports} for d in documents.values()]
+    columns = Counter(language for found in languages for language in found)
+    for column, document in documents.items():
+        for report in document.reports:
+            several = columns[report.language] > 1
+            yield report.model_copy(update={"column": column or ""}) if several else report
+
+
+def _used_by_any(documents: Iterable[Coverage], reports: Sequence[Report]) -> Iterator[Shared]:
+    """Yield what each language adds, once, and how much of it any of its columns needs."""
+    found = {one.language: one for document in documents for one in document.shared}
+    for one in found.values():
+        needed = {
+            bigram.bigram
+            for report in reports
+            if report.language == one.language
+            for bigram in report.bigrams
+            if not set(one.phonemes).isdisjoint(bigram.bigram.split("-"))
+        }
+        yield one.model_copy(update={"used": len(needed)})
 
 
 def _names(given: str | Sequence[str]) -> list[str]:
@@ -119,10 +154,10 @@ def _reader(performer: "Performer", reading: "list[Performer]") -> int:
     return len(reading) - 1
 
 
-def _title(performer: "Performer", paths: Sequence[str | Path]) -> str:
+def _pack(performer: "Performer", paths: Sequence[str | Path]) -> "Language":
     from lipsync_lang.packs.library import Library
 
-    return Library(paths).language(performer.language).model.title or performer.language
+    return Library(paths).language(performer.language).model
 
 
 class Told:
@@ -186,7 +221,7 @@ def _report(performer: "Performer", told: Told, minutes: float, title: str) -> R
     soon = missing[: plan.affordable(minutes)]
     return Report(
         language=performer.language,
-        language_title=title,
+        language_title=title or performer.language,
         character=performer.character,
         poseset=performer.compiled.poseset,
         lines=counted.lines,
@@ -203,6 +238,7 @@ def _report(performer: "Performer", told: Told, minutes: float, title: str) -> R
         sentences=told.sentences([codes[row.bigram] for row in missing], names),
         unread=counted.unread.tallies(),
         unmapped=counted.unmapped.tallies(),
+        other_scripts=counted.others.tallies(),
     )
 
 

@@ -30,6 +30,15 @@ class Tally(Fact):
     """`file:line`"""
 
 
+class OtherScript(Tally):
+    """A word in a script that the language is not written in."""
+
+    script: str
+    """By the first word of its letters' names in Unicode."""
+    counted: bool
+    """Whether it is read as a word. What would be spelled by its letters is not counted."""
+
+
 class Corpus(Fact):
     """What was read."""
 
@@ -123,6 +132,15 @@ class Report(Fact):
     """Words, or characters, that nothing could read."""
     unmapped: tuple[Tally, ...]
     """Labels that the language does not map."""
+    other_scripts: tuple[OtherScript, ...] = ()
+    """Words in scripts that the language is not written in."""
+    column: str = ""
+    """The column that was read, where the language has several."""
+
+    @property
+    def label(self) -> str:
+        """The language, with what tells it from other reports of it."""
+        return labelled(self.language, self.column)
 
 
 class Shared(Fact):
@@ -153,6 +171,13 @@ class Change(Fact):
     """Bigrams that the corpus did not need before."""
     gone: tuple[str, ...]
     """Bigrams that it needs no longer."""
+    column: str = ""
+    """As in the report."""
+
+    @property
+    def label(self) -> str:
+        """The language, with what tells it from other reports of it."""
+        return labelled(self.language, self.column)
 
 
 class Since(Fact):
@@ -182,6 +207,11 @@ class Coverage(Fact):
         if self.minutes.is_integer():
             data["minutes"] = int(self.minutes)
         return data
+
+
+def labelled(language: str, column: str) -> str:
+    """Name a language, and of several of its columns which."""
+    return f"{language} ({column})" if column else language
 
 
 def authored(layer: str, status: str) -> bool:

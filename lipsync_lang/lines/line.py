@@ -19,6 +19,7 @@ class Line:
     speaker : who says it; empty where the file does not tell
     schedule : its timed phonemes, where the file holds some
     dropped : markup and placeholders that are not spoken, in order
+    gaps : places in the text, in order, where something is said that the text does not tell
     """
 
     text: str
@@ -27,6 +28,7 @@ class Line:
     speaker: str = ""
     schedule: "Schedule | None" = None
     dropped: tuple[str, ...] = ()
+    gaps: tuple[int, ...] = ()
 
     @property
     def file(self) -> str:

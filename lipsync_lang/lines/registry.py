@@ -41,8 +41,8 @@ class Source:
 
     def line(self, number: int, text: str, *, name: str = "", speaker: str = "") -> Line:
         """Return what is said there, markup removed."""
-        said, dropped = spoken(text)
-        return Line(said, f"{self.path}:{number}", name, speaker, dropped=dropped)
+        said, dropped, gaps = spoken(text)
+        return Line(said, f"{self.path}:{number}", name, speaker, dropped=dropped, gaps=gaps)
 
     def fault(self, number: int, what: str) -> LipsyncError:
         """Return an error that says where."""
@@ -131,6 +131,8 @@ def read_lines(
         files = _below(path, remark) if path.is_dir() else [_known(path)]
         for file in files:
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
+    if column is not None and not any(_has_columns(file) for file, _ in found.values()):
+        remark(f"--column {column}: not used, for none of the files is a table")
     return _read(found.values(), column, encoding, remark)
 
 
@@ -143,6 +145,10 @@ def _known(path: Path) -> Path:
         what = f"nothing reads lines from '{path.suffix}'" if path.suffix else "has no suffix"
         raise LipsyncError(f"{path}: {what}; known: {suffixes}")
     return path
+
+
+def _has_columns(path: Path) -> bool:
+    return by_suffix()[path.suffix.lower()].name == "table"
 
 
 def _below(folder: Path, remark: Remark) -> Iterator[Path]:
@@ -169,14 +175,24 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
         remark(f"{left[0]}{more}: left out: nothing reads lines from {what}")
 
 
+def _reader(source: Source) -> Reader:
+    """Return what reads a file: that of its suffix, unless it begins like timed phonemes."""
+    from lipsync_lang.lines.schedule import NAME, is_timed
+
+    if source.column is None and is_timed(source.path):
+        return load_readers()[NAME]
+    return by_suffix()[source.path.suffix.lower()]
+
+
 def _read(
     files: Iterable[tuple[Path, bool]], column: str | None, encoding: str | None, remark: Remark
 ) -> Iterator[Line]:
     for path, among_others in files:
-        chosen = by_suffix()[path.suffix.lower()]
+        source = Source(path, remark, column, encoding)
         try:
-            yield from chosen.read(Source(path, remark, column, encoding))
+            yield from _reader(source).read(source)
         except ScheduleError as error:
             if not among_others:
                 raise
-            remark(f"{error}; left out")
+            what = str(error).split("\n", 1)[0].removesuffix(":")
+            remark(f"{what}; left out")

@@ -9,6 +9,26 @@ from lipsync_lang.phonology.g2p.registry import Rule, Settings
 
 
 @dataclass(frozen=True)
+class Hearing:
+    """How recordings of a language become phonemes.
+
+    Parameters
+    ----------
+    align : the aligner
+    recognise : the recogniser; None where nothing recognises words
+    model : what both call their model of the language
+    notation : of the labels that come out; empty for that of the G2P
+    phones : for labels that the G2P writes, those of the model
+    """
+
+    align: str = "warp"
+    recognise: str | None = None
+    model: str | None = None
+    notation: str = ""
+    phones: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Manner:
     """How a language's text is read and spoken.
 
@@ -19,9 +39,11 @@ class Manner:
     settings : what the pack says of it
     notation : of the labels it writes
     voice : speech engine and voice; None where nothing speaks
+    others : voices of other speech engines, by engine
     kinds : the class of each common phoneme
     durations : seconds by class, where no voice gives any
     words : pronunciations that override the engine, by word in plain spelling
+    audio : how recordings of it become phonemes
     """
 
     language: str
@@ -29,9 +51,11 @@ class Manner:
     settings: Settings = field(default_factory=lambda: Settings(""))
     notation: str = ""
     voice: tuple[str, str] | None = None
+    others: Mapping[str, str] = field(default_factory=dict)
     kinds: Mapping[str, str] = field(default_factory=dict)
     durations: Mapping[str, float] = field(default_factory=dict)
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    audio: Hearing = field(default_factory=Hearing)
 
     @property
     def direct(self) -> bool:
@@ -61,11 +85,14 @@ class Manner:
         made = Settings(
             **{**settings, "rules": rules, "file": file, "labels": tuple(settings["labels"])}
         )
+        audio = data["audio"]
+        phones = {label: tuple(names) for label, names in audio["phones"].items()}
         return cls(
             **{
                 **data,
                 "settings": made,
                 "voice": tuple(data["voice"]) if data["voice"] else None,
                 "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
+                "audio": Hearing(**{**audio, "phones": phones}),
             }
         )

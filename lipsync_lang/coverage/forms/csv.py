@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 HEAD = (
     "language", "character", "bigram", "count", "percent", "running", "silence", "layer", "status",
-    "authored", "example", "places",
+    "authored", "example", "places", "column",
 )  # fmt: skip
 
 
@@ -26,5 +26,6 @@ def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
                         report.language, report.character, one.bigram, one.count, one.percent,
                         one.running, silence, one.layer, one.status,
                         "yes" if one.authored else "no", one.example, " ".join(one.places),
+                        report.column,
                     )
                 )  # fmt: skip

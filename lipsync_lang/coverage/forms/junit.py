@@ -27,7 +27,7 @@ def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
 
 
 def _suite(report: "Report", fail_under: float | None) -> ET.Element:
-    name = f"{report.language} on {report.character}"
+    name = f"{report.label} on {report.character}"
     failed = fail_under is not None and report.authored.percent < fail_under
     suite = ET.Element(
         "testsuite",
@@ -48,6 +48,11 @@ def _suite(report: "Report", fail_under: float | None) -> ET.Element:
             ET.SubElement(case, "skipped", message=_sound(f"{met}: {', '.join(one.places)}"))
     lost = [f"{one.place}: not read: {one.what} ({one.count} times)" for one in report.unread]
     lost += [f"{one.place}: no map for: {one.what} ({one.count} times)" for one in report.unmapped]
+    lost += [
+        f"{one.place}: in another script{'' if one.counted else ', not counted'}: {one.what} "
+        f"({one.count} times)"
+        for one in report.other_scripts
+    ]
     ET.SubElement(suite, "system-out").text = _sound("\n".join([told, *lost]))
     return suite
 

@@ -44,7 +44,7 @@ def _matrix(reports: "Sequence[Report]") -> list[str]:
     rows = [("language", "character", "authored", "left", "hours")]
     rows += [
         (
-            r.language,
+            r.label,
             r.character,
             f"{r.authored.percent:6.2f} %",
             f"{r.left.bigrams:4}",
@@ -58,7 +58,7 @@ def _matrix(reports: "Sequence[Report]") -> list[str]:
 def _report(report: "Report", minutes: float, *, everything: bool) -> list[str]:
     met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
     return [
-        f"{report.language} on {report.character}: {met}",
+        f"{report.label} on {report.character}: {met}",
         *(f"  {line}" for line in _next(report, minutes)),
         "",
         *(f"  {line}" for line in _table(report, everything=everything)),
@@ -129,6 +129,12 @@ def _facts(report: "Report") -> Iterator[str]:
         yield f"not read: {_tallies(report.unread)}"
     if report.unmapped:
         yield f"no map for: {_tallies(report.unmapped)}"
+    read = [one for one in report.other_scripts if one.counted]
+    spelled = [one for one in report.other_scripts if not one.counted]
+    if read:
+        yield f"in another script, read as it is there: {_tallies(read)}"
+    if spelled:
+        yield f"in another script, not counted: {_tallies(spelled)}"
 
 
 def _sentences(report: "Report", *, everything: bool) -> Iterator[str]:
@@ -166,7 +172,7 @@ def _since(since: "Since") -> list[str]:
 def _change(change: "Change") -> Iterator[str]:
     before, now = change.percent
     yield (
-        f"{change.language} on {change.character}: {before:.1f} % to {now:.1f} % authored, "
+        f"{change.label} on {change.character}: {before:.1f} % to {now:.1f} % authored, "
         f"{change.left[0]} to {change.left[1]} left"
     )
     for what, which in (

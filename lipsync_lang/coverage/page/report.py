@@ -12,6 +12,7 @@ from lipsync_lang.coverage.page import charts
 from lipsync_lang.coverage.page.markup import Child, Markup, join, tags
 from lipsync_lang.coverage.page.states import CODES, STATUSES, Row, States, status
 from lipsync_lang.coverage.page.words import NBSP, count, gathered, hours, percent
+from lipsync_lang.coverage.report import labelled
 
 PLACES = 3  # of a bigram, named in its row
 
@@ -29,12 +30,17 @@ class Report:
     @cached_property
     def name(self) -> str:
         """What it is about: a language on a character."""
-        return f"{self.language} on {self.document['character']}"
+        return f"{self.title} on {self.document['character']}"
 
     @cached_property
     def language(self) -> str:
         """The language as people call it."""
         return str(self.document.get("language_title") or self.document["language"])
+
+    @cached_property
+    def title(self) -> str:
+        """The language, and of several of its columns which."""
+        return labelled(self.language, self.document.get("column", ""))
 
     @cached_property
     def rows(self) -> Sequence[Row]:
@@ -160,9 +166,14 @@ class Report:
         )  # fmt: skip
 
     def _unread(self) -> Markup:
+        others = self.document.get("other_scripts", ())
         return tags.div(
             self._unknown("Words that could not be read", self.document["unread"]),
             self._unknown("Symbols without a mouth", self.document["unmapped"]),
+            self._unknown(
+                "Other scripts, not counted", [one for one in others if not one["counted"]]
+            ),
+            self._unknown("Other scripts, read", [one for one in others if one["counted"]]),
             class_="beside",
         )
 

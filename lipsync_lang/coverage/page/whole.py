@@ -90,20 +90,15 @@ def _shared(document: Mapping[str, Any], reports: Sequence[Report]) -> str:
 def _matrix(document: Mapping[str, Any], reports: Sequence[Report]) -> Markup:
     """Set languages beside characters, with what is drawn, what is left, and what is added."""
     adds = {one["language"]: one for one in document["shared"]}
-    languages = {one.document["language"]: one.language for one in reports}
     characters = dict.fromkeys(one.document["character"] for one in reports)
-    cells = {
-        (one.document["language"], one.document["character"]): _cell(number, one)
-        for number, one in enumerate(reports)
-    }
     head = tags.tr(tags.td(), (tags.th(name) for name in characters), tags.th("adds"))
     rows = (
         tags.tr(
             tags.th(title),
-            (cells.get((name, character), tags.td("–")) for character in characters),
+            (cells.get(character, tags.td("–")) for character in characters),
             tags.td(_addition(adds.get(name)), class_="adds"),
         )
-        for name, title in languages.items()
+        for name, title, cells in _rows(reports)
     )
     table = tags.table(tags.thead(head), tags.tbody(rows), class_="matrix")
     return tags.section(
@@ -115,6 +110,20 @@ def _matrix(document: Mapping[str, Any], reports: Sequence[Report]) -> Markup:
         scroll(table, "Languages by characters"),
         id="matrix",
     )  # fmt: skip
+
+
+def _rows(reports: Sequence[Report]) -> list[tuple[str, str, dict[str, Markup]]]:
+    """Return name and title of languages with a cell for each character; none hides another."""
+    rows: list[tuple[str, str, dict[str, Markup]]] = []
+    for number, one in enumerate(reports):
+        language, character = one.document["language"], one.document["character"]
+        for name, title, cells in rows:
+            if (name, title) == (language, one.title) and character not in cells:
+                cells[character] = _cell(number, one)
+                break
+        else:
+            rows.append((language, one.title, {character: _cell(number, one)}))
+    return rows
 
 
 def _foot(document: Mapping[str, Any]) -> Markup:

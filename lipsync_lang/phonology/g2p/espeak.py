@@ -17,6 +17,9 @@ from lipsync_lang.phonology.labels import looser, normalise
 
 Words = Sequence[tuple[str, ...]]
 
+PATIENCE = 120.0
+"""Seconds; many texts are read in many turns, and a busy computer may let one of them wait."""
+
 
 def engine(settings: Settings) -> Engine:
     """Read text with a voice of eSpeak NG."""
@@ -27,7 +30,7 @@ def engine(settings: Settings) -> Engine:
 
         spelled = [_spelled(text, respell) for text in texts]
         plain = ["".join(spelling for _, spelling in parts) for parts in spelled]
-        voice, reader = settings.voice or "", Espeak()
+        voice, reader = settings.voice or "", Espeak(patience=PATIENCE)
         odd = {
             p.text for text in plain for p in pieces(text) if p.kind != "pause" and not _surely(p)
         }
