@@ -2,18 +2,18 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import compress, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.rates import exact
 from lipsync_lang.delivery import delivery
 from lipsync_lang.edits import overlays
 from lipsync_lang.errors import LipsyncError, ScheduleError, did_you_mean
+from lipsync_lang.loudness import loudness_dial
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
@@ -22,6 +22,7 @@ from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance, perform
 from lipsync_lang.pipeline.track import lay_track
+from lipsync_lang.rates import exact
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ class Performer:
 
         return replace(self, motion=motion_with(self.motion, change))
 
-    def perform(
+    def perform(  # noqa: PLR0913 what is said, and all that says how
         self,
         schedule: Schedule,
         fps: float = 60,
@@ -95,6 +96,7 @@ class Performer:
         line: str | None = None,
         styles: "Levels | None" = None,
         dials: "Levels | None" = None,
+        intensity: float = 0.0,
     ) -> Animation:
         """Animate a schedule.
 
@@ -106,17 +108,22 @@ class Performer:
         styles : by name, the share of a style over neutral, from 0 to 1
         dials : by region, how far its poses move: 0 not at all, 1 as usual, 2 twice as far;
             shares and levels alike may be points of seconds and number instead
+        intensity : how much loudness moves the mouth, beside the dials: 0 not at all, 1 as the
+            pose set says, up to 2; the schedule must have its sound
 
         Raises
         ------
         ScheduleError
             A label is in no notation of the language.
         LipsyncError
-            A style, a region or a line is unknown here.
+            A style, a region or a line is unknown here; or loudness has nothing to move, or
+            nothing to be taken from.
         """
         fps = exact(fps)
-        performance = self.performance(schedule, fps, line=line, styles=styles, dials=dials)
-        asked = {"line": line, "styles": styles, "dials": dials}
+        asked: dict[str, Any] = {
+            "line": line, "styles": styles, "dials": dials, "intensity": intensity,
+        }  # fmt: skip
+        performance = self.performance(schedule, fps, **asked)
         return Animation(
             performance.frames.times(),
             self.poses,
@@ -127,6 +134,8 @@ class Performer:
             asked=asked,
             channels=self.channels,
             model=self.model,
+            neutral=self.compiled.neutral,
+            contacts=tuple(compress(self.poses, self.compiled.tables.held)),
         )
 
     def rigged(self, animation: Animation) -> Animation:
@@ -148,10 +157,15 @@ class Performer:
         values = drive(animation.weights, driver.rig, self.motion.speed_limit / animation.fps)
         names = tuple(channel.name for channel in driver.channels)
         return replace(
-            animation, poses=names, weights=values, channels=driver.channels, model=self.model
+            animation,
+            poses=names,
+            weights=values,
+            channels=driver.channels,
+            model=self.model,
+            contacts=(),
         )
 
-    def performance(
+    def performance(  # noqa: PLR0913 as `perform`
         self,
         schedule: Schedule,
         fps: float,
@@ -159,6 +173,7 @@ class Performer:
         line: str | None = None,
         styles: "Levels | None" = None,
         dials: "Levels | None" = None,
+        intensity: float = 0.0,
     ) -> Performance:
         """Prepare a performance whose stages can be looked at one by one; see `perform`."""
         if not 1 <= fps <= FASTEST:
@@ -167,6 +182,8 @@ class Performer:
         ids, times, source = self.common_phonemes(schedule)
         compiled = self.compiled
         blends, scaled = delivery(compiled, schedule, line, styles, dials)
+        loud = loudness_dial(compiled, schedule, lambda: self._classes(schedule), intensity)
+        scaled += () if loud is None else (loud,)
         track = lay_track(ids, times, source, compiled.tables, self.motion, blends)
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:
@@ -241,6 +258,12 @@ class Performer:
         rest: Value = ((self.compiled.phonemes[0], 1.0),)
         return [rest if value is None else value for value in values]
 
+    def _classes(self, schedule: Schedule) -> list[str]:
+        """Return the class of each label's first sound; nothing for silence."""
+        kinds, silence = self.compiled.manner["kinds"], self.compiled.phonemes[0]
+        firsts = [value[0][0] if value else silence for value in self._values(schedule)]
+        return ["" if name == silence else kinds.get(name) or "sound" for name in firsts]
+
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
         """Return what the notation says of each label, and of unknown IPA what is asked for."""
         values = [notation.find(label) for label in schedule.labels]
@@ -259,7 +282,8 @@ class Performer:
         if name is None:
             name = self._recognised.get(schedule)
         if name is None:
-            name = recognise(schedule.labels, self._notations)
+            own = {one: self._notations[one] for one in self.compiled.notations}
+            name = recognise(schedule.labels, own)
             self._recognised[schedule] = name
         if name not in self._notations:
             raise ScheduleError(
@@ -290,7 +314,7 @@ class Performer:
         near = self._near.value if self._near is not None else None
         return {
             name: Notation(table, self.compiled.silences, silence, near if name == IPA else None)
-            for name, table in self.compiled.notations.items()
+            for name, table in {**self.compiled.visemes, **self.compiled.notations}.items()
         }
 
     @cached_property

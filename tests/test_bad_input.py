@@ -34,7 +34,7 @@ def read(tmp_path):
         path = tmp_path / "line.json"
         content = document if isinstance(document, bytes) else json.dumps(document).encode()
         path.write_bytes(content)
-        return ll.read_schedule(path)
+        return ll.read_schedule(path, read_as="json")
 
     return from_json
 
@@ -94,7 +94,7 @@ def test_an_unknown_label_of_a_textgrid_is_told_likewise(tmp_path, performer):
     )
     path = tmp_path / "line.TextGrid"
     path.write_text(text)
-    message = r"line.TextGrid: phoneme 2 \('OWW', 0.2 to 0.3 s\) .*arpabet.*did you mean 'OW'"
+    message = r"line.TextGrid:16: phoneme 2 \('OWW', 0.2 to 0.3 s\) .*arpabet.*did you mean 'OW'"
     with pytest.raises(ScheduleError, match=message):
         performer.perform(ll.read_schedule(path))
     with pytest.raises(ScheduleError, match=r"line.TextGrid: no tier looks like phones"):
@@ -240,6 +240,17 @@ def test_json_of_another_form_is_refused_with_the_form(document, message, read):
         read(document)
 
 
+@pytest.mark.parametrize("content", ["", "{}", "[]", "null", '{"name": "package"}'])
+def test_json_of_no_known_form_is_told_all_that_there_are(content, tmp_path):
+    path = tmp_path / "line.json"
+    path.write_text(content)
+    with pytest.raises(
+        ScheduleError, match=r"line\.json: is in none of the formats that"
+    ) as caught:
+        ll.read_schedule(path)
+    assert "\n  json: Phonemes and words" in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -332,8 +343,8 @@ def test_motion_out_of_range_is_refused(value, performer):
         ("nowhere/a.csv", "a.csv: the folder .*nowhere does not exist; make it first"),
         ("folder.csv", "folder.csv: is a folder; name a file in it"),
         ("file/a.csv", "file/a.csv: cannot be written: Not a directory; name another place"),
-        ("a.xyz", "a.xyz: no writer for '.xyz'; end it in .csv, .glb, .json"),
-        ("a", "a: has no suffix to tell a format; end it in .csv, .glb, .json"),
+        ("a.xyz", "a.xyz: no writer for '.xyz'; end it in .*\\.csv, "),
+        ("a", "a: has no suffix to tell a format; end it in .*\\.csv, "),
         ("nul\0.csv", "cannot be written: .*embedded null .*; name another place"),
         ("a.wav", "no sound to write: here came without audio; speak text instead, or leave the"),
     ],

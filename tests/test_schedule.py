@@ -160,28 +160,133 @@ def test_words_that_overlap_share_no_phoneme():
 READERS = load_readers()
 assert READERS, "a sweep over nothing passes"
 
+ROWS = list(zip(LABELS, TIMES, TIMES[1:], strict=False))
+
 EXAMPLES = {
     "json": json.dumps(
         {
             "notation": "arpabet",
-            "phonemes": [
-                {"label": label, "start": start, "end": end}
-                for label, start, end in zip(LABELS, TIMES, TIMES[1:], strict=False)
-            ],
+            "phonemes": [{"label": label, "start": at, "end": end} for label, at, end in ROWS],
             "words": [{"text": "hello", "start": 0, "end": 0.5}],
         }
     ),
+    "audacity": "".join(f"{at:.6f}\t{end:.6f}\t{label}\n" for label, at, end in ROWS),
+    "ctm": "".join(f"line 1 {at:.3f} {end - at:.3f} {label}\n" for label, at, end in ROWS),
+    "mfa-json": json.dumps(
+        {
+            "start": 0,
+            "end": 0.5,
+            "tiers": {
+                "words": {"type": "interval", "entries": [[0, 0.5, "hello"]]},
+                "phones": {
+                    "type": "interval",
+                    "entries": [[start, end, label] for label, start, end in ROWS],
+                },
+            },
+        }
+    ),
+    "table": "Begin,End,Label,Type,Speaker\n0,0.5,hello,words,Ann\n"
+    + "".join(f"{start},{end},{label},phones,Ann\n" for label, start, end in ROWS),
     "textgrid": (
         'File type = "ooTextFile"\nObject class = "TextGrid"\n\n0\n0.5\n<exists>\n2\n'
         '"IntervalTier"\n"words"\n0\n0.5\n1\n0\n0.5\n"hello"\n'
         '"IntervalTier"\n"phones"\n0\n0.5\n4\n'
-        + "".join(
-            f'{start}\n{end}\n"{label}"\n'
-            for label, start, end in zip(LABELS, TIMES, TIMES[1:], strict=False)
-        )
+        + "".join(f'{start}\n{end}\n"{label}"\n' for label, start, end in ROWS)
+    ),
+    "htk": (
+        "0 1000000 HH -58.1 hello\n1000000 2000000 AH0 -60.5\n"
+        "2000000 3000000 L -49\n3000000 5000000 OW1 -1e2\n"
+    ),
+    "esps": (
+        "separator ;\nnfields 1\n#\n    0.1000  121 HH\n    0.2000  121 AH0\n"
+        "    0.3000  121 L ; long\n    0.5000  121 OW1\n"
+    ),
+    "timit": "0 1600 HH\n1600 3200 AH0\n3200 4800 L\n4800 8000 OW1\n",
+    "partitur": (
+        "LHD: Partitur 1.3\nREP: here\nSAM: 16000\nLBD:\nORT:\t0\thello\nMAU:\t0\t1599\t0\tHH\n"
+        "MAU:\t1600\t1599\t0\tAH0\nMAU:\t3200\t1599\t0\tL\nMAU:\t4800\t3199\t0\tOW1\n"
+    ),
+    "gentle": json.dumps(
+        {
+            "transcript": "hello",
+            "words": [
+                {
+                    "case": "success",
+                    "word": "hello",
+                    "start": 0,
+                    "end": 0.5,
+                    "phones": [
+                        {"phone": f"{label}_{place}", "duration": end - at}
+                        for (label, at, end), place in zip(ROWS, "BIIE", strict=True)
+                    ],
+                }
+            ],
+        }
+    ),
+    "rhubarb": "0.00\tA\n0.10\tC\n0.20\tH\n0.30\tF\n0.50\tX\n",
+    "polly": (
+        '{"time":0,"type":"word","start":0,"end":5,"value":"hello"}\n'
+        '{"time":0,"type":"viseme","value":"k"}\n{"time":100,"type":"viseme","value":"E"}\n'
+        '{"time":200,"type":"viseme","value":"t"}\n{"time":300,"type":"viseme","value":"o"}\n'
+        '{"time":500,"type":"viseme","value":"sil"}\n'
+    ),
+    "azure": json.dumps(
+        {
+            "Metadata": [
+                {
+                    "Type": "WordBoundary",
+                    "Data": {
+                        "Offset": 0,
+                        "Duration": 5_000_000,
+                        "text": {"Text": "hello", "Length": 5, "BoundaryType": "Word"},
+                    },
+                },
+                *(
+                    {"Type": "Viseme", "Data": {"Offset": round(at * 1e7), "VisemeId": number}}
+                    for number, at in ((12, 0), (4, 0.1), (14, 0.2), (8, 0.3))
+                ),
+                {"Type": "SessionEnd", "Data": {"Offset": 5_000_000}},
+            ]
+        }
+    ),
+    "sapi": "".join(
+        f'{{"AudioPosition": "00:00:00.{at}000000", "Duration": "00:00:00.{long}000000",'
+        f' "Viseme": {number}, "NextViseme": 0}}\n'
+        for at, long, number in ((0, 1, 12), (1, 1, 4), (2, 1, 14), (3, 2, 8))
+    ),
+    "papagayo": (
+        "lipsync version 1\nhello.wav\n10\n5\n1\n\tVoice 1\n\thello\n\t1\n\t\thello\n\t\t0\n\t\t4\n"
+        "\t\t1\n\t\t\thello 0 4 4\n\t\t\t\t0 etc\n\t\t\t\t1 E\n\t\t\t\t2 L\n\t\t\t\t3 O\n"
+    ),
+    "bml": (
+        '<?xml version="1.0" encoding="UTF-8"?>\n<bml>\n'
+        '<speech><sync id="T0" time="0"/>hello<sync id="T1" time="0.5"/></speech>\n'
+        '<lips viseme="H" articulation="1.0" start="0" ready="0" relax="0.1" end="0.1"/>\n'
+        '<lips viseme="Ah" start="0.1" end="0.2"/>\n<lips viseme="L" start="0.2" end="0.3"/>\n'
+        '<lips viseme="Ow" start="0.3" end="0.5"/>\n</bml>\n'
     ),
 }
 """The same line in every input format."""
+
+SHAPES = {
+    "rhubarb": ("A", "C", "H", "F"),
+    "polly": ("k", "E", "t", "o"),
+    "azure": ("12", "4", "14", "8"),
+    "sapi": ("12", "4", "14", "8"),
+    "papagayo": ("etc", "E", "L", "O"),
+    "bml": ("H", "Ah", "L", "Ow"),
+}
+"""What the line's labels are in formats of mouth shapes."""
+
+WORDLESS = {
+    "audacity": "a label track holds one kind of label",
+    "ctm": "a line is a phone or a word, and does not say which",
+    "esps": "words are in another file",
+    "timit": "words are in another file",
+    "rhubarb": "the program hears words, but does not write them",
+    "sapi": "words are other events",
+}
+"""Formats whose file has no words in it."""
 
 
 def test_every_reader_has_an_example():
@@ -195,9 +300,10 @@ def test_every_reader_reads_its_example(name, suffix, tmp_path):
     for path in (tmp_path / f"line{suffix}", tmp_path / f"loud{suffix.upper()}"):
         path.write_text(EXAMPLES[name], "utf-8")
         schedule = ll.read_schedule(path)
-        assert schedule.labels == LABELS
-        assert schedule.times.tolist() == list(TIMES)
-        assert schedule.words == (ll.Word("hello", 0, 4),)
+        assert schedule.labels == SHAPES.get(name, LABELS)
+        np.testing.assert_allclose(schedule.times, TIMES, atol=1e-9)
+        assert schedule.words == (() if name in WORDLESS else (ll.Word("hello", 0, 4),))
+        assert any("mouth shapes" in told for told in schedule.remarks) == (name in SHAPES)
         assert schedule.source == str(path)
         assert ll.read_schedule(str(path), notation="ipa").notation == "ipa"
 

@@ -12,7 +12,7 @@ from lipsync_lang.packs.braces import expanded
 from lipsync_lang.packs.conflicts import conflicts
 from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import beside
-from lipsync_lang.packs.language_checks import check_labels
+from lipsync_lang.packs.language_checks import check_labels, notation_of
 from lipsync_lang.packs.models import (
     Bank,
     Bigram,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
-    """Silence, `base` and `like` name phonemes that are declared."""
+    """Silence, `base`, `like` and mouth shapes name phonemes that are declared."""
     model = common.model
     known = {*model.phonemes, model.silence}
     for number, label in enumerate(model.base):
@@ -42,6 +42,12 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
         if phoneme.like is not None:
             loc = ("phonemes", label, "like")
             yield from _phoneme(common, loc, phoneme.like, known - {label})
+    everywhere = {*model.base, model.silence}
+    for name, notation in model.visemes.items():
+        for label, sounds in notation.labels.items():
+            for number, sound in enumerate(sounds.to):
+                place: Loc = ("visemes", name, "labels", label, "to", number)
+                yield from _phoneme(common, place, sound, everywhere)
 
 
 def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fault]:
@@ -62,6 +68,7 @@ def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fau
             loc = ("tests", index, "phonemes", number)
             yield from _phoneme(language, loc, sound, known, common)
     yield from _g2p(language)
+    yield from _hearing(language)
     yield from check_labels(language)
 
 
@@ -79,6 +86,25 @@ def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) 
         elif phoneme.like is not None:
             loc = ("adds", label, "like")
             yield from _phoneme(language, loc, phoneme.like, set(known) - {label}, common)
+
+
+def _hearing(language: "Pack[Language]") -> Iterator[Fault]:
+    """What recordings become is in a notation that there is, and so is what a model says."""
+    audio, notations = language.model.audio, language.model.notations
+    if audio is None or audio.notation is None:
+        return
+    if audio.notation not in notations:
+        hint = did_you_mean(audio.notation, notations)
+        what = f"unknown notation '{audio.notation}'"
+        yield language.fault(("audio", "notation"), "P217", what, hint)
+        return
+    notation = notation_of(language.model, audio.notation)
+    for label, phones in audio.phones.items():
+        for phone in phones:
+            if notation.find(phone) is None:
+                what = f"'{phone}' is not in the notation '{audio.notation}'"
+                hint = notation.suggest(phone)
+                yield language.fault(("audio", "phones", label), "P218", what, hint)
 
 
 def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
@@ -114,6 +140,8 @@ def check_poseset(
     for label in model.targets:
         yield from _phoneme(poseset, ("targets", label), label, phonemes, key=True)
     yield from _rules(poseset, model.checks, model, phonemes)
+    for number, region in enumerate(model.intensity.regions if model.intensity else ()):
+        yield from _region(poseset, ("intensity", "regions", number), region, model)
     yield from _model(poseset)
     yield from conflicts(poseset, banks)
     yield from _without_target(poseset)
@@ -253,6 +281,20 @@ def _model(pack: "Pack[PoseSet] | Pack[Character]") -> Iterator[Fault]:
         yield pack.fault(("model",), "P213", what, hint)
 
 
+def _region(
+    pack: "Pack[PoseSet] | Pack[Character]",
+    loc: "Loc",
+    region: str,
+    poseset: PoseSet,
+    *,
+    key: bool = False,
+) -> Iterator[Fault]:
+    regions = sorted({pose.region for pose in poseset.poses.values() if pose.region})
+    if region not in regions:
+        what, hint = f"unknown region '{region}'", did_you_mean(region, regions)
+        yield pack.fault(loc, "P230", what, hint, key=key)
+
+
 def _delivery(
     character: "Pack[Character]",
     at: Loc,
@@ -261,11 +303,8 @@ def _delivery(
     styles: Collection[str],
 ) -> Iterator[Fault]:
     """Dials are of regions of the pose set, and styles have a bank."""
-    regions = sorted({pose.region for pose in poseset.poses.values() if pose.region})
     for region in stated.dials:
-        if region not in regions:
-            what, hint = f"unknown region '{region}'", did_you_mean(region, regions)
-            yield character.fault((*at, "dials", region), "P230", what, hint, key=True)
+        yield from _region(character, (*at, "dials", region), region, poseset, key=True)
     known = set(styles) - {Bank.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:

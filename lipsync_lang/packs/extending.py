@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
 
-WHOLE = ("g2p", "tts", "automatic")
+WHOLE = ("g2p", "tts", "audio", "automatic")
 """Fields that a child has as a whole or not at all."""
 
 BY_LABEL = ("adds", "durations", "words", "examples", "reasons")

@@ -55,6 +55,61 @@ class Phoneme(Strict):
     """Other labels by which banks of other programs know it, in any case."""
 
 
+class Sounds(Strict):
+    """The common phonemes that one label becomes, and how they share its time."""
+
+    to: Annotated[tuple[Common, ...], OrOne]
+    """Common phonemes in order; none makes the label mute."""
+    shares: tuple[Positive, ...] | None = None
+    """The part of the time each gets, adding up to 1; equal unless stated."""
+
+    @model_validator(mode="after")
+    def _shares_fit(self) -> Self:
+        if self.shares is None:
+            return self
+        if len(self.shares) != len(self.to):
+            what = "{shares} shares for {to} phonemes; state one for each"
+            raise PydanticCustomError(
+                "P114", what, {"shares": len(self.shares), "to": len(self.to), "field": "shares"}
+            )
+        if not isclose(sum(self.shares), 1, abs_tol=SHARES_SLACK):
+            what = "shares add up to {sum}, not to 1"
+            raise PydanticCustomError(
+                "P114", what, {"sum": f"{sum(self.shares):g}", "field": "shares"}
+            )
+        return self
+
+
+def _sounds(value: Data) -> Data:
+    """One label, or a list of them, is short for `to`."""
+    if isinstance(value, (str, tuple, list)):
+        return {"to": value}
+    if not isinstance(value, (dict, Sounds)):
+        raise PydanticCustomError(
+            "P103", "must be a label, a list of labels, or a mapping with `to`"
+        )
+    return value
+
+
+ShortSounds = Short(
+    _sounds,
+    forms=lambda full: [
+        full,
+        {"type": "string"},
+        {"type": "array", "items": {"type": "string"}},
+    ],
+)
+
+
+class Visemes(Strict):
+    """A notation of mouth shapes, read in every language."""
+
+    title: Text
+    """Whose shapes they are."""
+    labels: dict[Label, Annotated[Sounds, ShortSounds]]
+    """What each shape becomes: of the sounds that look so, the most typical."""
+
+
 class Phonemes(Pack):
     """The common phonemes that all languages and pose sets speak of."""
 
@@ -70,6 +125,8 @@ class Phonemes(Pack):
     """The phonemes that every language has."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Seconds by class, where neither a voice nor the language gives any."""
+    visemes: dict[Text, Visemes] = Field(default={})
+    """Notations of mouth shapes, not sounds: lossy, and never guessed."""
 
     @model_validator(mode="after")
     def _spelled_once(self) -> Self:
@@ -135,52 +192,23 @@ class TTS(Strict):
     """The speech engine."""
     voice: Text | None = None
     """The engine's voice."""
+    others: dict[Text, Text] = Field(default={})
+    """Voices of other speech engines, by engine."""
 
 
-class Sounds(Strict):
-    """The common phonemes that one label becomes, and how they share its time."""
+class Hearing(Strict):
+    """How recordings of the language become phonemes."""
 
-    to: Annotated[tuple[Common, ...], OrOne]
-    """Common phonemes in order; none makes the label mute."""
-    shares: tuple[Positive, ...] | None = None
-    """The part of the time each gets, adding up to 1; equal unless stated."""
-
-    @model_validator(mode="after")
-    def _shares_fit(self) -> Self:
-        if self.shares is None:
-            return self
-        if len(self.shares) != len(self.to):
-            what = "{shares} shares for {to} phonemes; state one for each"
-            raise PydanticCustomError(
-                "P114", what, {"shares": len(self.shares), "to": len(self.to), "field": "shares"}
-            )
-        if not isclose(sum(self.shares), 1, abs_tol=SHARES_SLACK):
-            what = "shares add up to {sum}, not to 1"
-            raise PydanticCustomError(
-                "P114", what, {"sum": f"{sum(self.shares):g}", "field": "shares"}
-            )
-        return self
-
-
-def _sounds(value: Data) -> Data:
-    """One label, or a list of them, is short for `to`."""
-    if isinstance(value, (str, tuple, list)):
-        return {"to": value}
-    if not isinstance(value, (dict, Sounds)):
-        raise PydanticCustomError(
-            "P103", "must be a label, a list of labels, or a mapping with `to`"
-        )
-    return value
-
-
-ShortSounds = Short(
-    _sounds,
-    forms=lambda full: [
-        full,
-        {"type": "string"},
-        {"type": "array", "items": {"type": "string"}},
-    ],
-)
+    align: Text | None = None
+    """What finds the times of a text in a recording of it; `warp` unless stated."""
+    recognise: Text | None = None
+    """What finds words where there is no text."""
+    model: Text | None = None
+    """What both call their model of the language."""
+    notation: Text | None = None
+    """The notation that comes out."""
+    phones: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
+    """For labels that `g2p` writes, how the model says them."""
 
 
 class Test(Strict):
@@ -229,6 +257,8 @@ class Language(Pack):
     """How text becomes phonemes."""
     tts: TTS | None = None
     """Which voice speaks text."""
+    audio: Hearing | None = None
+    """How recordings become phonemes."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Seconds by class, where no voice gives timings."""
     silence: tuple[str, ...] = ()

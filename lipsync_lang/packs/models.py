@@ -7,12 +7,14 @@ from lipsync_lang.packs.ipa_models import Ipa
 from lipsync_lang.packs.language_models import (
     G2P,
     TTS,
+    Hearing,
     Language,
     Phoneme,
     Phonemes,
     Rewrite,
     Sounds,
     Test,
+    Visemes,
 )
 from lipsync_lang.packs.pose_models import (
     AtMost,
@@ -48,6 +50,7 @@ __all__ = [
     "Contact",
     "Delivery",
     "Edit",
+    "Hearing",
     "Ipa",
     "Language",
     "Line",
@@ -63,6 +66,7 @@ __all__ = [
     "Target",
     "Test",
     "Threshold",
+    "Visemes",
     "WordCurves",
 ]
 

@@ -120,6 +120,17 @@ class Motion(Strict):
     """Seconds; poses are shown one at a time, each at least as long; at 0 they blend."""
 
 
+class Intensity(Strict):
+    """How far loudness moves the mouth, where it is asked for."""
+
+    regions: tuple[Text, ...] = Field(min_length=1)
+    """The regions whose poses it scales."""
+    least: Unit = 0.6
+    """How far they move where a sound is much softer than others of its class; 1 is as usual."""
+    most: Annotated[float, Field(ge=1, le=2)] = 1.4
+    """How far they move where it is much louder."""
+
+
 class Target(Strict):
     """How poses stand at a phoneme, and how strongly they insist."""
 
@@ -190,6 +201,8 @@ class PoseSet(Pack):
     """What must be seen, at any speed and frame rate."""
     motion: Motion = Motion()
     """How curves are joined and kept from moving too fast."""
+    intensity: Intensity | None = None
+    """What loudness moves, and how far."""
     targets: dict[Common, Targets] = Field(default={})
     """How poses stand at each phoneme; several in a row for a sound that moves."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})

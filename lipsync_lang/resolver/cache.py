@@ -202,10 +202,13 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
         style: {row: _origin(origin) for row, origin in rows.items()}
         for style, rows in plain.pop("style_origins").items()
     }
-    notations = {
-        name: {label: tuple((p, s) for p, s in value) for label, value in table.items()}
-        for name, table in plain.pop("notations").items()
-    }
+    notations, visemes = (
+        {
+            name: {label: tuple((p, s) for p, s in value) for label, value in table.items()}
+            for name, table in plain.pop(field).items()
+        }
+        for field in ("notations", "visemes")
+    )
     words = {text: tuple(sounds) for text, sounds in plain.pop("words").items()}
     report: dict[str, Any] = {
         k: tuple(v) if isinstance(v, list) else v for k, v in head["report"].items()
@@ -216,6 +219,7 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
         origins=tuple(origins),
         style_origins=styles,
         notations=notations,
+        visemes=visemes,
         words=words,
         tables=tables,
         motion=Motion(**head["motion"]),

@@ -17,7 +17,7 @@ from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
 from lipsync_lang.resolver.layers import NEUTRAL, Row, Shelf
-from lipsync_lang.resolver.manner import manner_of, tables_of
+from lipsync_lang.resolver.manner import manner_of, tables_of, visemes_of
 from lipsync_lang.resolver.nearest import plain_among
 from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
@@ -60,6 +60,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         poses=shelf.poses,
         phonemes=shelf.phonemes,
         notations=tables_of(model),
+        visemes=visemes_of(common.model),
         silences=(*common.model.silence_labels, *model.silence, common.model.silence),
         words=dict(manner.words),
         word_edits=_plain({w.casefold(): e.curves for w, e in who.model.words.items()}),
@@ -73,6 +74,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
             for style, changed in styles.items()
         },
         regions=_regions(poseset.model),
+        intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
         line_deliveries={name: _delivery(line) for name, line in who.model.lines.items()},
         tables=tables,
@@ -87,6 +89,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         manner=_plain(manner.plain()),
         rig=plain_rig(library, who, poseset),
         pose_names=pose_names(poseset.model),
+        neutral=poseset.model.neutral,
         model=model_file(who, poseset),
     )
 

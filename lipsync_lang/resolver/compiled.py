@@ -94,6 +94,8 @@ class Compiled:
     phonemes: tuple[str, ...]
     """Common phonemes, silence first; their index is their number in the tables."""
     notations: dict[str, dict[str, Value]]
+    visemes: dict[str, dict[str, Value]]
+    """Notations of mouth shapes, which labels are never guessed to be in."""
     silences: tuple[str, ...]
     words: dict[str, tuple[str, ...]]
     word_edits: dict[str, dict[str, Any]]
@@ -107,6 +109,8 @@ class Compiled:
     """For each style, in the order of the tables, where the rows come from that it changes."""
     regions: dict[str, list[int]]
     """The numbers of the poses of each region."""
+    intensity: dict[str, Any] | None
+    """What loudness moves: `regions`, `least` and `most`; None where nothing is stated."""
     delivery: dict[str, Any]
     """How the character speaks: points of `styles` and `dials`, by name."""
     line_deliveries: dict[str, dict[str, Any]]
@@ -126,5 +130,7 @@ class Compiled:
     """What drives the character's model: channels and what each is, as JSON holds them."""
     pose_names: dict[str, list[str]]
     """How models spell each pose otherwise."""
+    neutral: str | None
+    """What the face at rest is called."""
     model: str | None
     """The model file, in full."""

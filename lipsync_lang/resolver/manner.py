@@ -6,7 +6,7 @@ from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.phonology.g2p.registry import Rule, Settings
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value
-from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.phonology.manner import Hearing, Manner
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -33,9 +33,24 @@ def manner_of(
         settings=_settings(language),
         notation=(g2p.notation if g2p else None) or next(iter(model.notations), ""),
         voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
+        others=dict(model.tts.others) if model.tts else {},
         kinds={name: phoneme.sound or "" for name, phoneme in phonemes.items()},
         durations={str(k): v for k, v in {**common.durations, **model.durations}.items()},
         words=words,
+        audio=_hearing(model),
+    )
+
+
+def _hearing(model: "models.Language") -> Hearing:
+    stated = model.audio
+    if stated is None:
+        return Hearing()
+    return Hearing(
+        stated.align or Hearing.align,
+        stated.recognise,
+        stated.model,
+        stated.notation or "",
+        dict(stated.phones),
     )
 
 
@@ -57,7 +72,7 @@ def _settings(language: "Pack[models.Language]") -> Settings:
 
 
 def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
-    """Return the notations of a language, ready to find labels in."""
+    """Return the notations of a language and those of mouth shapes, ready to find labels in."""
     from lipsync_lang.resolver.nearest import among
 
     common, model = library.common().model, language.model
@@ -66,7 +81,15 @@ def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[
     near = among(library, language).value if model.automatic else None
     return {
         name: Notation(table, silences, silence, near if name == IPA else None)
-        for name, table in tables_of(model).items()
+        for name, table in {**visemes_of(common), **tables_of(model)}.items()
+    }
+
+
+def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
+    """Return the notations of mouth shapes as tables."""
+    return {
+        name: {label: value_of(sounds) for label, sounds in notation.labels.items()}
+        for name, notation in common.visemes.items()
     }
 
 

@@ -33,23 +33,27 @@ class Row(NamedTuple):
     line: int | None = None
 
 
-def schedule_of(
+def schedule_of(  # noqa: PLR0913 each says one thing that a format may
     source: Source,
     rows: Iterable[Row],
     *,
     words: Iterable[Row] = (),
     notation: str | None = None,
+    rate: float | None = None,
     guess: bool = False,
+    remarks: Iterable[str] = (),
 ) -> Schedule:
     """Make a schedule of rows; gaps, and the time from zero on, are silence.
 
     Parameters
     ----------
-    source : the file, for messages; times are divided by its `rate` where one is asked for
+    source : the file, for messages; where a `rate` is asked for, it comes before the format's
     rows : labels with their times, in any order; a blank label is silence
     words : texts with their times; each has the phonemes whose middle lies in it
     notation : of the labels, where the format states one
+    rate : units per second of all times; None for seconds
     guess : where a format does not say its unit, take one that fits, and say so
+    remarks : what is doubtful about the file, in words
 
     Raises
     ------
@@ -59,12 +63,15 @@ def schedule_of(
     phones, spans = sorted(rows, key=_order), sorted(words, key=_order)
     if not phones:
         raise source.fault("has no phonemes in it; check that it was written to the end")
-    rate, remarks = source.rate, tuple[str, ...]()
+    rate, told = source.rate or rate, tuple(remarks)
     if rate is None and guess:
-        rate, remarks = _guessed(source, phones)
+        rate, guessed = _guessed(source, phones)
+        told += guessed
     if rate is not None:
         phones, spans = _seconds(phones, rate), _seconds(spans, rate)
     whole = _without_gaps(source, phones)
+    for row in spans:
+        _check_order(source, row)
     times = [0.0, *(row.end for row in whole)]
     schedule = Schedule(
         tuple(row.label for row in whole),
@@ -72,7 +79,7 @@ def schedule_of(
         notation=notation,
         source=str(source.path),
         lines=_lines(whole),
-        remarks=remarks,
+        remarks=told,
     )
     return with_words(schedule, [(row.label, row.start, row.end) for row in spans])
 
@@ -127,25 +134,24 @@ def _without_gaps(source: Source, rows: Sequence[Row]) -> list[Row]:
     end = 0.0
     for row in rows:
         label = row.label.strip() or SILENCE
-        here = f"{label!r}, {row.start:g} to {row.end:g} s"
         if row.start < -SNAP:
             raise source.fault(
-                f"{here}, starts below 0; shift all times so that the sound starts at 0", row.line
+                f"{_told(row)}, starts below 0; shift all times so that the sound starts at 0",
+                row.line,
             )
-        if row.end < row.start:
-            raise source.fault(f"{here}, ends before it starts; swap its times", row.line)
+        _check_order(source, row)
         if row.end - row.start < SNAP and label == SILENCE:
             continue
-        if row.end == row.start:
-            raise source.fault(
-                f"{here}, has no length; give it some time, or leave it out", row.line
-            )
         if row.start < end - SNAP:
             before = filled[-1]
             raise source.fault(
-                f"{here}, starts before {before.label!r} ends ({before.end:g} s): they overlap; "
-                "move one of the two boundaries, or keep one speaker in the file",
+                f"{_told(row)}, starts before {before.label!r} ends ({before.end:g} s): they "
+                "overlap; move one of the two boundaries, or keep one speaker in the file",
                 row.line,
+            )
+        if row.end <= max(row.start, end):
+            raise source.fault(
+                f"{_told(row)}, has no length; give it some time, or leave it out", row.line
             )
         if row.start > end + SNAP:
             _append(filled, Row(SILENCE, end, row.start, None))
@@ -153,6 +159,15 @@ def _without_gaps(source: Source, rows: Sequence[Row]) -> list[Row]:
         _append(filled, Row(label, end, row.end, row.line))
         end = row.end
     return filled
+
+
+def _check_order(source: Source, row: Row) -> None:
+    if row.end < row.start:
+        raise source.fault(f"{_told(row)}, ends before it starts; swap its times", row.line)
+
+
+def _told(row: Row) -> str:
+    return f"{row.label.strip() or SILENCE!r}, {row.start:g} to {row.end:g} s"
 
 
 def _append(rows: list[Row], row: Row) -> None:

@@ -3,7 +3,7 @@
 import json
 import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE, BOM_UTF32_BE, BOM_UTF32_LE
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,9 @@ MARKS = {
 
 HEAD = 4096
 """Bytes that a format is told by."""
+
+FAR = 1e15
+"""No time is as large, in any unit."""
 
 TAG = re.compile(r"\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<([A-Za-z_][\w.:-]*)", re.DOTALL)
 """The first element of an XML file."""
@@ -69,7 +72,7 @@ class Source:
                 "encoding (--encoding cp1252)",
                 line,
             ) from None
-        except LookupError:
+        except (LookupError, ValueError):
             raise self.fault(
                 f"no encoding is called '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
             ) from None
@@ -90,18 +93,30 @@ class Source:
         encoding = self.encoding or _encoding(self.content)
         try:
             text = self.content[:HEAD].decode(encoding, "ignore")
-        except LookupError:
+        except (LookupError, ValueError):
             return ""
         return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
 
     @cached_property
     def json(self) -> Any:
         """What it says as JSON; a fault where it is none."""
+        return self._loaded(self.text)
+
+    @cached_property
+    def events(self) -> list[tuple[int | None, Any]]:
+        """What it lists as JSON, with the line of each: one list, or a value on every line."""
+        if self.document is not None:
+            whole = self.document
+            return [(None, one) for one in (whole if isinstance(whole, list) else [whole])]
+        return [(number, self._loaded(line, number)) for number, line in self.lines]
+
+    def _loaded(self, text: str, line: int = 1) -> Any:
         try:
-            return json.loads(self.text)
+            return json.loads(text)
         except json.JSONDecodeError as error:
+            at = line + error.lineno - 1
             raise self.fault(
-                f"not JSON: {error.msg}; mend it there, or save it anew", error.lineno, error.colno
+                f"not JSON: {error.msg}; mend it there, or save it anew", at, error.colno
             ) from None
         except (RecursionError, ValueError) as error:
             what = "is nested too deep" if isinstance(error, RecursionError) else str(error)
@@ -145,6 +160,31 @@ class Source:
                 f"not XML: {error.msg.split(':')[0]}; mend it there, or export it anew",
                 error.position[0],
             ) from None
+
+    def number(self, value: object, line: int | None = None) -> float:
+        """Return a number of JSON as a time; a fault where it is none."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < FAR:
+            shown = type(value).__name__ if isinstance(value, (list, dict)) else repr(value)[:40]
+            raise self.fault(f"{shown} is not a time; times are finite numbers", line)
+        return float(value)
+
+    def time(self, text: str | None, line: int | None = None) -> float:
+        """Return the time that a text says; a fault where it says none."""
+        try:
+            number = float(text or "")
+        except ValueError:
+            return self.number(text, line)
+        return self.number(number, line)
+
+    def beside(self, suffix: str) -> "Source | None":
+        """Return the file of the same name with another suffix, in small or capital letters."""
+        for one in (suffix, suffix.upper()):
+            path = self.path.with_suffix(one)
+            try:
+                return replace(self, path=path, content=path.read_bytes())
+            except OSError:
+                continue
+        return None
 
 
 def _encoding(content: bytes) -> str:

@@ -1,0 +1,34 @@
+"""Audacity's label track: a start, an end and a text in every line, with tabs between.
+
+Lines that begin with a backslash hold the frequencies of the label above, and are passed over.
+"""
+
+import re
+
+from lipsync_lang.schedules.registry import reader
+from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.source import Source
+
+LABEL = re.compile(r"(-?\d+[.,]\d+)\t(-?\d+[.,]\d+)(?:\t(.*))?")
+
+
+def looks(source: Source) -> bool:
+    """Tell whether the first line is a label."""
+    return bool(LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0]))
+
+
+@reader("audacity", ".txt", looks=looks)
+def read_audacity(source: Source) -> Schedule:
+    """Audacity label tracks of phonemes, exported as text."""
+    return schedule_of(
+        source, [_row(source, n, line) for n, line in source.lines if line[0] != "\\"]
+    )
+
+
+def _row(source: Source, number: int, line: str) -> Row:
+    found = LABEL.fullmatch(line)
+    if not found:
+        raise source.fault("is no label; it is START, END and TEXT with tabs between", number)
+    start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
+    return Row(found[3] or "", start, end, number)

@@ -1,0 +1,91 @@
+"""SmartBody: behaviour markup (BML) with lips, and the replies of its speech relays.
+
+Times are seconds. In BML, ``<lips viseme="Ih" articulation="1.0" start="0.17" end="0.31"/>`` states
+both ends of a shape, and ``<sync time="0.17"/>If`` when a word starts. A reply has
+``<viseme start="0.17" type="Ih" articulation="1.0"/>``, without an end, within
+``<word start= end=>``, which does not say what the word is. Where several shapes start at the same
+time, as for characters whose shapes are layered, the one articulated most strongly is read.
+"""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+from lipsync_lang.schedules.registry import reader
+from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.shapes import shapes_of, until_next
+from lipsync_lang.schedules.source import Source
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+NOTATION = "smartbody"
+
+
+class Shape(NamedTuple):
+    """A shape, how strongly it is articulated, and its times; no end in replies."""
+
+    label: str
+    start: float
+    end: float | None
+    weight: float
+
+
+def looks(source: Source) -> bool:
+    """Tell whether it is XML with lips or visemes."""
+    return source.root is not None and ("<lips " in source.head or "<viseme " in source.head)
+
+
+@reader("bml", ".bml", ".xml", looks=looks)
+def read_bml(source: Source) -> Schedule:
+    """SmartBody's BML with lips, and the replies of its speech relays with visemes."""
+    shapes = list(_shapes(source))
+    if not shapes and source.xml.find(".//curve") is not None:
+        raise source.fault("holds finished curves, not visemes; there is nothing to time here")
+    strongest: dict[float, Shape] = {}
+    for shape in shapes:
+        before = strongest.setdefault(shape.start, shape)
+        if shape.weight > before.weight:
+            strongest[shape.start] = shape
+    told = []
+    if len(strongest) < len(shapes):
+        weaker = len(shapes) - len(strongest)
+        told.append(f"{source.path}: {weaker} weaker shapes start with a stronger one; left out")
+    stated = [Row(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
+    words = list(_words(source))
+    ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
+    open_ended = [(s.label, s.start, None) for s in strongest.values() if s.end is None]
+    rows, guessed = until_next(source, open_ended, rest=SILENCE, end=max(ends, default=None))
+    remarks = [*told, *guessed]
+    return shapes_of(source, stated + rows, words=words, notation=NOTATION, remarks=remarks)
+
+
+def _shapes(source: Source) -> Iterator[Shape]:
+    for element in source.xml.iter():
+        if element.tag not in ("lips", "viseme"):
+            continue
+        name = "viseme" if element.tag == "lips" else "type"
+        weight = element.get("articulation")
+        yield Shape(
+            _text(source, element, name),
+            source.time(element.get("start")),
+            source.time(element.get("end")) if element.tag == "lips" else None,
+            source.time(weight) if weight is not None else 1.0,
+        )
+
+
+def _text(source: Source, element: "Element", name: str) -> str:
+    text = element.get(name)
+    if text is None:
+        raise source.fault(f"a <{element.tag}> has no `{name}`; export it anew")
+    return text
+
+
+def _words(source: Source) -> Iterator[Row]:
+    """Yield words between marks of time."""
+    marks = [mark for mark in source.xml.iter("sync") if mark.get("time") is not None]
+    times = [source.time(mark.get("time")) for mark in marks]
+    for number, mark in enumerate(marks[:-1]):
+        text = (mark.tail or "").strip()
+        if text and times[number] < times[number + 1]:
+            yield Row(text, times[number], times[number + 1])

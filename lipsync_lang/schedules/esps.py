@@ -1,0 +1,53 @@
+"""ESPS (xwaves) labels: a header, a line with `#` alone, then a time, a colour and a label.
+
+The time is when a label ends, in seconds; it starts where the one before it ends. Festival and
+the Edinburgh speech tools write their segments so, and so is the Buckeye corpus, whose `.phones`
+have a file of the same name with `.words` beside them. After `;` a line has further fields.
+"""
+
+import re
+
+from lipsync_lang.schedules.registry import reader
+from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.source import Source
+
+START = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
+"""The end of the header, and the first label."""
+
+LINE = re.compile(r"\s*(\d+(?:\.\d*)?)\s+-?\d+(?:\s+([^;]*))?(?:;.*)?", re.ASCII)
+
+MARKED = ("<", "{")
+"""How what is no word starts."""
+
+
+def looks(source: Source) -> bool:
+    """Tell whether the header ends, and a time, a number and a label follow."""
+    return START.search(source.head) is not None
+
+
+@reader("esps", ".phones", ".lab", ".segs", ".seg", looks=looks)
+def read_esps(source: Source) -> Schedule:
+    """Labels of Festival (segments), xwaves and the Buckeye corpus, with its .words beside it."""
+    if source.path.suffix.lower() == ".words":
+        raise source.fault("holds words, not phones; give the .phones beside it")
+    beside = source.beside(".words") if source.path.suffix.lower() == ".phones" else None
+    words = _rows(beside) if beside is not None else []
+    spoken = [word for word in words if not word.label.startswith(MARKED)]
+    return schedule_of(source, _rows(source), words=spoken)
+
+
+def _rows(source: Source) -> list[Row]:
+    at = next((n for n, (_, line) in enumerate(source.lines) if line.strip() == "#"), None)
+    if at is None:
+        raise source.fault("has no line with `#` alone, which ends the header")
+    rows: list[Row] = []
+    start = 0.0
+    for number, line in source.lines[at + 1 :]:
+        found = LINE.fullmatch(line)
+        if found is None:
+            raise source.fault(f"{line.strip()[:40]!r} is not a time, a colour and a label", number)
+        end = source.time(found[1], number)
+        rows.append(Row((found[2] or "").strip(), start, end, number))
+        start = end
+    return rows

@@ -1,0 +1,130 @@
+"""HTK and HTS labels: a start, an end and a label on each line, in units of 100 ns.
+
+Scores may follow the label, and after them the word that starts there. HTS writes the phone
+between `-` and `+`, with its context around it; states of one phone, `[2]` to `[6]`, are joined.
+Times with a decimal point are seconds: WaveSurfer and others write those. A master label file
+holds many utterances, each under its name in quotes; `tier` says which one.
+"""
+
+import re
+from pathlib import PureWindowsPath
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.schedules.registry import reader
+from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.source import Source
+
+UNITS = 1e7
+"""Units of 100 ns per second."""
+
+MASTER = "#!MLF!#"
+
+OTHER = "///"
+"""What stands between one transcription and the next best."""
+
+NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
+TIMED = re.compile(rf"\s*({NUMBER})[ \t]+({NUMBER})[ \t]+(\S+)([^\n]*)", re.ASCII)
+CONTEXT = re.compile(r"[^-]*\^[^-]*-(?P<phone>.+?)\+[^=]*=.*?(?P<state>\[\d+\])?", re.DOTALL)
+"""A full context: two phones before, the phone, and two after."""
+
+Lines = list[tuple[int, str]]
+
+
+def looks(source: Source) -> bool:
+    """Tell whether it starts with two times and a label, or is a master file.
+
+    So is a `.lab` of words without any number: it is taken for a transcript, and told so.
+    """
+    first = source.head.lstrip().split("\n", 1)[0]
+    if source.path.suffix.lower() == ".lab" and _is_prose(source.head.strip()):
+        return True
+    return first.startswith(MASTER) or TIMED.fullmatch(first) is not None
+
+
+def _is_prose(text: str) -> bool:
+    """Tell whether no line starts with a number, and the first not like another format."""
+    start = text[:1]
+    numbered = re.search(r"^[ \t]*[-+#\d]", text, re.MULTILINE)
+    return start.isprintable() and start not in "<{[" and numbered is None
+
+
+@reader("htk", ".lab", ".mlf", looks=looks)
+def read_htk(source: Source) -> Schedule:
+    """HTK and HTS labels, full-context ones included, and one utterance of a master label file."""
+    lines, told = _first(source, _utterance(source))
+    rows: list[Row] = []
+    words: list[Row] = []
+    state, rate = "", UNITS
+    for number, line in lines:
+        found = TIMED.fullmatch(line)
+        if found is None:
+            raise _untimed(source, number, line)
+        start, end = source.time(found[1], number), source.time(found[2], number)
+        if "." in found[1] + found[2]:
+            rate = 1.0
+        context = CONTEXT.fullmatch(found[3])
+        whole = found[3].removesuffix((context and context["state"]) or "")
+        if context and context["state"] and rows and whole == state:
+            rows[-1] = rows[-1]._replace(end=end)
+            continue
+        state = whole
+        rows.append(Row(context["phone"] if context else found[3], start, end, number))
+        if word := _word(found[4]):
+            words.append(Row(word, start, end, number))
+    stops = [*(word.start for word in words[1:]), rows[-1].end if rows else 0.0]
+    words = [
+        word._replace(end=max(stop, word.end)) for word, stop in zip(words, stops, strict=False)
+    ]
+    return schedule_of(source, rows, words=words, rate=rate, remarks=told)
+
+
+def _word(rest: str) -> str:
+    """Return the word after the scores of a line; nothing where there is none."""
+    return next((part for part in rest.split() if not re.fullmatch(NUMBER, part)), "")
+
+
+def _utterance(source: Source) -> Lines:
+    """Return the lines of the utterance asked for, or of the only one."""
+    lines = source.lines
+    if not lines or not lines[0][1].startswith(MASTER):
+        return lines
+    parts: dict[str, Lines] = {}
+    into: Lines = []
+    for number, line in lines[1:]:
+        text = line.strip()
+        if text.startswith('"'):
+            into = parts.setdefault(PureWindowsPath(text.strip('"')).stem, [])
+        elif text != ".":
+            into.append((number, line))
+    names = [*parts]
+    if source.tier is not None and source.tier not in parts:
+        hint = did_you_mean(source.tier, names)
+        raise source.fault(f"has no utterance {source.tier!r}; {hint}")
+    if not names:
+        raise source.fault("names no utterance; check that it was written to the end")
+    if source.tier is None and len(names) > 1:
+        raise source.fault(
+            f"has {len(names)} utterances, such as {', '.join(names[:3])}; say which (--tier "
+            f"{names[0]})"
+        )
+    return parts[source.tier or names[0]]
+
+
+def _first(source: Source, lines: Lines) -> tuple[Lines, list[str]]:
+    """Return the first of several transcriptions of one utterance, and a word about it."""
+    cuts = [at for at, (_, line) in enumerate(lines) if line.strip() == OTHER]
+    if not cuts:
+        return lines, []
+    told = f"{source.path}:{lines[cuts[0]][0]}: has other transcriptions; the first is read"
+    return lines[: cuts[0]], [told]
+
+
+def _untimed(source: Source, number: int, line: str) -> Exception:
+    if re.match(r"\s*[-+]?\d", line):
+        return source.fault(f"{line.strip()[:40]!r} is not a start, an end and a label", number)
+    return source.fault(
+        "is a transcript without times; align it with its recording, and give the TextGrid that "
+        "comes out, or give the recording with its text (--audio)",
+        number,
+    )

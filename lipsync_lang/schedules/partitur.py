@@ -1,0 +1,56 @@
+"""BAS Partitur: tiers of a spoken text, each line with the name of its tier before it.
+
+``MAU: start duration link label``: samples at the rate that `SAM` states, the duration without
+the last one. The link is the number of the word, -1 for none; ``ORT: link word`` is how it is
+spelled.
+"""
+
+import re
+
+from lipsync_lang.schedules.registry import reader
+from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.source import Source
+
+PHONES, WORDS, RATE = "MAU", "ORT", "SAM"
+
+
+def looks(source: Source) -> bool:
+    """Tell whether it starts with the header."""
+    return re.match(r"\s*LHD:", source.head) is not None
+
+
+@reader("partitur", ".par", looks=looks)
+def read_partitur(source: Source) -> Schedule:
+    """BAS Partitur with a tier of MAUS, and the words of its text."""
+    rows: list[Row] = []
+    words: dict[str, str] = {}
+    spans: dict[str, Row] = {}
+    rate = None
+    for number, line in source.lines:
+        tier, _, rest = line.strip().partition(":")
+        if tier == RATE:
+            rate = source.time(rest, number)
+        elif tier == WORDS:
+            link, _, word = rest.strip().partition("\t")
+            words[link.strip()] = word.strip()
+        elif tier == PHONES:
+            row, link = _phone(source, number, rest)
+            rows.append(row)
+            spans[link] = spans.get(link, row)._replace(end=row.end)
+    if not rows:
+        raise source.fault(f"has no tier {PHONES}; align its words with the sound first")
+    if not rate or rate < 0:
+        raise source.fault(f"states no rate ({RATE}: 16000); write it into the header")
+    spoken = [row._replace(label=words[link]) for link, row in spans.items() if link in words]
+    return schedule_of(source, rows, words=spoken, rate=rate)
+
+
+def _phone(source: Source, number: int, rest: str) -> tuple[Row, str]:
+    """Return a phone with its samples, and the number of its word."""
+    parts = rest.split(None, 3)
+    if len(parts) != 4:  # noqa: PLR2004 start, duration, link, label
+        raise source.fault("a phone needs a start, a duration, a link and a label", number)
+    start = source.time(parts[0], number)
+    length = source.time(parts[1], number) + 1
+    return Row(parts[3], start, start + length, number), re.split("[,;]", parts[2])[0]

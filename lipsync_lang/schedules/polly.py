@@ -1,0 +1,63 @@
+"""Amazon Polly's speech marks: a JSON object on every line, or one list of them.
+
+``{"time": 6, "type": "viseme", "value": "p"}``: the time is in milliseconds from the start of the
+sound, and a mark says when something starts, not when it ends. Words have marks of their own.
+Their `start` and `end` are bytes of the text, not times.
+"""
+
+import re
+
+from lipsync_lang.schedules.registry import reader
+from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.shapes import Start, shapes_of, until_next
+from lipsync_lang.schedules.source import Source
+
+NOTATION = "polly"
+
+MILLISECONDS = 1000.0
+
+REST = "sil"
+
+MARK = re.compile(r"""\s*\[?\s*\{[^{}]*"type"\s*:\s*"(viseme|word|sentence|ssml)"[^{}]*\}""")
+"""The first mark, with its time before or after its type."""
+
+
+def looks(source: Source) -> bool:
+    """Tell whether it starts with a speech mark."""
+    found = MARK.match(source.head)
+    return found is not None and '"time"' in found[0]
+
+
+@reader(NOTATION, ".marks", ".jsonl", looks=looks)
+def read_polly(source: Source) -> Schedule:
+    """Speech marks of Amazon Polly with visemes; words where they were asked for."""
+    marks: dict[str, list[Start]] = {"viseme": [], "word": []}
+    for line, mark in source.events:
+        if not isinstance(mark, dict) or not isinstance(mark.get("value"), str):
+            raise source.fault("a speech mark needs time, type and value", line)
+        start = mark["value"], source.number(mark.get("time"), line), line
+        marks.setdefault(str(mark.get("type")), []).append(start)
+    if not marks["viseme"]:
+        raise source.fault(
+            "has no visemes; ask for them where the marks are made (--speech-mark-types)"
+        )
+    rows, told = until_next(source, marks["viseme"], rest=REST, rate=MILLISECONDS)
+    return shapes_of(
+        source,
+        rows,
+        notation=NOTATION,
+        words=_words(marks["word"], rows),
+        rate=MILLISECONDS,
+        remarks=told,
+    )
+
+
+def _words(words: list[Start], rows: list[Row]) -> list[Row]:
+    """End each word where the next one, or a rest, starts."""
+    stops = sorted([w[1] for w in words] + [row.start for row in rows if row.label == REST])
+    last = max((row.end for row in rows), default=0.0)
+    return [
+        Row(text, start, next((stop for stop in stops if stop > start), last), line)
+        for text, start, line in words
+    ]

@@ -1,0 +1,124 @@
+"""Tiers: several rows of labels over the same time, of which one holds the phones.
+
+It is known by its name (`phones`, `MAU`, `Name - phones`, ...) or, if no name says so, by its
+looks: many short labels, quickly one after the other. The words of the same speaker are taken
+along.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import median
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.source import Source
+
+PHONES = re.compile(r"(phon(e(me)?)?s?|segments?|mau|phonalign)", re.IGNORECASE)
+"""Names of phone tiers: MFA, FAVE, Praat users; MAUS; SPPAS."""
+
+WORDS = re.compile(r"(words?|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
+"""Names of word tiers, of the same tools."""
+
+SPEAKER = re.compile(r"(?:(?P<speaker>.*\S)\s+-\s+)?(?P<role>.*)", re.DOTALL)
+"""Aligners put the speaker before the tier's name: `Name - phones`."""
+
+
+@dataclass(frozen=True)
+class Tier:
+    """One tier: its name, its rows, and the line of the file its name stands in."""
+
+    name: str
+    rows: tuple[Row, ...]
+    line: int | None = None
+
+    @property
+    def speaker(self) -> str:
+        """Who speaks, where the name says so."""
+        return self._part("speaker")
+
+    @property
+    def role(self) -> str:
+        """The name without the speaker."""
+        return self._part("role")
+
+    @property
+    def spoken(self) -> list[Row]:
+        """The rows that have a label."""
+        return [row for row in self.rows if row.label.strip()]
+
+    def looks_like_phones(self) -> bool:
+        """Whether the labels are short, varied, and soon over."""
+        labels = [row.label for row in self.spoken]
+        short = [label for label in labels if len(label) <= 4]  # noqa: PLR2004 letters and marks
+        return (
+            len(set(labels)) >= 4  # noqa: PLR2004 fewer is a tier of marks
+            and len(short) >= 0.9 * len(labels)
+            and not any(re.search(r"\s", label) for label in labels)
+            and median(row.end - row.start for row in self.spoken) < 0.25  # noqa: PLR2004 seconds
+        )
+
+    def _part(self, group: str) -> str:
+        match = SPEAKER.fullmatch(self.name)
+        return ((match and match[group]) or "").strip()
+
+
+def read_tiers(source: Source, tiers: Sequence[Tier], *, guess: bool = False) -> Schedule:
+    """Make a schedule of the tier that holds the phones, with its speaker's words.
+
+    `guess` is as in `schedule_of`. ``source.tier`` names the tier, or a speaker; without it
+    there must be only one that looks like phones.
+    """
+    phones = only(source, tiers if source.tier is not None else _phones(source, tiers))
+    words = [t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == phones.speaker]
+    remarks = () if phones.spoken else (f"{source.path}: tier '{phones.name}' has no label in it",)
+    spans = words[0].rows if len(words) == 1 else ()
+    return schedule_of(source, phones.rows, words=spans, guess=guess, remarks=remarks)
+
+
+def only(source: Source, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
+    """Return the tier that is asked for, by name or by speaker, or else the only one there is.
+
+    A fault lists them and, where they are too many, says `what`.
+    """
+    if not tiers:
+        raise source.fault("has no phonemes in it; check that it was written to the end")
+    found = list(tiers)
+    if source.tier is not None:
+        found = [tier for tier in tiers if tier.name == source.tier] or [
+            tier for tier in tiers if tier.speaker == source.tier and PHONES.fullmatch(tier.role)
+        ]
+    if not found:
+        names = did_you_mean(str(source.tier), {tier.name for tier in tiers})
+        raise source.fault(f"no tier is called '{source.tier}'; {names}")
+    first, *others = found
+    same = next((tier for tier in others if tier.name == first.name), None)
+    if same:
+        also = f" (one in line {first.line})" if first.line else ""
+        raise source.fault(
+            f"{len(found)} {what}, two of them '{first.name}'{also}; rename one, or take it out",
+            same.line,
+        )
+    if others:
+        raise source.fault(
+            f'{len(found)} {what}: {_list(found)}; say which (--tier "{first.name}")'
+        )
+    return first
+
+
+def _phones(source: Source, tiers: Sequence[Tier]) -> list[Tier]:
+    """Return the tiers that hold phones, or none where there are no tiers."""
+    named = [tier for tier in tiers if PHONES.fullmatch(tier.role)]
+    found = [tier for tier in named if tier.spoken] or named
+    found = found or [tier for tier in tiers if tier.looks_like_phones()]
+    if tiers and not found:
+        raise source.fault(
+            f"no tier looks like phones; there is {_list(tiers)}. Say which it is (--tier NAME), "
+            "or align the file first"
+        )
+    return found
+
+
+def _list(tiers: Sequence[Tier]) -> str:
+    return ", ".join(f"'{tier.name}'" for tier in tiers)

@@ -1,0 +1,310 @@
+"""Timings in tables, label tracks, CTM and JSON of tiers."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lipsync_lang.errors import ScheduleError
+from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
+from lipsync_lang.schedules.registry import find_reader
+from lipsync_lang.schedules.source import Source
+
+ROWS = [("HH", 0, 0.1), ("AY", 0.1, 0.3), ("M", 0.3, 0.4)]
+
+
+def read(text, name="line.csv", **asked):
+    """Read a text by what it holds and what it is called."""
+    source = Source(Path(name), text.encode(), **asked)
+    return find_reader(source).read(source)
+
+
+def refusal(text, name="line.csv", **asked):
+    with pytest.raises(ScheduleError) as caught:
+        read(text, name, **asked)
+    return str(caught.value)
+
+
+def rows(schedule):
+    times = [round(float(time), 6) for time in schedule.times]
+    return list(zip(schedule.labels, times, times[1:], strict=False))
+
+
+def words(schedule):
+    return [(word.text, word.first, word.stop) for word in schedule.words]
+
+
+# Tables
+
+
+@pytest.mark.parametrize("delimiter", ["\t", ",", ";", "|"])
+@pytest.mark.parametrize(
+    "head",
+    [
+        ("label", "start", "end"),
+        ("Phoneme", "Begin", "Stop"),
+        (" PHONE ", "xmin", "xmax"),
+        None,
+    ],
+)
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
+def test_a_table_is_read_whatever_parts_its_cells(delimiter, head, newline):
+    lines = ([head] if head else []) + [tuple(map(str, row)) for row in ROWS]
+    text = newline.join(delimiter.join(line) for line in lines)
+    schedule = read(text)
+    assert rows(schedule) == ROWS
+    assert schedule.lines == ((2, 3, 4) if head else (1, 2, 3))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "start,end,label\n0,0.1,HH\n0.1,0.3,AY\n0.3,0.4,M\n",
+        "start,label,duration\n0,HH,0.1\n0.1,AY,0.2\n0.3,M,0.1\n",
+        "id,end,phone,label,start\n1,0.4,M,x,0.3\n2,0.1,HH,x,0\n3,.3,AY,x,1e-1\n",
+        "0,0.1,HH\n0.1,0.3,AY\n0.3,0.4,M\n",
+        "start;end;label\n0,0;0,1;HH\n0,1;0,3;AY\n\n;;\n0,3;0,4;M\n",
+        '"label","start","end"\n"HH","0","0.1"\n"AY","0.1","0.3"\n"M","0.3","0.4"\n',
+        "\ufefflabel,start,end\nHH,0,0.1\nAY,0.1,0.3\nM,0.3,0.4",
+    ],
+)
+def test_columns_are_known_by_their_names_or_their_numbers(text):
+    assert rows(read(text)) == ROWS
+
+
+def test_gaps_and_blank_labels_are_silence():
+    schedule = read("label,start,end\nHH,0.1,0.2\n,0.2,0.3\nAY,0.4,0.5\n")
+    assert schedule.labels == (SILENCE, "HH", SILENCE, "AY")
+    assert schedule.lines == (2, 2, 4, 4)
+
+
+def test_words_are_rows_that_follow_each_other_with_the_same():
+    schedule = read("word,phone,start,end\nhi,HH,0,.1\nhi,AY,.1,.3\n,sil,.3,.4\nI'm,AY,.4,.5\n")
+    assert words(schedule) == [("hi", 0, 2), ("I'm", 3, 4)]
+
+
+MFA = """Begin,End,Label,Type,Speaker
+0.0,0.3,hi,words,Ann
+0.0,0.2,oh,words,Bob
+0.0,0.1,HH,phones,Ann
+0.1,0.3,AY,phones,Ann
+0.0,0.2,OW,phones,Bob
+"""
+
+
+def test_a_speaker_is_read_when_asked_for():
+    assert words(read(MFA, tier="Ann")) == [("hi", 0, 2)]
+    assert rows(read(MFA, tier="Bob - phones")) == [("OW", 0, 0.2)]
+    told = refusal(MFA)
+    assert told.startswith(
+        "line.csv: 2 tiers look like phones: 'Ann - phones', 'Bob - phones'; say"
+    )
+    assert told.endswith('(--tier "Ann - phones")')
+    assert "no tier is called 'Anne'; known: Ann - phones, Ann - words" in refusal(MFA, tier="Anne")
+
+
+def test_a_speaker_without_a_type_has_phones():
+    text = "speaker,phone,start,end\nAnn,HH,0,0.1\nBob,OW,0,0.2\n"
+    assert rows(read(text, tier="Bob")) == [("OW", 0, 0.2)]
+
+
+def test_a_row_may_begin_with_its_tier():
+    text = '"PhonAlign",0.0,0.1,"HH"\n"PhonAlign",0.1,0.3,"AY"\n"TokensAlign",0.0,0.3,"hi"\n'
+    assert words(read(text)) == [("hi", 0, 2)]
+
+
+@pytest.mark.parametrize(
+    ("unit", "told"),
+    [(1000, "milliseconds"), (100, "frames at 100 a second"), (30, "frames at 30 a second")],
+)
+def test_other_units_are_guessed_with_a_remark_or_named(unit, told):
+    lines = [f"{label},{start * unit:g},{end * unit:g}" for label, start, end in ROWS]
+    text = "\n".join(["label,start,end", *lines])
+    guessed, named = read(text), read(text, rate=unit)
+    assert (
+        f"taken for {told}; if they are not, say how many make a second (--rate {unit})"
+        in (guessed.remarks[0])
+    )
+    np.testing.assert_allclose(guessed.times, [0, 0.1, 0.3, 0.4])
+    np.testing.assert_allclose(named.times, [0, 0.1, 0.3, 0.4])
+    assert named.remarks == ()
+
+
+def test_seconds_are_taken_as_they_are():
+    assert read("label,start,end\nAA,0,0.9\n").remarks == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (
+            "label,start,end\nHH,0,0.2\nAY,0.1,0.3\n",
+            ":3: 'AY', 0.1 to 0.3 s, starts before 'HH' end",
+        ),
+        ("label,start,end\nHH,0,0.2\nAY,0.2\n", ":3: has 2 cells, too few for the columns"),
+        ("label,start,end\nHH,0,0.2\nAY,0.2,x\n", ":3: 'x' is not a time"),
+        ("label,start,end\nHH,0,\n", ":2: '' is not a time"),
+        ("label,start,end\nHH,0,nan\n", ":2: nan is not a time"),
+        ("label,start,end\nHH,-0.1,0.1\n", ":2: 'HH', -0.1 to 0.1 s, starts below 0"),
+        ("label,start,end\nHH,1,0.5\n", ":2: 'HH', 1 to 0.5 s, ends before it starts"),
+        ("label,start,duration\nHH,1,-0.5\n", ":2: 'HH', 1 to 0.5 s, ends before it starts"),
+        ("label,start,end\nHH,1,1\n", ":2: 'HH', 1 to 1 s, has no length"),
+        (
+            'label,start,end\nHH,0,1\n"AY,1,2\nB,2,3\n',
+            ':3: unexpected end of data; is a " left open',
+        ),
+        ('label\tstart\tend\n"a"b\t0\t1\n', ":2: "),
+        ("label,start,end\n", ": has no phonemes in it"),
+        (f"label,start,end\nHH,0,1,{'x' * 200_000}\n", ":2: field larger than"),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_told_with_its_line(text, told):
+    assert refusal(text).startswith(f"line.csv{told}")
+
+
+@pytest.mark.parametrize(
+    "text", ["a,b,c\n", "1,2,3\n", "HH,AY,M\n", "phone,start\nHH,0\n", "hello"]
+)
+def test_what_names_no_columns_is_told_how_to(text):
+    assert refusal(text) == (
+        "line.csv:1: the first row names the columns; let it be: label,start,end"
+    )
+
+
+# Label tracks
+
+TRACK = "0.000000\t0.100000\tHH\n\\\t100.000000\t4000.000000\n0.100000\t0.300000\tAY\n"
+
+
+def test_a_label_track_is_read_without_its_frequencies():
+    schedule = read(TRACK, "labels.txt")
+    assert rows(schedule) == ROWS[:2]
+    assert schedule.lines == (1, 3)
+
+
+def test_a_label_without_text_is_silence():
+    assert read("0.0\t0.1\n0.1\t0.2\t\n0.2\t0.3\tAY", "labels.txt").labels == (SILENCE, "AY")
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("0.300000\t0.300000\tB", ":4: 'B', 0.3 to 0.3 s, has no length"),
+        ("0.200000\t0.400000\tB", ":4: 'B', 0.2 to 0.4 s, starts before 'AY' ends"),
+        ("0.300000 0.400000 B", ":4: is no label; it is START, END and TEXT with tabs"),
+    ],
+)
+def test_what_is_wrong_with_a_label_is_told_with_its_line(line, told):
+    assert refusal(TRACK + line, "labels.txt").startswith(f"labels.txt{told}")
+
+
+# CTM
+
+
+def test_a_ctm_is_read_without_what_is_added_to_its_labels():
+    text = (
+        ";; phones\nline 1 0.00 0.10 HH_B 0.98\nline 1 0.10 0.20 AY_E\n\nline 1 0.30 0.10 M_S 1 x\n"
+    )
+    schedule = read(text, "line.ctm")
+    assert rows(schedule) == ROWS
+    assert schedule.lines == (2, 3, 5)
+
+
+@pytest.mark.parametrize(
+    ("others", "names"),
+    [
+        ("b 1 0 0.2 OW\n", ["a", "b"]),
+        ("a 2 0 0.2 OW\n", ["1", "2"]),
+        ("a 2 0 0.2 OW\nb 1 0 0.1 M\n", ["a 1", "a 2", "b 1"]),
+    ],
+)
+def test_files_and_channels_of_a_ctm_are_read_when_asked_for(others, names):
+    text = f"a 1 0 0.1 HH\n{others}"
+    shown = ", ".join(f"'{name}'" for name in names)
+    told = f'{len(names)} files or channels: {shown}; say which (--tier "{names[0]}")'
+    assert refusal(text, "line.ctm") == f"line.ctm: {told}"
+    assert [read(text, "line.ctm", tier=name).labels[0] for name in names[:2]] == ["HH", "OW"]
+
+
+def test_what_is_wrong_with_a_ctm_is_told_with_its_line():
+    text = "a 1 0 0.1 HH\n"
+    assert refusal(text + "a 1 0.1", "line.ctm") == (
+        "line.ctm:2: is no sound; it is FILE CHANNEL START DURATION LABEL"
+    )
+    assert refusal(text + "a 1 0.1 1.2.3 M", "line.ctm").startswith(
+        "line.ctm:2: '1.2.3' is not a t"
+    )
+    assert refusal(text + "a 1 0.05 0.1 M", "line.ctm").startswith("line.ctm:2: 'M', 0.05 to 0.15")
+
+
+# JSON of tiers
+
+
+def tiers(**named):
+    return {"start": 0, "end": 1, "tiers": named}
+
+
+def tier(*entries, kind="interval"):
+    return {"type": kind, "entries": entries}
+
+
+def test_tiers_of_json_are_chosen_like_those_of_a_textgrid():
+    both = {
+        "Ann - words": tier([0, 0.3, "hi"]),
+        "Ann - phones": tier([0, 0.1, "HH"], [0.1, 0.3, "AY"]),
+        "Bob - phones": tier([0, 0.2, "OW"]),
+        "clicks": tier([0.1, "click"], kind="PointTier"),
+    }
+    text = json.dumps(tiers(**both))
+    assert words(read(text, "line.json", tier="Ann")) == [("hi", 0, 2)]
+    assert 'say which (--tier "Ann - phones")' in refusal(text, "line.json")
+
+
+@pytest.mark.parametrize("form", ["json", "textgrid_json"])
+def test_what_praatio_saves_as_json_is_read(form, tmp_path):
+    textgrid = pytest.importorskip("praatio.textgrid", reason="needs praatio, which writes them")
+    grid = textgrid.Textgrid()
+    rows_ = [(start, end, label) for label, start, end in ROWS]
+    grid.addTier(textgrid.IntervalTier("phones", rows_, 0, 0.4))
+    grid.addTier(textgrid.IntervalTier("words", [(0, 0.4, "hime")], 0, 0.4))
+    grid.addTier(textgrid.PointTier("clicks", [(0.2, "click")], 0, 0.4))
+    for name in ("line.json", "line.TextGrid"):
+        grid.save(tmp_path / name, form, includeBlankSpaces=True)
+        schedule = read_schedule(tmp_path / name)
+        assert rows(schedule) == ROWS
+        assert words(schedule) == [("hime", 0, 3)]
+
+
+@pytest.mark.parametrize(
+    ("document", "told"),
+    [
+        ({"tiers": 5}, "has no tiers; the form is "),
+        ({"tiers": [5]}, "has no tiers; the form is "),
+        ({"tiers": {"phones": 5}}, "tier 'phones' has no entries; the form is "),
+        ({"tiers": {"phones": {}}}, "tier 'phones' has no entries; the form is "),
+        ({"tiers": []}, "has no phonemes in it; check that it was written to the end"),
+        (tiers(phones=tier()), "has no phonemes in it"),
+        (tiers(phones=tier([0, 1])), "tier 'phones': an entry is [start, end, label], not [0, 1]"),
+        (tiers(phones=tier([0, 1, 2])), "tier 'phones': an entry is [start, end, label], not [0"),
+        (tiers(phones=tier([0, "1", "a"])), "'1' is not a time"),
+        (tiers(phones=tier([0, float("nan"), "a"])), "nan is not a time"),
+        (tiers(phones=tier([0, 1, "a"], [0.5, 1, "b"])), "'b', 0.5 to 1 s, starts before 'a' ends"),
+    ],
+)
+def test_what_is_wrong_with_json_of_tiers_is_told(document, told):
+    assert refusal(json.dumps(document), "line.json").startswith(f"line.json: {told}")
+
+
+# All of them
+
+
+@given(st.sampled_from(["table", "audacity", "ctm", "mfa-json"]), st.text(max_size=200))
+def test_any_text_is_read_or_refused_in_words(name, text):
+    source = Source(Path("line.x"), text.encode("utf-8", "replace"))
+    try:
+        assert isinstance(find_reader(source, name).read(source), Schedule)
+    except ScheduleError as error:
+        assert str(error).startswith("line.x:")  # noqa: PT017 both ends are right
