@@ -9,7 +9,7 @@ TEXTS ?= text
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo consumers test lint types bench articulography languages wheel clean
+.PHONY: help demo consumers usd test lint types bench articulography languages wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -38,6 +38,9 @@ consumers: tests/browser/package.json ## fetch what reads GLB in the tests (npm)
 	mkdir -p $(CONSUMERS)
 	cp tests/browser/package.json $(CONSUMERS)/
 	npm install --silent --no-audit --no-fund --prefix $(CONSUMERS)
+
+usd: $(VENV)/ready ## fetch the library of USD, which reads .usda in the tests (pip, 209 MB)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check usd-core
 
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .

@@ -159,6 +159,8 @@ def needs(page):
         found |= {"espeakng_loader", "phonemizer"}
     if "--plot" in done:
         found.add("matplotlib")
+    if re.search(r"-o \S+\.(mp4|webm|png)\b", done):
+        found |= {"imageio_ffmpeg", "PIL"}
     if "epitran" in done:
         found.add("epitran")
     return sorted(found)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -53,6 +54,8 @@ class Animation:
     offset : seconds at which the sound begins on the timeline of the files that are written
     tolerance : how far keyframes may stray from the curves, in formats that have keyframes; None
         for what suits the format
+    neutral : what the face at rest is called, where it has a name
+    contacts : the poses that must be seen wherever they are reached
     """
 
     times: npt.NDArray[np.float64]
@@ -66,6 +69,22 @@ class Animation:
     model: Path | None = None
     offset: float = 0.0
     tolerance: float | None = None
+    neutral: str | None = None
+    contacts: tuple[str, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """What it is called in files: its words, or the file they came from."""
+        source = Path(self.schedule.source)
+        words = " ".join(word.text for word in self.schedule.words)
+        return shorten(words, 60, placeholder=" ...") or (
+            source.stem if source.suffix else "lipsync"
+        )
+
+    @property
+    def columns(self) -> tuple[Channel, ...]:
+        """What each column drives: shapes of its own name, where nothing else is known."""
+        return self.channels or tuple(map(Channel, self.poses))
 
     @property
     def begins(self) -> float:

@@ -11,7 +11,12 @@ from lipsync_lang.animations.registry import writer
 @writer("csv", suffix=".csv")
 def write_csv(animation: Animation, out: TextIO) -> None:
     """One row per frame: time_s, then a column per pose."""
-    out.write(",".join(["time_s", *animation.poses]) + "\n")
+    out.write(",".join(["time_s", *map(_quoted, animation.poses)]) + "\n")
     row = ",".join(["%.6f", *["%.5f"] * len(animation.poses)]) + "\n"
     table = np.column_stack([animation.times + animation.offset, animation.weights])
     out.writelines(row % tuple(values) for values in table.tolist())
+
+
+def _quoted(name: str) -> str:
+    """Return a name as a cell: between quotes, where it would end the cell or the row."""
+    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name

@@ -5,7 +5,8 @@ of its binary data. So the file's JSON is worked on as such; a library that know
 glTF loses those that it does not know.
 
 glTF has no time below zero: where the mouth moves before the sound, all times are shifted, and
-`audio_start` in the animation's extras says when the sound begins.
+`audio_start` in the animation's extras says when the sound begins. Every frame is a key, unless a
+tolerance is asked for: then those frames are that any column needs.
 """
 
 import json
@@ -13,13 +14,13 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import reduce
 from pathlib import Path
-from textwrap import shorten
 from typing import BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.keys import needed
 from lipsync_lang.animations.registry import binary_writer
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.container import (
@@ -47,7 +48,7 @@ def unplaced(animation: Animation) -> Iterator[str]:
     """Yield, in words, what of an animation a model does not show, and what is doubtful."""
     if animation.model is None:
         return
-    channels = _channels(animation)
+    channels = animation.columns
     model = _model(animation.model, channels)
     placed = [on_mesh(channels, mesh) for mesh in model.meshes]
     shown = {number for one in placed for number in one.shapes}
@@ -62,10 +63,6 @@ def unplaced(animation: Animation) -> Iterator[str]:
     yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
 
 
-def _channels(animation: Animation) -> tuple[Channel, ...]:
-    return animation.channels or tuple(map(Channel, animation.poses))
-
-
 def _model(path: Path, channels: Sequence[Channel]) -> Model:
     return read_model(path, bones=any(channel.node is not None for channel in channels))
 
@@ -77,16 +74,19 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
         raise OutputError(
             "there is no model to move; name one with --model FILE, or `model:` in the character"
         )
-    channels = _channels(animation)
+    channels = animation.columns
     model = _model(animation.model, channels)
-    start, times = animation.begins, animation.timeline.astype("<f4")
-    frames = np.append(True, np.diff(times) > 0)
+    times = animation.timeline.astype("<f4")
+    frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
+    if animation.tolerance:
+        kept = needed(times[frames].astype(float), animation.weights[frames], animation.tolerance)
+        frames = frames[kept]
     take = _Take(model, times[frames])
     _move_shapes(take, channels, animation.weights[frames])
     _move_nodes(take, channels, animation.weights[frames])
     if not take.channels:
         raise _nothing_moves(model, channels)
-    take.finish(_name(animation), {"audio_start": round(start, 6)})
+    take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
     _write(out, take)
 
 
@@ -154,13 +154,6 @@ class _Take:
             number += 1
             free = f"{name} {number}"
         return free
-
-
-def _name(animation: Animation) -> str:
-    """Return what the animation is called: its words, or the file they came from."""
-    source = Path(animation.schedule.source)
-    words = " ".join(word.text for word in animation.schedule.words)
-    return shorten(words, 60, placeholder=" ...") or (source.stem if source.suffix else "lipsync")
 
 
 # Morph targets

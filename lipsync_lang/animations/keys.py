@@ -5,6 +5,7 @@ frame; there the next key is. What is held stays held: where a value repeats, bo
 run are keys, so that a contact or a rest is as long and as deep as it was.
 """
 
+from functools import reduce
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -16,6 +17,9 @@ Ints = npt.NDArray[np.int64]
 
 ERROR = 0.005
 """The most that a curve may stray, of the weight of a pose, where nothing else is asked for."""
+
+ROUNDING = 5e-5
+"""What of an error is kept back for the decimals of files, so that they keep to it as well."""
 
 
 class Curve(NamedTuple):
@@ -40,6 +44,7 @@ def keyframes(times: Floats, values: Floats, error: float) -> Ints:
         frames but those on a straight line
     """
     count = len(times)
+    error = max(error - ROUNDING, 0.0)
     if count <= 2:  # noqa: PLR2004 both ends
         return np.arange(count)
     held = np.diff(values) == 0
@@ -92,3 +97,9 @@ def curves(
         frames = keyframes(times, weights[:, number], error)
         found.append(Curve(name, frames, times[frames], weights[frames, number]))
     return found
+
+
+def needed(times: Floats, weights: Floats, error: float) -> Ints:
+    """Return which of T frames any channel needs, for formats that share their keyframes."""
+    ends = np.unique([0, len(times) - 1])
+    return reduce(np.union1d, (keyframes(times, column, error) for column in weights.T), ends)

@@ -32,7 +32,9 @@ class Writer:
 WRITERS: dict[str, Writer] = {}
 
 
-def writer(name: str, *, suffix: str) -> Callable[[WriteText], WriteText]:
+def writer(
+    name: str, *, suffix: str, remarks: Remarks = lambda _: ()
+) -> Callable[[WriteText], WriteText]:
     """Register ``(animation, text stream) -> None`` as the writer of a text format."""
 
     def register(write: WriteText) -> WriteText:
@@ -42,7 +44,7 @@ def writer(name: str, *, suffix: str) -> Callable[[WriteText], WriteText]:
             text.flush()
             text.detach()
 
-        WRITERS[name] = Writer(name, suffix, _title(write), encoded)
+        WRITERS[name] = Writer(name, suffix, _title(write), encoded, remarks)
         return write
 
     return register

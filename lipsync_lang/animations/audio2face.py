@@ -1,0 +1,40 @@
+"""Blend shape weights as NVIDIA's Audio2Face exports them, for whatever imports those.
+
+`weightMat` has a list of weights for each frame, in the order of `facsNames`. Frame k lies at
+k / `exportFps` seconds: an offset is rounded to a frame, and the face rests until then. Importers
+find shapes by name, so every column is written under its own; weights are what the animation has.
+"""
+
+import json
+from collections.abc import Iterator
+from typing import TextIO
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import boneless, first_frame, late, shape_columns
+from lipsync_lang.animations.registry import writer
+
+PROGRAM = "Audio2Face"
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what the file does not hold, and when the sound begins."""
+    yield from boneless(animation, PROGRAM)
+    yield from late(animation, PROGRAM)
+
+
+@writer("audio2face", suffix=".a2f.json", remarks=remarks)
+def write_audio2face(animation: Animation, out: TextIO) -> None:
+    """Audio2Face's weights: a list per frame, in the order of the shapes' names."""
+    shapes = shape_columns(animation)
+    weights = np.pad(animation.weights[:, shapes], ((first_frame(animation), 0), (0, 0))).round(6)
+    head = {
+        "exportFps": animation.fps,
+        "numPoses": len(shapes),
+        "numFrames": len(weights),
+        "facsNames": [animation.poses[n] for n in shapes],
+    }
+    rows = ",\n  ".join(json.dumps(row) for row in weights.tolist())
+    text = json.dumps(head, ensure_ascii=False, indent=1)
+    out.write(f'{text[: text.rindex("}")].rstrip()},\n "weightMat": [\n  {rows}\n ]\n}}\n')

@@ -1,0 +1,38 @@
+"""Blend shapes as the speech service of Azure sends them beside its voices.
+
+One JSON object with the number of its first frame, and for each frame 55 numbers from 0 to 1: the
+52 shapes of ARKit, then turns of the head and the eyes. There are always 60 frames a second,
+counted from the beginning (learn.microsoft.com, "Get facial position with viseme"); an offset is
+rounded to a frame. Weights are clipped to 0 to 1.
+"""
+
+import json
+from collections.abc import Iterator
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import doubts, first_frame, laid_out, names
+from lipsync_lang.animations.registry import writer
+from lipsync_lang.errors import OutputError
+
+PROGRAM = "Azure"
+FPS = 60
+HELD = "azure.txt"
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what the file does not hold, and when the sound begins."""
+    return doubts(animation, names(HELD), PROGRAM)
+
+
+@writer("azure", suffix=".azure.json", remarks=remarks)
+def write_azure(animation: Animation, out: TextIO) -> None:
+    """Azure's blend shapes: 55 weights for each of 60 frames a second."""
+    if animation.fps != FPS:
+        raise OutputError(
+            f"{PROGRAM}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}; "
+            f"perform it with --fps {FPS}"
+        )
+    table = laid_out(animation, names(HELD), PROGRAM)
+    rows = ",\n".join(json.dumps(row) for row in table.round(6).tolist())
+    out.write(f'{{"FrameIndex": {first_frame(animation)}, "BlendShapes": [\n{rows}\n]}}\n')

@@ -1,0 +1,75 @@
+"""A script for Blender's text editor, which puts the animation on the shape keys of a face.
+
+Blender reads no file of curves, but runs Python. The script holds the keyframes as JSON and the few
+lines that lay them on meshes (`templates/blender.txt`): those whose shape keys have the names of
+the columns, or spellings that are known of them. Its curves are straight between their keys. The
+sound begins at frame 1, or the offset after it; what the mouth does before lies at frames below.
+"""
+
+import json
+from collections.abc import Iterator
+from math import ceil
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import boneless, shape_columns
+from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.shapes import on_model
+
+Floats = npt.NDArray[np.float64]
+
+TEMPLATE = Path(__file__).parent / "templates" / "blender.txt"
+FIRST = 1
+"""The first frame of a scene."""
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what the script does not hold."""
+    return boneless(animation, "Blender")
+
+
+@writer("blender", suffix=".py", remarks=remarks)
+def write_blender(animation: Animation, out: TextIO) -> None:
+    """A script for Blender's text editor: keyframes of shape keys."""
+    curves, spellings = animation.keys(ERROR), _spellings(animation)
+    rate = max(1, round(animation.fps))
+    channels = []
+    for number in shape_columns(animation):
+        channel, curve = animation.columns[number], curves[number]
+        channels.append(
+            {
+                "names": list(dict.fromkeys([channel.name, *spellings[number], *channel.names])),
+                "mesh": channel.mesh,
+                "frames": _frames(animation, curve.times - animation.begins),
+                "values": curve.values.round(6).tolist(),
+            }
+        )
+    take = {
+        "name": animation.title,
+        "fps": rate,
+        "fps_base": rate / animation.fps,
+        "end": ceil(_frames(animation, animation.times)[-1]),
+        "channels": channels,
+    }
+    [sound] = _frames(animation, np.zeros(1))
+    script = TEMPLATE.read_text(encoding="utf-8").replace("@SOUND@", f"{sound:g}")
+    out.write(script.replace("@TAKE@", json.dumps(take)))
+
+
+def _frames(animation: Animation, times: Floats) -> list[float]:
+    """Return the scene's frames at seconds of the sound."""
+    frames: list[float] = (FIRST + (times + animation.offset) * animation.fps).round(5).tolist()
+    return frames
+
+
+def _spellings(animation: Animation) -> list[list[str]]:
+    """Return, for each column, what its shapes are called on the model, where that is known."""
+    found: list[list[str]] = [[] for _ in animation.poses]
+    for _, name, column in on_model(animation):
+        found[column].append(name)
+    return found

@@ -1,0 +1,75 @@
+"""A Godot animation, to be added to an AnimationPlayer.
+
+The text form of resources, format 2 (docs.godotengine.org, "TSCN file format"): Godot 3 writes it
+and Godot 4 still reads it, `PoolRealArray` included. Each shape is a value track on the property
+`blend_shapes/<name>` of a MeshInstance: of the node called like the mesh, where the model has
+several, else of the AnimationPlayer's own root. Godot has no time below zero: where the mouth moves
+before the sound, all times are shifted, and the metadata `audio_start` tells Godot 4 when the sound
+begins.
+"""
+
+from collections.abc import Iterator
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import boneless, late
+from lipsync_lang.animations.glb import unplaced
+from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.shapes import Shape, keys, shapes
+
+PROGRAM = "Godot"
+
+IN_NODES = str.maketrans("", "", '.:@/"%')
+"""What Godot leaves out of the names of nodes."""
+
+IN_SHAPES = str.maketrans(":", "_")
+"""What Godot puts for what it cannot have in the names of shapes."""
+
+
+def doubts(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what the file does not hold, and when its sound begins."""
+    yield from unplaced(animation)
+    yield from boneless(animation, PROGRAM)
+    yield from late(animation, PROGRAM)
+
+
+@writer("godot", suffix=".tres", remarks=doubts)
+def write_godot(animation: Animation, out: TextIO) -> None:
+    """An animation for Godot 3 and 4: a track of keyframes for each blend shape."""
+    tracks = shapes(animation)
+    out.write(
+        '[gd_resource type="Animation" format=2]\n\n[resource]\n'
+        f"length = {_number(animation.timeline[-1])}\n"
+        f"step = {_number(1 / animation.fps)}\n"
+    )
+    curves = keys(animation, tracks, ERROR)
+    for number, (track, curve) in enumerate(zip(tracks, curves, strict=True)):
+        times = ", ".join(map(_number, curve.times))
+        values = ", ".join(map(_number, curve.values))
+        once = ", ".join(["1"] * len(curve.times))
+        out.write(
+            f'tracks/{number}/type = "value"\n'
+            f'tracks/{number}/path = NodePath("{_path(track)}")\n'
+            f"tracks/{number}/interp = 1\n"
+            f"tracks/{number}/loop_wrap = true\n"
+            f"tracks/{number}/imported = false\n"
+            f"tracks/{number}/enabled = true\n"
+            f'tracks/{number}/keys = {{\n"times": PoolRealArray( {times} ),\n'
+            f'"transitions": PoolRealArray( {once} ),\n'
+            f'"update": 0,\n"values": [ {values} ]\n}}\n'
+        )
+    out.write(f"metadata/audio_start = {_number(animation.begins)}\n")
+
+
+def _path(shape: Shape) -> str:
+    """Return the property of a shape, as a text between quotes."""
+    node = shape.mesh.translate(IN_NODES) or "."
+    path = f"{node}:blend_shapes/{shape.name.translate(IN_SHAPES)}"
+    return path.replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _number(value: float) -> str:
+    """Return a number that Godot reads as one with a fraction."""
+    text = f"{value:.6f}".rstrip("0")
+    return text + "0" if text.endswith(".") else text

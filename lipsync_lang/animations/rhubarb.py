@@ -1,0 +1,94 @@
+"""Rhubarb Lip Sync's three files of mouth shapes, for whatever reads its own.
+
+After its README and exporters (github.com/DanielSWolf/rhubarb-lip-sync): shapes A to H, and X for
+a mouth at rest; times in seconds with two decimals, from 0 to the end of the sound; each shape ends
+where the next one starts. `soundFile` is what was spoken, as messages call it: the name of the
+sound that is written beside is not known here.
+"""
+
+import json
+from pathlib import Path
+from typing import TextIO
+from xml.sax.saxutils import escape
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.held import Shape, held
+from lipsync_lang.animations.registry import writer
+from lipsync_lang.errors import OutputError
+
+NAMES = Path(__file__).parent / "names" / "rhubarb.txt"
+
+
+@writer("rhubarb-tsv", suffix=".tsv")
+def write_tsv(animation: Animation, out: TextIO) -> None:
+    """Rhubarb's table of mouth shapes: the start of each, and the end of the sound."""
+    shapes = _shapes(animation)
+    out.writelines(f"{shape.start:.2f}\t{shape.name}\n" for shape in shapes)
+    out.write(f"{shapes[-1].end:.2f}\t{_known()[-1]}\n")
+
+
+@writer("rhubarb-xml", suffix=".xml")
+def write_xml(animation: Animation, out: TextIO) -> None:
+    """Rhubarb's mouth shapes as XML: the start and end of each."""
+    shapes = _shapes(animation)
+    cues = "".join(
+        f'    <mouthCue start="{shape.start:.2f}" end="{shape.end:.2f}">{shape.name}</mouthCue>\n'
+        for shape in shapes
+    )
+    out.write(
+        '<?xml version="1.0" encoding="utf-8"?>\n'
+        "<rhubarbResult>\n"
+        "  <metadata>\n"
+        f"    <soundFile>{escape(_printable(animation.schedule.source))}</soundFile>\n"
+        f"    <duration>{shapes[-1].end:.2f}</duration>\n"
+        "  </metadata>\n"
+        "  <mouthCues>\n"
+        f"{cues}"
+        "  </mouthCues>\n"
+        "</rhubarbResult>\n"
+    )
+
+
+@writer("rhubarb-json", suffix=".rhubarb.json")
+def write_json(animation: Animation, out: TextIO) -> None:
+    """Rhubarb's mouth shapes as JSON: the start and end of each."""
+    shapes = _shapes(animation)
+    cues = ",\n".join(
+        f'    {{ "start": {shape.start:.2f}, "end": {shape.end:.2f}, "value": "{shape.name}" }}'
+        for shape in shapes
+    )
+    out.write(
+        "{\n"
+        '  "metadata": {\n'
+        f'    "soundFile": {json.dumps(animation.schedule.source, ensure_ascii=False)},\n'
+        f'    "duration": {shapes[-1].end:.2f}\n'
+        "  },\n"
+        '  "mouthCues": [\n'
+        f"{cues}\n"
+        "  ]\n"
+        "}\n"
+    )
+
+
+def _known() -> list[str]:
+    """Return the names of the shapes, that of the mouth at rest last."""
+    return NAMES.read_text("utf-8").split()
+
+
+def _shapes(animation: Animation) -> list[Shape]:
+    """Return what is shown, by Rhubarb's names, however the animation capitalises them."""
+    known = {name.casefold(): name for name in _known()}
+    others = [pose for pose in animation.poses if pose.casefold() not in known]
+    if others:
+        raise OutputError(
+            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {', '.join(others)} "
+            f"{'is' if len(others) == 1 else 'are'} none of them; perform on a character that has "
+            "those shapes (-c rhubarb)"
+        )
+    shapes = held(animation, _known()[-1])
+    return [shape._replace(name=known[shape.name.casefold()]) for shape in shapes]
+
+
+def _printable(text: str) -> str:
+    """Return a text without the characters that XML 1.0 has no way to write."""
+    return "".join(c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in text)

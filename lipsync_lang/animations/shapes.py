@@ -1,0 +1,65 @@
+"""Which shapes of which meshes an animation moves, by the names that they have there."""
+
+from collections import defaultdict
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import shape_columns
+from lipsync_lang.animations.keys import Curve
+
+Floats = npt.NDArray[np.float64]
+
+
+class Shape(NamedTuple):
+    """A shape, and how it moves."""
+
+    mesh: str
+    """The mesh that has it; empty where there is one mesh, or none is known."""
+    name: str
+    values: Floats
+    """(T,)"""
+
+
+def shapes(animation: Animation) -> list[Shape]:
+    """Return the shapes that move; bones are left out.
+
+    Where the model is known, they are its own, in its own spelling, mesh by mesh. Else each column
+    is a shape of its name. Of two columns for one shape the larger counts.
+    """
+    columns: dict[tuple[str, str], list[int]] = defaultdict(list)
+    for mesh, name, column in on_model(animation) or _by_name(animation):
+        columns[mesh, name].append(column)
+    weights = animation.weights
+    return [Shape(*key, weights[:, own].max(axis=1)) for key, own in columns.items()]
+
+
+def keys(animation: Animation, found: list[Shape], tolerance: float) -> list[Curve]:
+    """Return the keyframes of each shape; see `Animation.keys`."""
+    names = tuple(shape.name for shape in found)
+    values = np.column_stack([shape.values for shape in found])
+    return replace(animation, poses=names, weights=values).keys(tolerance)
+
+
+def on_model(animation: Animation) -> list[tuple[str, str, int]]:
+    """Return the shapes of the model, if one is known: mesh, name, and column."""
+    from lipsync_lang.rigs.model import read_model
+    from lipsync_lang.rigs.names import on_mesh
+
+    if animation.model is None:
+        return []
+    meshes = read_model(animation.model, bones=True).meshes
+    return [
+        ((mesh.given or mesh.name) if len(meshes) > 1 else "", name, column)
+        for mesh in meshes
+        for column, names in on_mesh(animation.columns, mesh).shapes.items()
+        for name in names
+    ]
+
+
+def _by_name(animation: Animation) -> list[tuple[str, str, int]]:
+    columns = animation.columns
+    return [(columns[n].mesh or "", columns[n].name, n) for n in shape_columns(animation)]

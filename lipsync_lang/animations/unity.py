@@ -1,0 +1,164 @@
+"""An animation clip of Unity, as its editor stores one in text.
+
+After clips of Unity 2018 and later (`AnimationClip`, serialized version 6): a curve for each blend
+shape, whose attribute is `blendShape.` and the shape's name; class 137 is SkinnedMeshRenderer.
+Weights are percent. `path` leads from the object that has the Animator to the one with the mesh: it
+is the mesh's name where there are several, else empty. Keys are broken and linear on both sides
+(tangent mode 69), their slopes percent a second. What the editor derives from the curves (its own
+copy of them, bindings) is left for it to make. A clip has no time below zero.
+"""
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import boneless, late
+from lipsync_lang.animations.glb import unplaced
+from lipsync_lang.animations.keys import ERROR, Curve
+from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.shapes import keys, shapes
+
+PROGRAM = "Unity"
+PERCENT = 100
+PLAIN = re.compile(
+    r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*", re.ASCII | re.IGNORECASE
+)
+"""What YAML takes for text as it stands."""
+
+HEAD = """\
+%YAML 1.1
+%TAG !u! tag:unity3d.com,2011:
+--- !u!74 &7400000
+AnimationClip:
+  m_ObjectHideFlags: 0
+  m_CorrespondingSourceObject: {{fileID: 0}}
+  m_PrefabInstance: {{fileID: 0}}
+  m_PrefabAsset: {{fileID: 0}}
+  m_Name: {name}
+  serializedVersion: 6
+  m_Legacy: 0
+  m_Compressed: 0
+  m_UseHighQualityCurve: 1
+  m_RotationCurves: []
+  m_CompressedRotationCurves: []
+  m_EulerCurves: []
+  m_PositionCurves: []
+  m_ScaleCurves: []
+  m_FloatCurves:
+"""
+
+CURVE = """\
+  - curve:
+      serializedVersion: 2
+      m_Curve:
+{keys}\
+      m_PreInfinity: 2
+      m_PostInfinity: 2
+      m_RotationOrder: 4
+    attribute: {attribute}
+    path: {path}
+    classID: 137
+    script: {{fileID: 0}}
+"""
+
+KEY = """\
+      - serializedVersion: 3
+        time: {time}
+        value: {value}
+        inSlope: {before}
+        outSlope: {after}
+        tangentMode: 69
+        weightedMode: 0
+        inWeight: 0.33333334
+        outWeight: 0.33333334
+"""
+
+TAIL = """\
+  m_PPtrCurves: []
+  m_SampleRate: {fps}
+  m_WrapMode: 0
+  m_Bounds:
+    m_Center: {{x: 0, y: 0, z: 0}}
+    m_Extent: {{x: 0, y: 0, z: 0}}
+  m_ClipBindingConstant:
+    genericBindings: []
+    pptrCurveMapping: []
+  m_AnimationClipSettings:
+    serializedVersion: 2
+    m_AdditiveReferencePoseClip: {{fileID: 0}}
+    m_AdditiveReferencePoseTime: 0
+    m_StartTime: 0
+    m_StopTime: {stop}
+    m_OrientationOffsetY: 0
+    m_Level: 0
+    m_CycleOffset: 0
+    m_HasAdditiveReferencePose: 0
+    m_LoopTime: 0
+    m_LoopBlend: 0
+    m_LoopBlendOrientation: 0
+    m_LoopBlendPositionY: 0
+    m_LoopBlendPositionXZ: 0
+    m_KeepOriginalOrientation: 0
+    m_KeepOriginalPositionY: 1
+    m_KeepOriginalPositionXZ: 0
+    m_HeightFromFeet: 0
+    m_Mirror: 0
+  m_EditorCurves: []
+  m_EulerEditorCurves: []
+  m_HasGenericRootTransform: 0
+  m_HasMotionFloatCurves: 0
+  m_Events: []
+"""
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what the clip does not hold, and when the sound begins."""
+    yield from unplaced(animation)
+    yield from boneless(animation, PROGRAM)
+    yield from late(animation, PROGRAM)
+
+
+@writer("unity", suffix=".anim", remarks=remarks)
+def write_unity(animation: Animation, out: TextIO) -> None:
+    """A Unity animation clip: keyframes of blend shapes."""
+    found = shapes(animation)
+    out.write(HEAD.format(name=_text(animation.title)))
+    out.writelines(
+        CURVE.format(
+            keys=_keys(curve), attribute=_text(f"blendShape.{shape.name}"), path=_text(shape.mesh)
+        )
+        for shape, curve in zip(found, keys(animation, found, ERROR), strict=True)
+    )
+    stop = _number(float(animation.timeline[-1]))
+    out.write(TAIL.format(fps=_number(animation.fps), stop=stop))
+
+
+def _keys(curve: Curve) -> str:
+    points = list(zip(curve.times.round(6).tolist(), curve.values.tolist(), strict=True))
+    points = [(time, round(value * PERCENT, 4)) for time, value in points]
+    slopes = [
+        (after - before) / (end - start) for (start, before), (end, after) in pairwise(points)
+    ]
+    return "".join(
+        KEY.format(time=_number(t), value=_number(v), before=_number(i), after=_number(o))
+        for (t, v), i, o in zip(points, [0.0, *slopes], [*slopes, 0.0], strict=True)
+    )
+
+
+def _number(value: float) -> str:
+    """Write a number without a needless end, and without a minus that means nothing."""
+    return f"{value + 0.0:.9g}"
+
+
+def _text(text: str) -> str:
+    """Write text for YAML: as it stands, or with every letter that is not plain escaped."""
+    return text if not text or PLAIN.fullmatch(text) else f'"{"".join(map(_letter, text))}"'
+
+
+def _letter(letter: str) -> str:
+    code = ord(letter)
+    if " " <= letter <= "~":
+        return f"\\{letter}" if letter in '"\\' else letter
+    return f"\\u{code:04X}" if code < 1 << 16 else f"\\U{code:08X}"

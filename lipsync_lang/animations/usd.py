@@ -1,0 +1,84 @@
+"""Universal Scene Description: a SkelAnimation of blend shapes, as text.
+
+The animation alone: a model's own file binds it by `skel:animationSource`, and shapes are found by
+name (openusd.org, "UsdSkel schemas"). A time code is a frame, so that rates such as 24000/1001 stay
+exact, and the sound begins at time code 0, or at the offset; what the mouth does before that has
+time codes below. Every sample holds the weights of all shapes.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import TextIO
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.fixed import boneless
+from lipsync_lang.animations.glb import unplaced
+from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.shapes import shapes
+from lipsync_lang.errors import OutputError
+
+Floats = npt.NDArray[np.float64]
+
+NAME = "Speech"
+"""The animation's prim."""
+
+
+def doubts(animation: Animation) -> Iterator[str]:
+    """Yield, in words, what the file does not hold."""
+    yield from unplaced(animation)
+    yield from boneless(animation, "a .usda")
+
+
+@writer("usd", suffix=".usda", remarks=doubts)
+def write_usd(animation: Animation, out: TextIO) -> None:
+    """A USD SkelAnimation of blend shapes, to be bound to a model."""
+    columns = _columns(animation)
+    frames = (animation.times + animation.offset) * animation.fps
+    codes = [_code(frame) for frame in frames.tolist()]
+    rate = repr(float(animation.fps)).removesuffix(".0")
+    tokens = ", ".join(map(_token, columns))
+    out.write(
+        f'#usda 1.0\n(\n    defaultPrim = "{NAME}"\n'
+        f"    endTimeCode = {codes[-1]}\n"
+        f"    framesPerSecond = {rate}\n"
+        "    metersPerUnit = 1\n"
+        f"    startTimeCode = {codes[0]}\n"
+        f"    timeCodesPerSecond = {rate}\n"
+        '    upAxis = "Y"\n)\n\n'
+        f'def SkelAnimation "{NAME}"\n{{\n'
+        f"    uniform token[] blendShapes = [{tokens}]\n"
+        "    float[] blendShapeWeights.timeSamples = {\n"
+    )
+    row = "        %s: [" + ", ".join(["%.6g"] * len(columns)) + "],\n"
+    table = np.column_stack(list(columns.values())).round(6) + 0.0
+    out.writelines(
+        row % (code, *weights) for code, weights in zip(codes, table.tolist(), strict=True)
+    )
+    out.write("    }\n}\n")
+
+
+def _columns(animation: Animation) -> dict[str, Floats]:
+    """Return how each shape moves, by its name: USD knows no meshes here."""
+    moves: dict[str, list[Floats]] = defaultdict(list)
+    for shape in shapes(animation):
+        moves[shape.name].append(shape.values)
+    apart = [n for n, (first, *rest) in moves.items() if any((first != o).any() for o in rest)]
+    if apart:
+        raise OutputError(
+            f"{', '.join(apart)}: moves differently on different meshes, and USD knows shapes by "
+            "name alone; rename it on one of the meshes"
+        )
+    return {name: found[0] for name, found in moves.items()}
+
+
+def _code(frame: float) -> str:
+    """Return a time code: a frame's number, and a fraction of it where frames lie between."""
+    return f"{round(frame, 6) + 0.0:.6f}".rstrip("0").rstrip(".")
+
+
+def _token(name: str) -> str:
+    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + escaped.replace("\n", "\\n").replace("\r", "\\r").replace("\t", "\\t") + '"'

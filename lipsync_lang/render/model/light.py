@@ -1,0 +1,174 @@
+"""Light: smooth normals, and how bright they make a surface.
+
+Everything is linear until `encoded` makes it what screens show.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.render.model.camera import Camera
+from lipsync_lang.render.model.gltf import Floats
+from lipsync_lang.render.model.raster import LEAST, Window, area, depths, fill
+from lipsync_lang.render.model.scene import Bools, Ints, Scene
+
+_VALUES = np.linspace(0, 1, 256)
+LINEAR = np.where(_VALUES <= 0.04045, _VALUES / 12.92, ((_VALUES + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004 sRGB
+"""(256,): the light of each value of sRGB."""
+
+_STEPS = 4096
+_SHADES = np.searchsorted((LINEAR[1:] + LINEAR[:-1]) / 2, np.linspace(0, 1, _STEPS)).astype("u1")
+
+GRAIN = 1e-4, 0.05
+"""Corners are one where their places agree to this part of the model's size, and their normals."""
+
+
+class Lamp(NamedTuple):
+    """Light that comes from afar."""
+
+    way: tuple[float, float, float]
+    """To the lamp: right, up, towards the eye."""
+    colour: tuple[float, float, float]
+    wrap: float
+    """How far it reaches around an edge; 0 for a point, 1 for a sky."""
+    shine: float
+    """How bright its reflection is."""
+
+
+LAMPS = (
+    Lamp((-0.55, 0.6, 0.8), (0.66, 0.63, 0.59), 0.15, 0.3),
+    Lamp((0.9, 0.1, 0.5), (0.17, 0.19, 0.22), 0.3, 0.0),
+    Lamp((0.6, 0.7, -0.8), (0.24, 0.25, 0.27), 0.0, 0.0),
+)
+"""Key, fill and rim."""
+
+SKY, GROUND = np.array([0.30, 0.31, 0.33]), np.array([0.15, 0.14, 0.13])
+"""From above and from below."""
+
+AROUND, CELLS, BIAS = 40, 256, 4
+"""Directions from which light comes, cells along a side of the grid of each; cells."""
+
+LEAST_LIGHT = 0.4
+"""What reaches even the deepest point."""
+
+SHARPEST = 60.0
+"""How small a reflection gets on what is perfectly smooth."""
+
+
+class Normals:
+    """Normals that follow what moves.
+
+    They are those of the file, changed as the surface turns; without any, those of the surface.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._corners = scene.triangles
+        self._group = _groups(scene)
+        smooth = self._smooth(scene.rest)
+        self._change = np.nan_to_num(unit(scene.directions(scene.normals)) - smooth)
+
+    def at(self, points: Floats) -> Floats:
+        """Return the (V, 3) normals of points."""
+        return unit(self._smooth(points) + self._change)
+
+    def around(self, triangles: Ints) -> Bools:
+        """Tell of (V,) points whether their normals change when some triangles move."""
+        turned: Bools = np.zeros(len(self._group), bool)
+        turned[self._group[triangles]] = True
+        found: Bools = turned[self._group]
+        return found
+
+    def _smooth(self, points: Floats) -> Floats:
+        """Average the normals of the triangles around each point, the larger ones counting more."""
+        a, b, c = points[self._corners].swapaxes(0, 1)
+        faces = np.cross(b - a, c - a)
+        owners = self._group[self._corners].T.ravel()
+        sums = [np.bincount(owners, np.tile(part, 3), len(points)) for part in faces.T]
+        return unit(np.column_stack(sums))[self._group]
+
+
+def _groups(scene: Scene) -> Ints:
+    """Return (V,) the first of the points that are one but for their place in a texture."""
+    given = scene.normals
+    bare: Bools = np.isnan(given[:, 0])
+    size = float(np.ptp(scene.rest)) or 1.0
+    keys = np.hstack([scene.rest / size / GRAIN[0], np.where(bare[:, None], 0, given) / GRAIN[1]])
+    keys = np.column_stack([keys.round(), np.where(bare, np.arange(len(keys)), -1)])
+    _, first, group = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    found: Ints = first[group.ravel()]
+    return found
+
+
+def unit(vectors: Floats) -> Floats:
+    """Return vectors of length 1; those without a length stay without."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    found: Floats = vectors / np.where(lengths > 0, lengths, 1.0)
+    return found
+
+
+def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
+    """Return the light that (n, 3) normals, as the eye sees them, scatter and reflect.
+
+    Parameters
+    ----------
+    gloss : (n,) in [0, 1]
+
+    Returns
+    -------
+    (n, 3) to be coloured by the surface; (n, 1) white
+    """
+    up = normals[:, 1:2] / 2 + 0.5
+    scattered = GROUND + (SKY - GROUND) * up
+    shine = np.zeros((len(normals), 1))
+    for lamp in LAMPS:
+        way = np.array(lamp.way) / np.linalg.norm(lamp.way)
+        facing = ((normals @ way + lamp.wrap) / (1 + lamp.wrap)).clip(0)
+        scattered = scattered + facing[:, None] * np.array(lamp.colour)
+        if lamp.shine:
+            half = unit((way + np.array([0, 0, 1]))[None])[0]
+            power = 2 + SHARPEST * gloss**2
+            shine[:, 0] += lamp.shine * gloss * (normals @ half).clip(0) ** power
+    return scattered, shine
+
+
+def openness(scene: Scene, camera: Camera) -> Floats:
+    """Return (V,) how much of the light around reaches points, when the mouth is wide open.
+
+    A point is in the shade of what is before it on the way to the light. Seen from the light,
+    what is nearest in each cell of a grid shades the rest; `BIAS` cells on the way do not.
+    """
+    points = (scene.widest - camera.middle) / camera.half
+    normals = Normals(scene).at(scene.widest)
+    corners, names = scene.triangles, np.arange(len(scene.triangles))
+    reached, all_light = np.zeros(len(points)), np.full(len(points), 1e-9)
+    for way in _sphere(AROUND):
+        right = unit(np.cross(way, (0.3, 1.0, 0.2))[None])[0]
+        flat = (points @ np.column_stack([right, np.cross(way, right)]) + 1) * (CELLS / 2)
+        near = points @ way / 8 + 1
+        some = np.abs(area(flat[corners])) > LEAST
+        keys = np.zeros(CELLS * CELLS, np.uint64)
+        window = Window(0, 0, CELLS, CELLS)
+        fill(keys, window, flat[corners[some]], near[corners[some]], names[some])
+        column, row = flat.round().astype(np.intp).clip(0, CELLS - 1).T
+        lightest = depths(keys)[row * CELLS + column] - 2 * BIAS / CELLS / 8
+        facing = (normals @ way).clip(0)
+        reached += facing * (near >= lightest)
+        all_light += facing
+    found: Floats = LEAST_LIGHT + (1 - LEAST_LIGHT) * np.sqrt(reached / all_light)
+    return found
+
+
+def _sphere(count: int) -> Floats:
+    """Return directions that are spread evenly."""
+    height = 1 - (2 * np.arange(count) + 1) / count
+    turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
+    across = np.sqrt(1 - height**2)
+    return np.column_stack([across * np.cos(turn), height, across * np.sin(turn)])
+
+
+def encoded(light: npt.NDArray[np.floating]) -> npt.NDArray[np.uint8]:
+    """Return what a screen is sent to show some light."""
+    steps = (light * (_STEPS - 1)).clip(0, _STEPS - 1).astype(np.uint16)
+    found: npt.NDArray[np.uint8] = _SHADES[steps]
+    return found

@@ -1,0 +1,56 @@
+"""How surfaces look, as far as a picture shows: colour, texture, cut-outs, gloss."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lipsync_lang.render.model.gltf import Array, Floats, Gltf, Texels
+from lipsync_lang.rigs.container import Json
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """How a surface looks.
+
+    Parameters
+    ----------
+    colour : (4,) linear red, green, blue and alpha
+    texture : (H, W, 4) sRGB, or None
+    cutoff : alpha below which there is nothing
+    double : whether it is seen from behind
+    gloss : in [0, 1]
+    lit : whether light matters
+    """
+
+    colour: Floats
+    texture: Texels | None
+    cutoff: float
+    double: bool
+    gloss: float
+    lit: bool
+
+    def texels(self, u: Array, v: Array) -> Texels:
+        """Return (n, 4) the texture at some places, which repeats without end."""
+        if self.texture is None:
+            return np.full((len(u), 4), 255, np.uint8)
+        height, width = self.texture.shape[:2]
+        column = np.floor(u * width).astype(np.intp) % width
+        row = np.floor(v * height).astype(np.intp) % height
+        found: Texels = self.texture[row, column]
+        return found
+
+
+def material(gltf: Gltf, row: Json) -> Material:
+    """Read a material; what a file leaves out is glTF's own default."""
+    surface = row.get("pbrMetallicRoughness", {})
+    mode = row.get("alphaMode", "OPAQUE")
+    texture = surface.get("baseColorTexture")
+    cutoff = {"OPAQUE": 0.0, "MASK": row.get("alphaCutoff", 0.5)}.get(mode, 0.5)
+    return Material(
+        np.array(surface.get("baseColorFactor", [1.0] * 4), float),
+        gltf.texture(texture["index"]) if texture else None,
+        cutoff,
+        bool(row.get("doubleSided")),
+        1.0 - surface.get("roughnessFactor", 1.0),
+        "KHR_materials_unlit" not in row.get("extensions", {}),
+    )

@@ -1,0 +1,240 @@
+"""Pictures of a model: (size, size, 3) sRGB.
+
+Every pixel is the mean of `FINE` by `FINE` samples. What never moves is drawn once; a moment costs
+what the triangles that move cost, which in speech are those around the mouth.
+"""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.render.model.camera import framed
+from lipsync_lang.render.model.light import LINEAR, Normals, encoded, lit, openness
+from lipsync_lang.render.model.material import Material
+from lipsync_lang.render.model.raster import (
+    LEAST,
+    Bools,
+    Floats,
+    Ints,
+    Keys,
+    Samples,
+    Window,
+    area,
+    fill,
+    planes,
+    shown,
+)
+from lipsync_lang.render.model.scene import Scene
+
+Pixels = npt.NDArray[np.uint8]
+Light = npt.NDArray[np.float32]
+
+FINE = 2
+
+COVERED, SHADED = 1 << 18, 1 << 14
+"""Samples that are worked on at once."""
+
+OVERHEAD = 64.0
+"""Samples that a triangle costs besides those it covers."""
+
+ABOVE, BELOW = (0.72, 0.74, 0.77), (0.36, 0.38, 0.42)
+"""Light of the background."""
+
+BEHIND = 0.4
+"""How much light is on the inside of a surface that is seen from both sides."""
+
+
+class Faces(NamedTuple):
+    """The n triangles that can be seen at a moment, and how they look."""
+
+    names: Ints
+    corners: Floats
+    """(n, 3, 2)."""
+    depth: Floats
+    """(n, 3)."""
+    looks: Light
+    """(3, k, n) planes: light that is coloured (3), white light, place in the texture (3)."""
+
+
+class Artist:
+    """Draws a scene.
+
+    Parameters
+    ----------
+    size : pixels of a side
+    """
+
+    def __init__(self, scene: Scene, size: int) -> None:
+        self._scene, self._size, self._fine = scene, size, size * FINE
+        self._camera, self._normals = framed(scene), Normals(scene)
+        self._double = self._each(lambda material: material.double)
+        self._cut = self._each(lambda material: material.cutoff > 0)
+        self._textured = self._each(lambda material: material.texture is not None)
+        self._gloss, self._lit = np.zeros(scene.count), np.ones(scene.count, bool)
+        for number, material in enumerate(scene.materials):
+            own = scene.triangles[scene.material == number]
+            self._gloss[own], self._lit[own] = material.gloss, material.lit
+        self._open = openness(scene, self._camera)
+        moving = scene.moving[scene.triangles].any(axis=1)
+        bent = self._normals.around(scene.triangles[moving])
+        self._moving = bent[scene.triangles].any(axis=1)
+        self._draw_still()
+
+    def _each(self, of: Callable[[Material], bool]) -> Bools:
+        """Return (F,) what is so of the materials of triangles."""
+        return np.array([of(material) for material in self._scene.materials])[self._scene.material]
+
+    def _draw_still(self) -> None:
+        """Draw what never moves, before the background."""
+        fine = self._fine
+        ground = np.linspace(ABOVE, BELOW, fine).T[..., None]
+        self._light = np.broadcast_to(ground, (3, fine, fine)).astype(np.float32)
+        self._keys = np.zeros((fine, fine), np.uint64)
+        faces = self._faces(0.0, np.flatnonzero(~self._moving))
+        whole = Window(0, 0, fine, fine)
+        self._keys, self._light = self._drawn(faces, whole)
+        self._pixels = _pixels(self._light)
+
+    def draw(self, seconds: float) -> Pixels:
+        """Draw a moment."""
+        faces = self._faces(seconds, np.flatnonzero(self._moving))
+        pixels = self._pixels.copy()
+        window = self._window(faces)
+        _, light = self._drawn(faces, window)
+        left, top, right, bottom = (side // FINE for side in window)
+        pixels[top:bottom, left:right] = _pixels(light)
+        return pixels
+
+    def _faces(self, seconds: float, names: Ints) -> Faces:
+        """Return those of some triangles that can be seen."""
+        scene = self._scene
+        points = scene.points(seconds)
+        flat, near = self._camera.see(points, self._fine)
+        triangles = scene.triangles[names]
+        corners, depth = flat[triangles], near[triangles]
+        areas = area(corners)  # of a front below zero, for rows count downwards
+        seen = (np.abs(areas) > LEAST) & (depth > 0).all(axis=1)
+        seen &= (areas < 0) | self._double[names]
+        names, corners, depth = names[seen], corners[seen], depth[seen]
+        looks = self._looks(points, names, depth, areas[seen] > 0)
+        ways: Light = planes(corners, looks).transpose(1, 2, 0).astype(np.float32, order="C")
+        return Faces(names, corners, depth, ways)
+
+    def _looks(self, points: Floats, names: Ints, depth: Floats, behind: Bools) -> Floats:
+        """Return (n, 3, k) what there is to be seen at the corners of triangles."""
+        scene = self._scene
+        normals = self._normals.at(points) @ self._camera.turn
+        triangles = scene.triangles[names]
+        used, place = np.unique(triangles, return_inverse=True)
+        place = place.reshape(triangles.shape)
+        sides = [lit(side * normals[used], self._gloss[used]) for side in (1, -1)]
+        coloured, white = (
+            np.where(behind[:, None, None], BEHIND * back[place], front[place])
+            for front, back in zip(*sides, strict=True)
+        )
+        dull = ~self._lit[triangles][..., None]
+        coloured, white = (self._open[triangles][..., None] * one for one in (coloured, white))
+        coloured, white = np.where(dull, 1.0, coloured), np.where(dull, 0.0, white)
+        parts = [coloured * scene.colours[triangles][..., :3], white]
+        if self._textured.any():
+            near = depth[..., None]
+            parts += [scene.places[triangles] * near, near]
+        return np.concatenate(parts, axis=2)
+
+    def _window(self, faces: Faces) -> Window:
+        """Return the smallest part of the picture, of whole pixels, that some triangles are in."""
+        if not len(faces.names):
+            return Window(0, 0, 0, 0)
+        low = faces.corners.min(axis=(0, 1)) // FINE * FINE
+        high = -(-faces.corners.max(axis=(0, 1)) // FINE) * FINE + FINE
+        sides = np.concatenate([low, high]).clip(0, self._fine).astype(int)
+        return Window(*sides.tolist())
+
+    def _drawn(self, faces: Faces, window: Window) -> tuple[Keys, Light]:
+        """Return a window of what stands still with some triangles before, between and behind."""
+        rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
+        still, light = self._keys[rows, columns], self._light[:, rows, columns].copy()
+        keys = still.copy()
+        flat, pixels = keys.reshape(-1), light.reshape(3, -1)
+        cut = self._cut[faces.names]
+        cost = np.abs(area(faces.corners)).clip(0, keys.size) / 2 + OVERHEAD
+        for own in _batches(np.flatnonzero(~cut), cost, COVERED):
+            _fill(flat, window, faces, own)
+        for own in _batches(np.flatnonzero(cut), cost, COVERED):
+            _fill(flat, window, faces, own, partial(self._opaque, faces, own))
+        rank = np.empty(len(self._scene.triangles), np.intp)
+        rank[faces.names] = np.arange(len(faces.names))
+        changed = np.flatnonzero(keys != still)
+        for place in np.split(changed, range(SHADED, len(changed), SHADED)):
+            y, x = np.divmod(place, window.width)
+            samples = Samples(x + window.left, y + window.top, rank[shown(flat[place])])
+            for channel, shade in zip(pixels, self._shade(faces, samples), strict=True):
+                channel[place] = shade
+        return keys, light
+
+    def _opaque(self, faces: Faces, own: Ints, samples: Samples) -> Bools:
+        """Tell at which samples of triangles there is more than their materials' cutoff."""
+        scene = self._scene
+        samples = samples._replace(triangle=own[samples.triangle])
+        number = scene.material[faces.names[samples.triangle]]
+        alpha = np.array([m.colour[3] for m in scene.materials])[number]
+        for one, material, texels in self._texels(faces, samples):
+            alpha[one] = material.colour[3] * texels[:, 3] / 255
+        cutoff = np.array([m.cutoff for m in scene.materials])[number]
+        found: Bools = alpha >= cutoff
+        return found
+
+    def _shade(self, faces: Faces, samples: Samples) -> Light:
+        """Return the (3, n) light of samples."""
+        looks = _at(faces, samples, slice(0, 4))
+        for one, _, texels in self._texels(faces, samples):
+            looks[:3, one] *= LINEAR[texels[:, :3]].T
+        found: Light = looks[:3] + looks[3]
+        return found
+
+    def _texels(self, faces: Faces, samples: Samples) -> Iterator[tuple[Ints, Material, Pixels]]:
+        """Yield, for every textured material, its samples, itself and its texture there."""
+        names = faces.names[samples.triangle]
+        textured = np.flatnonzero(self._textured[names])
+        numbers = self._scene.material[names[textured]]
+        for number in np.unique(numbers):
+            material = self._scene.materials[number]
+            one = textured[numbers == number]
+            picked = Samples(*(values[one] for values in samples))
+            u, v, near = _at(faces, picked, slice(4, 7))
+            yield one, material, material.texels(u / near, v / near)
+
+
+def _batches(numbers: Ints, cost: Floats, most: int) -> list[Ints]:
+    """Part some numbers, so that what is worked on at once stays within the processor's reach."""
+    batch = np.cumsum(cost[numbers]) // most
+    return np.split(numbers, np.flatnonzero(np.diff(batch)) + 1) if len(numbers) else []
+
+
+def _fill(
+    keys: Keys,
+    window: Window,
+    faces: Faces,
+    own: Ints,
+    seen: Callable[[Samples], Bools] | None = None,
+) -> None:
+    fill(keys, window, faces.corners[own], faces.depth[own], faces.names[own], seen)
+
+
+def _at(faces: Faces, samples: Samples, part: slice) -> Light:
+    """Return (k, n) what a part of the looks is at samples."""
+    x, y = samples.x.astype(np.float32), samples.y.astype(np.float32)
+    first, along, down = faces.looks[:, part].take(samples.triangle, axis=2)
+    found: Light = first + along * x + down * y
+    return found
+
+
+def _pixels(light: Light) -> Pixels:
+    """Return the pixels that (3, rows, columns) samples make."""
+    total = light[:, ::FINE, ::FINE].copy()
+    for row, column in list(np.ndindex(FINE, FINE))[1:]:
+        total += light[:, row::FINE, column::FINE]
+    return encoded(total / FINE**2).transpose(1, 2, 0)

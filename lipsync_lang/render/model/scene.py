@@ -1,0 +1,335 @@
+"""A model in time: the triangles of all it shows, and where their corners are at a moment.
+
+The model comes with its animation, as `animations.glb` writes it: a picture shows what that file
+plays, and nothing here knows of poses or rigs.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.render.model.gltf import Array, Floats, Gltf
+from lipsync_lang.render.model.material import Material, material
+from lipsync_lang.rigs.container import Json, fail
+from lipsync_lang.rigs.model import read_model
+
+Ints = npt.NDArray[np.intp]
+Bools = npt.NDArray[np.bool_]
+
+TRIANGLES, STRIP, FAN = 4, 5, 6
+"""Modes of a primitive that has surfaces."""
+
+STILL = 3e-4
+"""Of a mesh's size: what moves less stands still."""
+
+LOOKS = {"NORMAL": {3}, "COLOR_0": {3, 4}, "TEXCOORD_0": {2}}
+"""What says how points look, and how many numbers it has for each."""
+
+MOMENTS = 24
+"""Moments at which is looked for what moves."""
+
+
+class Track(NamedTuple):
+    """Values at some times, with straight lines between them."""
+
+    times: Floats
+    values: Floats
+
+    def at(self, seconds: float) -> Floats:
+        """Return the values at a time."""
+        after = int(np.clip(np.searchsorted(self.times, seconds), 1, len(self.times) - 1))
+        low, high = self.times[after - 1 : after + 1]
+        share = np.clip((seconds - low) / (high - low), 0.0, 1.0)
+        found: Floats = (1 - share) * self.values[after - 1] + share * self.values[after]
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """How bones move points: (J,) nodes, (J, 4, 4) their inverses at rest, (N, S) bones, shares."""
+
+    nodes: Ints
+    inverse: Floats
+    bones: Ints
+    shares: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A primitive that a node shows; its N points are `points` among all of the scene's."""
+
+    node: int
+    points: slice
+    base: Floats
+    """(N, 3)."""
+    deltas: Floats
+    """(K, N, 3) of the morph targets that ever count."""
+    active: Ints
+    """(K,) their numbers."""
+    weights: Track
+    skin: Skin | None
+
+
+class Scene:
+    """All that a model shows: V points, F triangles.
+
+    Parameters
+    ----------
+    path : a GLB whose last animation is played
+    name : what messages call it
+
+    Raises
+    ------
+    ModelError
+        It is compressed or damaged, or shows nothing.
+    """
+
+    def __init__(self, path: Path, name: Path) -> None:
+        self._gltf = Gltf(read_model(path, bones=True), name)
+        self.document = self._gltf.document
+        self._parts: list[Part] = []
+        self._rows: list[tuple[Ints, Floats, Floats, Floats, Ints]] = []
+        try:
+            self._read()
+            self.points(0.0)
+        except (AttributeError, LookupError, TypeError, ValueError, OverflowError) as error:
+            fail(name, f"its meshes cannot be read ({str(error)[:60]})")
+        if not self._parts:
+            fail(name, "shows no surfaces", "export the model itself, with its meshes")
+        self._mirror()
+        triangles, normals, colours, places, materials = zip(*self._rows, strict=True)
+        self.triangles: Ints = np.concatenate(triangles)
+        """(F, 3) points."""
+        self.normals: Floats = np.concatenate(normals)
+        """(V, 3) at rest; nan where the file has none."""
+        self.colours: Floats = np.concatenate(colours)
+        """(V, 4) linear."""
+        self.places: Floats = np.concatenate(places)
+        """(V, 2) in the texture."""
+        self.material: Ints = np.concatenate(materials)
+        """(F,)."""
+
+    def _read(self) -> None:
+        gltf, document = self._gltf, self.document
+        animation = document["animations"][-1]
+        self.sound: float = animation.get("extras", {}).get("audio_start", 0.0)
+        """Seconds at which the sound begins."""
+        self._tracks = dict(_tracks(gltf, animation))
+        self.seconds = max(float(track.times[-1]) for track in self._tracks.values())
+        """How long it moves."""
+        self._order = gltf.order()
+        self.materials = [material(gltf, row) for row in [*document.get("materials", ()), {}]]
+        for number in self._order:
+            node = document["nodes"][number]
+            if "mesh" in node:
+                mesh = document["meshes"][node["mesh"]]
+                for primitive in mesh["primitives"]:
+                    self._add(number, node, mesh, primitive)
+
+    def _add(self, number: int, node: Json, mesh: Json, primitive: Json) -> None:
+        """Add what a node shows of a primitive."""
+        gltf, attributes = self._gltf, primitive["attributes"]
+        mode = primitive.get("mode", TRIANGLES)
+        if mode not in {TRIANGLES, STRIP, FAN} or "POSITION" not in attributes:
+            return
+        base = gltf.array(attributes["POSITION"]).astype(float)
+        count, first = len(base), self.count
+        if base.shape[1] != 3:  # noqa: PLR2004 of space
+            raise ValueError("POSITION is no place")
+        if "indices" in primitive:
+            corners = gltf.array(primitive["indices"])[:, 0].astype(np.intp)
+        else:
+            corners = np.arange(count)
+        triangles = _triangles(corners, mode)
+        _check_below(triangles, count, "a triangle has a corner that is not there")
+        weights = self._weights(number, node, mesh, primitive)
+        active = np.flatnonzero(np.abs(weights.values).max(axis=0, initial=0.0) > 0)
+        targets = [primitive["targets"][target] for target in active]
+        deltas = np.zeros((len(active), count, 3))
+        for row, target in zip(deltas, targets, strict=True):
+            if "POSITION" in target:
+                row[:] = gltf.array(target["POSITION"])
+        if not (np.isfinite(base).all() and np.isfinite(deltas).all()):
+            raise ValueError("a point is nowhere")
+        points = slice(first, first + count)
+        skin = self._skin(node, attributes)
+        self._parts.append(Part(number, points, base, deltas, active, weights, skin))
+        which = primitive.get("material", len(self.materials) - 1)
+        normals, colours, places = self._looks(attributes, count, self.materials[which])
+        own = np.full(len(triangles), which, np.intp)
+        self._rows.append((triangles + first, normals, colours, places, own))
+
+    def _mirror(self) -> None:
+        """Turn the triangles of nodes that show their mesh as in a mirror."""
+        matrices = self._matrices(0.0)
+        for number, part in enumerate(self._parts):
+            if part.skin is None and np.linalg.det(matrices[part.node]) < 0:
+                self._rows[number] = (self._rows[number][0][:, ::-1], *self._rows[number][1:])
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return self._parts[-1].points.stop if self._parts else 0
+
+    def _weights(self, number: int, node: Json, mesh: Json, primitive: Json) -> Track:
+        count = len(primitive.get("targets", ()))
+        rest = node.get("weights", mesh.get("weights", [0.0] * count))
+        still = Track(np.array([0.0, 1.0]), np.tile(np.array(rest, float), (2, 1)))
+        found = self._tracks.get((number, "weights"), still)
+        return found._replace(values=found.values.reshape(len(found.times), count))
+
+    def _skin(self, node: Json, attributes: Json) -> Skin | None:
+        if "skin" not in node or "JOINTS_0" not in attributes:
+            return None
+        skin = self.document["skins"][node["skin"]]
+        inverse = np.tile(np.eye(4), (len(skin["joints"]), 1, 1))
+        if "inverseBindMatrices" in skin:
+            inverse = self._gltf.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4)
+        sets = [one for one in range(8) if f"JOINTS_{one}" in attributes]
+        bones = np.hstack([self._gltf.array(attributes[f"JOINTS_{one}"]) for one in sets])
+        shares = np.hstack([self._gltf.array(attributes[f"WEIGHTS_{one}"]) for one in sets])
+        _check_below(bones, len(skin["joints"]), "a point hangs on a bone that is not there")
+        total = shares.sum(axis=1, keepdims=True)
+        shares = shares / np.where(total > 0, total, 1.0)
+        return Skin(np.array(skin["joints"]), inverse, bones.astype(np.intp), shares)
+
+    def _looks(
+        self, attributes: Json, count: int, material: Material
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return normals, colours and places in the texture of some points."""
+        arrays = {n: self._gltf.array(attributes[n]) for n in LOOKS if n in attributes}
+        for name, values in arrays.items():
+            if values.shape[0] != count or values.shape[1] not in LOOKS[name]:
+                raise ValueError(f"{name} is of other points")
+        normals = arrays.get("NORMAL", np.full((count, 3), np.nan)).astype(float)
+        colours = np.ones((count, 4))
+        if "COLOR_0" in arrays:
+            given = arrays["COLOR_0"]
+            colours[:, : given.shape[1]] = given
+        places = arrays.get("TEXCOORD_0", np.zeros((count, 2))).astype(float)
+        return normals, colours * material.colour, places
+
+    # In time
+
+    def points(self, seconds: float) -> Floats:
+        """Return where all points are at a time: (V, 3)."""
+        matrices = self._matrices(seconds)
+        found = np.empty((self.count, 3))
+        for part in self._parts:
+            points = part.base
+            if len(part.active):
+                weights = part.weights.at(seconds)[part.active]
+                points = points + np.tensordot(weights, part.deltas, 1)
+            found[part.points] = _moved(points, part, matrices)
+        return found
+
+    def directions(self, own: Floats) -> Floats:
+        """Return where (V, 3) directions of points lead at the beginning."""
+        matrices = self._matrices(0.0)
+        return np.vstack([_moved(own[part.points], part, matrices, 0.0) for part in self._parts])
+
+    def _matrices(self, seconds: float) -> dict[int, Floats]:
+        """Return the matrix of every node that is shown."""
+        found: dict[int, Floats] = {}
+        for number, parent in self._order.items():
+            paths = ("translation", "rotation")
+            tracks = {path: self._tracks.get((number, path)) for path in paths}
+            moved = {path: track.at(seconds) for path, track in tracks.items() if track}
+            if "rotation" in moved:
+                moved["rotation"] /= np.linalg.norm(moved["rotation"])
+            local = self._gltf.local(number, **moved)
+            found[number] = local if parent is None else local @ found[parent]
+        return found
+
+    @cached_property
+    def rest(self) -> Floats:
+        """(V, 3): where the points are at the beginning."""
+        return self.points(0.0)
+
+    @cached_property
+    def shown_by(self) -> Ints:
+        """(V,): the node that shows each point."""
+        return np.repeat([p.node for p in self._parts], [len(p.base) for p in self._parts])
+
+    @cached_property
+    def moving(self) -> Bools:
+        """(V,): which points may ever move."""
+        driven = {node for node, path in self._tracks if path != "weights"}
+        for number, parent in self._order.items():
+            if parent in driven:
+                driven.add(number)
+        found = np.zeros(self.count, bool)
+        for part in self._parts:
+            movers = {part.node} if part.skin is None else set(part.skin.nodes.tolist())
+            most = np.abs(part.weights.values).max(axis=0)[part.active]
+            reach = np.tensordot(most, np.linalg.norm(part.deltas, axis=2), 1)
+            shaped = reach > STILL * np.ptp(part.base, axis=0).max(initial=0.0)
+            found[part.points] = shaped | bool(driven & movers)
+        return found
+
+    @cached_property
+    def moves(self) -> Floats:
+        """(V,): how far each point goes from where it rests, as far as a few looks show."""
+        far = np.max([np.abs(self.points(t) - self.rest) for t in self._moments], axis=(0, 2))
+        found: Floats = far if far.any() else far + 1.0
+        return found
+
+    @cached_property
+    def widest(self) -> Floats:
+        """(V, 3): where the points are when most is farthest from where it rests."""
+        return max(map(self.points, self._moments), key=lambda p: np.abs(p - self.rest).sum())
+
+    @property
+    def _moments(self) -> list[float]:
+        found: list[float] = np.linspace(0.0, self.seconds, MOMENTS).tolist()
+        return found
+
+
+def _moved(points: Floats, part: Part, matrices: dict[int, Floats], shift: float = 1.0) -> Floats:
+    """Move points by the node that shows them, or by their bones; without shift, only turn them."""
+    if part.skin is None:
+        matrix = matrices[part.node]
+        return points @ matrix[:3, :3] + shift * matrix[3, :3]
+    skin = part.skin
+    still = np.eye(4)
+    bones = skin.inverse @ np.array([matrices.get(int(node), still) for node in skin.nodes])
+    found = np.zeros_like(points)
+    for bone, share in zip(skin.bones.T, skin.shares.T, strict=True):
+        own = bones[bone]
+        turned = np.einsum("ni,nij->nj", points, own[:, :3, :3])
+        found += share[:, None] * (turned + shift * own[:, 3, :3])
+    return found
+
+
+def _check_below(numbers: Array, count: int, otherwise: str) -> None:
+    if numbers.size and numbers.max() >= count:
+        raise ValueError(otherwise)
+
+
+def _tracks(gltf: Gltf, animation: Json) -> Iterator[tuple[tuple[int, str], Track]]:
+    """Yield what the animation drives: a node's property, and its values."""
+    for channel in animation["channels"]:
+        sampler = animation["samplers"][channel["sampler"]]
+        times = gltf.array(sampler["input"])[:, 0].astype(float)
+        values = gltf.array(sampler["output"]).astype(float)
+        values = values.reshape(len(times), -1)
+        if len(times) == 1:
+            times, values = times + np.array([0.0, 1.0]), np.vstack([values, values])
+        target = channel["target"]
+        yield (target["node"], target["path"]), Track(times, values)
+
+
+def _triangles(corners: Ints, mode: int) -> Ints:
+    if mode == TRIANGLES:
+        return corners[: len(corners) // 3 * 3].reshape(-1, 3)
+    if mode == FAN:
+        first = np.full(max(0, len(corners) - 2), corners[0])
+        return np.column_stack([first, corners[1:-1], corners[2:]])
+    found = np.column_stack([corners[:-2], corners[1:-1], corners[2:]])
+    found[1::2, :2] = found[1::2, 1::-1]
+    return found

@@ -1,0 +1,119 @@
+"""A sheet of stills: the sounds of a line whose faces differ most, each with its word and time."""
+
+from functools import cache
+from textwrap import shorten
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.pipeline.arrays import Ints
+from lipsync_lang.render.model.gltf import pillow
+from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.staging import staged
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+
+MOST, COLUMNS = 12, 4
+
+CELL, FOOT, GAP, EDGE = 320, 58, 12, 16
+"""Pixels: a still, the text below it, between stills, around the sheet."""
+
+PAPER, INK, PALE = "#ffffff", "#222222", "#777777"
+
+FONTS = (
+    *("DejaVuSans.ttf", "NotoSans-Regular.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf"),
+    *("NotoSansCJK-Regular.ttc", "NotoSansCJKjp-Regular.otf", "msyh.ttc", "PingFang.ttc"),
+    *("YuGothM.ttc", "malgun.ttf", "Nirmala.ttf", "NotoSansDevanagari-Regular.ttf"),
+    *("NotoSansArabic-Regular.ttf", "NotoSansHebrew-Regular.ttf", "NotoSansThai-Regular.ttf"),
+    *("FreeSans.ttf", "unifont.ttf"),
+)
+"""Files that are looked for among the system's; the first one that has all letters of a text."""
+
+ABSENT = "\U0010fffe"
+"""What no font has."""
+
+
+def sheet(animation: Animation, out: BinaryIO) -> None:
+    """Draw a line's most different moments.
+
+    Raises
+    ------
+    OutputError
+        Pillow is missing, or there is nothing to draw.
+    ModelError
+        The model cannot be drawn.
+    """
+    image = pillow()
+    from PIL import ImageDraw
+
+    scene = staged(animation)
+    artist, schedule = Artist(scene, CELL), animation.schedule
+    chosen = _chosen(animation).tolist()
+    columns = min(COLUMNS, len(chosen))
+    rows = -(-len(chosen) // columns)
+    size = (2 * EDGE - GAP + columns * (CELL + GAP), 2 * EDGE + rows * (CELL + FOOT))
+    page = image.new("RGB", size, PAPER)
+    draw = ImageDraw.Draw(page)
+    for place, number in enumerate(chosen):
+        row, column = divmod(place, columns)
+        left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
+        middle = float(schedule.times[number] + schedule.times[number + 1]) / 2
+        picture = artist.draw(middle + scene.sound)
+        page.paste(image.fromarray(picture), (left, top))
+        word = _plain(_word(schedule, number), 24)
+        _write(draw, left, top + CELL + 4, _plain(schedule.labels[number], 12), 20, INK)
+        _write(draw, left, top + CELL + 29, f"{word}   {middle:.2f} s".strip(), 14, PALE)
+    page.save(out, "PNG", optimize=True)
+
+
+def _chosen(animation: Animation) -> Ints:
+    """Return the sounds whose faces are farthest from rest and from each other, in order."""
+    labels, times = animation.schedule.labels, animation.schedule.times
+    sounds = np.array([n for n, label in enumerate(labels) if label != SILENCE] or [0])
+    middles = (times[sounds] + times[sounds + 1]) / 2
+    frames = np.searchsorted(animation.times, middles).clip(0, len(animation.times) - 1)
+    most = np.abs(animation.weights).max(axis=0, initial=0.0)
+    faces = animation.weights[frames] / np.where(most > 0, most, 1.0)
+    apart = np.linalg.norm(faces, axis=1)
+    chosen: list[int] = []
+    while len(chosen) < min(MOST, len(sounds)):
+        chosen.append(int(apart.argmax()))
+        apart = np.minimum(apart, np.linalg.norm(faces - faces[chosen[-1]], axis=1))
+        apart[chosen] = -1.0
+    found: Ints = sounds[np.sort(chosen)]
+    return found
+
+
+def _word(schedule: Schedule, number: int) -> str:
+    word = schedule.word_at(number)
+    return word.text if word else ""
+
+
+def _plain(text: str, width: int) -> str:
+    return shorten(text, width, placeholder="…") or text[:width].strip()
+
+
+def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> None:  # noqa: PLR0913, PLR0917
+    """Write a text in the first font that has its letters, or in the one that has most."""
+    letters = [letter for letter in dict.fromkeys(text) if not letter.isspace()]
+    fonts = _fonts(size)
+    lacks = [sum(not _has(font, letter) for letter in letters) for font in fonts]
+    draw.text((left, top), text, fill=ink, font=fonts[lacks.index(min(lacks))])
+
+
+@cache
+def _fonts(size: int) -> list[Any]:
+    from PIL import ImageFont
+
+    found = []
+    for name in FONTS:
+        try:
+            found.append(ImageFont.truetype(name, size))
+        except OSError:
+            continue
+    return [*found, ImageFont.load_default(size)]
+
+
+@cache
+def _has(font: Any, letter: str) -> bool:
+    return bytes(font.getmask(letter)) != bytes(font.getmask(ABSENT))

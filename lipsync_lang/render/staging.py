@@ -1,0 +1,25 @@
+"""Putting an animation on stage: its model, as the GLB writer lets it move."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.glb import write_glb
+from lipsync_lang.render.model.scene import Scene
+
+
+def staged(animation: Animation) -> Scene:
+    """Return the scene that the animation's GLB shows.
+
+    Raises
+    ------
+    OutputError
+        There is no model, or nothing in it moves.
+    ModelError
+        The model cannot be read or drawn.
+    """
+    with TemporaryDirectory(prefix="lipsync-lang-") as folder:
+        path = Path(folder) / "line.glb"
+        with path.open("wb") as stream:
+            write_glb(animation, stream)
+        return Scene(path, animation.model or path)

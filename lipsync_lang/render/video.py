@@ -1,0 +1,153 @@
+"""A video of a model that speaks, with sound; ffmpeg packs what is drawn here, frame by frame."""
+
+import math
+import subprocess
+import sys
+import time
+import wave
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from fractions import Fraction
+from pathlib import Path
+from shutil import copyfileobj
+from tempfile import TemporaryDirectory
+from typing import BinaryIO, TypeVar
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import OutputError
+from lipsync_lang.render.model.gltf import pillow
+from lipsync_lang.render.model.picture import Artist, Pixels
+from lipsync_lang.render.staging import staged
+from lipsync_lang.schedules.schedule import Audio
+
+SIZE = 720
+"""Pixels of a side."""
+
+CODECS = {
+    "mp4": (
+        *("-c:v", "libx264", "-preset", "veryfast", "-crf", "18"),
+        *("-c:a", "aac", "-b:a", "160k", "-movflags", "+faststart"),
+    ),
+    "webm": (
+        *("-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "6", "-crf", "24", "-b:v"),
+        *("0", "-c:a", "libopus", "-b:a", "96k"),
+    ),
+}
+"""What makes each kind of file."""
+
+COLOURS = (
+    *("-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"),
+    *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"),
+)
+
+ALIKE = ("-fflags", "+bitexact", "-flags:v", "+bitexact", "-flags:a", "+bitexact")
+"""Nothing of the day or the machine is written."""
+
+PATIENCE = 2.0
+"""Seconds of work before a terminal is told of it."""
+
+T = TypeVar("T")
+
+
+def film(animation: Animation, out: BinaryIO, kind: str) -> None:
+    """Draw every frame of an animation and write them with its sound.
+
+    It lasts as long as the animation or its sound, whichever ends later.
+
+    Parameters
+    ----------
+    kind : one of `CODECS`
+
+    Raises
+    ------
+    OutputError
+        A library is missing, there is nothing to draw, or ffmpeg fails.
+    ModelError
+        The model cannot be drawn.
+    """
+    ffmpeg = _ffmpeg()
+    pillow()
+    scene = staged(animation)
+    audio = animation.schedule.audio
+    seconds = max(scene.seconds, scene.sound + (audio.seconds if audio else 0.0))
+    count = math.floor(seconds * animation.fps + 1e-3) + 1
+    artist = Artist(scene, SIZE)
+    frames = (artist.draw(number / animation.fps) for number in _told(range(count)))
+    with TemporaryDirectory(prefix="lipsync-lang-") as folder:
+        path, sound = Path(folder) / f"film.{kind}", Path(folder) / "sound.wav"
+        rate = Fraction(animation.fps).limit_denominator(1001)
+        inputs = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{SIZE}x{SIZE}", "-r", f"{rate}"]
+        inputs += ["-i", "-"]
+        if audio is not None:
+            _write_sound(audio, scene.sound, count / animation.fps, sound)
+            inputs += ["-i", str(sound)]
+        said = ["-loglevel", "error", "-nostdin", "-y"]
+        _pack([ffmpeg, *said, *inputs, *COLOURS, *CODECS[kind], *ALIKE, str(path)], frames)
+        with path.open("rb") as stream:
+            copyfileobj(stream, out)
+
+
+def _ffmpeg() -> str:
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        raise OutputError('video needs imageio-ffmpeg: pip install "lipsync-lang[video]"') from None
+    try:
+        return str(get_ffmpeg_exe())
+    except RuntimeError as error:
+        raise OutputError(
+            f"no ffmpeg is to be found ({error}); name one in the environment variable "
+            "IMAGEIO_FFMPEG_EXE"
+        ) from None
+
+
+def _write_sound(audio: Audio, start: float, seconds: float, path: Path) -> None:
+    """Write a sound with silence before it, and behind it up to the end of the film."""
+    before = round(start * audio.rate)
+    after = max(0, math.ceil(seconds * audio.rate) - before - len(audio.samples))
+    with wave.open(str(path), "wb") as sound:
+        sound.setnchannels(1)
+        sound.setsampwidth(2)
+        sound.setframerate(audio.rate)
+        sound.writeframes(np.pad(audio.samples, (before, after)).astype("<i2").tobytes())
+
+
+def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
+    """Feed frames to ffmpeg."""
+    with TemporaryDirectory(prefix="lipsync-lang-") as folder:
+        log = Path(folder) / "log"
+        with log.open("wb") as errors:
+            process = subprocess.Popen(  # noqa: S603 no shell reads it
+                command, stdin=subprocess.PIPE, stdout=errors, stderr=errors
+            )
+        assert process.stdin is not None  # noqa: S101 asked for above
+        try:
+            with suppress(OSError), process.stdin as pipe:  # it has ended, and says why below
+                for frame in frames:
+                    pipe.write(frame.tobytes())
+            failed = process.wait()
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        if failed:
+            lines = log.read_text("utf-8", "replace").split("\n")
+            last = next((line for line in reversed(lines) if line.strip()), f"code {failed}")
+            raise OutputError(f"ffmpeg could not make the video: {last.strip()}")
+
+
+def _told(items: Sequence[T]) -> Iterator[T]:
+    """Yield what is worked on; where that takes a while, a terminal is told how far it is."""
+    shows, began = sys.stderr is not None and sys.stderr.isatty(), time.monotonic()
+    try:
+        for number, item in enumerate(items):
+            if shows and time.monotonic() - began > PATIENCE:
+                sys.stderr.write(f"frame {number} of {len(items)} ...\r")
+                sys.stderr.flush()
+            yield item
+    finally:
+        if shows:
+            sys.stderr.write("\x1b[2K\r")
+            sys.stderr.flush()

@@ -1,0 +1,221 @@
+"""Godot: the form of .tres, and what a real Godot 3 makes of it and of our GLB."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import time
+from dataclasses import replace
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from small_models import glb
+
+import lipsync_lang as ll
+from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.errors import OutputError
+
+WRITERS = load_writers()
+SCRIPT = Path(__file__).parent / "consumers" / "godot.gd"
+PATIENCE = 120
+"""Seconds after which Godot hangs."""
+
+ODD = ('a "quoted" one', "back\\slash", "a:colon", "ein Mündchen", "]]>", "a/b", "{}", "100%")
+
+
+def bytes_of(animation):
+    out = BytesIO()
+    WRITERS["godot"].write(animation, out)
+    return out.getvalue()
+
+
+def performed(character="facefx", fps=60, **rest):
+    schedule = ll.Schedule(
+        ("HH", "AH0", "L", "OW1", "_", "P", "AA1", "F"),
+        np.cumsum([0, 0.1, 0.08, 0.12, 0.2, 0.1, 0.05, 0.2, 0.07]),
+        notation="arpabet",
+    )
+    animation = ll.resolve("english", character).perform(schedule, fps=fps)
+    return replace(animation, tolerance=0.0, **rest)
+
+
+def noise(names, **rest):
+    weights = np.random.default_rng(0).random((20, len(names)))
+    times = np.arange(20) / 30
+    return Animation(times, tuple(names), weights, 30, ll.Schedule(("_",), (0, 0.5)), **rest)
+
+
+# Reading it back: seconds of the sound, and values, of each property
+
+TRACK = re.compile(
+    r'tracks/(\d+)/path = NodePath\("((?:[^"\\]|\\.)*)"\)\n.*?'
+    r'"times": PoolRealArray\( (.*?) \),\n'
+    r'"transitions": PoolRealArray\( (.*?) \),\n'
+    r'"update": 0,\n"values": \[ (.*?) \]\n\}\n',
+    re.DOTALL,
+)
+
+
+def from_tres(content, animation):
+    text = content.decode("utf-8")
+    assert text.startswith('[gd_resource type="Animation" format=2]\n\n[resource]\n')
+    found = {}
+    for number, (own, path, times, once, values) in enumerate(TRACK.findall(text)):
+        assert int(own) == number
+        seconds, levels = (np.array(row.split(", "), float) for row in (times, values))
+        assert len(seconds) == len(levels) == len(once.split(", "))
+        assert (np.diff(seconds) > 0).all()
+        found[re.sub(r"\\(.)", r"\1", path)] = seconds - animation.begins, levels
+    return found
+
+
+def holds(content, animation):
+    """The shapes of the one mesh that the model has, where there is a model."""
+    curves = from_tres(content, animation)
+    assert curves
+    for path, (times, values) in curves.items():
+        pose = path.removeprefix(".:blend_shapes/")
+        strays = np.interp(animation.times, times, values) - animation[pose]
+        assert np.abs(strays).max() <= ERROR + 1e-6
+
+
+READ_BACK = {"godot": holds}
+
+
+def test_a_tres_has_its_form():
+    weights = np.array([[0.0], [0.5], [1.0], [1.0]])
+    schedule = ll.Schedule(("_",), (0, 0.2))
+    animation = Animation(np.arange(-1, 3) / 10, ("open",), weights, 10, schedule)
+    assert bytes_of(animation).decode() == (
+        '[gd_resource type="Animation" format=2]\n'
+        "\n"
+        "[resource]\n"
+        "length = 0.3\n"
+        "step = 0.1\n"
+        'tracks/0/type = "value"\n'
+        'tracks/0/path = NodePath(".:blend_shapes/open")\n'
+        "tracks/0/interp = 1\n"
+        "tracks/0/loop_wrap = true\n"
+        "tracks/0/imported = false\n"
+        "tracks/0/enabled = true\n"
+        "tracks/0/keys = {\n"
+        '"times": PoolRealArray( 0.0, 0.2, 0.3 ),\n'
+        '"transitions": PoolRealArray( 1, 1, 1 ),\n'
+        '"update": 0,\n'
+        '"values": [ 0.0, 1.0, 1.0 ]\n'
+        "}\n"
+        "metadata/audio_start = 0.1\n"
+    )
+
+
+def test_shapes_of_several_meshes_are_under_their_nodes(tmp_path):
+    model = glb(tmp_path / "face.glb", Head=("Open", "Wide"), **{"Teeth.001": ("Open",)})
+    animation = noise(("open", "wide"), model=model)
+    paths = ["Head:blend_shapes/Open", "Head:blend_shapes/Wide", "Teeth001:blend_shapes/Open"]
+    assert sorted(from_tres(bytes_of(animation), animation)) == paths
+
+
+def test_what_a_tres_cannot_hold_is_told():
+    def remarks(animation):
+        return list(WRITERS["godot"].remarks(animation))
+
+    late = performed(model=None)
+    assert any(f"sound begins {late.begins:.3f} s" in told for told in remarks(late))
+    assert not remarks(replace(late, offset=1.0))
+    columns = (Channel("open"), Channel("nod", node="neck", rotation=(1, 0, 0)))
+    mixed = noise(("open", "nod"), channels=columns)
+    assert remarks(mixed) == ["Godot has nothing for nod"]
+    assert list(from_tres(bytes_of(mixed), mixed)) == [".:blend_shapes/open"]
+    alone = replace(mixed, poses=("nod",), weights=mixed.weights[:, 1:], channels=columns[1:])
+    with pytest.raises(OutputError, match="all that moves here are bones"):
+        bytes_of(alone)
+
+
+# A real Godot
+
+
+@pytest.fixture
+def godot(tmp_path):
+    """Play animations in Godot: what each track of each file is at some times."""
+    program = shutil.which("godot3-server")
+    if program is None:
+        pytest.skip("no godot3-server: nothing plays what we write for Godot")
+    home = tmp_path / "home"
+    home.mkdir()
+    environment = {**os.environ, "HOME": str(home), "LC_ALL": "en_GB.UTF-8"}
+    for variable in [name for name in environment if name.startswith("XDG_")]:
+        del environment[variable]
+
+    def played(times, files):
+        project = tmp_path / "project"
+        project.mkdir()
+        (project / "project.godot").write_text('config_version=4\n[application]\nconfig/name="x"\n')
+        shutil.copy(SCRIPT, project)
+        for name, animation in files.items():
+            animation.save(project / name)
+        scenes = [name for name in files if name.endswith(".glb")]
+        if scenes:
+            imported(program, project, scenes, environment)
+        ended = subprocess.run(
+            [program, "--path", project, "--script", SCRIPT.name],
+            env={**environment, "ASKED": json.dumps({"files": list(files), "times": list(times)})},
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            timeout=PATIENCE,
+            check=False,
+        )
+        told = re.search(r"^SAID (.*)$", ended.stdout, re.MULTILINE)
+        assert told, ended.stdout + ended.stderr
+        assert "rror" not in ended.stderr.replace("ocale", ""), ended.stderr
+        return json.loads(told[1])
+
+    return played
+
+
+def imported(program, project, scenes, environment):
+    """Let Godot's editor import scenes, and end it: it does not always end by itself."""
+    editor = subprocess.Popen(
+        [program, "--path", project, "--editor", "--quit"],
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        waited = 0.0
+        while len(list(project.glob(".import/*.md5"))) < len(scenes):
+            assert waited < PATIENCE, "Godot imports no scene"
+            waited += 0.1
+            time.sleep(0.1)
+    finally:
+        editor.terminate()
+        editor.wait()
+
+
+def test_godot_shows_what_was_performed(godot):
+    animation = performed(fps=60)
+    times = np.linspace(0, animation.timeline[-1], 10)
+    said = godot(times, {"line.tres": replace(animation, model=None), "face.glb": animation})
+    for told in said.values():
+        assert told["length"] == pytest.approx(animation.timeline[-1], abs=1e-5)
+        assert len(told["tracks"]) == len(animation.poses)
+        for pose in animation.poses:
+            wanted = np.interp(times, animation.timeline, animation[pose])
+            np.testing.assert_allclose(told["tracks"][f"blend_shapes/{pose}"], wanted, atol=1e-4)
+    assert said["line.tres"]["step"] == pytest.approx(1 / 60, abs=1e-6)
+
+
+def test_godot_finds_shapes_of_any_name(godot):
+    animation = noise(ODD, tolerance=0.0)
+    times = np.linspace(0, animation.timeline[-1], 10)
+    tracks = godot(times, {"line.tres": animation})["line.tres"]["tracks"]
+    for number, name in enumerate(ODD):
+        wanted = np.interp(times, animation.timeline, animation.weights[:, number])
+        shape = tracks[f"blend_shapes/{name.replace(':', '_')}"]
+        np.testing.assert_allclose(shape, wanted, atol=1e-4)

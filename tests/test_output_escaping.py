@@ -1,0 +1,178 @@
+"""Odd names in every format: what a name holds never breaks the file it stands in."""
+
+import csv
+import json
+from dataclasses import replace
+from html import unescape
+from io import BytesIO, StringIO
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+from test_engine_files import READERS
+from test_glb import document_of, mesh, model_of, parts
+from test_godot import from_tres
+from test_held_files import READERS as DRAWN
+from test_usd import from_usda
+from test_word_files import read
+
+import lipsync_lang as ll
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.registry import load_writers
+
+WRITERS = load_writers()
+
+ODD = (
+    'a "quoted" one',
+    "it's",
+    "]]>",
+    "<b>&amp;</b>",
+    "<!-- -->",
+    "one, two; three",
+    "back\\slash\\n",
+    "two\nlines",
+    "tab\tand\rreturn",
+    "{x} %s $y #z",
+    "00:00 --> 01:00",
+    "=1+1",
+    '"""',
+    "'''",
+    "- yes: no",
+    "Mündchen 口 \U0001f600",
+    "nul \x00 and bell \x07",
+)
+"""What may stand in the name of a shape, a word or a file."""
+
+NO_NAMES = {
+    "mp4": "a video",
+    "png": "pictures",
+    "wav": "a sound",
+    "webm": "a video",
+}
+"""Formats that hold no text of ours."""
+
+OWN_SHAPES = {
+    "azure": "arkit",
+    "live-link-face": "arkit",
+    "rhubarb-json": "rhubarb",
+    "rhubarb-tsv": "rhubarb",
+    "rhubarb-xml": "rhubarb",
+}
+"""Formats whose shapes have names of their own, and who has these; all else is odd there, too."""
+
+SPOKEN = ll.Schedule(
+    ("P",) * len(ODD),
+    np.arange(len(ODD) + 1) / 10,
+    words=tuple(ll.Word(text, n, n + 1) for n, text in enumerate(ODD)),
+    notation="arpabet",
+    source=" ".join(ODD),
+)
+
+odd_writers = pytest.mark.parametrize("name", sorted(set(WRITERS) - set(NO_NAMES)))
+
+
+def odd(name, tmp_path):
+    """Return an animation in which all is called oddly that the format lets be."""
+    if name in OWN_SHAPES:
+        return ll.resolve("english", OWN_SHAPES[name]).perform(SPOKEN, fps=60)
+    times = np.arange(len(ODD) * 6) / 60
+    weights = np.repeat(np.eye(len(ODD)), 6, axis=0)
+    animation = Animation(times, ODD, weights, 60, SPOKEN, neutral="at\nrest", contacts=ODD[:1])
+    if name == "glb":
+        model = tmp_path / "face.glb"
+        model.write_bytes(model_of(document_of(mesh("]]>\n\"'", ODD))))
+        animation = replace(animation, model=model)
+    return animation
+
+
+def written(name, animation):
+    out = BytesIO()
+    WRITERS[name].write(animation, out)
+    return out.getvalue()
+
+
+def table(content, animation):
+    rows = list(csv.reader(StringIO(content.decode("utf-8"), newline=""), strict=True))
+    assert {len(row) for row in rows} == {len(rows[0])}
+    assert len(rows) == len(animation.times) + 1
+    return rows[0][1:]
+
+
+def document(content, animation):
+    found = json.loads(content)
+    assert [word["text"] for word in found["words"]] == list(ODD)
+    assert len(found["frames"]) == len(animation.times)
+    return found["poses"]
+
+
+def model(content, _):
+    return parts(content)[0]["meshes"][0]["extras"]["targetNames"]
+
+
+def resource(content, animation):
+    return [path.removeprefix(".:blend_shapes/") for path in from_tres(content, animation)]
+
+
+def drawings(name):
+    return lambda content, animation: [shape for _, _, shape in DRAWN[name](content, animation)]
+
+
+def curves(content, _):
+    rows = list(csv.reader(StringIO(content.decode("utf-8"), newline=""), strict=True))
+    assert {len(row) for row in rows} == {len(rows[0])}
+    return [name for name, *_ in rows[1:]]
+
+
+def cues(name):
+    return lambda content, _: [text for _, _, text in read(name, content.decode("utf-8"))]
+
+
+def engine(name):
+    return lambda content, animation: list(READERS[name][0](content, animation))
+
+
+NAMES = {
+    **{name: engine(name) for name in READERS},
+    **{name: drawings(name) for name in DRAWN},
+    "csv": table,
+    "glb": model,
+    "godot": resource,
+    "json": document,
+    "srt": cues("srt"),
+    "unreal": curves,
+    "usd": lambda content, animation: list(from_usda(content, animation)),
+    "vtt": lambda content, animation: list(map(unescape, cues("vtt")(content, animation))),
+}
+"""What reads a file as strictly as its programs do, and returns the names that stand in it."""
+
+ONE_LINE = [" ".join(name.split()) for name in ODD]
+
+CHANGED = {
+    "godot": [name.replace(":", "_").replace("\\\\", "\\") for name in ODD],
+    "moho": ONE_LINE,
+    "smartbody": ["".join(c if c.isprintable() else "\ufffd" for c in name) for name in ODD],
+    "srt": [name.replace("-->", "→") for name in ONE_LINE],
+    "vtt": ONE_LINE,
+}
+"""Formats that cannot hold some letters, and what stands there for them."""
+
+
+def test_every_writer_is_swept():
+    assert set(NAMES) | set(NO_NAMES) == set(WRITERS)
+
+
+@odd_writers
+def test_odd_names_stay_what_they_are_and_break_nothing(name, tmp_path):
+    animation = odd(name, tmp_path)
+    names = NAMES[name](written(name, animation), animation)
+    assert names
+    if name not in OWN_SHAPES:
+        assert names == list(CHANGED.get(name, ODD))
+
+
+def test_what_was_spoken_is_told_by_rhubarbs_files(tmp_path):
+    told = json.loads(written("rhubarb-json", odd("rhubarb-json", tmp_path)))
+    assert told["metadata"]["soundFile"] == SPOKEN.source
+    root = ET.fromstring(written("rhubarb-xml", odd("rhubarb-xml", tmp_path)))  # noqa: S314 ours
+    kept = SPOKEN.source.replace("\x00", "\ufffd").replace("\x07", "\ufffd")
+    assert root.find("metadata/soundFile").text == kept.replace("\r", "\n")
