@@ -19,6 +19,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.errors import LipsyncError, PackError, ScheduleError, SpeechError
+    from lipsync_lang.hearing import align, recognise
     from lipsync_lang.performer import Performer
     from lipsync_lang.quality.checks import check
     from lipsync_lang.resolver import resolve
@@ -36,8 +37,10 @@ _HOMES = {
     "SpeechError": "lipsync_lang.errors",
     "Schedule": "lipsync_lang.schedules.schedule",
     "Word": "lipsync_lang.schedules.schedule",
+    "align": "lipsync_lang.hearing",
     "check": "lipsync_lang.quality.checks",
     "read_schedule": "lipsync_lang.schedules.registry",
+    "recognise": "lipsync_lang.hearing",
     "resolve": "lipsync_lang.resolver",
     "speak": "lipsync_lang.speaking",
     "transcribe": "lipsync_lang.speaking",
@@ -54,8 +57,10 @@ __all__ = [
     "SpeechError",
     "Word",
     "__version__",
+    "align",
     "check",
     "read_schedule",
+    "recognise",
     "resolve",
     "speak",
     "transcribe",

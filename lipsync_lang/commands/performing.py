@@ -242,6 +242,9 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
         told += "\ntimes are estimated by classes of sounds; nothing speaks them"
     if animation.schedule.unread:
         told += f"\nnot read: {' '.join(animation.schedule.unread)}"
+    if animation.schedule.confidence is not None:
+        how = "recognised" if animation.schedule.recognised else "aligned"
+        told += f"\n{how} with a confidence of {animation.schedule.confidence:.2f}"
     told += "".join(f"\n{remark}" for remark in animation.schedule.remarks)
     if not written:
         return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"

@@ -10,20 +10,20 @@ from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.source import Source
 
-LABEL = re.compile(r"(-?\d+[.,]\d+)\t(-?\d+[.,]\d+)(?:\t(.*))?")
+LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
 
 def looks(source: Source) -> bool:
-    """Tell whether the first line is a label."""
-    return bool(LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0]))
+    """Tell whether the first line is a label, with fractions of seconds as Audacity writes them."""
+    found = LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0])
+    return bool(found and not found[1].isdecimal() and not found[2].isdecimal())
 
 
 @reader("audacity", ".txt", looks=looks)
 def read_audacity(source: Source) -> Schedule:
     """Audacity label tracks of phonemes, exported as text."""
-    return schedule_of(
-        source, [_row(source, n, line) for n, line in source.lines if line[0] != "\\"]
-    )
+    rows = [_row(source, n, line) for n, line in source.lines if line[0] != "\\"]
+    return schedule_of(source, rows, guess=True)
 
 
 def _row(source: Source, number: int, line: str) -> Row:

@@ -5,6 +5,7 @@ from typing import Protocol
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.schedules import Schedule
 from lipsync_lang.speech.espeak import Espeak
+from lipsync_lang.speech.festival import Festival
 
 
 class Engine(Protocol):
@@ -19,7 +20,7 @@ class Engine(Protocol):
         ...
 
 
-ENGINES: dict[str, Engine] = {"espeak": Espeak()}
+ENGINES: dict[str, Engine] = {"espeak": Espeak(), "festival": Festival()}
 """Engines by name; add to it to make one known."""
 
 

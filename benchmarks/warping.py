@@ -1,0 +1,166 @@
+"""How far aligning by warping misses the boundaries that are known.
+
+    python benchmarks/warping.py [FOLDER]
+
+FOLDER holds the German recordings (NAME.wav beside NAME.phones.tsv: start, end, label in SAMPA),
+whose boundaries were set by hand. One of them is of words that make no sentence, so that its
+transcript is a guess at the spelling. Beside them, sentences by other voices than the one that
+aligns: eSpeak's `en-us+f3` at 140 words per minute, and Festival's, where it is installed, whose
+voice was cut from a person's. Each also with noise, and with a text that is not the one said.
+
+Both sides become common phonemes and are aligned by them. A boundary counts where the sounds on
+both its sides are the same on both sides: what the voice says otherwise than the speaker did, or
+leaves out, has no boundary to compare.
+"""
+
+import sys
+from itertools import pairwise
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.align import align
+from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
+from lipsync_lang.speaking import Speaker
+from lipsync_lang.speech import speak
+from lipsync_lang.speech.align.warp import Warp
+from lipsync_lang.speech.sound import read_audio
+
+GERMAN = {
+    "dfg91_s1em_0666": "Melanies Omi Kallim mit ihr ein Lied.",
+    "dfgspp_mo1_prosody_0020": "Sie arbeitet in einer Kneipe als Kellnerin.",
+    "dfgspp_mo1_prosody_0024": "Morgen muss sie weder Klausur noch Examen schreiben.",
+}
+PAUSES = ("<p:>", "&p:", "H#")
+ENGLISH = (
+    "The juice of lemons makes fine punch.",
+    "Cars and busses stalled in snow drifts.",
+    "The slang word for raw whiskey is booze.",
+    "Add the column and put the sum here.",
+    "The birch looked stark white and lonesome.",
+    "The tube was blown and the tire flat and useless.",
+    "Better hash is made of rare beef.",
+    "The ramp led up to the wide highway.",
+    "Send the stuff in a thick paper bag.",
+    "The best method is to fix it in place with clips.",
+    "When the frost has come it is time for turkey.",
+    "A round mat will cover the dull spot.",
+)
+
+Trial = tuple[str, Schedule]
+"""A text, and its true times with the recording."""
+
+
+def german(folder: Path) -> list[Trial]:
+    """Return the recordings of a folder; none where there is none."""
+    found = []
+    for name, text in GERMAN.items():
+        phones = folder / f"{name}.phones.tsv"
+        if not phones.exists():
+            continue
+        rows = [row.split() for row in phones.read_text(encoding="utf-8").splitlines()]
+        intervals = [
+            (SILENCE if label in PAUSES else label, float(start), float(end))
+            for start, end, label in rows
+            if float(end) > float(start)
+        ]
+        audio = read_audio(folder / f"{name}.wav")
+        found.append((text, Schedule.from_intervals(intervals, notation="sampa", audio=audio)))
+    return found
+
+
+def spoken(engine: str, voice: str, words_per_minute: int | None) -> list[Trial]:
+    """Return the English sentences as another voice says them."""
+    try:
+        return [
+            (text, speak(text, voice, engine=engine, words_per_minute=words_per_minute))
+            for text in ENGLISH
+        ]
+    except SpeechError as error:
+        print(error)
+        return []
+
+
+def units(schedule: Schedule, speaker: Speaker) -> tuple[list[str], list[float]]:
+    """Return the common phonemes, and when each starts; NaN within a label."""
+    notation = speaker.notations[schedule.notation or "ipa"]
+    names: list[str] = []
+    starts: list[float] = []
+    for label, start in zip(schedule.labels, schedule.times, strict=False):
+        value = notation.find(label) or ()
+        names += [name for name, _ in value]
+        starts += [float(start), *[float("nan")] * (len(value) - 1)][: len(value)]
+    return names, starts
+
+
+def errors(found: Schedule, true: Schedule, speaker: Speaker) -> np.ndarray:
+    """Return by how many seconds each boundary that both have comes late."""
+    ours, our_starts = units(found, speaker)
+    theirs, their_starts = units(true, speaker)
+    at = align(theirs, ours, speaker.manner.kinds, SILENCE)
+    late = [
+        our_starts[n] - their_starts[at[n]]
+        for m, n in pairwise(range(len(ours)))
+        if at[m] >= 0
+        and at[n] == at[m] + 1
+        and ours[n] != SILENCE
+        and (ours[m], ours[n]) == (theirs[at[m]], theirs[at[n]])
+    ]
+    return np.array([seconds for seconds in late if np.isfinite(seconds)])
+
+
+def noisy(audio: Audio, decibels: float) -> Audio:
+    """Return a recording with white noise so far below it."""
+    sound = audio.samples.astype(float)
+    level = np.sqrt((sound**2).mean()) * 10 ** (-decibels / 20)
+    sound += np.random.default_rng(1).standard_normal(len(sound)) * level
+    return Audio(np.clip(sound, -32768, 32767).astype(np.int16), audio.rate)
+
+
+def report(name: str, trials: list[Trial], speaker: Speaker, decibels: float | None = None) -> None:
+    """Print a row."""
+    late, right, wrong = [], [], []
+    seconds, began = 0.0, perf_counter()
+    for number, (text, true) in enumerate(trials):
+        audio = true.audio if decibels is None else noisy(true.audio, decibels)
+        found = Warp().align(audio, text, speaker)
+        late.append(errors(found, true, speaker))
+        right.append(found.confidence)
+        other = trials[(number + 1) % len(trials)][0]
+        wrong.append(Warp().align(audio, other, speaker).confidence)
+        seconds += 2 * audio.seconds
+    speed = seconds / (perf_counter() - began)
+    milliseconds = np.abs(np.concatenate(late)) * 1000
+    print(
+        f"{name:<32}{len(milliseconds):>6}{np.median(milliseconds):>8.1f}"
+        f"{np.percentile(milliseconds, 90):>8.1f}{1000 * np.median(np.concatenate(late)):>8.1f}"
+        f"{np.median(right):>8.2f}{min(right):>6.2f}{np.median(wrong):>8.2f}{max(wrong):>6.2f}"
+        f"{speed:>7.0f}x"
+    )
+
+
+def main(folder: Path) -> int:
+    """Print the table."""
+    speakers = {name: Speaker.of(name) for name in ("german", "english")}
+    trials = [
+        ("German, by hand", german(folder), speakers["german"]),
+        ("English, eSpeak en-us+f3", spoken("espeak", "en-us+f3", 140), speakers["english"]),
+        ("English, Festival kal", spoken("festival", "kal_diphone", None), speakers["english"]),
+    ]
+    print("Boundaries found by warping: error in ms, confidence of right and wrong texts")
+    print(
+        f"{'':<32}{'number':>6}{'median':>8}{'90 %':>8}{'late':>8}{'right':>8}{'least':>6}"
+        f"{'wrong':>8}{'most':>6}{'speed':>8}"
+    )
+    for name, some, speaker in trials:
+        if some:
+            report(name, some, speaker)
+            report(f"{name}, noise at 20 dB", some, speaker, 20)
+            report(f"{name}, noise at 10 dB", some, speaker, 10)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1] if len(sys.argv) > 1 else "articulography")))

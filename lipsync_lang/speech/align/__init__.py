@@ -1,0 +1,1 @@
+"""Alignment: a recording and its text in, a schedule with the sound out."""

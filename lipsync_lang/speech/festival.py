@@ -1,0 +1,249 @@
+"""Speech by Festival, a program of its own that Debian and others bring.
+
+A process for each text. Text and voice reach it in files, as strings that nothing evaluates;
+`festival.scm` says what is done with them. It answers in lines: the voice's phone set, the tokens
+of the text, and each sound with its end and the token that it belongs to.
+"""
+
+import shutil
+import subprocess
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.schedules import SILENCE, Audio, Schedule
+from lipsync_lang.speech.words import find_words
+
+SCRIPT = Path(__file__).with_name("festival.scm")
+
+NOTATIONS = {"radio": "arpabet", "cmu": "arpabet"}
+"""The notation that the phones of each of Festival's phone sets are in."""
+
+SILENCES = {"pau", "h#", "brth", "#"}
+"""Phones of these sets that are pauses."""
+
+USUAL = 185
+"""Words per minute that it speaks when nothing is asked for."""
+
+SLOWEST, FASTEST = 80, 350
+LONGEST = 5000
+"""Characters; its time grows faster than the text, and a longer one comes in lines."""
+
+PLAIN = dict(zip("‘’“”…–—", "''\"\",,,", strict=True))
+"""Marks of print that it does not know, as a typewriter has them."""
+
+_SHOWN = 60
+
+
+class Answer(NamedTuple):
+    """What Festival says of a text."""
+
+    phones: str
+    """The voice's phone set."""
+    tokens: tuple[str, ...]
+    sounds: tuple[tuple[str, float, int], ...]
+    """Phone, its end in seconds, and the number of its token from 1; 0 for none."""
+    voices: tuple[str, ...]
+    """The voices there are, where the one that was asked for is none."""
+
+
+@dataclass
+class Festival:
+    """Festival as a speech engine.
+
+    Parameters
+    ----------
+    program : the command that starts it
+    patience : seconds to wait for an answer, beyond a hundredth of one per character
+    """
+
+    program: str = "festival"
+    patience: float = 30.0
+
+    def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
+        """Speak a text with a voice by its name, as in ``kal_diphone``.
+
+        Raises
+        ------
+        SpeechError
+            There is nothing to say, no such voice, the program is missing, or it failed.
+        """
+        written = unicodedata.normalize("NFC", text)
+        spoken = _plain(written)
+        stretch = _stretch(words_per_minute)
+        with TemporaryDirectory(prefix="lipsync-lang-") as folder:
+            answer = self._ask(Path(folder), spoken, voice, stretch)
+            if not answer.sounds:
+                hint = did_you_mean(voice, answer.voices)
+                raise SpeechError(f"Festival has no voice '{voice}'; {hint}")
+            audio = _sound(Path(folder) / "sound.wav")
+        return _schedule(answer, audio, written, voice)
+
+    def voices(self) -> dict[str, str]:
+        """Return the voices that are installed."""
+        with TemporaryDirectory(prefix="lipsync-lang-") as folder:
+            answer = self._ask(Path(folder), "none", "none", 1.0)
+        return {name: name.replace("_", " ") for name in sorted(answer.voices)}
+
+    def _ask(self, folder: Path, text: str, voice: str, stretch: float) -> Answer:
+        """Run the program in a folder for one text."""
+        program = shutil.which(self.program)
+        if program is None:
+            raise SpeechError(
+                f"speaking with Festival needs the program '{self.program}', which is not "
+                "installed; get it with: apt-get install festival festvox-kallpc16k"
+            )
+        (folder / "text").write_text(text, "ascii")
+        (folder / "voice").write_text(voice or "none", "utf-8")
+        try:
+            done = subprocess.run(  # noqa: S603 our own script, no shell
+                [program, "--batch", f"(set! stretch {stretch:.4f})", str(SCRIPT)],
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                cwd=folder,
+                timeout=self.patience + len(text) / 100,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as late:
+            raise SpeechError(
+                f"Festival did not finish within {late.timeout:.0f} s with {_quoted(text)}; "
+                "try again, or split the text"
+            ) from None
+        except OSError as error:
+            raise SpeechError(
+                f"Festival cannot be started with '{program}': {error.strerror or error}"
+            ) from None
+        answer = _read(done.stdout.decode("utf-8", "replace"))
+        if done.returncode or not (answer.sounds or answer.voices):
+            said = done.stderr.decode("utf-8", "replace").strip().splitlines()
+            told = f" ({said[-1]})" if said else ""
+            raise SpeechError(
+                f"Festival failed in the voice '{voice}' with {_quoted(text)}{told}; "
+                "try a shorter or a plainer text"
+            )
+        return answer
+
+
+def _stretch(words_per_minute: int | None) -> float:
+    if words_per_minute is None:
+        return 1.0
+    if not SLOWEST <= words_per_minute <= FASTEST:
+        raise SpeechError(
+            f"{words_per_minute} words per minute: Festival speaks {SLOWEST} to {FASTEST}; "
+            "stretch the schedule for more"
+        )
+    return USUAL / words_per_minute
+
+
+def _plain(text: str) -> str:
+    """Put letters that Festival knows in place of others, one for one; a blank for unknown ones."""
+    plain = "".join(_letter(c) for c in text)
+    if not any(c.isalnum() for c in plain):
+        raise SpeechError(
+            f"{_quoted(text)} has no letter or digit that Festival can read, so there is nothing "
+            "to say; write at least one word"
+        )
+    if len(plain) > LONGEST:
+        raise SpeechError(
+            f"the text has {len(plain)} characters, more than {LONGEST}; speak it line by line"
+        )
+    return plain
+
+
+def _letter(character: str) -> str:
+    bare = unicodedata.normalize("NFKD", PLAIN.get(character, character))[0]
+    return bare if bare.isascii() and bare.isprintable() else " "
+
+
+def _read(answer: str) -> Answer:
+    """Read the lines of an answer; what is none of ours is passed over."""
+    phones = ""
+    tokens: list[str] = []
+    sounds: list[tuple[str, float, int]] = []
+    voices: list[str] = []
+    for line in answer.splitlines():
+        match line.split():
+            case ["phones", name]:
+                phones = name
+            case ["token", name]:
+                tokens.append(name)
+            case ["sound", name, end, token]:
+                sounds.append((name, float(end), int(token)))
+            case ["voice", name]:
+                voices.append(name)
+    return Answer(phones, tuple(tokens), tuple(sounds), tuple(voices))
+
+
+def _sound(path: Path) -> Audio:
+    """Read the sound that Festival has written."""
+    import wave
+
+    try:
+        with wave.open(str(path)) as sound:
+            samples = np.frombuffer(sound.readframes(sound.getnframes()), np.int16)
+            return Audio(samples, sound.getframerate())
+    except (OSError, EOFError, wave.Error):
+        raise SpeechError("Festival left no sound that can be read; try again") from None
+
+
+def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
+    """Make a schedule of an answer, from 0 to the end of the sound."""
+    if answer.phones not in NOTATIONS:
+        raise SpeechError(
+            f"the Festival voice '{voice}' speaks in the phone set '{answer.phones}', which is no "
+            f"notation here; choose a voice of {' or '.join(NOTATIONS)}"
+        )
+    labels: list[str] = []
+    ends: list[float] = [0.0]
+    first: dict[int, int] = {}
+    for phone, end, token in answer.sounds:
+        label = SILENCE if phone in SILENCES else phone.upper()
+        if end <= ends[-1]:
+            continue
+        if label == SILENCE and labels[-1:] == [SILENCE]:
+            ends[-1] = end
+            continue
+        if token:
+            first.setdefault(token, len(labels))
+        labels.append(label)
+        ends.append(end)
+    if all(label == SILENCE for label in labels):
+        raise SpeechError(f"Festival says nothing for {_quoted(text)}; is it in its script?")
+    if labels[-1] == SILENCE:
+        labels.pop()
+        ends.pop()
+    if audio.seconds > ends[-1]:
+        labels.append(SILENCE)
+        ends.append(audio.seconds)
+    return Schedule(
+        tuple(labels),
+        np.array(ends),
+        words=find_words(text, _marks(answer.tokens, first, _plain(text)), labels),
+        notation=NOTATIONS[answer.phones],
+        audio=audio,
+        source=f"speech {_quoted(text)}",
+        unread=tuple(dict.fromkeys(c for c in text if c.isalnum() and _letter(c) == " ")),
+    )
+
+
+def _marks(tokens: Sequence[str], first: dict[int, int], text: str) -> list[tuple[int, int]]:
+    """Return where in the text the tokens stand that are heard, and the first sound of each."""
+    marks: list[tuple[int, int]] = []
+    at = 0
+    for number, token in enumerate(tokens, start=1):
+        found = text.find(token, at)
+        at = found if found >= 0 else at
+        if number in first:
+            marks.append((at, first[number]))
+        at += len(token) if found >= 0 else 0
+    return marks
+
+
+def _quoted(text: str) -> str:
+    return repr(text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "...")

@@ -1,0 +1,1 @@
+"""Recognition: a recording in, the words and sounds heard in it out."""

@@ -1,0 +1,237 @@
+"""Words laid on a sound: which phoneme of which word is heard when.
+
+The sound is taken a window at a time, so that the work grows with its length and no more. In each
+window the likeliest way through the words ahead is looked for, with pauses wherever they help; its
+words are kept up to some seconds before its end, and the next window starts there. What is kept is
+laid once more, each phoneme now beside the neighbours it turned out to have.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.speech.sphinx.model import (
+    OUTSIDE,
+    STATES,
+    Floats,
+    Listening,
+    Model,
+    Phone,
+    Place,
+    Singles,
+)
+from lipsync_lang.speech.sphinx.trellis import START, Run, likeliest_way
+
+WINDOW = 1600
+"""Frames that are looked at together: 16 s."""
+
+AHEAD = 300
+"""Frames at the end of a window whose words are looked at again in the next."""
+
+OTHER = -5.0
+"""How much less likely than the likeliest phoneme each frame of other sound is."""
+
+TURN = -20.0
+"""What turning to other sound costs: a phoneme that is badly said is still the word's."""
+
+Word = Sequence[tuple[int, ...]]
+"""The ways to say a word, each the numbers of its phonemes."""
+
+
+class Heard(NamedTuple):
+    """A phoneme, a pause or other sound, where it is heard.
+
+    `word` is the number of its word, `OUTSIDE` of what is none; `phone` the phoneme's number in
+    the model, `OUTSIDE` of other sound. `fit` says how much likelier it is, in a frame on average,
+    than the likeliest phoneme that minds no neighbours.
+    """
+
+    word: int
+    phone: int
+    first: int
+    stop: int
+    fit: float
+
+
+class Node(NamedTuple):
+    """A phoneme of a word, or a pause, as one that may be said."""
+
+    word: int
+    phone: int
+    place: Place
+
+
+@dataclass
+class _Graph:
+    """Phonemes that may follow each other."""
+
+    model: Model
+    nodes: list[Node] = field(default_factory=list)
+    phones: list[Phone] = field(default_factory=list)
+    before: list[list[int]] = field(default_factory=list)
+
+    def add(self, node: Node, left: int, right: int, before: Sequence[int]) -> int:
+        """Add a phoneme between two others, and return its number."""
+        self.nodes.append(node)
+        self.phones.append(_phone(self.model, node, left, right))
+        self.before.append([*before])
+        return len(self.nodes) - 1
+
+    def pause(self, before: Sequence[int]) -> list[int]:
+        """Add silence and other sound, by turns."""
+        silence = self.model.silence
+        quiet = self.add(Node(OUTSIDE, silence, Place.INSIDE), silence, silence, before)
+        other = Node(OUTSIDE, OUTSIDE, Place.INSIDE)
+        loud = self.add(other, silence, silence, [*before, quiet])
+        self.before[quiet].append(loud)
+        return [quiet, loud]
+
+    def word(
+        self, number: int, ways: Word, left: int, right: int, before: Sequence[int]
+    ) -> list[int]:
+        """Add the ways to say a word between two phonemes, and return their ends."""
+        ends: list[int] = []
+        for way in ways:
+            last: Sequence[int] = before
+            around = (left, *way, right)
+            for at, phone in enumerate(way):
+                node = Node(number, phone, _place(at, len(way)))
+                last = [self.add(node, around[at], around[at + 2], last)]
+            ends += last
+        return ends
+
+
+def _phone(model: Model, node: Node, left: int, right: int) -> Phone:
+    if node.word == OUTSIDE:
+        return model.alone(model.silence)
+    return model.phone(node.phone, left, right, node.place)
+
+
+def _place(at: int, size: int) -> Place:
+    if size == 1:
+        return Place.ALONE
+    return {0: Place.BEGIN, size - 1: Place.END}.get(at, Place.INSIDE)
+
+
+def lay(model: Model, features: Floats, words: Sequence[Word]) -> list[Heard] | None:
+    """Lay words on a sound.
+
+    Parameters
+    ----------
+    model : what phonemes sound like
+    features : (T, 3, 13) of the sound
+    words : in the order in which they are said
+
+    Returns
+    -------
+    What is heard from frame 0 to T, with every word in it; None where the sound is too short
+    """
+    heard: list[Heard] = []
+    at = done = 0
+    while at < len(features):
+        found = _window(model, features[at:], words, done)
+        if found is None:
+            return None
+        heard += [h._replace(first=h.first + at, stop=h.stop + at) for h in found]
+        done = max(done, *(h.word + 1 for h in found))
+        at = heard[-1].stop
+    return heard
+
+
+def _window(model: Model, features: Floats, words: Sequence[Word], done: int) -> list[Heard] | None:
+    """Return what is kept of the window that a sound starts with, where some words are done."""
+    last = len(features) <= WINDOW
+    features = features[:WINDOW]
+    stop = done + _room(words[done:], len(features))
+    if last and stop < len(words):
+        return None
+    sound = Listening(model, features)
+    graph = _Graph(model)
+    ends = _spell(graph, words, done, stop)
+    loop = _loop(sound)
+    scores = sound.scores(graph.phones)
+    way = _likeliest(model, scores, loop, graph.nodes, graph.before, ends if last else None)
+    if way is None:
+        return None
+    if not last:
+        way = _kept(way, graph.nodes, len(features) - AHEAD)
+    return _again(sound, loop, [(graph.nodes[run.phone], run) for run in way])
+
+
+def _room(words: Sequence[Word], frames: int) -> int:
+    """Return how many words can be said, as fast as can be, in some frames."""
+    shortest = [STATES * min(map(len, ways)) for ways in words[: frames // STATES]]
+    return int(np.searchsorted(np.cumsum(shortest), frames, side="right"))
+
+
+def _spell(graph: _Graph, words: Sequence[Word], start: int, stop: int) -> list[int]:
+    """Add words with pauses around them, and return where they may end."""
+    silence = graph.model.silence
+    before: list[int] = [START]
+    for number in range(start, stop):
+        left = words[number - 1][0][-1] if number > start else silence
+        right = words[number + 1][0][0] if number + 1 < stop else silence
+        pause = graph.pause(before)
+        before = graph.word(number, words[number], left, right, [*before, *pause])
+    return [*(n for n in before if n != START), *graph.pause(before)]
+
+
+def _loop(sound: Listening) -> Singles:
+    """Return how likely each frame is as the likeliest phoneme that minds no neighbours."""
+    model = sound.model
+    speech = [number for number in range(len(model.names)) if number not in model.fillers]
+    scores = sound.scores([model.alone(number) for number in speech])
+    likeliest: Singles = scores.max(axis=(1, 2))
+    return likeliest
+
+
+def _likeliest(  # noqa: PLR0913, PLR0917 what a way depends on
+    model: Model,
+    scores: Singles,
+    loop: Singles,
+    nodes: Sequence[Node],
+    before: Sequence[Sequence[int]],
+    ends: Sequence[int] | None,
+) -> list[Run] | None:
+    other = np.array([node.phone == OUTSIDE for node in nodes])
+    scores[:, other] = (loop + np.float32(OTHER))[:, None, None]
+    names = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
+    return likeliest_way(scores, model.stay[names], before, ends, np.where(other, TURN, 0.0))
+
+
+def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
+    """Return the start of a way: to where the last word or pause ends before a frame.
+
+    Where none does, it is a long pause cut short, or a word that is all there is.
+    """
+    words = [nodes[run.phone].word for run in way]
+    ends = [OUTSIDE in pair or pair[0] != pair[1] for pair in pairwise(words)]
+    cuts = [n for n, end in enumerate(ends, 1) if end]
+    kept = max((n for n in cuts if way[n - 1].stop <= limit), default=0)
+    if kept:
+        return [*way[:kept]]
+    if words[0] == OUTSIDE:
+        return [way[0]._replace(stop=limit)]
+    return [*way[: min(cuts, default=len(way))]]
+
+
+def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> list[Heard]:
+    """Lay phonemes again, each beside the neighbours that it has."""
+    model, stop = sound.model, way[-1][1].stop
+    nodes = [node for node, _ in way]
+    around = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
+    around = [model.silence, *around, model.silence]
+    phones = [_phone(model, node, around[n], around[n + 2]) for n, node in enumerate(nodes)]
+    scores = sound.scores(phones)[:stop]
+    before = [[n - 1] for n in range(len(nodes))]
+    chain = _likeliest(model, scores, loop[:stop], nodes, before, [len(nodes) - 1])
+    runs = chain or [run._replace(phone=n) for n, (_, run) in enumerate(way)]
+    heard = []
+    for node, run in zip(nodes, runs, strict=True):
+        here = scores[run.first : run.stop, run.phone].max(axis=1)
+        fit = float((here - loop[run.first : run.stop]).mean())
+        heard.append(Heard(node.word, node.phone, run.first, run.stop, fit))
+    return heard

@@ -1,0 +1,357 @@
+"""Alignment: a recording and its text become a schedule that says when each phoneme is said."""
+
+import re
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import lipsync_lang as ll
+from lipsync_lang.hearing import aligned
+from lipsync_lang.schedules import SILENCE
+from lipsync_lang.speaking import Speaker
+from lipsync_lang.speech.align.registry import ALIGNERS
+from lipsync_lang.speech.sound import resampled
+from lipsync_lang.speech.sphinx.features import RATE, STEP, features
+from lipsync_lang.speech.sphinx.folder import find_models
+from lipsync_lang.speech.sphinx.trellis import START, likeliest_way
+
+pytest.importorskip("pocketsphinx")
+pytest.importorskip("soundfile")
+
+TEXTS = (
+    "Glue the sheet to the dark blue background.",
+    "The hogs were fed chopped corn and garbage.",
+)
+
+
+@pytest.fixture(scope="module")
+def english():
+    return Speaker.of("english")
+
+
+@pytest.fixture(scope="module")
+def spoken(english):
+    """What the language's voice says, and when: by text."""
+    return {text: english.speak(text) for text in TEXTS}
+
+
+def common(schedule, speaker):
+    """Common phonemes without silence, each with the start of its label."""
+    notation = speaker.notations[schedule.notation or "ipa"]
+    return [
+        (name, start)
+        for label, start in zip(schedule.labels, schedule.times, strict=False)
+        for name, _ in notation.find(label)
+        if name != SILENCE
+    ]
+
+
+def silence(seconds, rate):
+    return np.zeros(round(seconds * rate), np.int16)
+
+
+# The form of what comes out
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_a_schedule_lasts_from_zero_to_the_end_of_the_sound(english, spoken, text):
+    audio = spoken[text].audio
+    found = aligned(english, audio, text)
+    assert (found.start, found.end) == (0.0, audio.seconds)
+    assert found.audio is audio
+    assert (found.notation, found.language) == ("arpabet", "english")
+    assert 0 <= found.confidence <= 1
+    assert not found.recognised
+    assert not found.estimated
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_words_are_those_of_the_text(english, spoken, text):
+    found = aligned(english, spoken[text].audio, text)
+    assert [word.text for word in found.words] == text.rstrip(".").split()
+    inside = [n for word in found.words for n in range(word.first, word.stop)]
+    assert inside == [n for n, label in enumerate(found.labels) if label != SILENCE]
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_most_boundaries_are_where_the_voice_says_they_are(english, spoken, text):
+    found, known = common(aligned(english, spoken[text].audio, text), english), spoken[text]
+    known = common(known, english)
+    assert [name for name, _ in found] == [name for name, _ in known]
+    off = [abs(a - b) for (_, a), (_, b) in zip(found, known, strict=True)]
+    assert np.median(off) < 0.02
+
+
+def test_alignments_repeat_themselves(english, spoken):
+    one, two = (aligned(english, spoken[TEXTS[0]].audio, TEXTS[0]) for _ in range(2))
+    assert np.array_equal(one.times, two.times)
+    assert one.labels == two.labels
+
+
+def test_loudness_changes_nothing_and_rate_next_to_nothing(english, spoken):
+    audio = spoken[TEXTS[0]].audio
+    whole = aligned(english, audio, TEXTS[0])
+    quiet = aligned(english, ll.Audio(audio.samples // 8, audio.rate), TEXTS[0])
+    other = aligned(english, resampled(audio, 44_100), TEXTS[0])
+    for found in (quiet, other):
+        assert found.labels == whole.labels
+        assert np.median(np.abs(found.times - whole.times)) < 0.005
+
+
+def test_pauses_are_silence_and_the_rest_moves_with_the_sound(english, spoken):
+    known = spoken[TEXTS[0]]
+    rate = known.audio.rate
+    parts = [silence(0.7, rate), known.audio.samples, silence(0.5, rate)]
+    found = aligned(english, ll.Audio(np.concatenate(parts), rate), TEXTS[0])
+    assert found.labels[0] == found.labels[-1] == SILENCE
+    assert found.times[1] == pytest.approx(0.7, abs=0.08)
+    assert found.times[-2] == pytest.approx(0.7 + known.audio.seconds, abs=0.12)
+    assert all(a != b or a != SILENCE for a, b in pairwise(found.labels))
+
+
+# Words of every kind
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("We paid $20 for 12 eggs", ["We", "paid", "$20", "for", "12", "eggs"]),
+        ("Don’t tell O’Brien’s dog!", ["Don’t", "tell", "O’Brien’s", "dog"]),
+        ("Zorblax quimbled the fnord", ["Zorblax", "quimbled", "the", "fnord"]),
+        ("“Yes” — she said; no…", ["Yes", "she", "said", "no"]),
+    ],
+)
+def test_words_that_no_dictionary_has_are_read_as_the_language_reads_them(english, text, words):
+    found = aligned(english, english.speak(text).audio, text)
+    told = "".join(" ".join(word.text for word in found.words).split())
+    assert told == "".join(words) or [w.text for w in found.words] == words
+    assert found.confidence > 0.5
+
+
+def test_a_dialect_says_words_its_own_way():
+    british = Speaker.of("en-GB")
+    text = "The farm is far from the harbour"
+    found = aligned(british, british.speak(text).audio, text)
+    assert found.language == "english-uk"
+    assert found.confidence > 0.5
+
+
+# Where sound and text disagree
+
+
+def test_the_wrong_text_is_remarked_upon(english, spoken):
+    right = aligned(english, spoken[TEXTS[0]].audio, TEXTS[0])
+    wrong = aligned(english, spoken[TEXTS[0]].audio, TEXTS[1])
+    assert wrong.confidence < 0.5 < right.confidence
+    assert "hardly agree" in " ".join(wrong.remarks)
+    assert not right.remarks
+
+
+def test_sound_that_the_text_does_not_have_is_told_and_is_silence(english, spoken):
+    first, second = (resampled(spoken[text].audio, RATE) for text in TEXTS)
+    gap = silence(0.3, RATE)
+    whole = np.concatenate([first.samples, gap, second.samples, gap, first.samples])
+    found = aligned(english, ll.Audio(whole, RATE), f"{TEXTS[0]} {TEXTS[0]}")
+    assert "sound that the text does not have" in " ".join(found.remarks)
+    middle = found.labels[int(found.times.searchsorted(first.seconds + 1.0)) - 1]
+    assert middle == SILENCE
+
+
+def test_words_that_nobody_says_are_told(english, spoken):
+    known = spoken[TEXTS[0]]
+    found = aligned(english, known.audio, f"{TEXTS[0]} Extraordinary vegetables shimmer.")
+    assert "words that are not heard" in " ".join(found.remarks)
+
+
+@pytest.mark.parametrize("samples", [
+    silence(1, RATE),
+    np.rint(3000 * np.sin(np.arange(RATE) / 5)).astype(np.int16),
+], ids=["silence", "tone"])  # fmt: skip
+def test_where_nothing_fits_there_is_no_schedule(english, samples):
+    with pytest.raises(ll.SpeechError, match=r"nothing of the text fits .*is it the text of"):
+        aligned(english, ll.Audio(samples, RATE), "Four hours of steady work faced us all")
+
+
+@pytest.mark.parametrize("count", [1, 100, 2000])
+def test_a_text_that_is_too_long_for_its_sound_is_told(english, count):
+    with pytest.raises(ll.SpeechError, match="more than can be said in"):
+        aligned(english, ll.Audio(silence(count / RATE, RATE), RATE), " ".join(TEXTS))
+
+
+@pytest.mark.parametrize("text", ["", "...", "?!"])
+def test_a_text_without_words_is_told(english, spoken, text):
+    with pytest.raises(ll.SpeechError, match="has no words to align"):
+        aligned(english, spoken[TEXTS[0]].audio, text)
+
+
+def test_aligners_and_models_that_are_not_there_are_told(english, spoken):
+    audio = spoken[TEXTS[0]].audio
+    with pytest.raises(ll.SpeechError, match="did you mean 'pocketsphinx'"):
+        aligned(english, audio, TEXTS[0], aligner="pocketsfinks")
+    with pytest.raises(ll.SpeechError, match="the language names none"):
+        ll.align(audio, "moi", "finnish", aligner="pocketsphinx")
+    with pytest.raises(ll.SpeechError, match="has no model 'en-xx'; did you mean 'en-us'"):
+        ALIGNERS["pocketsphinx"].align(audio, TEXTS[0], english, "en-xx")
+
+
+# Long recordings
+
+
+def test_long_recordings_stay_in_step(english, spoken, monkeypatch):
+    monkeypatch.setattr("lipsync_lang.speech.sphinx.forced.WINDOW", 400)
+    monkeypatch.setattr("lipsync_lang.speech.sphinx.forced.AHEAD", 100)
+    sounds, starts, at = [], [], 0.0
+    for number in range(4):
+        known = spoken[TEXTS[number % 2]]
+        starts.append(at)
+        sounds += [known.audio.samples, silence(0.4, known.audio.rate)]
+        at += known.audio.seconds + 0.4
+    audio = ll.Audio(np.concatenate(sounds), known.audio.rate)
+    text = " ".join(TEXTS * 2)
+    found = aligned(english, audio, text)
+    words = [word.text for word in found.words]
+    assert words == text.replace(".", "").split()
+    firsts = [found.times[w.first] for w in found.words if w.text in ("Glue", "The")]
+    assert np.abs(np.array(firsts) - starts).max() < 0.12
+
+
+# What it is made of
+
+
+def test_a_frame_of_features_comes_every_hundredth_of_a_second():
+    for count in (1, STEP, STEP + 1, 10 * STEP):
+        assert features(np.zeros(count)).shape == (-(-count // STEP), 3, 13)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(1, 4), st.integers(0, 20), st.integers(0, 2**32 - 1))
+def test_the_likeliest_way_is_the_best_of_all_ways(phones, more, seed):
+    """Of a chain, by trying out every way there is to cut the frames."""
+    random = np.random.default_rng(seed)
+    frames = 3 * phones + min(more, 3)
+    scores = random.normal(size=(frames, phones, 3)).astype(np.float32)
+    stay = np.log(random.uniform(0.2, 0.8, size=(phones, 3)))
+    before = [[START], *([n] for n in range(phones - 1))]
+    way = likeliest_way(scores, stay, before, [phones - 1])
+    assert [run.phone for run in way] == list(range(phones))
+    assert (way[0].first, way[-1].stop) == (0, frames)
+    assert all(a.stop == b.first and b.stop - b.first >= 3 for a, b in pairwise(way))
+    leave = np.log1p(-np.exp(stay)).ravel()
+    flat, held = scores.reshape(frames, -1), stay.ravel()
+    best = {0: (flat[0, 0], (0,))}
+    for frame in range(1, frames):
+        now = {}
+        for state, (score, cuts) in best.items():
+            for to, added in ((state, held[state]), (state + 1, leave[state])):
+                if to < 3 * phones:
+                    here = (score + added + flat[frame, to], cuts + (frame,) * (to != state))
+                    now[to] = max(now.get(to, here), here)
+        best = now
+    _, cuts = best[3 * phones - 1]
+    assert [run.first for run in way] == list(cuts[::3])
+
+
+def test_a_way_that_is_longer_than_the_sound_is_none():
+    scores = np.zeros((5, 2, 3), np.float32)
+    assert likeliest_way(scores, np.full((2, 3), -1.0), [[START], [0]], [1]) is None
+
+
+# Real recordings, the command line
+
+
+def test_a_recording_agrees_with_its_labels(data, english):
+    folder = data / "alignments" / "english_hts"
+    rows = (folder / "arctic_a0009_phone.lab").read_text(encoding="utf-8").splitlines()
+    known = [int(row.split()[0]) / 1e7 for row in rows]
+    text = "He turned sharply, and faced Gregson across the table."
+    found = aligned(english, folder / "arctic_a0009.wav", text)
+    assert len(found) == len(known), "the dictionary says it as the labels do"
+    assert np.median(np.abs(found.times[:-1] - known)) < 0.025
+    assert found.confidence > 0.9
+    assert not found.remarks
+
+
+def test_the_command_line_aligns(tmp_path, cli):
+    sound, out = tmp_path / "line.wav", tmp_path / "line.csv"
+    pair = ("-l", "english", "-c", "facefx")
+    assert cli("run", TEXTS[0], *pair, "-o", sound, "--cut").code == 0
+    assert cli("run", TEXTS[0], *pair, "--audio", sound, "-o", out).code == 0
+    assert out.exists()
+
+
+def test_the_command_line_gives_a_schedule_its_sound(tmp_path, cli):
+    sound, rows, out = tmp_path / "line.wav", tmp_path / "line.json", tmp_path / "out.wav"
+    pair = ("-l", "english", "-c", "facefx")
+    assert cli("run", TEXTS[0], *pair, "-o", sound).code == 0
+    rows.write_text('{"phonemes": [{"label": "HH", "start": 0, "end": 9}]}', encoding="utf-8")
+    ended = cli("run", *pair, "--schedule", rows, "--audio", sound, "-o", out)
+    assert ended.code == 0, ended.err
+    assert "do they belong together?" in ended.err
+    assert out.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ((), "give either a TEXT"),
+        (("hello", "--aligner", "warp"), "give both"),
+        (("hello", "--audio", "a.wav", "--recogniser", "x"), "leave out text"),
+        (("hello", "--audio", "a.wav", "--tts", "none"), "leave it out with --audio"),
+        (("hello", "--audio", "a.wav", "--notation", "ipa"), "leave it out with a TEXT"),
+        (("hello", "--audio", "a.wav"), "a.wav: cannot be read"),
+    ],
+)
+def test_options_that_have_nothing_to_do_are_refused(cli, tmp_path, monkeypatch, options, message):
+    monkeypatch.chdir(tmp_path)
+    ended = cli("run", *options, "-l", "english", "-c", "facefx")
+    assert ended.code == 2
+    assert message in ended.err
+
+
+# What a pack says
+
+
+@pytest.mark.parametrize(
+    ("audio", "message"),
+    [
+        ("{align: pocketsphinx, notation: arpabets}", r"P217 unknown notation 'arpabets'"),
+        ("{notation: arpabet, phones: {æ: [AE, QQ]}}", r"P218 'QQ' is not in the notation"),
+        ("{aligns: warp}", r"P101 unknown field `aligns`"),
+    ],
+)
+def test_what_a_pack_says_of_recordings_is_checked(cli, tmp_path, monkeypatch, audio, message):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "languages").mkdir()
+    pack = (
+        f"kind: language\nformat: 1\nname: kin\ntag: en-x-kin\nextends: english\naudio: {audio}\n"
+    )
+    (tmp_path / "languages" / "kin.yaml").write_text(pack, encoding="utf-8")
+    ended = cli("validate", "languages/kin.yaml", "--no-tests")
+    assert ended.code == 1
+    assert "kin.yaml:6:" in ended.out
+    assert re.search(message, ended.out), ended.out
+
+
+def test_a_dialect_is_heard_as_its_parent_unless_it_says_otherwise(english):
+    assert Speaker.of("english-uk").manner.audio == english.manner.audio
+    assert Speaker.of("finnish").manner.audio.align == "warp"
+    assert Speaker.of("finnish").manner.audio.recognise is None
+
+
+def test_a_performer_aligns_as_its_language_does(english, spoken):
+    performer = ll.resolve("english", "facefx")
+    assert performer.speaker.manner.audio == english.manner.audio
+    found = aligned(performer.speaker, spoken[TEXTS[0]].audio, TEXTS[0])
+    assert performer.perform(found).weights.max() > 0.3
+
+
+def test_every_phoneme_that_a_pack_gives_for_the_model_is_one_of_its_own(english):
+    models = find_models(english.manner.audio.model)
+    said = {name for names in english.manner.audio.phones.values() for name in names}
+    assert said
+    assert said <= set(models.numbers)
+    reading = english.notations[english.manner.notation]
+    assert all(reading.find(label) for label in english.manner.audio.phones)

@@ -1,0 +1,141 @@
+"""Recordings: every usual form is read, and what is no recording is refused in words."""
+
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import lipsync_lang as ll
+from lipsync_lang.speech.sound import FASTEST, LONGEST, SLOWEST, read_audio, resampled
+
+soundfile = pytest.importorskip("soundfile")
+
+RATE = 16_000
+TONE = np.rint(8000 * np.sin(2 * np.pi * 440 * np.arange(RATE // 2) / RATE)).astype(np.int16)
+
+
+def written(path, samples=TONE, rate=RATE, **form):
+    soundfile.write(path, samples, rate, **form)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("name", "subtype"),
+    [("a.wav", "PCM_16"), ("a.wav", "PCM_24"), ("a.wav", "FLOAT"), ("a.flac", "PCM_16")],
+)
+def test_what_is_kept_without_loss_comes_back_as_it_was(tmp_path, name, subtype):
+    audio = read_audio(written(tmp_path / name, TONE / 32768, subtype=subtype))
+    assert audio.rate == RATE
+    assert np.array_equal(audio.samples, TONE)
+
+
+@pytest.mark.parametrize("name", ["a.ogg", "a.mp3"])
+def test_what_is_kept_with_loss_comes_back_alike(tmp_path, name):
+    audio = read_audio(written(tmp_path / name))
+    assert audio.rate == RATE
+    assert audio.seconds == pytest.approx(0.5, abs=0.1)
+    middle = slice(2000, 6000)
+    heard = np.abs(np.fft.rfft(audio.samples[middle].astype(float)))
+    assert heard.argmax() * RATE / 4000 == pytest.approx(440, abs=5)
+
+
+def test_channels_are_mixed_down(tmp_path):
+    both = np.stack([TONE, np.zeros_like(TONE)], axis=1)
+    audio = read_audio(written(tmp_path / "a.wav", both))
+    assert audio.samples.ndim == 1
+    assert np.abs(audio.samples - TONE / 2).max() <= 0.5
+
+
+def test_what_is_too_loud_is_cut_off_and_does_not_wrap(tmp_path):
+    loud = np.array([2.0, -2.0, np.nan, 0.5] * 10)
+    audio = read_audio(written(tmp_path / "a.wav", loud, subtype="FLOAT"))
+    assert audio.samples[:4].tolist() == [32767, -32768, 0, 16384]
+
+
+@pytest.mark.parametrize("rate", [SLOWEST, 11_025, 44_100, 96_000, FASTEST])
+def test_every_usual_rate_is_read(tmp_path, rate):
+    assert read_audio(written(tmp_path / "a.wav", rate=rate)).rate == rate
+
+
+@pytest.mark.parametrize("rate", [SLOWEST - 1, FASTEST + 1])
+def test_odd_rates_are_refused(tmp_path, rate):
+    with pytest.raises(ll.SpeechError, match=rf"a\.wav: {rate} samples per second; .*resample"):
+        read_audio(written(tmp_path / "a.wav", rate=rate))
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(ll.SpeechError, match=r"none\.wav: cannot be read: No such file"):
+        read_audio(tmp_path / "none.wav")
+
+
+def test_a_folder_is_no_recording(tmp_path):
+    with pytest.raises(ll.SpeechError, match="cannot be read"):
+        read_audio(tmp_path)
+
+
+@pytest.mark.parametrize("content", [b"", b"hello " * 100, b"RIFF" + bytes(100)])
+def test_what_is_no_sound_is_told(tmp_path, content):
+    path = tmp_path / "a.wav"
+    path.write_bytes(content)
+    with pytest.raises(ll.SpeechError, match=r"a\.wav: no sound that can be read .*save it as WAV"):
+        read_audio(path)
+
+
+def test_a_recording_of_nothing_is_told(tmp_path):
+    with pytest.raises(ll.SpeechError, match=r"a\.wav: holds no sound"):
+        read_audio(written(tmp_path / "a.wav", TONE[:0]))
+
+
+@pytest.mark.parametrize("name", ["a.wav", "a.aiff", "a.flac"])
+def test_a_recording_that_is_cut_short_is_told(tmp_path, name):
+    path = written(tmp_path / name)
+    path.write_bytes(path.read_bytes()[:-3000])
+    with pytest.raises(ll.SpeechError, match=rf"{name}: (ends after|no sound that can be read)"):
+        read_audio(path)
+
+
+def test_a_header_that_leaves_the_length_open_is_believed(tmp_path):
+    path = written(tmp_path / "a.wav")
+    content = bytearray(path.read_bytes())
+    at = content.index(b"data") + 4
+    content[at : at + 4] = content[4:8] = b"\xff\xff\xff\xff"
+    path.write_bytes(content)
+    assert np.array_equal(read_audio(path).samples, TONE)
+
+
+def test_a_recording_of_more_than_two_hours_is_refused_unread(tmp_path):
+    rate = SLOWEST
+    path = tmp_path / "a.flac"
+    with soundfile.SoundFile(path, "w", rate, 1) as sound:
+        minute = np.zeros(60 * rate, np.int16)
+        for _ in range(int(LONGEST // 60) + 1):
+            sound.write(minute)
+    with pytest.raises(ll.SpeechError, match="lasts 121 minutes, and 120 are the most; cut it"):
+        read_audio(path)
+
+
+@pytest.mark.parametrize(("name", "call"), [
+    ("soundfile", read_audio),
+    ("scipy.signal", lambda _: resampled(ll.Audio(TONE, RATE), 8000)),
+])  # fmt: skip
+def test_without_a_library_the_extra_is_named(tmp_path, monkeypatch, name, call):
+    path = written(tmp_path / "a.wav")
+    monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(ll.SpeechError, match=r'pip install "lipsync-lang\[audio\]"'):
+        call(path)
+
+
+@settings(deadline=None)
+@given(st.sampled_from([8000, 11_025, 22_050, 44_100, 48_000]), st.integers(1, 3000))
+def test_a_resampled_sound_lasts_as_long(rate, count):
+    audio = ll.Audio(np.zeros(count, np.int16), rate)
+    assert abs(resampled(audio, RATE).seconds - audio.seconds) <= 1 / RATE
+
+
+def test_a_resampled_tone_is_the_same_tone():
+    there = resampled(ll.Audio(TONE, RATE), 44_100)
+    back = resampled(there, RATE)
+    assert there.rate == 44_100
+    assert np.abs(back.samples[200:-200] - TONE[200:-200].astype(int)).max() < 80

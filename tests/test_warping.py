@@ -1,0 +1,233 @@
+"""Aligning by warping: any language's voice, bent to a recording of the same text."""
+
+from dataclasses import replace
+from importlib.util import find_spec
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.align import align as match
+from lipsync_lang.schedules import SILENCE, Audio, Schedule
+from lipsync_lang.speaking import Speaker
+from lipsync_lang.speech import speak
+from lipsync_lang.speech.align.registry import ALIGNERS
+from lipsync_lang.speech.align.spectrum import RATE, listen, mel_power, samples_of
+from lipsync_lang.speech.align.warp import SHORTEST, _spaced
+from lipsync_lang.speech.sound import read_audio
+
+MISSING = [name for name in ("espeakng_loader", "dtaidistance", "scipy") if find_spec(name) is None]
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"needs {' and '.join(MISSING)}")
+
+WARP = ALIGNERS["warp"]
+TEXT = "The juice of lemons makes fine punch, and the salt breeze came across from the sea."
+SENTENCES = {
+    "dfgspp_mo1_prosody_0020": "Sie arbeitet in einer Kneipe als Kellnerin.",
+    "dfgspp_mo1_prosody_0024": "Morgen muss sie weder Klausur noch Examen schreiben.",
+}
+
+
+@pytest.fixture(scope="module")
+def speakers():
+    return {name: Speaker.of(name) for name in ("english", "german", "finnish")}
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """Another voice, slower: its own times are what is to be found."""
+    return speak(TEXT, "en-us+f3", words_per_minute=130)
+
+
+def errors(found, true, notation=None):
+    """Seconds by which the starts of sounds that both have after the same sound are apart."""
+    names = [
+        [(notation or {}).get(label, label) for label in one.labels if label != SILENCE]
+        for one in (found, true)
+    ]
+    starts = [
+        [t for label, t in zip(one.labels, one.times, strict=False) if label != SILENCE]
+        for one in (found, true)
+    ]
+    at = match(names[1], names[0], {}, SILENCE)
+    return np.array(
+        [
+            starts[0][n] - starts[1][at[n]]
+            for n in range(1, len(at))
+            if at[n - 1] >= 0 and at[n] == at[n - 1] + 1 and names[1][at[n]] == names[0][n]
+        ]
+    )
+
+
+def gapped(schedule, at, seconds):
+    """A recording with a pause put in at a boundary, of faint noise."""
+    sample = int(schedule.times[at] * schedule.audio.rate)
+    hum = np.random.default_rng(1).integers(-3, 4, int(seconds * schedule.audio.rate))
+    samples = schedule.audio.samples
+    sound = np.concatenate([samples[:sample], hum.astype(np.int16), samples[sample:]])
+    return Audio(sound, schedule.audio.rate)
+
+
+def test_another_voice_at_another_speed_is_found_to_a_frame(speakers, recording):
+    found = WARP.align(recording.audio, TEXT, speakers["english"])
+    wrong = np.abs(errors(found, recording))
+    assert len(wrong) > 40
+    assert np.median(wrong) < 0.01
+    assert np.percentile(wrong, 90) < 0.03
+
+
+def test_the_result_is_the_voices_phonemes_and_words_at_the_recordings_times(speakers, recording):
+    found = WARP.align(recording.audio, TEXT, speakers["english"])
+    said = speakers["english"].speak(TEXT)
+    assert [x for x in found.labels if x != SILENCE] == [x for x in said.labels if x != SILENCE]
+    assert [w.text for w in found.words] == [w.text for w in said.words]
+    for mine, its in zip(found.words, said.words, strict=True):
+        spoken = [x for x in found.labels[mine.first : mine.stop] if x != SILENCE]
+        assert spoken == [x for x in said.labels[its.first : its.stop] if x != SILENCE]
+    assert (found.notation, found.language) == (said.notation, "english")
+    assert found.audio is recording.audio
+    assert (found.start, found.end) == (0.0, recording.audio.seconds)
+    assert np.diff(found.times).min() >= SHORTEST - 1e-9
+    assert not found.estimated
+
+
+def test_a_recording_made_twice_is_aligned_alike(speakers, recording):
+    one, two = (WARP.align(recording.audio, TEXT, speakers["english"]) for _ in range(2))
+    assert np.array_equal(one.times, two.times)
+
+
+@pytest.mark.parametrize("seconds", [0.4, 1.5])
+def test_pauses_that_the_voice_lacks_become_silence_before_their_word(speakers, recording, seconds):
+    word = next(w for w in recording.words if w.text == "makes")
+    found = WARP.align(gapped(recording, word.first, seconds), TEXT, speakers["english"])
+    at = next(w.first for w in found.words if w.text == "makes")
+    start = recording.times[word.first]
+    assert found.labels[at - 1] == SILENCE
+    assert found.times[at - 1] == pytest.approx(start, abs=0.05)
+    assert found.times[at] == pytest.approx(start + seconds, abs=0.05)
+
+
+def test_silence_around_the_speech_is_silence(speakers, recording):
+    quiet = np.random.default_rng(2).integers(-9, 10, RATE).astype(np.int16)
+    samples = np.concatenate([quiet, recording.audio.samples, quiet])
+    found = WARP.align(Audio(samples, recording.audio.rate), TEXT, speakers["english"])
+    lead = RATE / recording.audio.rate
+    first = next(n for n, x in enumerate(recording.labels) if x != SILENCE)
+    assert found.labels[0] == found.labels[-1] == SILENCE
+    assert found.times[1] == pytest.approx(lead + recording.times[first], abs=0.05)
+
+
+@pytest.mark.parametrize("decibels", [20, 10])
+def test_noise_does_no_great_harm(speakers, recording, decibels):
+    sound = recording.audio.samples.astype(float)
+    hiss = np.random.default_rng(3).standard_normal(len(sound))
+    noisy = sound + hiss * np.sqrt((sound**2).mean()) * 10 ** (-decibels / 20)
+    audio = Audio(np.clip(noisy, -32768, 32767).astype(np.int16), recording.audio.rate)
+    found = WARP.align(audio, TEXT, speakers["english"])
+    assert np.median(np.abs(errors(found, recording))) < 0.015
+    assert found.confidence > 0.6
+
+
+def test_the_level_of_a_recording_does_not_count(speakers, recording):
+    soft = Audio((recording.audio.samples // 16).astype(np.int16), recording.audio.rate)
+    found = WARP.align(soft, TEXT, speakers["english"])
+    assert np.median(np.abs(errors(found, recording))) < 0.01
+
+
+def test_a_text_that_is_not_said_is_doubted(speakers, recording):
+    right = WARP.align(recording.audio, TEXT, speakers["english"])
+    wrong = WARP.align(
+        recording.audio,
+        "Four hours of steady work faced us while a large size in stockings is hard to sell.",
+        speakers["english"],
+    )
+    assert right.confidence > 0.9
+    assert right.remarks == ()
+    assert wrong.confidence < 0.5
+    assert "hardly agree" in wrong.remarks[0]
+
+
+def test_any_language_with_a_voice_is_aligned(speakers):
+    text = "Hyvää huomenta, mitä kuuluu tänään?"
+    recording = speak(text, "fi+f2", words_per_minute=140)
+    found = WARP.align(recording.audio, text, speakers["finnish"])
+    assert np.median(np.abs(errors(found, recording))) < 0.015
+
+
+def test_a_long_recording_is_aligned_in_parts_as_well_as_a_short_one(speakers):
+    text = " ".join([TEXT, "Four hours of steady work faced us. The box was thrown."] * 6)
+    recording = speak(text, "en-us+f3", words_per_minute=140)
+    assert recording.audio.seconds > 45
+    found = WARP.align(recording.audio, text, speakers["english"])
+    assert np.median(np.abs(errors(found, recording))) < 0.01
+    assert np.percentile(np.abs(errors(found, recording)), 99) < 0.2
+
+
+@pytest.mark.parametrize("name", SENTENCES)
+def test_real_speech_is_found_within_25_milliseconds(data, speakers, name):
+    folder = data / "articulography"
+    rows = [row.split() for row in (folder / f"{name}.phones.tsv").read_text("utf-8").splitlines()]
+    true = Schedule.from_intervals(
+        [(SILENCE if label == "&p:" else label, float(s), float(e)) for s, e, label in rows]
+    )
+    found = WARP.align(read_audio(folder / f"{name}.wav"), SENTENCES[name], speakers["german"])
+    notations = speakers["german"].notations
+    shared = {
+        label: " ".join(name for name, _ in notations[notation].find(label) or ())
+        for notation, one in (("sampa", true), ("ipa", found))
+        for label in one.labels
+        if label != SILENCE
+    }
+    wrong = np.abs(errors(found, true, shared))
+    assert len(wrong) > 20
+    assert np.median(wrong) < 0.025
+    assert found.confidence > 0.6
+
+
+def test_silence_has_no_speech_to_align(speakers):
+    for samples in (np.zeros(RATE, np.int16), np.full(RATE, 500, np.int16)):
+        with pytest.raises(SpeechError, match="no speech that stands out"):
+            WARP.align(Audio(samples, RATE), TEXT, speakers["english"])
+
+
+def test_a_recording_too_short_for_the_text_is_told(speakers, recording):
+    short = Audio(recording.audio.samples[: recording.audio.rate // 2], recording.audio.rate)
+    with pytest.raises(SpeechError, match=r"0\.\d+ s of speech, too short for the \d+ phonemes"):
+        WARP.align(short, TEXT, speakers["english"])
+
+
+def test_a_language_without_a_voice_is_told(speakers, recording):
+    mute = Speaker(replace(speakers["english"].manner, voice=None), speakers["english"].notations)
+    with pytest.raises(SpeechError, match="english has no voice to compare the recording with"):
+        WARP.align(recording.audio, TEXT, mute)
+
+
+def test_a_model_is_none_of_its_business(speakers, recording):
+    with pytest.raises(SpeechError, match="warping needs no model, but 'en' is given"):
+        WARP.align(recording.audio, TEXT, speakers["english"], "en")
+
+
+@given(st.lists(st.floats(-1, 5), min_size=1, max_size=60).map(sorted), st.floats(0.05, 6))
+def test_boundaries_are_kept_apart_and_inside_wherever_they_are_wanted(starts, end):
+    times = _spaced(np.array(starts), end)
+    assert (times[0], times[-1]) == (0.0, pytest.approx(end))
+    least = min(SHORTEST, end / (2 * len(starts)))
+    assert all(b - a >= least - 1e-9 for a, b in pairwise(times))
+
+
+def test_bands_are_empty_where_a_tone_is_not():
+    tone = np.sin(2 * np.pi * 1000 * np.arange(RATE) / RATE)
+    power = mel_power(tone)[50]
+    assert power.argmax() == pytest.approx(13, abs=2)
+    assert power[30:].max() < power.max() * 1e-4
+
+
+def test_speech_is_told_from_what_is_around_it(recording):
+    quiet = np.zeros(RATE // 2)
+    samples = np.concatenate([quiet, samples_of(recording.audio), quiet])
+    spoken = listen(samples).spoken
+    assert not spoken[:45].any()
+    assert not spoken[-45:].any()
+    assert spoken[60:-60].mean() > 0.7
