@@ -17,6 +17,7 @@ from lipsync_lang.loudness import loudness_dial
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
+from lipsync_lang.phonology.notations import ready
 from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
@@ -240,7 +241,7 @@ class Performer:
         if near is None or notation.nearest is None:
             return {}
         unmapped = (label for label in schedule.labels if notation.stated(label) is None)
-        found = {label: near.nearest(label) for label in unmapped}
+        found = {label: near.nearest(notation.text(label) or label) for label in unmapped}
         return {label: nearest for label, nearest in found.items() if not nearest.unknown}
 
     def _values(self, schedule: Schedule) -> list[Value]:
@@ -282,7 +283,8 @@ class Performer:
         if name is None:
             name = self._recognised.get(schedule)
         if name is None:
-            own = {one: self._notations[one] for one in self.compiled.notations}
+            shapes = self.compiled.visemes.keys() - self.compiled.notations.keys()
+            own = {one: n for one, n in self._notations.items() if one not in shapes}
             name = recognise(schedule.labels, own)
             self._recognised[schedule] = name
         if name not in self._notations:
@@ -312,10 +314,9 @@ class Performer:
     def _notations(self) -> dict[str, Notation]:
         silence: Value = ((self.compiled.phonemes[0], 1.0),)
         near = self._near.value if self._near is not None else None
-        return {
-            name: Notation(table, self.compiled.silences, silence, near if name == IPA else None)
-            for name, table in {**self.compiled.visemes, **self.compiled.notations}.items()
-        }
+        tables = {**self.compiled.visemes, **self.compiled.notations}
+        spelling, silences = self.compiled.spelling, self.compiled.silences
+        return ready(tables, silences, silence, IPA, spelling, near)
 
     @cached_property
     def _near(self) -> "Among | None":

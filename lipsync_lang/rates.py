@@ -16,7 +16,11 @@ NTSC = Fraction(1000, 1001)
 NEAR = 0.006
 """Frames per second; 23.98 is as near to 24000/1001 as it is written."""
 
-TIMECODE = re.compile(r"(\d{1,2}):([0-5]?\d):([0-5]?\d)[:;](\d{1,3})")
+TIMECODE = re.compile(r"(\d{1,2}):([0-5]?\d):([0-5]?\d)([:;])(\d{1,3})")
+"""Hours, minutes, seconds and frames; a semicolon before these means drop-frame."""
+
+DAY = 86_486.4
+"""Seconds; no timeline is longer than 24 hours of television's timecode."""
 
 
 def exact(fps: float) -> float:
@@ -48,15 +52,25 @@ def timecode(frame: int, fps: float) -> str:
 def parse_offset(text: str, fps: float) -> float:
     """Read seconds, or the timecode of a frame at a rate, as seconds."""
     found = TIMECODE.fullmatch(text)
-    if found is None:
-        try:
-            return float(text)
-        except ValueError:
-            raise LipsyncError(
-                f"--offset {text}: write seconds (--offset 1.5) or a timecode "
-                "(--offset 01:00:00:00)"
-            ) from None
-    hours, minutes, seconds, frames = map(int, found.groups())
-    if frames >= round(fps):
-        raise LipsyncError(f"--offset {text}: a second has frames 0 to {round(fps) - 1} here")
-    return float(((hours * 60 + minutes) * 60 + seconds) * round(fps) + frames) / fps
+    try:
+        seconds = _frame(text, found, round(fps)) / fps if found else float(text)
+    except ValueError:
+        raise LipsyncError(
+            f"--offset {text}: write seconds (--offset 1.5) or a timecode (--offset 01:00:00:00)"
+        ) from None
+    if not abs(seconds) <= DAY:
+        raise LipsyncError(f"--offset {text}: a timeline has a day at most; give a time within it")
+    return seconds
+
+
+def _frame(text: str, found: re.Match[str], rate: int) -> int:
+    """Return the number of a timecode's frame."""
+    hours, minutes, seconds, frames = (int(found[at]) for at in (1, 2, 3, 5))
+    if frames >= rate:
+        raise LipsyncError(f"--offset {text}: a second has frames 0 to {rate - 1} here")
+    if found[4] == ";":
+        raise LipsyncError(
+            f"--offset {text}: a semicolon means drop-frame, and every frame is counted here; "
+            "write the seconds"
+        )
+    return ((hours * 60 + minutes) * 60 + seconds) * rate + frames

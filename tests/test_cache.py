@@ -14,6 +14,7 @@ import pytest
 from packs_tree import plant, put
 
 import lipsync_lang as ll
+from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.tables import Tables
 from lipsync_lang.resolver import cache
@@ -161,10 +162,13 @@ def files_of(pair):
 
 
 def test_every_file_that_was_read_counts(store):
+    ipa = (built_in() / "languages/ipa.yaml").read_text(encoding="utf-8")
+    put(Path.cwd(), "languages/ipa.yaml", ipa)
     found = files_of(PAIR)
     names = {Path(path).relative_to(Path.cwd()).as_posix() for path in found}
     assert names >= {
         "languages/common.yaml",
+        "languages/ipa.yaml",
         "languages/parent.yaml",
         "languages/child.yaml",
         "posesets/face/poseset.yaml",

@@ -229,6 +229,55 @@ def test_a_textgrid_gives_the_same_curves_as_json(animate, cli, folder):
     assert (folder / "a.csv").read_bytes() == (folder / "b.csv").read_bytes()
 
 
+def test_what_a_schedule_does_not_say_is_said_for_it(animate, cli, folder):
+    rows = [f"{label},{start * 1e4:g},{end * 1e4:g},Ann" for label, start, end in ROWS]
+    text = "\n".join(["label,start,end,speaker", *rows, "M,0,5000,Bob"])
+    (folder / "line.odd").write_text(text, "cp037")
+    told = ("--encoding", "cp037", "--tier", "Ann", "--rate", "10000")
+    assert cli("run", *PAIR, "--schedule", "line.odd", *told, "-o", "b.csv").code == 0
+    animate("-o", "a.csv")
+    assert (folder / "a.csv").read_bytes() == (folder / "b.csv").read_bytes()
+    (folder / "line.odd").write_text("0 1600 HH\n", "utf-8")
+    assert cli("run", *PAIR, "--schedule", "line.odd", "--read-as", "timit").code == 0
+    refused(cli("run", *PAIR, "--schedule", "line.odd"), "may be htk or timit; say which")
+
+
+def test_an_offset_and_a_tolerance_reach_the_files(animate, folder):
+    def keys(*rest):
+        assert animate("-o", "a.bml", *rest).code == 0
+        return sum(map(int, re.findall('num_keys="([0-9]+)"', (folder / "a.bml").read_text())))
+
+    assert keys("--tolerance", "0") > keys() > keys("--tolerance", "0.3")
+    assert animate("--fps", "24", "--offset", "00:00:10:12", "-o", "a.csv", "--cut").code == 0
+    rows = list(csv.DictReader((folder / "a.csv").read_text("utf-8").splitlines()))
+    assert float(rows[0]["time_s"]) == 10.5
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--tolerance", "1"), "--tolerance 1: give 0, or a number below 1"),
+        (("--tolerance", "nan"), "--tolerance nan: give 0"),
+        (("--offset", "nan"), "--offset nan: a timeline has a day at most"),
+        (("--offset", "01:00:00:00", "--fps", "inf"), "inf frames per second: give a number"),
+        (("--plot", "a"), "a picture needs a suffix; known: png"),
+        (("-o", "csv:a.png", "--plot", "a.png"), "a.png: is an output already"),
+    ],
+)
+def test_numbers_and_files_that_make_no_sense_are_told(options, message, animate):
+    refused(animate(*options), message)
+
+
+def test_poses_are_written_in_the_place_of_a_rigs_channels(cli, folder):
+    (folder / "characters").mkdir()
+    text = "kind: character\nformat: 1\nname: max\nposeset: facefx\nrig: facefx-to-arkit\n"
+    (folder / "characters" / "max.yaml").write_text(text, "utf-8")
+    line = ("run", "-l", "english", "-c", "max", "--schedule", "line.json")
+    assert cli(*line, "-o", "a.csv").code == cli(*line, "-o", "b.csv", "--poses").code == 0
+    assert "jawOpen" in (folder / "a.csv").read_text("utf-8").split("\n")[0]
+    assert (folder / "b.csv").read_text("utf-8").startswith("time_s,open,W,ShCh,")
+
+
 def test_an_animation_can_be_performed_again(animate, cli, folder):
     animate("-o", "a.json", "-o", "a.csv")
     assert cli("run", *PAIR, "--schedule", "a.json", "-o", "b.json", "-o", "b.csv").code == 0

@@ -5,6 +5,7 @@ import io
 import json
 from collections import Counter
 from itertools import pairwise
+from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -284,6 +285,20 @@ def test_many_words_in_other_scripts_are_judged_as_few_are(packs, monkeypatch):
     monkeypatch.setattr("lipsync_lang.coverage.corpus.BATCH", 1)
     monkeypatch.setattr("lipsync_lang.coverage.scripts.KINDS", 0)
     assert coverage(lines(*texts), "toy", "facefx") == whole
+
+
+def test_a_word_in_capitals_is_judged_as_if_it_were_in_small_letters():
+    class Shouted:
+        manner = SimpleNamespace(words={})
+
+        def transcribe(self, texts):
+            spelled = (text.isupper() or len(text) == 1 for text in texts)
+            for text, letters in zip(texts, spelled, strict=True):
+                yield SimpleNamespace(phonemes=[*text.lower()] if letters else [text])
+
+    others = scripts.OtherScripts(Shouted(), {"LATIN"})
+    assert others.spelled([SimpleNamespace(text="ta ДА", place="here")]) == [[]]
+    assert [(one.what, one.counted) for one in others.tallies()] == [("ДА", True)]
 
 
 def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_for():

@@ -296,6 +296,17 @@ def test_shapes_are_found_in_any_spelling_and_on_both_sides(name):
         np.testing.assert_allclose(np.interp(times, *curves[side]), one, atol=DENSE)
     assert max(curves["jawOpen"][1]) == 1, "weights are clipped"
     assert min(curves["mouthRollLower"][1]) == 0
+
+
+@pytest.mark.parametrize("name", ["azure", "live-link-face"])
+def test_of_two_sides_for_one_shape_the_larger_counts(name):
+    animation = performed()
+    opened, pressed = animation["jawOpen"], animation["mouthPressLeft"]
+    weights = np.column_stack([opened, pressed])
+    both = replace(animation, poses=("jawOpenLeft", "jawOpenRight"), weights=weights, channels=())
+    curves = READERS[name][0](bytes_of(name, both), both)
+    found = np.interp(both.times, *curves["jawOpen"])
+    np.testing.assert_allclose(found, np.maximum(opened, pressed), atol=DENSE)
     assert not any(values.any() for key, (_, values) in curves.items() if "eye" in key)
 
 
@@ -514,6 +525,15 @@ def test_audio2face_names_the_shapes_as_they_are():
     assert document["facsNames"][0] == "open"
 
 
+def test_audio2face_counts_frames_as_slow_as_they_are():
+    animation = replace(performed(fps=23.976), offset=1.0)
+    document = json.loads(bytes_of("audio2face", animation))
+    assert document["exportFps"] == pytest.approx(24000 / 1001)
+    rows = document["weightMat"]
+    assert document["numFrames"] == len(rows) == 24 + round(animation.times[-1] * 24000 / 1001) + 1
+    assert not np.any(rows[: 24 + round(animation.times[0] * 24000 / 1001)])
+
+
 # SmartBody
 
 
@@ -557,3 +577,11 @@ def test_the_sound_begins_at_the_first_frame_of_a_scene():
     take = take_of(bytes_of("blender", late))
     assert take["end"] == pytest.approx(1 + (1 + late.times[-1]) * 24, abs=1)
     assert min(take["channels"][0]["frames"]) == 19
+
+
+def test_a_scene_is_long_enough_and_counts_slow_frames_as_slow():
+    animation = replace(performed(fps=23.976), offset=1.01)
+    take = take_of(bytes_of("blender", animation))
+    last = max(frame for row in take["channels"] for frame in row["frames"])
+    assert last <= take["end"] < last + 1
+    assert (take["fps"], take["fps_base"]) == (24, pytest.approx(1.001))

@@ -113,6 +113,13 @@ def test_a_tres_has_its_form():
     )
 
 
+def test_an_offset_is_where_the_sound_begins():
+    animation = noise(("open",), offset=2.5)
+    text = bytes_of(animation).decode()
+    assert "\nmetadata/audio_start = 2.5\n" in text
+    assert f"\nlength = {2.5 + 19 / 30:.6f}\n" in text
+
+
 def test_shapes_of_several_meshes_are_under_their_nodes(tmp_path):
     model = glb(tmp_path / "face.glb", Head=("Open", "Wide"), **{"Teeth.001": ("Open",)})
     animation = noise(("open", "wide"), model=model)

@@ -201,6 +201,23 @@ def test_shapes_follow_each_other_from_zero_to_the_end_of_the_sound(rows, start,
         assert one.name != other.name
 
 
+@given(weights, st.floats(5, 50))
+@unhurried
+def test_rest_before_and_after_changes_nothing_of_what_is_shown(rows, long):
+    animation = plain(rows, end=len(rows) / 20 + 1, offset=1.0)
+    longer = plain(rows, end=len(rows) / 20 + 1 + long, offset=1.0 + round(20 * long) / 20)
+    one, other = held(animation, "rest"), held(longer, "rest")
+    assert [shape.name for shape in one] == [shape.name for shape in other]
+    starts = [[shape.start - row[0].end for shape in row[1:]] for row in (one, other)]
+    np.testing.assert_allclose(*starts, atol=1e-6)
+
+
+def test_ages_of_rest_need_no_memory():
+    """A frame for each of their moments would not fit."""
+    rest, shape, *_ = held(plain(np.ones((20, 1)), offset=1e9), "rest")
+    assert (rest.name, shape) == ("rest", ("pose0", rest.end, pytest.approx(1e9 + 1)))
+
+
 def test_a_flicker_makes_room_and_a_rest_shows_where_nothing_stands_out():
     rows = np.zeros((20, 2))
     rows[5:10, 0] = 0.9
@@ -314,6 +331,14 @@ def test_mohos_switch_data_has_its_form():
     out = StringIO()
     write_moho(plain(rows, 24, poses=("wide\nopen",)), out)
     assert out.getvalue() == "MohoSwitch1\n1 rest\n7 wide open\n13 rest\n25 rest\n"
+
+
+def test_the_last_drawing_is_seen_however_late_it_comes():
+    rows = np.zeros((20, 1))
+    rows[19] = 1
+    out = StringIO()
+    write_moho(plain(rows, 20, end=0.96, poses=("wide",)), out)
+    assert out.getvalue() == "MohoSwitch1\n1 rest\n20 wide\n21 rest\n"
 
 
 def test_a_face_without_rhubarbs_shapes_is_told_who_has_them():

@@ -97,6 +97,12 @@ def test_the_level_has_no_steps(gains, intensity):
     assert found.at(times).min() >= 0
 
 
+def test_a_soft_sound_closes_the_mouth_and_never_turns_it_round():
+    schedule = line([3000, 3000, 10, 10, 3000, 3000, 3000, 3000, 3000, 0])
+    found = levels(schedule, schedule.audio, [*["sound"] * 9, ""], 2.0, (0.0, 1.0))
+    assert found.values.min() == 0
+
+
 def test_it_multiplies_with_the_dials_that_are_given(performer):
     both = performer.performance(VARIED, 60, intensity=1, dials={"jaw": 0.5}).dials
     times = np.linspace(0, 1.2, 50)

@@ -5,7 +5,7 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from small_models import glb
@@ -50,6 +50,7 @@ def test_no_frame_strays_by_more_than_the_error(track, error):
 
 
 @given(st.lists(st.floats(-1, 1), min_size=1, max_size=60), RATES, st.sampled_from([1e-3, ERROR]))
+@example([6.125e-7, 0.0062499, -0.0062499], 25.0, ERROR)
 def test_files_that_round_stay_within_the_error(steps, fps, error):
     """Six decimals of seconds and weights, of a curve that is as fast as speech may be."""
     values = np.cumsum(np.array(steps) * FASTEST / fps).clip(0, 1)

@@ -48,6 +48,8 @@ def test_words_follow_the_scores(read):
     text = "0 2 sil -9.5 SIL -9\n2 4 h -1.5 -3 hi\n4 8 ay -2e1\n8 9 y -1 -1 you\n"
     schedule = read("line.lab", text, rate=10)
     assert spoken(schedule)[1:] == [("hi", ("h", "ay")), ("you", ("y",))]
+    last = read("line.lab", "0 2 h -1 -1 hi\n2 4 ay -1\n", rate=10)
+    assert spoken(last) == [("hi", ("h", "ay"))]
 
 
 @pytest.mark.parametrize(
@@ -170,6 +172,12 @@ def test_partitur_counts_samples_at_its_own_rate(read):
         read("line.par", text.replace("SAM: 8000\n", ""))
     with pytest.raises(ScheduleError, match="has no tier MAU; align its words"):
         read("line.par", text.split("MAU", 1)[0])
+
+
+def test_a_phone_of_two_words_belongs_to_the_first(read):
+    text = "LHD: 1\nSAM: 10\nORT:\t0\thast\nORT:\t1\tdu\n"
+    phones = "MAU:\t0\t0\t0\tas\nMAU:\t1\t0\t0,1\tt\nMAU:\t2\t0\t1\tu:\n"
+    assert spoken(read("line.par", text + phones)) == [("hast", ("as", "t")), ("du", ("u:",))]
 
 
 # Gentle

@@ -13,7 +13,9 @@ from test_usd import from_usda
 import lipsync_lang as ll
 from lipsync_lang.animations.readers.registry import read_animation
 from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.quality.checks import check
+from lipsync_lang.rates import exact, parse_offset, parse_rate, timecode
 
 WRITERS = load_writers()
 RATES = (12, 23.976, 24, 25, 29.97, 30, 48, 60, 90, 120)
@@ -94,3 +96,67 @@ def test_the_first_and_the_last_frame_of_every_file_are_at_rest(fps):
         if fps in ONLY.get(name, RATES):
             weights = shown(name, bytes_of(name, animation), animation)
             assert np.abs(weights[[0, -1]]).max() < 1e-4, name
+
+
+@pytest.mark.parametrize(
+    ("written", "fps"),
+    [
+        ("23.976", 24000 / 1001),
+        ("23.98", 24000 / 1001),
+        ("29.97", 30000 / 1001),
+        ("59.94", 60000 / 1001),
+        ("119.88", 120000 / 1001),
+        ("30000/1001", 30000 / 1001),
+        ("24", 24),
+        ("1", 1),
+        ("12.5", 12.5),
+        ("999", 999),
+        ("1000", 1000),
+    ],
+)
+def test_rates_of_television_are_the_fractions_that_they_stand_for(written, fps):
+    assert parse_rate(written) == pytest.approx(fps, rel=1e-12)
+    assert exact(parse_rate(written)) == parse_rate(written)
+
+
+@pytest.mark.parametrize(
+    ("text", "fps", "seconds"),
+    [
+        ("1.5", 24, 1.5),
+        ("-5", 24, -5),
+        ("01:00:00:00", 24, 3600),
+        ("01:00:00:00", 24000 / 1001, 3603.6),
+        ("00:01:01:15", 30, 61.5),
+        ("24:00:00:00", 60, 86400),
+        ("23:59:59:23", 24000 / 1001, 86486.4 - 1001 / 24000),
+        ("0:0:0:24", 25, 0.96),
+    ],
+)
+def test_an_offset_is_seconds_or_a_frame(text, fps, seconds):
+    assert parse_offset(text, fps) == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("01:00:00:25", "a second has frames 0 to 24 here"),
+        ("01:00:00;00", "a semicolon means drop-frame"),
+        ("99:00:00:00", "a timeline has a day at most"),
+        ("-1e9", "a timeline has a day at most"),
+        ("inf", "a timeline has a day at most"),
+        ("nan", "a timeline has a day at most"),
+        ("1:2:3", "write seconds"),
+        ("", "write seconds"),
+    ],
+)
+def test_an_offset_that_is_none_is_told(text, told):
+    with pytest.raises(LipsyncError, match=f"--offset {text}: {told}"):
+        parse_offset(text, 25)
+
+
+@pytest.mark.parametrize("fps", RATES)
+@pytest.mark.parametrize("frame", [0, 1, 59, 3599, 3600, 216_000, 2_591_999])
+def test_a_timecode_is_read_back(frame, fps):
+    rate = exact(fps)
+    if frame / rate < 86_400:
+        assert parse_offset(timecode(frame, rate), rate) == pytest.approx(frame / rate)

@@ -288,6 +288,9 @@ WORDLESS = {
 }
 """Formats whose file has no words in it."""
 
+UNITS = {"azure": 1e7, "htk": 1e7, "papagayo": 10, "partitur": 16e3, "polly": 1e3, "timit": 16e3}
+"""Units per second of the examples that do not count seconds."""
+
 
 def test_every_reader_has_an_example():
     assert set(EXAMPLES) == set(READERS)
@@ -306,6 +309,21 @@ def test_every_reader_reads_its_example(name, suffix, tmp_path):
         assert any("mouth shapes" in told for told in schedule.remarks) == (name in SHAPES)
         assert schedule.source == str(path)
         assert ll.read_schedule(str(path), notation="ipa").notation == "ipa"
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_every_reader_counts_in_the_units_that_are_asked_for(name, tmp_path):
+    path = tmp_path / f"line{READERS[name].suffixes[0]}"
+    path.write_text(EXAMPLES[name], "utf-8")
+    schedule = ll.read_schedule(path, rate=2 * UNITS.get(name, 1))
+    np.testing.assert_allclose(schedule.times, np.array(TIMES) / 2)
+    assert schedule.words == ll.read_schedule(path).words
+
+
+def test_our_json_says_its_notation(tmp_path):
+    path = tmp_path / "line.json"
+    path.write_text(EXAMPLES["json"], "utf-8")
+    assert ll.read_schedule(path).notation == "arpabet"
 
 
 @pytest.mark.parametrize("reader", READERS.values(), ids=READERS)

@@ -185,6 +185,10 @@ def test_a_label_track_is_read_without_its_frequencies():
     assert schedule.lines == (1, 3)
 
 
+def test_decimals_of_a_label_may_have_a_comma():
+    assert rows(read(TRACK.replace(".", ","), "labels.txt")) == ROWS[:2]
+
+
 def test_a_label_without_text_is_silence():
     assert read("0.0\t0.1\n0.1\t0.2\t\n0.2\t0.3\tAY", "labels.txt").labels == (SILENCE, "AY")
 

@@ -466,6 +466,13 @@ def test_a_video_lasts_as_long_as_its_sound(ffmpeg, spoken, tmp_path):
     assert len(frames_of(ffmpeg, tmp_path / "line.mp4")) == 3 * FPS + 1
 
 
+def test_pictures_and_videos_wait_for_no_offset(spoken):
+    animation = spoken("facefx")
+    usual, late = staged(animation), staged(replace(animation, offset=3600.0))
+    assert (late.seconds, late.sound) == (usual.seconds, usual.sound)
+    np.testing.assert_array_equal(late.moves, usual.moves)
+
+
 def test_a_schedule_without_sound_makes_a_silent_video(ffmpeg, spoken, tmp_path):
     animation = spoken("crab")
     silent = replace(animation, schedule=replace(animation.schedule, audio=None))

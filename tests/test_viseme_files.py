@@ -116,6 +116,9 @@ def test_speech_marks_last_until_the_next_one(read):
     assert spoken(schedule) == [("Mary", ("p", "E", "r", "i")), ("had", ("k", "a", "t"))]
     assert schedule.lines[1] == 3
     assert not guessed(schedule)
+    paused = '{"time":300,"type":"viseme","value":"sil"}'
+    paused = MARY.replace('{"time":373,"type":"word"', f'{paused}\n{{"time":373,"type":"word"')
+    assert spoken(read("line.marks", paused))[0] == ("Mary", ("p", "E", "r", "i"))
 
 
 def test_speech_marks_may_be_in_one_list_and_in_any_file(read):
@@ -181,6 +184,20 @@ def test_a_session_ends_the_last_viseme(read):
     assert not guessed(schedule)
 
 
+def test_only_what_azure_calls_a_word_is_one(read):
+    def boundary(kind, text, at):
+        text = {"Text": text, "Length": len(text), "BoundaryType": kind}
+        return {"Type": f"{kind}Boundary", "Data": {"Offset": at, "Duration": 10**6, "text": text}}
+
+    metadata = [
+        {"Type": "Viseme", "Data": {"Offset": 0, "VisemeId": 6}},
+        boundary("Word", "hi", 0),
+        {"Type": "Viseme", "Data": {"Offset": 10**6, "VisemeId": 7}},
+        boundary("Punctuation", ".", 10**6),
+    ]
+    assert spoken(read("line.json", {"Metadata": metadata})) == [("hi", ("6",))]
+
+
 @pytest.mark.parametrize("number", [22, -1, 1.5, "6", None, True])
 def test_a_number_that_is_no_viseme_is_refused(read, number):
     with pytest.raises(ScheduleError, match="is no viseme; they are numbered 0 to 21"):
@@ -200,6 +217,8 @@ def test_sapi_writes_spans_of_time(read):
     for span in ("1:00", 5, None, [], "00:00:0x"):
         with pytest.raises(ScheduleError, match="is not a span of time such as"):
             read("line.json", [{**events[0], "Duration": span}])
+    with pytest.raises(ScheduleError, match="past a day"):
+        read("line.json", [{**events[0], "Duration": "1.00:00:01"}])
     with pytest.raises(ScheduleError, match="needs AudioPosition, Duration and a Viseme from 0"):
         read("line.json", [{**events[0], "Viseme": 22}])
 
@@ -255,6 +274,12 @@ def test_papagayo_counts_frames_and_rests_between_words(read):
     assert [word.text for word in schedule.words] == ["Hi", "there.", "Oh"]
     assert schedule.lines[1:3] == (14, 15)
     assert schedule.notation == "preston-blair"
+
+
+def test_a_word_of_papagayo_ends_where_the_next_one_starts(read):
+    schedule = read("line.pgo", PGO.replace("Hi 1 7 2", "Hi 1 9 2"))
+    np.testing.assert_allclose(schedule.times[:4] * 24, [0, 1, 3, 9])
+    assert spoken(schedule)[:2] == [("Hi", ("etc", "AI")), ("there.", ("etc", "E"))]
 
 
 def test_the_json_of_papagayo_names_its_set(read, performer):

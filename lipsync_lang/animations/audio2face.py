@@ -9,8 +9,6 @@ import json
 from collections.abc import Iterator
 from typing import TextIO
 
-import numpy as np
-
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import boneless, first_frame, late, shape_columns
 from lipsync_lang.animations.registry import writer
@@ -28,13 +26,14 @@ def remarks(animation: Animation) -> Iterator[str]:
 def write_audio2face(animation: Animation, out: TextIO) -> None:
     """Audio2Face's weights: a list per frame, in the order of the shapes' names."""
     shapes = shape_columns(animation)
-    weights = np.pad(animation.weights[:, shapes], ((first_frame(animation), 0), (0, 0))).round(6)
+    rest = [json.dumps([0.0] * len(shapes))] * first_frame(animation)
+    rows = [*rest, *map(json.dumps, animation.weights[:, shapes].round(6).tolist())]
     head = {
         "exportFps": animation.fps,
         "numPoses": len(shapes),
-        "numFrames": len(weights),
+        "numFrames": len(rows),
         "facsNames": [animation.poses[n] for n in shapes],
     }
-    rows = ",\n  ".join(json.dumps(row) for row in weights.tolist())
     text = json.dumps(head, ensure_ascii=False, indent=1)
-    out.write(f'{text[: text.rindex("}")].rstrip()},\n "weightMat": [\n  {rows}\n ]\n}}\n')
+    out.write(f'{text[: text.rindex("}")].rstrip()},\n "weightMat": [\n  ')
+    out.write(",\n  ".join(rows) + "\n ]\n}\n")

@@ -131,17 +131,21 @@ def _runs(values: Ints) -> Iterator[tuple[int, int]]:
 
 
 def _frames(animation: Animation, end: float) -> tuple[float, Floats]:
-    """Return the weights from 0 to the end, at rest where none are known, and when they begin."""
+    """Return when the weights between 0 and the end begin, and those; at rest where none are known.
+
+    Of long rests there are only some frames: the others change nothing of what is shown.
+    """
     fps = animation.fps
+    room = 2 * _least(animation)
     times = animation.times + animation.offset
     inside = (times > (NEAR - 1) / fps) & (times < end - NEAR / fps)
     shapes = np.isin(np.arange(len(animation.poses)), shape_columns(animation))
     weights = animation.weights[inside] * shapes
     if not inside.any():
-        return 0.0, np.zeros((max(1, ceil(end * fps)), len(animation.poses)))
+        return 0.0, np.zeros((1, len(animation.poses)))
     first, last = times[inside][[0, -1]]
-    before = max(0, floor(first * fps + NEAR))
-    after = max(0, ceil((end - last) * fps - NEAR) - 1)
+    before = min(room, max(0, floor(first * fps + NEAR)))
+    after = min(room, max(0, ceil((end - last) * fps - NEAR) - 1))
     return first - before / fps, np.pad(weights, ((before, after), (0, 0)))
 
 

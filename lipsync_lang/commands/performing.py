@@ -29,13 +29,13 @@ def run(options: Namespace) -> int:
     from lipsync_lang.rates import parse_offset
 
     if options.tolerance is not None and not 0 <= options.tolerance < 1:
-        raise LipsyncError(f"--tolerance {options.tolerance:g}: give a number from 0 to 1")
+        raise LipsyncError(f"--tolerance {options.tolerance:g}: give 0, or a number below 1")
     writers = dict(map(parse_output, options.output))
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
         raise LipsyncError("--beside draws; name the picture with --plot FILE")
-    offset = parse_offset(options.offset, options.fps)
     animation = _perform(options)
+    offset = parse_offset(options.offset, animation.fps)
     shown = replace(_shown(options, animation, writers), offset=offset, tolerance=options.tolerance)
 
     def writing(path: Path) -> Callable[[Any], None]:

@@ -76,11 +76,19 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
         if _plain(mark) not in marks:
             what = f"unknown mark '{mark}'"
             yield ipa.fault(("alone", mark), "P223", what, "put it under `marks`", key=True)
-    for text in model.spellings:
-        rest = _unread(_plain(model.spellings[text]), letters | marks)
+    spelled: list[tuple[Loc, str]] = [
+        *((("spellings", text), meant) for text, meant in model.spellings.items()),
+        *(
+            (("notations", name, sign), meant)
+            for name, signs in model.notations.items()
+            for sign, meant in signs.items()
+        ),
+    ]
+    for loc, meant in spelled:
+        rest = _unread(_plain(meant), letters | marks)
         if rest:
             what = f"'{rest[0]}' is neither a letter nor a mark"
-            yield ipa.fault(("spellings", text), "P223", what, "put it under one of them")
+            yield ipa.fault(loc, "P223", what, "put it under one of them")
 
 
 def _unread(text: str, known: Collection[str]) -> str:

@@ -144,3 +144,6 @@ class Ipa(Pack):
     """The letter that a mark stands for where there is no letter."""
     ignored: tuple[Text, ...] = ()
     """Signs that say nothing of the mouth."""
+    notations: dict[Text, dict[Text, str]] = Field(default={})
+    """Notations that spell the IPA in other signs: by name, what each sign stands for. Every
+    language that reads IPA reads them too."""

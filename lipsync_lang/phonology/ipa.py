@@ -12,8 +12,9 @@ What letters and marks do is data (`kind: ipa`); here it is only looked up. Conv
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, NamedTuple, Self
-from unicodedata import decomposition
+from unicodedata import decomposition, normalize
 
 from lipsync_lang.phonology.labels import normalise
 
@@ -191,6 +192,35 @@ class Features:
         shown = tuple(self._joined(sounds, losses))
         lost = tuple(dict.fromkeys(filter(None, losses)))
         return Reading(shown, lost, tuple(dict.fromkeys(unknown)))
+
+    def unseen(self) -> dict[str, str]:
+        """Return the marks that hardly show, each with the letters on which it shows.
+
+        A letter and its mark that are a letter by themselves, as in č, show as that.
+        """
+        every = "".join(self._letters)
+        seen = {
+            mark: "".join(s.letter for s in self._letters.values() if self._shows(s, cases))
+            if any(case.then or case.set or case.add for case in cases)
+            else ""
+            for mark, cases in self._marks.items()
+        }
+        for text in (*self._letters, *self._spellings):
+            for letter, mark in pairwise(normalize("NFD", text)):
+                if mark in seen:
+                    seen[mark] += letter
+        return {mark: letters for mark, letters in seen.items() if letters != every}
+
+    def _shows(self, sound: Sound, cases: Sequence[Case]) -> bool:
+        """Say whether a mark adds a letter, or changes a feature by as much as is told as lost."""
+        case = next((case for case in cases if case.fits(sound)), None)
+        return case is not None and (
+            bool(case.then)
+            or any(
+                a is not None and b is not None and abs(a - b) >= self.told_from
+                for a, b in zip(sound.features, case.change(sound).features, strict=True)
+            )
+        )
 
     def _groups(self, tokens: Sequence[str]) -> list[tuple[str, list[str], list[str]]]:
         """Return each letter with its marks: those that stand first, and those after it."""

@@ -7,15 +7,20 @@ Two spellings of a label are the same when they differ in what carries no sound:
 - Stress, tone and length, and upper or lower case where the notation uses one case only.
   These are dropped one after the other, and only while the label as it stands is unknown:
   in SAMPA digits and case tell phonemes apart.
+- Marks that are not seen, in a notation that was told which those are (`unseen`), and only where
+  all else fails: of the labels that differ in nothing else, the one of most such marks in common
+  is meant.
 
 What the tables lack has no value, unless the notation was given what finds the `nearest`;
 `Notation.suggest` names the nearest label.
 """
 
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from unicodedata import normalize
+from functools import cached_property
+from unicodedata import combining, normalize
 
 from lipsync_lang.errors import PackError, did_you_mean
 
@@ -55,6 +60,25 @@ def looser(label: str) -> Iterator[str]:
     yield TONE.sub("", toneless.rstrip(LENGTH) or toneless)
 
 
+def bare(label: str, unseen: Mapping[str, str]) -> tuple[str, Counter[str]]:
+    """Return a normalised label without the marks that are not seen, and those marks.
+
+    Parameters
+    ----------
+    unseen : marks, each with the letters on which it is seen all the same
+    """
+    kept, letter = "", ""
+    marks: Counter[str] = Counter()
+    for sign in normalize("NFD", label):
+        seen_on = unseen.get(sign)
+        if seen_on is not None and (not seen_on or (letter and letter not in seen_on)):
+            marks[sign] += 1
+            continue
+        kept += sign
+        letter = letter if combining(sign) else sign
+    return kept, marks
+
+
 @dataclass(frozen=True, eq=False)
 class Notation:
     """A table of labels that finds a label in any of its spellings.
@@ -65,12 +89,14 @@ class Notation:
     silences : spellings of silence, in any case; the table's own labels come first
     silence : what those stand for
     nearest : answers for labels that the table lacks; None for those it cannot read
+    unseen : marks that may be dropped, each with the letters on which it is seen all the same
     """
 
     table: Mapping[str, Value]
     silences: Collection[str] = ()
     silence: Value = ()
     nearest: Callable[[str], Value | None] | None = None
+    unseen: Mapping[str, str] = field(default_factory=dict)
     _exact: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
@@ -88,7 +114,30 @@ class Notation:
     def find(self, label: str) -> Value | None:
         """Return what a label stands for; None if nobody knows it."""
         known = self.stated(label)
-        return self.nearest(label) if known is None and self.nearest is not None else known
+        return self.likely(label) if known is None else known
+
+    def text(self, label: str) -> str | None:
+        """Return a label as the table spells it; None where it cannot be spelled so."""
+        return label
+
+    def likely(self, label: str) -> Value | None:
+        """Return what a label stands for that the table does not state; None if nobody knows."""
+        return self._seen_alike(label) if self.nearest is None else self.nearest(label)
+
+    def _seen_alike(self, label: str) -> Value | None:
+        """Return what the label stands for that looks the same and shares most marks."""
+        kept, marks = bare(normalise(label).lstrip(STRESS), self.unseen)
+        alike = self._bare.get(kept, ()) if kept else ()
+        return min(alike, key=lambda one: _apart(marks, one[0]), default=(marks, None))[1]
+
+    @cached_property
+    def _bare(self) -> dict[str, list[tuple[Counter[str], Value]]]:
+        """The labels by what is seen of them, each with its other marks."""
+        alike: dict[str, list[tuple[Counter[str], Value]]] = {}
+        for label, value in self._exact.items() if self.unseen else ():
+            kept, marks = bare(label, self.unseen)
+            alike.setdefault(kept, []).append((marks, value))
+        return alike
 
     def stated(self, label: str) -> Value | None:
         """Return what the table says a label stands for; None if it does not know it."""
@@ -131,6 +180,10 @@ class Notation:
             if first.setdefault(same := normalise(label), label) != label
             and self.table[first[same]] != value
         ]
+
+
+def _apart(marks: Counter[str], others: Counter[str]) -> int:
+    return ((marks - others) + (others - marks)).total()
 
 
 def one_case(labels: Iterable[str]) -> bool:

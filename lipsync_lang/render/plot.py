@@ -110,7 +110,8 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
     """
     name = format.lower()
     if name not in FORMATS:
-        raise OutputError(f"no picture in '{format}'; known: {', '.join(FORMATS)}")
+        what = f"no picture in '{format}'" if format else "a picture needs a suffix"
+        raise OutputError(f"{what}; known: {', '.join(FORMATS)}")
     try:
         import matplotlib as mpl  # noqa: F401 its absence hides behind modules loaded before
         from matplotlib import style

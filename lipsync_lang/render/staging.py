@@ -1,5 +1,6 @@
 """Putting an animation on stage: its model, as the GLB writer lets it move."""
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -9,7 +10,7 @@ from lipsync_lang.render.model.scene import Scene
 
 
 def staged(animation: Animation) -> Scene:
-    """Return the scene that the animation's GLB shows.
+    """Return the scene that the animation's GLB shows; no offset is waited for.
 
     Raises
     ------
@@ -21,5 +22,5 @@ def staged(animation: Animation) -> Scene:
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path = Path(folder) / "line.glb"
         with path.open("wb") as stream:
-            write_glb(animation, stream)
+            write_glb(replace(animation, offset=0.0), stream)
         return Scene(path, animation.model or path)

@@ -18,7 +18,7 @@ from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
 from lipsync_lang.resolver.layers import NEUTRAL, Row, Shelf
 from lipsync_lang.resolver.manner import manner_of, tables_of, visemes_of
-from lipsync_lang.resolver.nearest import plain_among
+from lipsync_lang.resolver.nearest import plain_among, spelling
 from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
 
@@ -61,6 +61,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         phonemes=shelf.phonemes,
         notations=tables_of(model),
         visemes=visemes_of(common.model),
+        spelling=spelling(library),
         silences=(*common.model.silence_labels, *model.silence, common.model.silence),
         words=dict(manner.words),
         word_edits=_plain({w.casefold(): e.curves for w, e in who.model.words.items()}),

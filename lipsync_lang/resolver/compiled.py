@@ -96,6 +96,8 @@ class Compiled:
     notations: dict[str, dict[str, Value]]
     visemes: dict[str, dict[str, Value]]
     """Notations of mouth shapes, which labels are never guessed to be in."""
+    spelling: dict[str, Any]
+    """How the language's IPA is `spelled` in other signs, and marks of it that are `unseen`."""
     silences: tuple[str, ...]
     words: dict[str, tuple[str, ...]]
     word_edits: dict[str, dict[str, Any]]

@@ -7,6 +7,7 @@ from lipsync_lang.phonology.g2p.registry import Rule, Settings
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value
 from lipsync_lang.phonology.manner import Hearing, Manner
+from lipsync_lang.phonology.notations import ready
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -73,16 +74,14 @@ def _settings(language: "Pack[models.Language]") -> Settings:
 
 def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
     """Return the notations of a language and those of mouth shapes, ready to find labels in."""
-    from lipsync_lang.resolver.nearest import among
+    from lipsync_lang.resolver.nearest import among, spelling
 
     common, model = library.common().model, language.model
     silences = (*common.silence_labels, *model.silence, common.silence)
     silence: Value = ((common.silence, 1.0),)
     near = among(library, language).value if model.automatic else None
-    return {
-        name: Notation(table, silences, silence, near if name == IPA else None)
-        for name, table in {**visemes_of(common), **tables_of(model)}.items()
-    }
+    tables = {**visemes_of(common), **tables_of(model)}
+    return ready(tables, silences, silence, IPA, spelling(library), near)
 
 
 def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:

@@ -8,6 +8,7 @@ from lipsync_lang.errors import PackError
 from lipsync_lang.packs.faults import PackFaults
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.ipa_checks import check_ipa
+from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Value
 from lipsync_lang.phonology.nearest import Among
 from lipsync_lang.resolver.manner import value_of
@@ -42,6 +43,23 @@ def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[s
     labels = [*(model.inventory.segments if model.inventory else model.notations.get(IPA, ()))]
     known = candidates(model, library.common().model)
     return {"features": _features(library), "candidates": known, "labels": labels}
+
+
+def spelling(library: "Library") -> dict[str, dict[str, Any]]:
+    """Return how the IPA is spelled in other signs, and which of its marks are not seen, as JSON.
+
+    Where the pack of the IPA is unsound or missing, nothing is known of either: the languages that
+    need no more of it are performed all the same.
+    """
+    try:
+        data = _features(library)
+    except PackError:
+        return {"spelled": {}, "unseen": {}}
+    spelled = {
+        name: {sign: key(meant) for sign, meant in signs.items()}
+        for name, signs in data["notations"].items()
+    }
+    return {"spelled": spelled, "unseen": Features.from_data(data).unseen()}
 
 
 def _features(library: "Library") -> dict[str, Any]:

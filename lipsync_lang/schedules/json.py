@@ -1,6 +1,7 @@
 """JSON of our own: the plainest schedule."""
 
 from dataclasses import replace
+from typing import Any
 
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.schedule import Schedule, words_from_spans
@@ -43,8 +44,13 @@ def _row(
     source: Source, what: str, name: str, number: int, row: object
 ) -> tuple[str, float, float]:
     if isinstance(row, dict) and isinstance(row.get(name), str) and {"start", "end"} <= row.keys():
-        return row[name], row["start"], row["end"]
+        return row[name], _seconds(source, row["start"]), _seconds(source, row["end"])
     raise source.fault(f"{what} {number} needs {name}, start and end; the form is {SHAPE}")
+
+
+def _seconds(source: Source, value: Any) -> Any:
+    """Return a time in seconds; what is none is refused where it stands in the schedule."""
+    return source.number(value) / source.rate if source.rate else value
 
 
 def _with_words(source: Source, schedule: Schedule, rows: object) -> Schedule:

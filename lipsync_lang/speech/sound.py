@@ -43,7 +43,9 @@ def read_audio(path: str | Path) -> Audio:
         with Path(path).open("rb") as stream, soundfile.SoundFile(stream) as sound:
             return _read(path, sound)
     except OSError as error:
-        raise SpeechError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise SpeechError(
+            f"{path}: cannot be read: {error.strerror or error}; check the path"
+        ) from None
     except soundfile.LibsndfileError as error:
         raise SpeechError(
             f"{path}: no sound that can be read ({error.error_string}); "

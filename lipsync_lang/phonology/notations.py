@@ -1,0 +1,71 @@
+"""The notations of a language, made ready: its own, those of shapes, and those that spell its IPA.
+
+How the IPA is spelled in other signs, such as X-SAMPA, and which of its marks are not seen, is data
+of the IPA: `{"spelled": {notation: {sign: IPA}}, "unseen": {mark: letters it is seen on}}`.
+"""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lipsync_lang.phonology.labels import Notation, Value
+
+
+@dataclass(frozen=True, eq=False)
+class Spelled(Notation):
+    """A notation that spells the labels of its table in other signs, the longest sign first."""
+
+    signs: Mapping[str, str] = field(default_factory=dict)
+
+    def text(self, label: str) -> str | None:
+        """Return a label as the table spells it; None where a sign of it is unknown."""
+        longest = max(map(len, self.signs), default=0)
+        text, rest = "", label.strip()
+        while rest:
+            sign = next((rest[:n] for n in range(longest, 0, -1) if rest[:n] in self.signs), "")
+            if not sign:
+                return None
+            text, rest = text + self.signs[sign], rest[len(sign) :]
+        return text
+
+    def likely(self, label: str) -> Value | None:
+        """Return what a label stands for that the table does not state; None if nobody knows."""
+        text = self.text(label)
+        return None if text is None else super().likely(text)
+
+    def suggest(self, label: str) -> str:
+        """Return a hint for a label the table does not know."""
+        text = self.text(label)
+        return "a sign of it is unknown" if text is None else f"it is read as '{text}'"
+
+    def _stated(self, label: str) -> Value | None:
+        text = self.text(label)
+        found = None if text is None else super()._stated(text)
+        return self.silence if found is None and self.is_silence(label) else found
+
+
+def ready(  # noqa: PLR0913, PLR0917 what a language has
+    tables: Mapping[str, Mapping[str, Value]],
+    silences: Collection[str],
+    silence: Value,
+    ipa: str,
+    spelling: Mapping[str, Any],
+    nearest: Callable[[str], Value | None] | None = None,
+) -> dict[str, Notation]:
+    """Return tables as notations, and after them those that spell the IPA, if there is any.
+
+    Parameters
+    ----------
+    tables : by name; one named as a way to spell the IPA is taken instead of that
+    silences, silence : spellings of silence, and what they stand for
+    ipa : the name of the IPA's table
+    spelling : how the IPA is spelled, and which of its marks are not seen
+    nearest : answers for IPA that the table lacks
+    """
+    made = {name: Notation(table, silences, silence) for name, table in tables.items()}
+    if ipa in tables:
+        rest = (tables[ipa], silences, silence, nearest, spelling["unseen"])
+        made[ipa] = Notation(*rest)
+        for name, signs in spelling["spelled"].items():
+            made.setdefault(name, Spelled(*rest, signs=signs))
+    return made
