@@ -97,6 +97,13 @@ def test_the_level_has_no_steps(gains, intensity):
     assert found.at(times).min() >= 0
 
 
+def test_a_pause_takes_nothing_from_the_sounds_beside_it():
+    schedule = line([3000, 0, 12000, 0, 3000], labels=("AA", SILENCE) * 2 + ("AA",))
+    classes = ["vowel" if label != SILENCE else "" for label in schedule.labels]
+    found = levels(schedule, schedule.audio, classes, 1.0, (0.6, 1.4))
+    assert found.values == pytest.approx([1, 1.4, 1], abs=0.01)
+
+
 def test_a_soft_sound_closes_the_mouth_and_never_turns_it_round():
     schedule = line([3000, 3000, 10, 10, 3000, 3000, 3000, 3000, 3000, 0])
     found = levels(schedule, schedule.audio, [*["sound"] * 9, ""], 2.0, (0.0, 1.0))

@@ -320,6 +320,18 @@ def test_every_reader_counts_in_the_units_that_are_asked_for(name, tmp_path):
     assert schedule.words == ll.read_schedule(path).words
 
 
+@pytest.mark.parametrize("reader", READERS.values(), ids=READERS)
+def test_a_tier_is_asked_for_where_there_may_be_several(reader, tmp_path):
+    path = tmp_path / f"line{reader.suffixes[0]}"
+    path.write_text(EXAMPLES[reader.name], "utf-8")
+    if reader.name == "htk":  # only a master file has several
+        assert ll.read_schedule(path, tier="x").labels == LABELS
+        return
+    told = "'x'" if reader.tiers else f"{reader.name} files have no tiers; leave out --tier x"
+    with pytest.raises(ScheduleError, match=told):
+        ll.read_schedule(path, tier="x")
+
+
 def test_our_json_says_its_notation(tmp_path):
     path = tmp_path / "line.json"
     path.write_text(EXAMPLES["json"], "utf-8")

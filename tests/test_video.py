@@ -21,7 +21,8 @@ from lipsync_lang.animations.png import write_png
 from lipsync_lang.errors import ModelError, OutputError
 from lipsync_lang.render import sheet, video
 from lipsync_lang.render.model.picture import Artist
-from lipsync_lang.render.model.raster import Window, fill, planes, shown
+from lipsync_lang.render.model.raster import Window, area, fill, planes, shown
+from lipsync_lang.render.model.scene import FAN, STRIP, _triangles
 from lipsync_lang.render.staging import staged
 
 SIZE, FPS, RATE = 96, 30, 8000
@@ -97,6 +98,17 @@ def test_what_nothing_is_seen_of_hides_nothing():
     big, small = [(0, 0), (200, 0), (0, 200)], [(5, 5), (40, 5), (5, 40)]
     seen = filled(small, big, depth=[[2] * 3, [1] * 3], seen=lambda s: s.triangle == 1)
     assert (seen == 1).all()
+
+
+@pytest.mark.parametrize("mode", [STRIP, FAN])
+def test_triangles_of_strips_and_fans_all_face_the_same_way(mode):
+    turns = np.arange(7)[:, None]
+    strip, fan = np.hstack([turns // 2, turns % 2]), np.hstack([np.cos(turns), np.sin(turns)])
+    points = strip if mode == STRIP else fan[:6]
+    found = area(points[_triangles(np.arange(len(points)), mode)].astype(float))
+    assert len(found) == len(points) - 2
+    assert (np.sign(found) == np.sign(found[0])).all()
+    assert found[0] != 0
 
 
 def test_planes_have_their_values_at_the_corners():
@@ -200,7 +212,7 @@ def test_bones_turn_what_hangs_on_them(tmp_path):
     bones = np.zeros((6, 4), "u1")
     bones[:, 1] = 1
     shares = np.zeros((6, 4))
-    shares[:3, 0], shares[3:5, 1], shares[5, :2] = 1, 1, 0.5
+    shares[:3, 0], shares[3:5, 1], shares[5, :2] = 1, 1, 0.25  # made to add up to 1
     maker.document["skins"] = [
         {"joints": [1, 2], "inverseBindMatrices": maker.array(inverse.reshape(2, 16))}
     ]
@@ -471,6 +483,11 @@ def test_pictures_and_videos_wait_for_no_offset(spoken):
     usual, late = staged(animation), staged(replace(animation, offset=3600.0))
     assert (late.seconds, late.sound) == (usual.seconds, usual.sound)
     np.testing.assert_array_equal(late.moves, usual.moves)
+
+
+def test_a_video_at_a_rate_of_television_has_it_exactly(ffmpeg, spoken, tmp_path):
+    replace(spoken("facefx").cut(), fps=24000 / 1001).save(tmp_path / "line.mp4")
+    assert " 23.98 fps" in asked(ffmpeg, tmp_path / "line.mp4")[1]
 
 
 def test_a_schedule_without_sound_makes_a_silent_video(ffmpeg, spoken, tmp_path):

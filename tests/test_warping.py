@@ -109,6 +109,24 @@ def test_pauses_that_the_voice_lacks_become_silence_before_their_word(speakers, 
     assert found.times[at] == pytest.approx(start + seconds, abs=0.05)
 
 
+def test_a_long_pause_within_a_word_is_silence_there(speakers, recording):
+    word = next(w for w in recording.words if w.text == "lemons")
+    inside = word.first + 3
+    found = WARP.align(gapped(recording, inside, 0.8), TEXT, speakers["english"])
+    mine = next(w for w in found.words if w.text == "lemons")
+    at = mine.first + found.labels[mine.first : mine.stop].index(SILENCE)
+    start = recording.times[inside]
+    assert found.times[at : at + 2] == pytest.approx([start, start + 0.8], abs=0.05)
+
+
+def test_of_vocal_tracts_the_one_that_fits_is_taken(speakers, recording, monkeypatch):
+    found = []
+    for tracts in ((1.0,), (0.5, 1.0, 1.8)):
+        monkeypatch.setattr("lipsync_lang.speech.align.warp.TRACTS", tracts)
+        found.append(WARP.align(recording.audio, TEXT, speakers["english"]))
+    np.testing.assert_array_equal(found[0].times, found[1].times)
+
+
 def test_silence_around_the_speech_is_silence(speakers, recording):
     quiet = np.random.default_rng(2).integers(-9, 10, RATE).astype(np.int16)
     samples = np.concatenate([quiet, recording.audio.samples, quiet])
@@ -117,6 +135,16 @@ def test_silence_around_the_speech_is_silence(speakers, recording):
     first = next(n for n, x in enumerate(recording.labels) if x != SILENCE)
     assert found.labels[0] == found.labels[-1] == SILENCE
     assert found.times[1] == pytest.approx(lead + recording.times[first], abs=0.05)
+
+
+def test_a_click_is_no_speech(speakers, recording):
+    quiet = np.random.default_rng(2).integers(-9, 10, RATE).astype(np.int16)
+    quiet[RATE // 4 : RATE // 4 + RATE // 50] += 6000
+    samples = np.concatenate([quiet, recording.audio.samples])
+    found = WARP.align(Audio(samples, recording.audio.rate), TEXT, speakers["english"])
+    first = next(n for n, x in enumerate(recording.labels) if x != SILENCE)
+    start = RATE / recording.audio.rate + recording.times[first]
+    assert found.times[1] == pytest.approx(start, abs=0.05)
 
 
 @pytest.mark.parametrize("decibels", [20, 10])

@@ -23,7 +23,7 @@ def looks(source: Source) -> bool:
     return bool(SOUND.fullmatch(next((x for x in lines if not x.startswith(COMMENT)), "")))
 
 
-@reader("ctm", ".ctm", looks=looks)
+@reader("ctm", ".ctm", looks=looks, tiers=True)
 def read_ctm(source: Source) -> Schedule:
     """CTM of phones, as Kaldi writes it; of several files or channels, one is named."""
     tiers: dict[tuple[str, str], list[Row]] = defaultdict(list)

@@ -49,7 +49,7 @@ def _is_prose(text: str) -> bool:
     return start.isprintable() and start not in "<{[" and numbered is None
 
 
-@reader("htk", ".lab", ".mlf", looks=looks)
+@reader("htk", ".lab", ".mlf", looks=looks, tiers=True)
 def read_htk(source: Source) -> Schedule:
     """HTK and HTS labels, full-context ones included, and one utterance of a master label file."""
     lines, told = _first(source, _utterance(source))

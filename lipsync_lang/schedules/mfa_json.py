@@ -20,7 +20,7 @@ def looks(source: Source) -> bool:
     return source.holds("tiers")
 
 
-@reader("mfa-json", ".json", looks=looks)
+@reader("mfa-json", ".json", looks=looks, tiers=True)
 def read_mfa_json(source: Source) -> Schedule:
     """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
     document = source.json

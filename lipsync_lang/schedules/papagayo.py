@@ -42,7 +42,7 @@ def looks(source: Source) -> bool:
     return source.head.startswith(HEADER) or source.holds("voices", "fps")
 
 
-@reader("papagayo", ".pgo", ".pg2", looks=looks)
+@reader("papagayo", ".pgo", ".pg2", looks=looks, tiers=True)
 def read_papagayo(source: Source) -> Schedule:
     """Papagayo's .pgo and .pg2: mouth shapes or sounds by frames, with words; one voice."""
     written = source.holds("voices", "fps")

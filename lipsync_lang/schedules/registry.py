@@ -30,21 +30,23 @@ class Reader:
     title: str
     looks: Looks
     read: Read
+    tiers: bool = False
+    """Whether a file may hold several of what it is, of which `tier` names one."""
 
 
 READERS: dict[str, Reader] = {}
 
 
-def reader(name: str, *suffixes: str, looks: Looks) -> Callable[[Read], Read]:
+def reader(name: str, *suffixes: str, looks: Looks, tiers: bool = False) -> Callable[[Read], Read]:
     """Register a function ``(source) -> Schedule`` as the reader of a format.
 
     `looks` tells by its content whether a file is in it: quickly, by ``source.head`` or
-    ``source.document``, and without raising.
+    ``source.document``, and without raising. Only with `tiers` may one be asked for.
     """
 
     def register(read: Read) -> Read:
         title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = Reader(name, suffixes, title, looks, read)
+        READERS[name] = Reader(name, suffixes, title, looks, read, tiers)
         return read
 
     return register
@@ -91,7 +93,10 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     if rate is not None and not 0 < rate < float("inf"):
         raise ScheduleError(f"{rate:g} units per second: give a number above 0")
     source = Source(path, _content(path), tier, rate, encoding)
-    schedule = find_reader(source, read_as).read(source)
+    found = find_reader(source, read_as)
+    if tier is not None and not found.tiers:
+        raise source.fault(f"{found.name} files have no tiers; leave out --tier {tier}")
+    schedule = found.read(source)
     return replace(schedule, notation=notation) if notation else schedule
 
 

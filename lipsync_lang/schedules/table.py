@@ -54,7 +54,7 @@ def looks(source: Source) -> bool:
         return False
 
 
-@reader("table", ".csv", ".tsv", looks=looks)
+@reader("table", ".csv", ".tsv", looks=looks, tiers=True)
 def read_table(source: Source) -> Schedule:
     """Tables (CSV, TSV) of phonemes with start and end, and maybe words, types and speakers."""
     return read_tiers(source, _tiers(source), guess=True)

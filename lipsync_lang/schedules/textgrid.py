@@ -44,7 +44,7 @@ def looks(source: Source) -> bool:
     return "ooTextFile" in source.head[:300] or source.content.startswith(BINARY)
 
 
-@reader("textgrid", ".textgrid", looks=looks)
+@reader("textgrid", ".textgrid", looks=looks, tiers=True)
 def read_textgrid(source: Source) -> Schedule:
     """Praat TextGrid with a tier of phones; words are taken along where there is a tier of them."""
     if not looks(source) or source.content.startswith(BINARY):
