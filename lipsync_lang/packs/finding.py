@@ -249,11 +249,16 @@ def installed() -> "list[EntryPoint]":
 
 def _offers_packs(folder: str) -> bool:
     """Say whether a distribution in a folder has our group: 10 times as fast as asking for it."""
-    for entry in entries(Path(folder or ".")):
-        if entry.suffix in (".dist-info", ".egg-info", ".egg"):
-            inner = entry / "EGG-INFO" if entry.suffix == ".egg" else entry
+    wanted = f"[{GROUP}]".encode()
+    try:
+        names = os.listdir(folder or ".")  # noqa: PTH208 paths of hundreds of names take longer
+    except OSError:
+        return False
+    for name in names:
+        if name.endswith((".dist-info", ".egg-info", ".egg")):
+            inner = "EGG-INFO" if name.endswith(".egg") else ""
             try:
-                if f"[{GROUP}]".encode() in (inner / "entry_points.txt").read_bytes():
+                if wanted in Path(folder, name, inner, "entry_points.txt").read_bytes():
                     return True
             except OSError:
                 continue
