@@ -16,6 +16,9 @@ from lipsync_lang.speech.align.registry import ALIGNERS
 from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.sphinx.features import RATE, STEP, features
 from lipsync_lang.speech.sphinx.folder import find_models
+from lipsync_lang.speech.sphinx.forced import Heard
+from lipsync_lang.speech.sphinx.hearing import Saying, laid
+from lipsync_lang.speech.sphinx.model import OUTSIDE
 from lipsync_lang.speech.sphinx.trellis import START, likeliest_way
 
 pytest.importorskip("pocketsphinx")
@@ -83,6 +86,47 @@ def test_most_boundaries_are_where_the_voice_says_they_are(english, spoken, text
     assert [name for name, _ in found] == [name for name, _ in known]
     off = [abs(a - b) for (_, a), (_, b) in zip(found, known, strict=True)]
     assert np.median(off) < 0.02
+
+
+def test_a_frame_is_heard_in_the_middle_of_its_window(english):
+    models = find_models(english.manner.audio.model)
+    hello = models.ways("hello")[0]
+    heard = [Heard(0, phone, 10 * at, 10 * at + 10, 0.0) for at, phone in enumerate(hello)]
+    labels, times, words = laid(models, heard, [Saying("hello", (hello,))], 0.5)
+    assert labels == tuple(models.model.names[phone] for phone in hello)
+    assert (times[0], times[-1]) == (0, 0.5)
+    middles = 0.1 * np.arange(1, len(hello)) + (410 / 16_000 - 0.01) / 2
+    np.testing.assert_allclose(times[1:-1], middles)
+    assert words == (ll.Word("hello", 0, len(hello)),)
+
+
+@pytest.mark.parametrize(("frames", "kept"), [(5, False), (6, True)])
+def test_a_short_silence_is_the_start_of_what_follows(english, frames, kept):
+    models = find_models(english.manner.audio.model)
+    way = models.ways("hi")[0]
+    quiet = models.model.silence
+    heard = [
+        Heard(0, way[0], 0, 10, 0.0),
+        Heard(OUTSIDE, quiet, 10, 10 + frames, 0.0),
+        Heard(0, way[1], 10 + frames, 30, 0.0),
+    ]
+    labels, times, words = laid(models, heard, [Saying("hi", (way,))], 0.3)
+    said = tuple(models.model.names[phone] for phone in way)
+    assert labels == ((said[0], SILENCE, said[1]) if kept else said)
+    assert times[1] == pytest.approx(0.1 + (410 / 16_000 - 0.01) / 2)
+    assert words == (ll.Word("hi", 0, len(labels)),)
+
+
+def test_a_dictionary_says_a_word_in_all_its_ways(english):
+    models = find_models(english.manner.audio.model)
+    ways = [[models.model.names[phone] for phone in way] for way in models.ways("the")]
+    assert {"DH AH", "DH IY"} <= set(map(" ".join, ways))
+
+
+def test_another_aligner_is_given_no_model_of_the_packs(english, spoken):
+    pytest.importorskip("dtaidistance")
+    found = aligned(english, spoken[TEXTS[0]].audio, TEXTS[0], aligner="warp")
+    assert [word.text for word in found.words] == [word.text for word in spoken[TEXTS[0]].words]
 
 
 def test_alignments_repeat_themselves(english, spoken):

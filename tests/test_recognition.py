@@ -62,6 +62,8 @@ def test_long_recordings_are_heard_in_parts(heard, english, monkeypatch):
     found = recognised(english, ll.Audio(whole, heard.audio.rate))
     words = [word.text for word in found.words]
     assert words.count("table") == words.count("gregson") == 2
+    tables = [found.times[word.first] for word in found.words if word.text == "table"]
+    assert tables[1] - tables[0] == pytest.approx(found.end / 2, abs=0.05)
 
 
 @pytest.mark.parametrize("count", [1, 100, 16_000])

@@ -20,6 +20,8 @@ from lipsync_lang.animations.mp4 import write_mp4
 from lipsync_lang.animations.png import write_png
 from lipsync_lang.errors import ModelError, OutputError
 from lipsync_lang.render import sheet, video
+from lipsync_lang.render.model.camera import framed
+from lipsync_lang.render.model.material import Material
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.model.raster import Window, area, fill, planes, shown
 from lipsync_lang.render.model.scene import FAN, STRIP, _triangles
@@ -182,7 +184,8 @@ def animation_of(model, *channels, values=(0.0, 1.0), **rest):
 def test_sparse_and_normalised_values_are_read(tmp_path):
     maker = Maker()
     maker.document["nodes"] = [{"mesh": 0}]
-    base = maker.array(np.array(SQUARE) * 32767, "<i2", normalized=True)
+    whole = np.array(SQUARE)
+    base = maker.array(whole * 32767 - (whole < 0), "<i2", normalized=True)
     rows = maker.array([1, 4], "<u2")
     few = maker.array([(0, 0, 1), (0, 0, 2)])
     views = [maker.document["accessors"][number]["bufferView"] for number in (rows, few)]
@@ -194,7 +197,7 @@ def test_sparse_and_normalised_values_are_read(tmp_path):
     target = maker.array(np.zeros((6, 3)), sparse=sparse)
     maker.mesh({"POSITION": base}, ["up"], [{"POSITION": target}])
     scene = staged(animation_of(maker.write(tmp_path / "a.glb"), Channel("up")))
-    np.testing.assert_allclose(scene.points(0.0), SQUARE, atol=1e-4)
+    np.testing.assert_array_equal(scene.points(0.0), SQUARE)
     np.testing.assert_allclose(scene.points(1 / FPS)[:, 2], [0, 1, 0, 0, 2, 0], atol=1e-4)
     np.testing.assert_allclose(scene.points(0.5 / FPS)[:, 2], [0, 0.5, 0, 0, 1, 0], atol=1e-4)
 
@@ -269,11 +272,29 @@ def test_a_texture_is_seen_where_it_belongs(tmp_path):
         assert np.delete(pixel, colour).max() < 20
 
 
+def test_a_texture_begins_at_its_upper_left_corner_and_repeats():
+    rows = np.arange(8, dtype=np.uint8).reshape(2, 1, 4)
+    surface = Material(np.ones(4), rows, 0.0, double=True, gloss=0.0, lit=True)
+    found = surface.texels(np.full(4, 0.5), np.array([0.25, 0.75, 1.25, -0.25]))
+    np.testing.assert_array_equal(found, rows[[0, 1, 0, 1], 0])
+
+
+def test_what_minds_no_light_has_the_colours_of_its_texture(tmp_path):
+    bare = textured(tmp_path, extensions={"KHR_materials_unlit": {}})
+    picture = Artist(staged(bare), SIZE).draw(0.0)
+    np.testing.assert_array_equal(picture[SIZE // 2, SIZE // 4], (0, 255, 0))
+
+
 @pytest.mark.parametrize("mode", ["MASK", "BLEND"])
 def test_what_is_cut_out_shows_what_is_behind(tmp_path, mode):
     picture = Artist(staged(textured(tmp_path, alphaMode=mode)), SIZE).draw(1 / FPS)
     assert picture[SIZE // 2, SIZE // 4].argmax() == 1
     np.testing.assert_array_equal(picture[SIZE // 2, 3 * SIZE // 4], picture[SIZE // 2, SIZE - 1])
+
+
+def test_a_material_says_how_much_is_cut_out(tmp_path):
+    whole = textured(tmp_path, alphaMode="MASK", alphaCutoff=0.0)
+    assert Artist(staged(whole), SIZE).draw(0.0)[SIZE // 2, 3 * SIZE // 4].argmax() == 0
 
 
 def test_a_surface_is_seen_from_behind_only_if_it_has_two_sides(tmp_path):
@@ -284,6 +305,9 @@ def test_a_surface_is_seen_from_behind_only_if_it_has_two_sides(tmp_path):
     behind = Artist(document, SIZE).draw(0.0)
     assert front[SIZE // 2, SIZE // 4].argmax() == 1
     assert (behind[:, : SIZE // 2] == behind[:, :1]).all()
+    document = staged(textured(tmp_path))
+    document.triangles = document.triangles[:, ::-1]
+    assert Artist(document, SIZE).draw(0.0)[SIZE // 2, SIZE // 4].argmax() == 1
 
 
 def damaged(tmp_path, change):
@@ -293,6 +317,29 @@ def damaged(tmp_path, change):
     maker.mesh({"POSITION": points}, ["up"], [{"POSITION": points}])
     change(maker.document)
     return animation_of(maker.write(tmp_path / "face.glb"), Channel("up"))
+
+
+def test_what_a_node_shows_as_in_a_mirror_is_seen(tmp_path):
+    mirrored = damaged(tmp_path, lambda d: d["nodes"][0].update(scale=[-1, 1, 1]))
+    picture = Artist(staged(mirrored), SIZE).draw(0.0)
+    assert (picture[SIZE // 2, SIZE // 2] != picture[SIZE // 2, 0]).any()
+
+
+def test_what_has_moved_stays_where_it_is(tmp_path):
+    scene = staged(damaged(tmp_path, lambda _: None))
+    np.testing.assert_allclose(scene.points(9.0), scene.points(1 / FPS), atol=1e-6)
+    np.testing.assert_allclose(scene.points(-9.0), scene.points(0.0), atol=1e-6)
+
+
+@pytest.mark.parametrize(("rotation", "front"), [([0, 0, 0, 1], 1), ([0, 1, 0, 0], -1)])
+def test_a_face_is_looked_at_from_its_front(tmp_path, rotation, front):
+    maker = Maker()
+    maker.document["nodes"] = [{"mesh": 0, "rotation": rotation}]
+    face, back = (np.add(SQUARE, (0, 0, z)) for z in (1, -1))
+    moved = maker.array([(0, 0.1, 0)] * 6 + [(0, 0, 0)] * 6)
+    maker.mesh({"POSITION": maker.array([*face, *back])}, ["up"], [{"POSITION": moved}])
+    scene = staged(animation_of(maker.write(tmp_path / "a.glb"), Channel("up")))
+    np.testing.assert_array_equal(framed(scene).turn, np.diag([front, 1, front]))
 
 
 @pytest.mark.parametrize(
