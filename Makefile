@@ -9,7 +9,7 @@ TEXTS ?= text
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo consumers usd test lint types bench articulography languages wheel clean
+.PHONY: help demo consumers usd test lint types bench articulography motion languages wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -54,6 +54,9 @@ bench: $(VENV)/ready ## print how fast things are
 
 articulography: $(VENV)/ready ## compare curves with recordings of real mouths: make articulography RECORDINGS=folder
 	$(BIN)/python benchmarks/articulography.py $(RECORDINGS)
+
+motion: $(VENV)/ready ## print how curves move, beside captures: make motion RECORDINGS=folder
+	$(BIN)/python benchmarks/motion.py $(RECORDINGS) --contacts
 
 languages: $(VENV)/ready ## print how every language reads: make languages TEXTS=folder
 	$(BIN)/python benchmarks/languages.py $(TEXTS)
