@@ -61,7 +61,7 @@ BAD = [
     Bad("colon in text", PARENT, "title: Parent", "title: Parent: one", (("P008", 5, ": one"),)),
     Bad("two documents", CHILD, "words:", "---\nwords:", (("P009", 10, "---"),), "---"),
     Bad("deep", PARENT, "[yu]", "[" * 100_000, (("P010", 6, 7 + DEEPEST - 1),), "bracket"),
-    Bad("billion laughs", PARENT, None, BILLION_LAUGHS, (("P011", 7, "*f, *f,"),)),
+    Bad("billion laughs", PARENT, None, BILLION_LAUGHS, (("P012", 2, "*a, *a,"),)),
     Bad("no anchor", PARENT, "title: Parent", "title: *x", (("P012", 5, "*x"),), "&x"),
     Bad("own anchor", PARENT, "adds: [yu]", "adds: &x [yu, *x]", (("P012", 6, "*x]"),)),
     Bad("merge key", CHILD, "  own: {x: yu}", "  own: {<<: {x: yu}}", (("P013", 9, "<<: {x:"),)),

@@ -109,11 +109,6 @@ def test_no_file_takes_the_reader_down(bomb):
     assert all(fault.line >= 1 and fault.column >= 1 for fault in source.faults)
 
 
-def test_nesting_counts_through_aliases():
-    chain = "a0: &a0 [1]\n" + "".join(f"a{n}: &a{n} [*a{n - 1}]\n" for n in range(1, 60))
-    assert [f.code for f in scan(HERE, chain.encode()).faults] == ["P010"]
-
-
 NUMBERS = st.integers(-(10**9), 10**9)
 PLAIN = st.recursive(
     st.none() | st.booleans() | NUMBERS | st.text("ab: #-[]{}'\"\n\té", max_size=8),

@@ -11,20 +11,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+from lipsync_lang.packs.events import Event, Parser, YamlError, parsers
 from lipsync_lang.packs.faults import Fault, shown
 from lipsync_lang.packs.source import LARGEST, TOP, Data, Mark, Position, Source
 
 DEEPEST = 40
 """Levels of nesting; packs use about eight."""
 
-MOST_NODES = 2_000_000
-"""Values of a file, each alias counted as if it were written out."""
-
 LONGEST_NUMBER = 64
 """Digits; a longer integer is read as a float, which is all a pack could mean by it."""
 
-Event = Any
-"""An event of the YAML parser, which is untyped."""
+TAG = "P014"
+"""The code of a tag."""
 
 _INT = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -44,9 +42,27 @@ _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udf
 def build(path: Path, content: bytes) -> Source:
     """Read YAML as far as it goes; see `source.scan`."""
     try:
-        return _Builder(path).build(_text(path, content))
+        return _built(path, _text(path, content))
     except _StopError as stop:
         return Source(path, None, faults=tuple(sorted(stop.faults)))
+
+
+def _built(path: Path, text: str) -> Source:
+    """Build from the events of the first parser that can read the text."""
+    try:
+        asked = parsers(text)
+    except YamlError as error:
+        raise _StopError(_syntax(path, text, error)) from None
+    stop = _StopError()
+    for parse in asked:
+        builder = _Builder(path)
+        try:
+            source = builder.build(text, parse)
+            if parse is asked[-1] or all(fault.code != TAG for fault in source.faults):
+                return source  # else the parsers may differ on the tag: one faulty, one unknown
+        except YamlError as error:
+            stop = _StopError(*builder.faults, _syntax(path, text, error))
+    raise stop
 
 
 class _StopError(Exception):
@@ -105,18 +121,32 @@ def _scalar(text: str) -> Data:
     return text
 
 
+def _syntax(path: Path, text: str, error: YamlError) -> Fault:
+    """Put the parser's complaint into a fault."""
+    line, column = error.place or TOP
+    lines = text.splitlines()
+    rest = lines[line - 1][: column + 1] if line <= len(lines) else ""
+    if "'\\t'" in error.problem or "\t" in rest[: len(rest) - len(rest.lstrip())]:
+        what, hint = "a tab stands where YAML wants spaces", "indent with spaces"
+        return Fault(shown(path), line, column, "P007", what, hint)
+    problem = error.problem or "not sound YAML"
+    if "undefined alias" in problem:
+        return Fault(shown(path), line, column, "P012", problem)
+    hint = error.context or "check quotes, brackets and indentation here and in the line above"
+    if error.context and error.started is not None:
+        hint = f"{error.context} that starts in line {error.started}"
+    return Fault(shown(path), line, column, "P008", problem, hint)
+
+
 @dataclass(slots=True)
 class _Frame:
     """A mapping or sequence that is being read."""
 
     data: Data
     inner: Data
-    line: int
-    column: int
+    start: Event
+    """The parser's mark, as all marks of events."""
     anchor: str | None
-    before: int
-    """Values counted when it began."""
-    height: int = 1
     key: str | None = None
     """The key whose value comes next; None while a key is due."""
     key_at: Position = TOP
@@ -125,12 +155,11 @@ class _Frame:
 
 
 class _Anchored(NamedTuple):
-    """A value that aliases may repeat."""
+    """A value that aliases may repeat, and how many characters state it."""
 
     data: Data
     mark: Mark
-    size: int
-    height: int
+    chars: int
 
 
 class _Builder:
@@ -140,79 +169,42 @@ class _Builder:
         self.path = path
         self.faults: list[Fault] = []
         self.frames: list[_Frame] = []
-        self.anchors: dict[str, _Anchored | None] = {}
-        self.count = 0
+        self.anchors: dict[str, _Anchored] = {}
+        self.chars = 0
+        """Characters of the text, and of what its aliases stand for so far."""
+        self.last: Event = None
         self.root: tuple[Any, Mark] | None = None
 
-    def build(self, text: str) -> Source:
+    def build(self, text: str, parse: Parser) -> Source:
         """Read the whole text."""
+        self.chars = len(text)
         with _no_collection():
-            self._read(text)
+            self._read(text, parse)
         if self.root is None:
             raise self._stop(1, 1, "P006", "the file holds nothing but comments", "state the pack")
         data, mark = self.root
         return Source(self.path, data, mark, tuple(sorted(self.faults)))
 
-    def _read(self, text: str) -> None:
-        from ruamel.yaml.events import (
-            AliasEvent,
-            DocumentStartEvent,
-            MappingEndEvent,
-            MappingStartEvent,
-            ScalarEvent,
-            SequenceEndEvent,
-            SequenceStartEvent,
-        )
-
+    def _read(self, text: str, parse: Parser) -> None:
+        """Take every event; what the parser cannot read is raised with its place."""
         act = {
-            ScalarEvent: self._on_scalar,
-            SequenceStartEvent: lambda event: self._on_start(event, [], []),
-            MappingStartEvent: lambda event: self._on_start(event, {}, {}),
-            SequenceEndEvent: self._on_end,
-            MappingEndEvent: self._on_end,
-            AliasEvent: self._on_alias,
-            DocumentStartEvent: self._on_document,
+            "ScalarEvent": self._on_scalar,
+            "SequenceStartEvent": lambda event: self._on_start(event, [], []),
+            "MappingStartEvent": lambda event: self._on_start(event, {}, {}),
+            "SequenceEndEvent": self._on_end,
+            "MappingEndEvent": self._on_end,
+            "AliasEvent": self._on_alias,
+            "DocumentStartEvent": self._on_document,
         }
-        for event in self._events(text):
-            handler = act.get(event.__class__)
-            if handler is not None:
-                handler(event)
-
-    def _events(self, text: str) -> Iterator[Event]:
-        """Yield the parser's events; what it cannot read becomes a located fault."""
-        from ruamel.yaml import YAML
-        from ruamel.yaml.error import MarkedYAMLError
-
-        line, column = 1, 1
         try:
-            for event in YAML(typ="safe", pure=True).parse(text):
-                line, column = event.start_mark.line + 1, event.start_mark.column + 1
-                yield event
-        except MarkedYAMLError as error:
-            mark = error.problem_mark or error.context_mark
-            if mark is not None:
-                line, column = mark.line + 1, mark.column + 1
-            raise _StopError(*self.faults, self._syntax(error, text, line, column)) from None
-        except (_StopError, GeneratorExit):
+            for event in parse(text):
+                self.last = event.start_mark
+                handler = act.get(event.__class__.__name__)
+                if handler is not None:
+                    handler(event)
+        except YamlError as error:
+            error.place = error.place or (self.last.line + 1, self.last.column + 1)
             raise
-        except Exception as error:  # noqa: BLE001 the parser has errors of its own: they are the file's
-            what = f"not sound YAML from here on ({type(error).__name__})"
-            raise self._stop(line, column, "P008", what, "write it more plainly") from None
-
-    def _syntax(self, error: Event, text: str, line: int, column: int) -> Fault:
-        """Put the parser's complaint into a fault."""
-        lines = text.splitlines()
-        rest = lines[line - 1][: column + 1] if line <= len(lines) else ""
-        if "'\\t'" in (error.problem or "") or "\t" in rest[: len(rest) - len(rest.lstrip())]:
-            what, hint = "a tab stands where YAML wants spaces", "indent with spaces"
-            return Fault(shown(self.path), line, column, "P007", what, hint)
-        problem = " ".join((error.problem or "not sound YAML").split())
-        if "undefined alias" in problem:
-            return Fault(shown(self.path), line, column, "P012", problem)
-        context, mark = " ".join((error.context or "").split()), error.context_mark
-        hint = f"{context} that starts in line {mark.line + 1}" if context and mark else context
-        hint = hint or "check quotes, brackets and indentation here and in the line above"
-        return Fault(shown(self.path), line, column, "P008", problem, hint)
 
     def _stop(self, line: int, column: int, code: str, what: str, hint: str = "") -> _StopError:
         return _StopError(*self.faults, Fault(shown(self.path), line, column, code, what, hint))
@@ -234,8 +226,8 @@ class _Builder:
         mark = event.start_mark
         line, column = mark.line + 1, mark.column + 1
         text: str = event.value
-        plain = event.style is None
-        if event.ctag is not None:
+        plain = not event.style
+        if event.tag is not None:
             self._tagged(line, column, event.tag)
         if event.style == '"' and _NOT_TEXT.search(text):
             bad = f"U+{ord(_NOT_TEXT.search(text).group()):04X}"  # type: ignore[union-attr]
@@ -243,15 +235,14 @@ class _Builder:
             text = _NOT_TEXT.sub("?", text)
         frame = self.frames[-1] if self.frames else None
         if frame is not None and frame.key is None and frame.data.__class__ is dict:
-            if event.anchor:
-                self._anchor(event.anchor, _Anchored(text, Mark(line, column), 1, 0))
             self._key(frame, text, line, column, plain=plain)
-            return
-        self._count(line, column)
-        value = _scalar(text) if plain else text
+            value: Data = text
+        else:
+            value = _scalar(text) if plain else text
+            self._add(value, Mark(line, column))
         if event.anchor:
-            self._anchor(event.anchor, _Anchored(value, Mark(line, column), 1, 0))
-        self._add(value, Mark(line, column))
+            chars = event.end_mark.index - mark.index
+            self.anchors[event.anchor] = _Anchored(value, Mark(line, column), chars)
 
     def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
         """Take the text as the key of the value that comes next."""
@@ -269,60 +260,52 @@ class _Builder:
     def _on_start(self, event: Event, data: Data, inner: Data) -> None:
         mark = event.start_mark
         line, column = mark.line + 1, mark.column + 1
-        if event.ctag is not None:
+        if event.tag is not None:
             self._tagged(line, column, event.tag)
         self._not_a_key(line, column)
         if len(self.frames) >= DEEPEST:
             hint = "packs nest about eight levels deep; is a bracket left open?"
             raise self._stop(line, column, "P010", f"nests deeper than {DEEPEST} levels", hint)
-        self._count(line, column)
-        if event.anchor:
-            self.anchors[event.anchor] = None
-        frame = _Frame(data, inner, line, column, event.anchor, self.count - 1)
-        self.frames.append(frame)
+        self.frames.append(_Frame(data, inner, mark, event.anchor))
 
-    def _on_end(self, _event: Event) -> None:
+    def _on_end(self, event: Event) -> None:
         frame = self.frames.pop()
         data = tuple(frame.data) if frame.data.__class__ is list else frame.data
-        mark = Mark(frame.line, frame.column, frame.inner)
+        mark = Mark(frame.start.line + 1, frame.start.column + 1, frame.inner)
         if frame.anchor:
-            size = self.count - frame.before
-            self._anchor(frame.anchor, _Anchored(data, mark, size, frame.height))
-        if self.frames:
-            self.frames[-1].height = max(self.frames[-1].height, frame.height + 1)
+            chars = event.end_mark.index - frame.start.index
+            self.anchors[frame.anchor] = _Anchored(data, mark, chars)
         self._add(data, mark)
 
     def _on_alias(self, event: Event) -> None:
+        """Repeat an anchored value.
+
+        Anchored values hold no aliases, so that text which aliases stand for is as long as it
+        looks; all of it together may not be longer than a file. So an alias cannot multiply.
+        """
         mark = event.start_mark
         line, column = mark.line + 1, mark.column + 1
-        found = self.anchors.get(event.anchor)
-        if event.anchor not in self.anchors:
-            what, hint = (
-                f"alias '*{event.anchor}' has no anchor",
-                f"write '&{event.anchor}' before it",
-            )
-            raise self._stop(line, column, "P012", what, hint)
-        if found is None:
-            what = f"alias '*{event.anchor}' lies within its own anchor"
+        around = next((frame.anchor for frame in self.frames if frame.anchor), None)
+        if around is not None:
+            what = f"alias '*{event.anchor}' lies within the value anchored by '&{around}'"
             raise self._stop(line, column, "P012", what, "write the value out")
+        found = self.anchors.get(event.anchor)
+        if found is None:
+            what, hint = f"alias '*{event.anchor}' has no anchor", f"write '&{event.anchor}' before"
+            raise self._stop(line, column, "P012", what, f"{hint} it")
         if not self._not_a_key(line, column):
             frame = self.frames[-1]
             frame.key, frame.dropped = "", True
             return
-        if len(self.frames) + found.height > DEEPEST:
-            what = f"nests deeper than {DEEPEST} levels once '*{event.anchor}' is written out"
-            raise self._stop(line, column, "P010", what, "write it more plainly")
-        self._count(line, column, found.size)
-        if self.frames:
-            self.frames[-1].height = max(self.frames[-1].height, found.height + 1)
+        self.chars += found.chars
+        if self.chars > LARGEST:
+            what = f"the file is larger than {LARGEST >> 20} MB once its aliases are written out"
+            raise self._stop(line, column, "P011", what, "split it into several packs")
         self._add(found.data, found.mark)
-
-    def _anchor(self, name: str, value: _Anchored) -> None:
-        self.anchors[name] = value
 
     def _tagged(self, line: int, column: int, tag: str) -> None:
         what = f"tags such as '{tag}' are not supported"
-        self._note(line, column, "P014", what, "delete it; quotes make text of anything")
+        self._note(line, column, TAG, what, "delete it; quotes make text of anything")
 
     def _not_a_key(self, line: int, column: int) -> bool:
         """Say whether a value is due; a list, mapping or alias in a key's place is a fault."""
@@ -332,12 +315,6 @@ class _Builder:
         what, hint = "a key must be plain text", "is a colon missing, or one too many?"
         self._note(line, column, "P016", what, hint)
         return False
-
-    def _count(self, line: int, column: int, size: int = 1) -> None:
-        self.count += size
-        if self.count > MOST_NODES:
-            what = f"more than {MOST_NODES} values, once aliases are written out"
-            raise self._stop(line, column, "P011", what, "split it into several packs")
 
     def _add(self, data: Data, mark: Mark) -> None:
         """Put a finished value where it belongs."""

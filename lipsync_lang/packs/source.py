@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.faults import Fault, PackFaults, shown
 
-LARGEST = 8 * 2**20
+LARGEST = 2**20
 """Bytes; a larger file is not a pack."""
 
 Loc = tuple[str | int, ...]

@@ -1,0 +1,140 @@
+"""The events of a YAML text: libyaml's, or those of ruamel.yaml where the two could differ.
+
+libyaml reads fifteen times as fast. ruamel.yaml reads what libyaml refuses, so that a fault is
+told in the same words with libyaml and without, and the few texts on which the two disagree.
+A text too large to be read slowly has to do with libyaml alone. See decision 0016.
+"""
+
+import re
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import Any
+
+Event = Any
+"""An event of either parser; both name their classes and attributes alike."""
+
+Parser = Callable[[str], Iterator[Event]]
+
+MAX_SLOW_CHARS = 2**18
+"""Characters that ruamel.yaml may read; it takes about three seconds for them."""
+
+_DISPUTED = re.compile(
+    r"[\x85\u2028\u2029\ufeff]|\r(?!\n)|^%|(?<![^\s\[{,:-])[&*][\w-]+[:?%@`]|[|>][-+\d]*#",
+    re.MULTILINE,
+)
+"""Unusual line breaks, byte order marks, directives, anchors with punctuation in the name, and
+comments that touch the sign of a block of text: the parsers differ on them."""
+
+
+class YamlError(Exception):
+    """A text that a parser cannot read.
+
+    Parameters
+    ----------
+    place : line and column from 1; None where the parser names none
+    problem, context : the parser's words, either may be empty
+    started : the line in which the context starts; None where the parser names none
+    """
+
+    def __init__(
+        self, place: tuple[int, int] | None, problem: str, context: str, started: int | None
+    ) -> None:
+        super().__init__(problem)
+        self.place = place
+        self.problem = problem
+        self.context = context
+        self.started = started
+
+
+def parsers(text: str) -> tuple[Parser, ...]:
+    """Return the parsers to ask, in order: the next one where one raises `YamlError`.
+
+    Raises
+    ------
+    YamlError
+        The text holds what only ruamel.yaml can judge, and is too large for it.
+    """
+    if not has_libyaml():
+        return (by_ruamel,)
+    disputed = _disputed(text)
+    if len(text) <= MAX_SLOW_CHARS:
+        return (by_ruamel,) if disputed is not None else (by_libyaml, by_ruamel)
+    if disputed is not None:
+        line = text.count("\n", 0, disputed) + 1
+        column = disputed - text.rfind("\n", 0, disputed)
+        what = f"U+{ord(text[disputed]):04X} is not read here in a file this large"
+        raise YamlError((line, column), what, "delete it, or write it as an escape in quotes", None)
+    return (by_libyaml,)
+
+
+def by_libyaml(text: str) -> Iterator[Event]:
+    """Yield the events of libyaml, which comes with PyYAML."""
+    from yaml.cyaml import CParser
+    from yaml.error import MarkedYAMLError, YAMLError
+
+    parser = CParser(text)
+    try:
+        while parser.check_event():
+            yield parser.get_event()
+    except MarkedYAMLError as error:
+        raise _told(error) from None
+    except YAMLError as error:
+        raise YamlError(None, str(error), "", None) from None
+
+
+def by_ruamel(text: str) -> Iterator[Event]:
+    """Yield the events of ruamel.yaml's own parser."""
+    from ruamel.yaml import YAML
+    from ruamel.yaml.error import MarkedYAMLError
+
+    try:
+        yield from YAML(typ="safe", pure=True).parse(text)
+    except MarkedYAMLError as error:
+        raise _told(error) from None
+    except GeneratorExit:
+        raise
+    except Exception as error:  # noqa: BLE001 the parser has errors of its own: they are the file's
+        what = f"not sound YAML from here on ({type(error).__name__})"
+        raise YamlError(None, what, "write it more plainly", None) from None
+
+
+def has_libyaml() -> bool:
+    """Say whether PyYAML was built with libyaml, as its wheels are."""
+    import yaml
+
+    return bool(yaml.__with_libyaml__)
+
+
+def _disputed(text: str) -> int | None:
+    """Find the first character on which the parsers may differ; None if there is none."""
+    found = _DISPUTED.search(text)
+    places = [found.start()] if found else []
+    if "\t" in text:
+        places += islice(_tabs(text), 1)
+    return min(places, default=None)
+
+
+def _tabs(text: str) -> Iterator[int]:
+    """Yield the first tab of each line, unless a comment or a quoted text holds it for certain.
+
+    libyaml takes a tab for space in places where YAML forbids it. After `` #`` there is nothing
+    but a comment, or text in which a tab is a tab.
+    """
+    start = 0
+    for line in text.split("\n"):
+        tab, comment = line.find("\t"), 0 if line.startswith("#") else line.find(" #")
+        if tab >= 0 and not 0 <= comment < tab:
+            yield start + tab
+        start += len(line) + 1
+
+
+def _told(error: Any) -> YamlError:
+    """Take over the words of either parser."""
+    mark, context_mark = error.problem_mark or error.context_mark, error.context_mark
+    place = (mark.line + 1, mark.column + 1) if mark is not None else None
+    started = context_mark.line + 1 if context_mark is not None else None
+    return YamlError(place, _flat(error.problem), _flat(error.context), started)
+
+
+def _flat(words: str | None) -> str:
+    return " ".join((words or "").split())
