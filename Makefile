@@ -2,6 +2,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RECORDINGS ?= articulography
 TEXTS ?= text
 
@@ -9,18 +10,25 @@ TEXTS ?= text
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo consumers usd test lint types bench articulography motion languages wheel clean
+.PHONY: help demo test test-rest test-all consumers usd lint types bench articulography motion languages wheel clean
 
 help: ## list the targets
-	@grep -E '^[a-z]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
 
-$(VENV)/ready: pyproject.toml
+$(BIN)/python:
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.12") if sys.version_info < (3, 11) else 0'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[all,dev]'
+
+# Compiling 1,500 modules of which the demo imports 500 would take longer than the demo.
+$(VENV)/demo: pyproject.toml | $(BIN)/python
+	$(PIP) --no-compile --editable '.[speech,plot]'
 	touch $@
 
-demo: $(VENV)/ready ## speak a sentence and draw how its curves were made
+$(VENV)/ready: pyproject.toml | $(BIN)/python
+	$(PIP) --editable '.[all,dev]'
+	touch $(VENV)/demo $@
+
+demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 	@mkdir -p out
 	@$(BIN)/lipsync-lang run "Please buy five more maps before Bob moves away." \
 	  -l english -c facefx -o out/demo.wav -o out/demo.json -o out/demo.csv --plot out/demo.png
@@ -31,8 +39,14 @@ demo: $(VENV)/ready ## speak a sentence and draw how its curves were made
 	@echo "  $(BIN)/lipsync-lang run \"Hello, world\" -l english -c facefx -o out/hello.csv --plot out/hello.png"
 	@echo "  $(BIN)/lipsync-lang explain \"Hello, world\" -l english -c facefx --at 0.42"
 
-test: $(VENV)/ready ## run the tests
-	$(BIN)/python -m pytest -n auto --dist loadgroup
+test: $(VENV)/ready ## run the quick tests
+	$(BIN)/python -m pytest -n auto --dist worksteal -m "not full"
+
+# What `test` leaves out, and every property once more with ten times the examples
+test-rest: $(VENV)/ready
+	$(BIN)/python -m pytest -n auto --dist loadgroup -m "full or hypothesis" --hypothesis-profile=full
+
+test-all: test test-rest ## run all tests
 
 consumers: tests/browser/package.json ## fetch what reads GLB in the tests (npm); a browser is not fetched
 	mkdir -p $(CONSUMERS)
@@ -40,7 +54,7 @@ consumers: tests/browser/package.json ## fetch what reads GLB in the tests (npm)
 	npm install --silent --no-audit --no-fund --prefix $(CONSUMERS)
 
 usd: $(VENV)/ready ## fetch the library of USD, which reads .usda in the tests (pip, 209 MB)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check usd-core
+	$(PIP) usd-core
 
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .

@@ -43,21 +43,6 @@ MADE = "<!-- Written by docs/build_reference.py; change the code, then run that.
 Schema = dict[str, Any]
 
 
-def pages() -> dict[str, str]:
-    """Return every generated page by its file name."""
-    made = {
-        "commands.md": commands(),
-        "languages.md": languages(),
-        "posesets.md": posesets(),
-        "packs.md": packs(),
-        "faults.md": faults(),
-        "motion.md": motions(),
-        "checks.md": checks(),
-        "formats.md": formats(),
-    }
-    return {name: f"{MADE}\n{text.strip()}\n" for name, text in made.items()}
-
-
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a Markdown table."""
     lines = [head, ["---"] * len(head), *rows]
@@ -713,9 +698,28 @@ def formats() -> str:
     )
 
 
+PAGES = {
+    "commands.md": commands,
+    "languages.md": languages,
+    "posesets.md": posesets,
+    "packs.md": packs,
+    "faults.md": faults,
+    "motion.md": motions,
+    "checks.md": checks,
+    "formats.md": formats,
+}
+"""The generated pages, and the function that writes each."""
+
+
+@cache
+def page(name: str) -> str:
+    """Return the whole text of a generated page."""
+    return f"{MADE}\n{PAGES[name]().strip()}\n"
+
+
 if __name__ == "__main__":
-    for name, text in pages().items():
-        (HERE / name).write_text(text, encoding="utf-8")
+    for name in PAGES:
+        (HERE / name).write_text(page(name), encoding="utf-8")
         sys.stdout.write(f"{HERE / name}\n")
     README.write_text(readme(README.read_text(encoding="utf-8")), encoding="utf-8")
     sys.stdout.write(f"{README}\n")

@@ -5,6 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
+import lanes  # noqa: F401 its profiles are known before Hypothesis is told which one to take
 import pytest
 
 from lipsync_lang.cli import main
@@ -15,7 +16,12 @@ DATA = "LIPSYNC_LANG_TEST_DATA"
 
 
 def pytest_configure(config):
-    """Keep away from the user's cache and packs, even while tests are collected."""
+    """Keep away from the user's cache and packs, even while tests are collected.
+
+    One cache serves the workers of a run: they are started later, and inherit the environment.
+    """
+    if hasattr(config, "workerinput"):
+        return
     cache = TemporaryDirectory(prefix="lipsync-lang-cache-")
     config.add_cleanup(cache.cleanup)
     os.environ["LIPSYNC_LANG_CACHE"] = cache.name

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
 from lipsync_lang import resolve
@@ -15,16 +14,6 @@ from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.perform import perform
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
 from lipsync_lang.pipeline.track import lay_track
-
-settings.register_profile(
-    "promises",
-    settings(),
-    deadline=None,
-    print_blob=True,
-    max_examples=60,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-)
-settings.load_profile("promises")
 
 FREE = 2.0
 MOST_POSES = 6

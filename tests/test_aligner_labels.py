@@ -4,21 +4,19 @@ import csv
 from pathlib import Path
 
 import pytest
+from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.packs.automatic import automatic
-from lipsync_lang.packs.finding import IPA, built_in
-from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, bare
 from lipsync_lang.phonology.notations import ready
 from lipsync_lang.resolver.manner import tables_of
 from lipsync_lang.resolver.nearest import among, spelling
 
-LIBRARY = Library(project=None)
 SPELLING = spelling(LIBRARY)
 UNSEEN = SPELLING["unseen"]
 SILENT = (("_", 1.0),)
-NAMES = [found.name for found in LIBRARY.names("language") if found.path.is_relative_to(built_in())]
 
 PHONES = [
     row.split("\t")
@@ -45,7 +43,7 @@ CODES = {"portuguese-br": "por", "portuguese-pt": "por"}
 """Languages whose pack does not say the code by which Epitran knows them."""
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", LANGUAGES)
 def test_every_segment_that_epitran_writes_is_known(name):
     epitran = pytest.importorskip("epitran")
     segments = pytest.importorskip("panphon").FeatureTable().ipa_segs

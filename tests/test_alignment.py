@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
@@ -270,7 +270,6 @@ def test_a_frame_of_features_comes_every_hundredth_of_a_second():
         assert features(np.zeros(count)).shape == (-(-count // STEP), 3, 13)
 
 
-@settings(max_examples=50, deadline=None)
 @given(st.integers(1, 4), st.integers(0, 20), st.integers(0, 2**32 - 1))
 def test_the_likeliest_way_is_the_best_of_all_ways(phones, more, seed):
     """Of a chain, by trying out every way there is to cut the frames."""

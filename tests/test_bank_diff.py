@@ -7,8 +7,9 @@ from io import BytesIO
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from lanes import costly
 
 from lipsync_lang import resolve
 from lipsync_lang.banks.diff import TIMES, diff_banks, told
@@ -154,9 +155,7 @@ POINTS = st.lists(
 ).map(sorted)
 
 
-@settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@costly()
 @given(points=POINTS, kind=st.sampled_from(["bspline", "linear"]))
 def test_the_figures_bound_each_other(points, kind, folder):
     (folder / "characters" / "anna.yaml").write_text(

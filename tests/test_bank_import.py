@@ -6,8 +6,9 @@ import time
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from lanes import costly
 
 from lipsync_lang.authoring.bank import import_bank
 from lipsync_lang.banks.fit import DECIMALS, MOST_KEYS
@@ -335,9 +336,7 @@ def export(bigrams):
     return "\n".join(lines)
 
 
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@costly()
 @given(bigrams=BIGRAMS, form=st.sampled_from([script, export]))
 def test_every_key_comes_back(bigrams, form, folder, library):
     target = folder / "bank.yaml"
@@ -474,9 +473,7 @@ def test_a_whole_bank_takes_seconds(folder, library):
     assert made.remarks.counts["stray"] > 100
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@costly()
 @given(
     content=st.binary(max_size=200)
     | st.text(max_size=200).map(lambda t: t.encode("utf-8", "ignore"))
@@ -503,9 +500,7 @@ LINES = st.lists(
 )
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@costly()
 @given(lines=LINES)
 def test_lines_in_any_order_give_no_traceback(lines, cli, folder):
     (folder / "odd.py").write_text("\n".join(lines))

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from packs_tree import plant
+from shipped import LIBRARY, POSESETS
 from small_models import glb
 
 from lipsync_lang.packs.library import Library
@@ -12,9 +13,8 @@ from lipsync_lang.packs.rig_channels import channels_of
 from lipsync_lang.rigs.model import read_model
 from lipsync_lang.rigs.recognise import find, recognise
 
-BUILT_IN = Library(project=None)
-SETS = {found.name: BUILT_IN.poseset(found.name).model for found in BUILT_IN.names("poseset")}
-RIGS = [(name, rig) for name in SETS for rig in BUILT_IN.rigs(name)]
+SETS = {name: LIBRARY.poseset(name).model for name in POSESETS}
+RIGS = [(name, rig) for name in SETS for rig in LIBRARY.rigs(name)]
 assert SETS, "a sweep over nothing passes"
 assert RIGS, "a sweep over nothing passes"
 
@@ -65,7 +65,7 @@ def moved(model):
 @pytest.mark.parametrize("name", SETS)
 def test_every_pose_set_is_recognised_by_its_own_names(name, tmp_path):
     model = read_model(glb(tmp_path / "face.glb", *SETS[name].poses))
-    best = recognise(BUILT_IN, model)[0]
+    best = recognise(LIBRARY, model)[0]
     assert (best.poseset, best.rig, best.shown) == (name, None, len(SETS[name].poses))
     assert best.complete
     assert not best.left
@@ -78,7 +78,7 @@ def test_every_rig_is_recognised_by_its_own_names(poseset, rig, tmp_path):
     shapes = [name for name, channel in channels.items() if channel.node is None]
     bones = [channel.node for channel in channels.values() if channel.node is not None]
     model = read_model(glb(tmp_path / "face.glb", *shapes, bones=bones))
-    match = next(m for m in recognise(BUILT_IN, model) if m.rig == rig.model.name)
+    match = next(m for m in recognise(LIBRARY, model) if m.rig == rig.model.name)
     assert match.poseset == poseset
     assert match.complete
 

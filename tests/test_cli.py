@@ -10,7 +10,7 @@ import sys
 import wave
 
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lipsync_lang import __version__
@@ -619,7 +619,6 @@ ARGUMENTS = st.lists(
     | st.text(st.characters(exclude_characters="\0/"), max_size=6),
     max_size=9,
 )
-QUIET = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 
 
 def ends_well(arguments, capsys):
@@ -635,7 +634,6 @@ def ends_well(arguments, capsys):
     return code
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=QUIET)
 @given(arguments=ARGUMENTS)
 @example(arguments=["run", "", *PAIR])
 @example(arguments=["explain", "--at", "0.2", *PAIR, "--schedule", "line.json", "--cut"])
@@ -652,7 +650,6 @@ def test_no_arguments_give_a_traceback(arguments, capsys):
     ends_well(arguments, capsys)
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=QUIET)
 @given(content=st.binary(max_size=120), suffix=st.sampled_from(["json", "TextGrid"]))
 def test_no_file_gives_a_traceback(content, suffix, capsys, folder):
     (folder / f"odd.{suffix}").write_bytes(content)
@@ -681,7 +678,6 @@ DOCUMENT = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=200, deadline=None, suppress_health_check=QUIET)
 @given(document=DOCUMENT | JSON, rest=st.sampled_from([[], ["--unknown", "rest"]]))
 @example(document=[{"label": "\ud800", "start": 0, "end": 1}], rest=["--unknown", "rest"])
 @example(document=[{"label": "HH", "start": 0, "end": 10**400}], rest=[])

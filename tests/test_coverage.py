@@ -10,8 +10,9 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from lanes import costly
 
 from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage, plan, scripts
@@ -176,9 +177,7 @@ def test_what_lies_around_a_placeholder_does_not_follow_on_each_other(tmp_path):
 
 
 @pytest.mark.usefixtures("packs")
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@costly()
 @given(st.text("ta mi,.", max_size=12), st.lists(st.integers(0, 12), max_size=3))
 def test_a_gap_takes_away_and_never_adds(text, gaps):
     inside = sorted(gap for gap in gaps if gap <= len(text))

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from lanes import costly
 
 import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
@@ -95,7 +96,7 @@ def test_nothing_of_a_voice_is_executed(tmp_path):
 
 
 @needs_festival
-@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@costly()
 @given(st.text(st.characters(codec="ascii"), min_size=1, max_size=40))
 def test_any_text_is_spoken_or_refused_with_a_reason(text):
     try:

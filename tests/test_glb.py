@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
@@ -24,12 +24,6 @@ from lipsync_lang.rigs.model import read_model
 JSON_CHUNK, BINARY_CHUNK, OTHER_CHUNK = 0x4E4F534A, 0x004E4942, 0x12345678
 SHAPES = ("open", "wide", "Lips_Up")
 POSES = ("open", "wide")
-
-fuzz = settings(
-    deadline=None,
-    max_examples=60,
-    suppress_health_check=[HealthCheck.too_slow],
-)
 
 # A model of our own, with more in it than we know
 
@@ -460,7 +454,6 @@ def matrix_of(quaternion, scale, translation):
     return [*axes[0], 0, *axes[1], 0, *axes[2], 0, *translation, 1]
 
 
-@fuzz
 @given(
     st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda q: math.hypot(*q) > 0.1),
     st.lists(st.floats(0.1, 10), min_size=3, max_size=3),
@@ -793,7 +786,6 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("models")
 
 
-@fuzz
 @given(st.data())
 def test_no_value_in_a_document_is_trusted(folder, data):
     document = deepcopy(RICH)
@@ -814,7 +806,6 @@ def test_no_value_in_a_document_is_trusted(folder, data):
     survives(model_of(document), folder)
 
 
-@fuzz
 @given(st.data())
 def test_no_byte_of_a_file_is_trusted(folder, data):
     content = bytearray(model_of(RICH))

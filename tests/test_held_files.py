@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
@@ -44,9 +44,6 @@ def plain(weights, fps=20, start=0.0, end=None, poses=None, **rest):
     end = times[-1] + 1 / fps if end is None else end
     poses = poses or tuple(f"pose{n}" for n in range(weights.shape[1]))
     return Animation(times, poses, weights, fps, ll.Schedule(("_",), (0.0, end)), **rest)
-
-
-unhurried = settings(deadline=None)
 
 
 def bytes_of(name, animation):
@@ -133,7 +130,6 @@ def runs(values):
 
 
 @given(weights, st.integers(1, 8))
-@unhurried
 def test_no_shape_is_shorter_than_the_hold_except_a_whole_that_is(rows, frames):
     shown = runs(strongest(np.array(rows), [], frames))
     assert len(shown) == 1 or all(high - low >= frames for _, low, high in shown)
@@ -143,7 +139,6 @@ few = st.lists(st.tuples(st.floats(0, 1), st.floats(0, 1)), min_size=1, max_size
 
 
 @given(few, st.integers(1, 4))
-@settings(unhurried, max_examples=50)
 def test_nothing_else_that_is_held_as_long_weighs_more(rows, frames):
     score = np.column_stack([np.array(rows), np.full(len(rows), REST)])
     count = len(rows)
@@ -161,7 +156,6 @@ def test_nothing_else_that_is_held_as_long_weighs_more(rows, frames):
 
 
 @given(st.integers(0, 39), st.integers(1, 3), st.floats(0.6, 1), weights)
-@unhurried
 def test_a_contact_is_seen_however_short(at, length, level, rows):
     others = np.resize(np.array(rows), (40, len(rows[0])))
     contact = np.zeros((40, 1))
@@ -172,7 +166,6 @@ def test_a_contact_is_seen_however_short(at, length, level, rows):
 
 
 @given(weights)
-@unhurried
 def test_poses_that_are_drawn_one_at_a_time_are_taken_as_they_are(rows):
     table = np.column_stack([np.array(rows), np.full(len(rows), 0.5)])
     alone = np.eye(table.shape[1])[table.argmax(axis=1)]
@@ -191,7 +184,6 @@ def test_poses_that_are_drawn_one_at_a_time_are_taken_as_they_are(rows):
     st.floats(0, 2),
     st.sampled_from([12, 24000 / 1001, 60]),
 )
-@unhurried
 def test_shapes_follow_each_other_from_zero_to_the_end_of_the_sound(rows, start, end, offset, fps):
     shapes = held(plain(rows, fps, start, end, offset=offset), "rest")
     assert shapes[0].start == 0
@@ -202,7 +194,6 @@ def test_shapes_follow_each_other_from_zero_to_the_end_of_the_sound(rows, start,
 
 
 @given(weights, st.floats(5, 50))
-@unhurried
 def test_rest_before_and_after_changes_nothing_of_what_is_shown(rows, long):
     animation = plain(rows, end=len(rows) / 20 + 1, offset=1.0)
     longer = plain(rows, end=len(rows) / 20 + 1 + long, offset=1.0 + round(20 * long) / 20)

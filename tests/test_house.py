@@ -3,12 +3,13 @@
 import ast
 import re
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
+from shipped import LIBRARY
 
 import lipsync_lang as ll
-from lipsync_lang.packs.library import Library
 
 PACKAGE = Path(ll.__file__).parent
 MODULES = {p.relative_to(PACKAGE).as_posix(): ast.parse(p.read_bytes()) for p in
@@ -65,6 +66,7 @@ def imports(tree):
             yield from (alias.name for alias in node.names)
 
 
+@cache
 def arrows():
     """Return the parts that each part imports, and where."""
     known = {part(name) for name in MODULES}
@@ -77,19 +79,16 @@ def arrows():
     return found
 
 
-ARROWS = arrows()
-
-
 @pytest.mark.parametrize("here", KNOWS)
 def test_the_lower_parts_know_only_what_they_may(here):
     assert here in {part(name) for name in MODULES}, "gone: remove it from KNOWS"
-    found = ARROWS[here]
+    found = arrows()[here]
     extra = {name: place for name, place in found.items() if name not in KNOWS[here]}
     assert not extra, f"{here} imports what it should not know"
 
 
 def test_nobody_imports_the_faces():
-    for here, found in ARROWS.items():
+    for here, found in arrows().items():
         assert not FACES & set(found) or here == "__main__", f"{here} imports a face"
 
 
@@ -110,33 +109,33 @@ def test_what_runs_beside_the_program_imports_nothing_of_it():
 # Data stays data
 
 
+@cache
 def names_of_packs():
     """Return every name that belongs into packs, and what it names."""
-    library = Library(project=None)
     found = {}
-    common = library.common().model
+    common = LIBRARY.common().model
     found.update(dict.fromkeys((p for p in common.phonemes if len(p) > 1), "common phoneme"))
     found.update(dict.fromkeys(common.visemes, "notation"))
-    for one in library.names("poseset"):
-        model = library.poseset(one.name).model
+    for one in LIBRARY.names("poseset"):
+        model = LIBRARY.poseset(one.name).model
         found.update(dict.fromkeys(model.poses, "pose"))
         found.update(dict.fromkeys((model.name, *model.contacts), "pose set"))
-    for one in library.names("language"):
-        model = library.language(one.name).model
+    for one in LIBRARY.names("language"):
+        model = LIBRARY.language(one.name).model
         for table in model.notations.values():
             found.update(dict.fromkeys(filter(unmistakable, table), "label"))
         found.update(dict.fromkeys(model.notations, "notation"))
         found.update(dict.fromkeys((model.name, model.tag), "language"))
-    return {name: what for name, what in found.items() if len(name) > 1 or not name.isascii()}
+    told = {name: what for name, what in found.items() if len(name) > 1 or not name.isascii()}
+    kinds = {"language", "pose", "pose set", "label", "common phoneme"}
+    assert kinds <= set(told.values()), "a sweep over nothing passes"
+    return told
 
 
 def unmistakable(label):
     """Tell whether a label can be nothing else: `ʃ` and `HH`, but neither `in` nor `s`."""
     return not label.isascii() or (len(label) > 1 and label.isalpha() and label.isupper())
 
-
-NAMES = names_of_packs()
-assert {"language", "pose", "pose set", "label", "common phoneme"} <= set(NAMES.values())
 
 TOLD_APART = {"language", "pose set", "pose"}
 """Names that may not stand within longer text either."""
@@ -216,27 +215,29 @@ def texts(tree):
 
 def named(text):
     """Yield the names of packs that a string is or holds."""
-    if text in NAMES:
+    names = names_of_packs()
+    if text in names:
         yield text
         return
     for word in set(re.findall(r"[\w-]+", text)):
-        what = NAMES.get(word)
+        what = names.get(word)
         unmistaken = what == "label" and word.isascii()
         if len(word) > 1 and word not in ORDINARY and (what in TOLD_APART or unmistaken):
             yield word
 
 
 def test_no_module_knows_the_name_of_a_language_a_phoneme_or_a_pose():
+    names = names_of_packs()
     found = {
         (name, word) for name, tree in MODULES.items() for t in texts(tree) for word in named(t)
     }
     used = {
-        key for name, word in found for key in ((name, word), (name, NAMES[word])) if key in EXEMPT
+        key for name, word in found for key in ((name, word), (name, names[word])) if key in EXEMPT
     }
     loose = {
         (name, word)
         for name, word in found
-        if (name, word) not in EXEMPT and (name, NAMES[word]) not in EXEMPT
+        if (name, word) not in EXEMPT and (name, names[word]) not in EXEMPT
     }
     assert not loose, "names that belong into packs"
     assert used == set(EXEMPT), "cured: remove it from EXEMPT"

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from packs_tree import plant, put
+from shipped import LIBRARY
 
 import lipsync_lang as ll
 from lipsync_lang.packs.answers import answers_of
@@ -30,7 +31,6 @@ from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.nearest import among, candidates, disagreements
 
-LIBRARY = Library(project=None)
 COMMON = LIBRARY.common().model
 MODEL = LIBRARY.ipa().model
 DATA = MODEL.model_dump(mode="json", by_alias=True)

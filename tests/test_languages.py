@@ -7,17 +7,13 @@ from functools import cache
 from unicodedata import normalize
 
 import pytest
+from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang import resolve
-from lipsync_lang.packs.finding import built_in
-from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.labels import Notation, normalise
 from lipsync_lang.speaking import transcribe
 
-LIBRARY = Library(project=None)
-NAMES = [found.name for found in LIBRARY.names("language") if found.path.is_relative_to(built_in())]
-assert NAMES, "a sweep over nothing passes"
-every_pack = pytest.mark.parametrize("pack", NAMES, indirect=True)
+every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 
 NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
          "kana": ["pyopenjtalk"]}  # fmt: skip

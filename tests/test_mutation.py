@@ -5,11 +5,11 @@ Edits are seeded by their number, so that one that fails can be run again.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from random import Random
 
 import pytest
+from shipped import LIBRARY
 
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.packs import checks
@@ -17,7 +17,7 @@ from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.form import validated
 from lipsync_lang.packs.ipa_checks import check_ipa
-from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.library import Pack
 from lipsync_lang.packs.rig_checks import check_rig
 from lipsync_lang.packs.source import scan
 
@@ -112,14 +112,9 @@ def edited(number: int) -> tuple[Path, bytes]:
     return path, spoil(rng, text) if rng.random() < 0.05 else text.encode()
 
 
-@cache
-def shipped() -> Library:
-    return Library(project=None)
-
-
 def compared(pack: Pack) -> list[Fault]:
     """Run the checks that the kind of pack is due."""
-    library, model = shipped(), pack.model
+    library, model = LIBRARY, pack.model
     common = library.common().model
     phonemes = set(common.phonemes)
     if model.kind == "phonemes":

@@ -4,9 +4,9 @@ import csv
 from collections import Counter
 
 import pytest
+from shipped import LIBRARY
 
 from lipsync_lang import SpeechError, read_schedule, resolve
-from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.g2p import Settings, engine
 from lipsync_lang.phonology.g2p import pinyin as module
 from lipsync_lang.phonology.labels import Notation, recognise
@@ -15,7 +15,7 @@ from lipsync_lang.speaking import speak, transcribe
 pytest.importorskip("pypinyin", reason="pypinyin is not installed")
 pytest.importorskip("opencc", reason="OpenCC is not installed")
 
-PACK = Library(project=None).language("mandarin").model
+PACK = LIBRARY.language("mandarin").model
 LABELS = PACK.notations["pinyin"]
 
 

@@ -5,19 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from shipped import LANGUAGES, LIBRARY, POSESETS
 
-from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.validate import validate
 from lipsync_lang.performer import Performer
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.speaking import Speaker
-
-LIBRARY = Library(project=None)
-SETS = [found.name for found in LIBRARY.names("poseset")]
-LANGUAGES = [found.name for found in LIBRARY.names("language")]
-assert SETS, "a sweep over nothing passes"
-assert LANGUAGES
 
 EXACT = 1e-9
 FPS = 30
@@ -25,7 +19,7 @@ WORDS = 8
 LONGEST = 60
 """Lines of YAML that a pose set takes, comments and blank ones aside."""
 
-every_set = pytest.mark.parametrize("name", SETS)
+every_set = pytest.mark.parametrize("name", POSESETS)
 
 
 @cache

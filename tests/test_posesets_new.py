@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from packs_tree import TREE, plant, put
+from shipped import POSESETS
 
 from lipsync_lang.authoring.poseset import Wanted, draft, guessed
 from lipsync_lang.authoring.poseset_text import LINES
@@ -16,9 +17,6 @@ from lipsync_lang.packs.rig_channels import pose_names
 from lipsync_lang.packs.validate import validate
 from lipsync_lang.rigs.driver import bare
 from lipsync_lang.rigs.names import places
-
-BUILT_IN = sorted({found.name for found in Library(project=None).names("poseset")})
-assert BUILT_IN, "a sweep over nothing passes"
 
 
 @pytest.fixture
@@ -140,7 +138,7 @@ def test_what_is_in_a_draft_explains_itself(cli):
 
 
 @pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize("name", BUILT_IN)
+@pytest.mark.parametrize("name", POSESETS)
 def test_every_pose_set_can_be_started_from(name, cli):
     _, model = new(cli, "mine", "--like", name)
     known = Library().poseset(name).model
@@ -370,6 +368,6 @@ def test_a_character_is_shown_whole(folder, cli):
 
 
 def test_drafts_of_all_that_is_built_in_have_no_warning(folder):
-    for name in BUILT_IN:
+    for name in POSESETS:
         draft(Library(), Wanted(f"my-{name}", like=name)).write()
     assert validate(Library(), [folder / "posesets"]) == []

@@ -296,7 +296,7 @@ def test_a_line_said_twice_is_the_same(line, motion, fps):
     assert np.array_equal(first, line.perform(motion, fps).weights())
 
 
-@given(lines(real().compiled.tables), RATES)
+@given(st.deferred(lambda: lines(real().compiled.tables)), RATES)
 def test_tables_are_never_written_to(line, fps):
     kept = line.tables.curves.copy()
     line.perform(Motion(), fps).weights()

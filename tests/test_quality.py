@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from shipped import POSESETS
 from strategies import any_lines  # noqa: F401 its profile is wanted
 
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.packs.check_models import Checks
-from lipsync_lang.packs.library import Library
 from lipsync_lang.quality.baselines import BASELINES, LEAST, compare, held
 from lipsync_lang.quality.checks import check
 from lipsync_lang.quality.figures import Figure, Finding, Quality
@@ -331,7 +331,7 @@ def test_frames_between_frames_change_no_count(more):
         assert after[name] == pytest.approx(before[name], abs=1e-6), name
 
 
-@pytest.mark.parametrize("name", [found.name for found in Library(project=None).names("poseset")])
+@pytest.mark.parametrize("name", POSESETS)
 def test_every_pose_set_keeps_the_limits_it_states(name):
     quality = check(performed(name))
     assert failed(quality) == set(), str(quality)

@@ -4,8 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from lanes import costly
 
 import lipsync_lang as ll
 from lipsync_lang.hearing import recognised
@@ -95,7 +96,7 @@ def test_a_recogniser_that_is_not_there_is_told(english):
         recognised(english, ll.Audio(np.zeros(RATE, np.int16), RATE), recogniser="pocketsphinks")
 
 
-@settings(max_examples=30, deadline=None)
+@costly()
 @given(st.integers(1, 3 * LONGEST), st.integers(0, 1000))
 def test_parts_cover_the_sound_without_gaps(count, seed):
     sound = np.random.default_rng(seed).normal(size=count)

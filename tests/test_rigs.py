@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from packs_tree import put
+from shipped import LIBRARY
 from strategies import RATES, any_lines, motions
 
 from lipsync_lang import LipsyncError, Schedule, resolve
@@ -255,7 +256,6 @@ def test_what_was_cut_out_of_a_line_is_not_brought_to_rest():
 # Packs
 
 
-LIBRARY = Library(project=None)
 RIGS = [
     rig for one in LIBRARY.names("poseset") if not one.shadowed_by for rig in LIBRARY.rigs(one.name)
 ]

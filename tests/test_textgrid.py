@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lipsync_lang.errors import ScheduleError
@@ -308,7 +308,6 @@ def test_any_bytes_are_refused_in_words(content):
         read_textgrid(Source(PATH, content))
 
 
-@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.sampled_from([long_form(TIERS), short_form(TIERS)]),
     st.integers(0, 900),

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
@@ -47,7 +47,6 @@ def filled(*triangles, depth=None, window=WHOLE, names=None, **rest):
 
 
 @given(st.lists(st.tuples(inside, inside), min_size=1, max_size=5))
-@settings(deadline=None)
 def test_triangles_that_share_edges_cover_every_sample_once(points):
     square = [(0, 0), (63, 0), (63, 63), (0, 63)]
     fan = [[points[0], a, b] for a, b in zip(square, square[1:] + square[:1], strict=True)]
@@ -57,7 +56,6 @@ def test_triangles_that_share_edges_cover_every_sample_once(points):
 
 
 @given(st.lists(st.tuples(coordinates, coordinates), min_size=3, max_size=3))
-@settings(deadline=None)
 def test_a_sample_shows_a_triangle_where_it_lies_inside(points):
     (ax, ay), (bx, by), (cx, cy) = points
     y, x = np.mgrid[:64, :64]

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from packs_tree import TREE, plant, put
+from shipped import LANGUAGES, LIBRARY, POSESETS
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
@@ -13,13 +14,10 @@ from lipsync_lang.packs.validate import validate
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.resolver.compile import compile_pair
 
-LIBRARY = Library(project=None)
 COMMON = LIBRARY.common().model
 VISEMES = COMMON.visemes
 assert VISEMES, "a sweep over nothing passes"
 every_notation = pytest.mark.parametrize("name", VISEMES)
-
-LANGUAGES = sorted(one.name for one in LIBRARY.names("language"))
 
 
 def schedule(name, labels, **rest):
@@ -61,8 +59,7 @@ DRAWN_AS = {name: name for name in VISEMES} | {"sapi-visemes": "sapi", "azure": 
 SAME = {("oculus", "I"): "ih", ("oculus", "O"): "oh", ("oculus", "U"): "ou"}
 """Two names of one shape."""
 
-BUILT_IN = {one.name for one in LIBRARY.names("poseset")}
-DRAWN = [name for name in VISEMES if DRAWN_AS[name] in BUILT_IN]
+DRAWN = [name for name in VISEMES if DRAWN_AS[name] in POSESETS]
 assert DRAWN, "a sweep over nothing passes"
 
 

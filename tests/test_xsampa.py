@@ -4,10 +4,11 @@ from unicodedata import normalize
 
 import pytest
 from packs_tree import put
+from shipped import LANGUAGES, LIBRARY
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
-from lipsync_lang.packs.finding import IPA, built_in
+from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.validate import validate
 from lipsync_lang.phonology.ipa import key
@@ -16,12 +17,10 @@ from lipsync_lang.phonology.notations import Spelled, ready
 from lipsync_lang.resolver.manner import tables_of
 from lipsync_lang.resolver.nearest import spelling
 
-LIBRARY = Library(project=None)
 SPELLING = spelling(LIBRARY)
 SIGNS = SPELLING["spelled"]["x-sampa"]
 SILENT = (("_", 1.0),)
-NAMES = [found.name for found in LIBRARY.names("language") if found.path.is_relative_to(built_in())]
-assert len(NAMES) > 50
+assert len(LANGUAGES) > 50
 
 LETTERS = {}
 """IPA, and the sign that is written for it."""
@@ -49,7 +48,7 @@ def notations(name):
     return ready(tables_of(pack), silences, SILENT, IPA, SPELLING)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", LANGUAGES)
 def test_a_pack_reads_its_ipa_in_both_spellings_and_tells_them_apart(name):
     known = notations(name)
     assert IPA in known

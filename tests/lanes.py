@@ -1,0 +1,52 @@
+"""The two lanes of tests: what belongs into which, and how large sweeps are in each.
+
+A test is in the quick lane (`make test`) unless it is marked `full`. Mark a test, or some of its
+parameters, where it takes more than a second of CPU and repeats for other data what a quick test
+holds already: of every sweep, some parameters stay quick. `make test-all` runs both lanes, and the
+property tests once more with the larger profile.
+"""
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+full = pytest.mark.full
+
+settings.register_profile(
+    "quick",
+    settings.get_profile("default"),
+    deadline=None,
+    derandomize=False,
+    print_blob=True,
+    max_examples=20,
+    suppress_health_check=[
+        HealthCheck.too_slow,
+        HealthCheck.data_too_large,
+        HealthCheck.function_scoped_fixture,
+    ],
+)
+settings.register_profile("full", settings.get_profile("quick"), max_examples=200)
+settings.load_profile("quick")
+
+
+def swept(values: Iterable[Any], quick: int | Iterable[Any] = 1) -> list[Any]:
+    """Return the parameters of a sweep; those beyond the quick ones are in the full lane.
+
+    Parameters
+    ----------
+    values : what is swept over
+    quick : so many of the first stay in the quick lane, or exactly these
+    """
+    every = list(values)
+    assert every, "a sweep over nothing passes"
+    stay = every[:quick] if isinstance(quick, int) else list(quick)
+    assert stay, "some of every sweep is quick"
+    assert all(value in every for value in stay), "not in the sweep"
+    return [value if value in stay else pytest.param(value, marks=full) for value in every]
+
+
+def costly() -> settings:
+    """Return settings for a property whose examples take long: a quarter as many of them."""
+    return settings(max_examples=settings().max_examples // 4)
