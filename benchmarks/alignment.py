@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 
 import lipsync_lang as ll
-from lipsync_lang.hearing import aligned
 from lipsync_lang.schedules import SILENCE, Schedule
-from lipsync_lang.speaking import Speaker
+from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import read_audio, resampled
+from lipsync_lang.speech.speaking import Speaker
 
 SPOKEN = 20
 RATE = 16_000

@@ -27,10 +27,10 @@ if hasattr(os, "sched_setaffinity"):
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.library import Library
-from lipsync_lang.performer import Performer
-from lipsync_lang.resolver import resolve
-from lipsync_lang.resolver.nearest import among_all
-from lipsync_lang.speaking import Speaker, Transcript
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.resolving import resolve
+from lipsync_lang.resolver.nearest_phonemes import among_all
+from lipsync_lang.speech.speaking import Speaker, Transcript
 
 FACE = "facefx"
 """Any pose set: common phonemes are the same for all."""

@@ -26,11 +26,11 @@ from lipsync_lang.animations.readers.registry import load_animation_readers
 from lipsync_lang.animations.registry import load_writers
 from lipsync_lang.cli import parser
 from lipsync_lang.lines.registry import load_readers as load_line_readers
-from lipsync_lang.packs.faults import CODES
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS, Language, PoseSet
-from lipsync_lang.packs.schema import schema
+from lipsync_lang.packs.models.schema import schema
+from lipsync_lang.packs.yaml.faults import CODES
 from lipsync_lang.pipeline import motion
 from lipsync_lang.quality.measures import load_measures
 from lipsync_lang.rigs.loss import losses

@@ -14,36 +14,36 @@ Importing this is light: speech, plotting and YAML are loaded when they are used
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.errors import LipsyncError, PackError, ScheduleError, SpeechError
-    from lipsync_lang.hearing import align, recognise
-    from lipsync_lang.performer import Performer
-    from lipsync_lang.quality.checks import check
-    from lipsync_lang.resolver import resolve
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.performing.resolving import resolve
+    from lipsync_lang.quality.check_animation import check
     from lipsync_lang.schedules.registry import read_schedule
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
-    from lipsync_lang.speaking import speak, transcribe
+    from lipsync_lang.speech.hearing import align, recognise
+    from lipsync_lang.speech.speaking import speak, transcribe
 
 _HOMES = {
     "Animation": "lipsync_lang.animations.animation",
     "Audio": "lipsync_lang.schedules.schedule",
     "LipsyncError": "lipsync_lang.errors",
     "PackError": "lipsync_lang.errors",
-    "Performer": "lipsync_lang.performer",
+    "Performer": "lipsync_lang.performing.performer",
     "ScheduleError": "lipsync_lang.errors",
     "SpeechError": "lipsync_lang.errors",
     "Schedule": "lipsync_lang.schedules.schedule",
     "Word": "lipsync_lang.schedules.schedule",
-    "align": "lipsync_lang.hearing",
-    "check": "lipsync_lang.quality.checks",
+    "align": "lipsync_lang.speech.hearing",
+    "check": "lipsync_lang.quality.check_animation",
     "read_schedule": "lipsync_lang.schedules.registry",
-    "recognise": "lipsync_lang.hearing",
-    "resolve": "lipsync_lang.resolver",
-    "speak": "lipsync_lang.speaking",
-    "transcribe": "lipsync_lang.speaking",
+    "recognise": "lipsync_lang.speech.hearing",
+    "resolve": "lipsync_lang.performing.resolving",
+    "speak": "lipsync_lang.speech.speaking",
+    "transcribe": "lipsync_lang.speech.speaking",
 }
 
 __all__ = [

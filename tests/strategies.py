@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lipsync_lang import resolve
 from lipsync_lang.pipeline.curve import bspline
-from lipsync_lang.pipeline.delivery import Blend, Dial, Level
+from lipsync_lang.pipeline.levels import Blend, Dial, Level
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay
 from lipsync_lang.pipeline.perform import perform

@@ -11,8 +11,8 @@ from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, bare
 from lipsync_lang.phonology.notations import ready
-from lipsync_lang.resolver.manner import tables_of
-from lipsync_lang.resolver.nearest import among, spelling
+from lipsync_lang.resolver.language_tables import tables_of
+from lipsync_lang.resolver.nearest_phonemes import among, spelling
 
 SPELLING = spelling(LIBRARY)
 UNSEEN = SPELLING["unseen"]

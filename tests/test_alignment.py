@@ -9,16 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
-from lipsync_lang.hearing import aligned
 from lipsync_lang.schedules import SILENCE
-from lipsync_lang.speaking import Speaker
 from lipsync_lang.speech.align.registry import ALIGNERS
+from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import resampled
+from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import RATE, STEP, features
 from lipsync_lang.speech.sphinx.folder import find_models
 from lipsync_lang.speech.sphinx.forced import Heard
-from lipsync_lang.speech.sphinx.hearing import Saying, laid
-from lipsync_lang.speech.sphinx.model import OUTSIDE
+from lipsync_lang.speech.sphinx.scheduling import Saying, laid
 from lipsync_lang.speech.sphinx.trellis import START, likeliest_way
 
 pytest.importorskip("pocketsphinx")

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from lipsync_lang.authoring.draft import Wanted, draft
 from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.authoring.table import columns, width
+from lipsync_lang.authoring.language_draft import Wanted, draft
 from lipsync_lang.authoring.trial import languages_in, try_out
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.library import Library
+from lipsync_lang.text_table import columns, width
 
 PHOIBLE = """\
 InventoryID,Glottocode,ISO6393,LanguageName,Source,Phoneme

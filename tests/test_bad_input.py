@@ -11,8 +11,8 @@ from packs_tree import POSESET, plant, put
 import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError, OutputError, PackError, ScheduleError, SpeechError
 from lipsync_lang.resolver.settings import motion_with
-from lipsync_lang.schedules.source import Source
 from lipsync_lang.schedules.textgrid import read_textgrid
+from lipsync_lang.schedules.timing_file import Source
 
 try:
     import espeakng_loader

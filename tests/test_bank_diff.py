@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from lanes import costly
 
 from lipsync_lang import resolve
-from lipsync_lang.banks.diff import TIMES, diff_banks, told
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.packs.library import Library
+from lipsync_lang.resolver.bank_diff import TIMES, diff_banks, told
 
 PAIR = ("-l", "english", "-c", "facefx")
 ANNA = """\
@@ -226,7 +226,7 @@ def test_what_cannot_be_done_is_told(arguments, message, cli, folder):
 
 
 def texts(found):
-    from lipsync_lang.render.bank import plot_diff
+    from lipsync_lang.render.bank_diff_plot import plot_diff
 
     out = BytesIO()
     plot_diff(found, out, "svg")
@@ -254,7 +254,7 @@ def test_the_same_picture_each_time_and_what_is_the_same_says_so():
 
 @drawn
 def test_only_as_many_as_there_is_room_for():
-    from lipsync_lang.render.bank import MOST
+    from lipsync_lang.render.bank_diff_plot import MOST
 
     keys = [f"l-{sound}" for sound in Library().common().model.base]
     shown = texts(diff("anna", wanted=keys))
@@ -263,7 +263,7 @@ def test_only_as_many_as_there_is_room_for():
 
 
 def test_nothing_to_draw():
-    from lipsync_lang.render.bank import plot_diff
+    from lipsync_lang.render.bank_diff_plot import plot_diff
 
     with pytest.raises(OutputError, match="no bigram differs from those of anna"):
         plot_diff(diff("anna", "anna"), BytesIO())

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lanes import costly
 
-from lipsync_lang.authoring.bank import import_bank
+from lipsync_lang.authoring.bank_import import import_bank
 from lipsync_lang.banks.fit import DECIMALS, MOST_KEYS
 from lipsync_lang.banks.smartbody import LARGEST, Remarks, read_smartbody
 from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.source import read_yaml
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.packs.yaml.source import read_yaml
 
 HEAD = """\
 # lip sync set: default

@@ -9,7 +9,7 @@ from shipped import LIBRARY, POSESETS
 from small_models import glb
 
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.rig_channels import channels_of
+from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.rigs.model import read_model
 from lipsync_lang.rigs.recognise import find, recognise
 

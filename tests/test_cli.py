@@ -13,8 +13,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from lipsync_lang import __version__
 from lipsync_lang.cli import main, parser
+from lipsync_lang.version import __version__
 
 try:
     import espeakng_loader

@@ -17,9 +17,9 @@ from lanes import costly
 from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage, plan, scripts
 from lipsync_lang.coverage.changes import read_document, since
+from lipsync_lang.coverage.document_schema import written
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.coverage.report import Coverage, authored
-from lipsync_lang.coverage.schema import written
 from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.packs.library import Library
 
@@ -437,7 +437,7 @@ def test_a_cover_takes_the_shorter_of_equals():
 
 def test_the_schema_is_the_one_that_is_written(root):
     there = (root / "docs/reference/coverage.schema.json").read_text(encoding="utf-8")
-    assert there == written(), "run python -m lipsync_lang.coverage.schema > that file"
+    assert there == written(), "run python -m lipsync_lang.coverage.document_schema > that file"
 
 
 SHAPE = {

@@ -12,7 +12,7 @@ import pytest
 
 from lipsync_lang.coverage.page import page
 from lipsync_lang.coverage.page.markup import VOID, tags
-from lipsync_lang.coverage.page.words import count, folder, gathered, hours, listed, percent
+from lipsync_lang.coverage.page.wording import count, folder, gathered, hours, listed, percent
 
 SOUNDS = [
     "ah", "aa", "ao", "eh", "er", "ih", "w", "ow", "aw", "oy", "ay",

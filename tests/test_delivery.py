@@ -12,9 +12,9 @@ from strategies import RATES, any_lines, motions
 import lipsync_lang as ll
 from lipsync_lang import Schedule
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.validate import validate
-from lipsync_lang.pipeline.delivery import Blend, Dial, Level, scale, shares
+from lipsync_lang.pipeline.levels import Blend, Dial, Level, scale, shares
 from lipsync_lang.pipeline.switch import FREE, NONE, switch
 from lipsync_lang.schedules.schedule import Word
 

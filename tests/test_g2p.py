@@ -8,15 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang import SpeechError
+from lipsync_lang.phonology.espeak.names import words_of
 from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.espeak import paired, parts
+from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.g2p.registry import Rule, respeller
 from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
 from lipsync_lang.speech import speak
-from lipsync_lang.speech.espeak_events import words_of
 
 
 def words(text):

@@ -15,10 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
-from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.glb import write_glb
 from lipsync_lang.animations.registry import WRITERS
 from lipsync_lang.errors import ModelError, OutputError
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import read_model
 
 JSON_CHUNK, BINARY_CHUNK, OTHER_CHUNK = 0x4E4F534A, 0x004E4942, 0x12345678

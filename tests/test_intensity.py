@@ -9,9 +9,9 @@ from strategies import RATES
 import lipsync_lang as ll
 from lipsync_lang import Schedule
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.loudness import levels
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.performing.loudness import levels
 from lipsync_lang.schedules.schedule import SILENCE, Audio
 
 RATE = 8000

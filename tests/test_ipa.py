@@ -20,16 +20,16 @@ from shipped import LIBRARY
 import lipsync_lang as ll
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.automatic import READERS, automatic
-from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA, Finder
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, recognise
 from lipsync_lang.phonology.nearest import Among
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.resolver.nearest import among, candidates, disagreements
+from lipsync_lang.resolver.nearest_phonemes import among, candidates, disagreements
 
 COMMON = LIBRARY.common().model
 MODEL = LIBRARY.ipa().model

@@ -12,14 +12,14 @@ import pytest
 from shipped import LIBRARY
 
 from lipsync_lang import LipsyncError, Schedule, resolve
-from lipsync_lang.packs import checks
-from lipsync_lang.packs.faults import Fault
+from lipsync_lang.packs.checking import pack_checks as checks
+from lipsync_lang.packs.checking.ipa_checks import check_ipa
+from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.finding import built_in
-from lipsync_lang.packs.form import validated
-from lipsync_lang.packs.ipa_checks import check_ipa
 from lipsync_lang.packs.library import Pack
-from lipsync_lang.packs.rig_checks import check_rig
-from lipsync_lang.packs.source import scan
+from lipsync_lang.packs.models.validation import validated
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.source import scan
 
 EDITS = 2_400
 RESOLVED = 300

@@ -7,8 +7,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from shipped import LIBRARY, POSESETS
 
-from lipsync_lang.animations.animation import Channel
-from lipsync_lang.packs.rig_channels import pose_names
+from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import Mesh
 from lipsync_lang.rigs.names import fits, folded, on_mesh, placed, places
 

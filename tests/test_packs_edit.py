@@ -7,9 +7,9 @@ import pytest
 from packs_tree import BANK, POSESET, TREE, put
 
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.edit import edit_pack, edited_text, flow
-from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.editing import edit_pack, edited_text, flow
 from lipsync_lang.packs.finding import built_in
+from lipsync_lang.packs.yaml.faults import PackFaults
 
 FILES = sorted([*built_in().glob("languages/*.yaml"), *built_in().glob("posesets/*/**/*.yaml")])
 assert FILES, "a sweep over nothing passes"

@@ -6,9 +6,9 @@ from random import Random
 import pytest
 from test_mutation import FILES, SLIPS, edited
 
-from lipsync_lang.packs import events
-from lipsync_lang.packs.events import MAX_SLOW_CHARS, by_libyaml, by_ruamel, parsers
-from lipsync_lang.packs.source import LARGEST, scan
+from lipsync_lang.packs.yaml import events
+from lipsync_lang.packs.yaml.events import MAX_SLOW_CHARS, by_libyaml, by_ruamel, parsers
+from lipsync_lang.packs.yaml.source import LARGEST, scan
 
 HERE = Path("here.yaml")
 EDITS = 300

@@ -8,11 +8,11 @@ import pytest
 from packs_tree import TREE, plant, put
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.packs.building import DEEPEST
-from lipsync_lang.packs.faults import CODES, Fault, PackFaults
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.source import LARGEST
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.packs.yaml.building import DEEPEST
+from lipsync_lang.packs.yaml.faults import CODES, Fault, PackFaults
+from lipsync_lang.packs.yaml.source import LARGEST
 
 COMMON = "languages/common.yaml"
 PARENT = "languages/parent.yaml"

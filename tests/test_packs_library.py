@@ -9,12 +9,12 @@ from packs_tree import BANK, CHILD, PARENT, POSESET, plant, put
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs import finding
-from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import Finder, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS
-from lipsync_lang.packs.schema import kinds, schema
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.packs.models.schema import kinds, schema
+from lipsync_lang.packs.yaml.faults import PackFaults
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from lipsync_lang import SpeechError, read_schedule, resolve
 from lipsync_lang.phonology.g2p import Settings, engine
 from lipsync_lang.phonology.g2p import pinyin as module
 from lipsync_lang.phonology.labels import Notation, recognise
-from lipsync_lang.speaking import speak, transcribe
+from lipsync_lang.speech.speaking import speak, transcribe
 
 pytest.importorskip("pypinyin", reason="pypinyin is not installed")
 pytest.importorskip("opencc", reason="OpenCC is not installed")

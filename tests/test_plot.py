@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from lipsync_lang.errors import OutputError
+from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.pipeline import PRESETS
 from lipsync_lang.render.plot import FORMATS, STAGES, plot
-from lipsync_lang.resolver import resolve
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 
 MAGIC = {
@@ -231,7 +231,7 @@ def test_matplotlib_is_loaded_late_and_never_its_global_state():
 import io, sys
 import numpy as np
 from lipsync_lang.render.plot import plot
-from lipsync_lang.resolver import resolve
+from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.schedules.schedule import Schedule
 assert "matplotlib" not in sys.modules
 line = Schedule(("t", "aɪ"), np.array([0, 0.1, 0.3]), notation="ipa")

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from shipped import LANGUAGES, LIBRARY, POSESETS
 
-from lipsync_lang.packs.validate import validate
-from lipsync_lang.performer import Performer
+from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.settings import motion_with
-from lipsync_lang.speaking import Speaker
+from lipsync_lang.speech.speaking import Speaker
 
 EXACT = 1e-9
 FPS = 30

@@ -8,13 +8,13 @@ import pytest
 from packs_tree import TREE, plant, put
 from shipped import POSESETS
 
-from lipsync_lang.authoring.poseset import Wanted, draft, guessed
+from lipsync_lang.authoring.poseset_draft import Wanted, draft, guessed
 from lipsync_lang.authoring.poseset_text import LINES
 from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
-from lipsync_lang.packs.rig_channels import pose_names
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.rigs.driver import bare
 from lipsync_lang.rigs.names import places
 

@@ -15,12 +15,12 @@ from strategies import any_lines  # noqa: F401 its profile is wanted
 
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.packs.check_models import Checks
+from lipsync_lang.packs.models.check_models import Checks
 from lipsync_lang.quality.baselines import BASELINES, LEAST, compare, held
-from lipsync_lang.quality.checks import check
+from lipsync_lang.quality.check_animation import check
 from lipsync_lang.quality.figures import Figure, Finding, Quality
 from lipsync_lang.quality.measures import load_measures
-from lipsync_lang.quality.report import as_json, as_junit, as_text
+from lipsync_lang.quality.quality_report import as_json, as_junit, as_text
 
 SOUNDS = (
     ("_", 0.8), ("P", 0.1), ("AA", 0.8), ("F", 0.1), ("AA", 0.4), ("S", 0.12), ("EH", 0.3),

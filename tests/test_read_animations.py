@@ -16,7 +16,7 @@ from lipsync_lang.animations.readers.registry import (
     read_animation,
 )
 from lipsync_lang.errors import AnimationError
-from lipsync_lang.quality.checks import check
+from lipsync_lang.quality.check_animation import check
 from lipsync_lang.quality.fitting import fit, read_for
 
 load_animation_readers()

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from lanes import costly
 
 import lipsync_lang as ll
-from lipsync_lang.hearing import recognised
 from lipsync_lang.schedules import SILENCE
-from lipsync_lang.speaking import Speaker
-from lipsync_lang.speech.recognise.pocketsphinx import LONGEST, SHORTEST, parts
+from lipsync_lang.speech.hearing import recognised
+from lipsync_lang.speech.recognise.pocketsphinx_recogniser import LONGEST, SHORTEST, parts
+from lipsync_lang.speech.speaking import Speaker
 from lipsync_lang.speech.sphinx.features import RATE, STEP
 
 pytest.importorskip("pocketsphinx")
@@ -55,7 +55,7 @@ def test_what_was_recognised_can_be_performed(heard):
 
 
 def test_long_recordings_are_heard_in_parts(heard, english, monkeypatch):
-    module = "lipsync_lang.speech.recognise.pocketsphinx"
+    module = "lipsync_lang.speech.recognise.pocketsphinx_recogniser"
     monkeypatch.setattr(f"{module}.SHORTEST", 2 * RATE)
     monkeypatch.setattr(f"{module}.LONGEST", 4 * RATE)
     pause = np.zeros(heard.audio.rate // 2, np.int16)
@@ -77,7 +77,9 @@ def test_silence_is_a_pause(english, count):
 
 
 def test_sounds_without_words_are_heard_as_phonemes(heard, english, monkeypatch):
-    monkeypatch.setattr("lipsync_lang.speech.recognise.pocketsphinx._words", lambda *_: [])
+    monkeypatch.setattr(
+        "lipsync_lang.speech.recognise.pocketsphinx_recogniser._words", lambda *_: []
+    )
     found = recognised(english, heard.audio)
     assert found.words == ()
     sounds = [label for label in found.labels if label != SILENCE]

@@ -9,15 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang import SpeechError, resolve, speak
-from lipsync_lang.authoring.table import transcript_table
-from lipsync_lang.joining import estimate, join
+from lipsync_lang.authoring.printing import transcript_table
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.align import align
 from lipsync_lang.phonology.g2p import Said
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules import Schedule
-from lipsync_lang.speaking import Speaker, Transcript, transcribe
+from lipsync_lang.speech.joining import estimate, join
+from lipsync_lang.speech.speaking import Speaker, Transcript, transcribe
 
 KINDS = {**dict.fromkeys(("ah", "ih", "ow"), "vowel"), "d": "stop", "s": "fricative",
          "sh": "fricative"}  # fmt: skip

@@ -14,7 +14,7 @@ from lipsync_lang.schedules import SILENCE, Schedule
 from lipsync_lang.speech import ENGINES, speak
 from lipsync_lang.speech.espeak import FASTEST, LONGEST, SLOWEST, Espeak
 from lipsync_lang.speech.espeak_events import Sound, intervals, read_events
-from lipsync_lang.speech.words import find_words
+from lipsync_lang.speech.word_spans import find_words
 
 try:
     import espeakng_loader

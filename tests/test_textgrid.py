@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
-from lipsync_lang.schedules.source import Source
 from lipsync_lang.schedules.textgrid import read_textgrid
+from lipsync_lang.schedules.timing_file import Source
 
 PHONES = [("", 0, 0.1), ("HH", 0.1, 0.2), ("AY1", 0.2, 0.45), ("", 0.45, 0.6)]
 WORDS = [("", 0, 0.1), ("hi", 0.1, 0.45), ("", 0.45, 0.6)]

@@ -10,9 +10,10 @@ import pytest
 from small_models import glb
 
 import lipsync_lang as ll
-from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.registry import load_writers
 from lipsync_lang.errors import OutputError
+from lipsync_lang.rigs.channel import Channel
 
 WRITERS = load_writers()
 NTSC = 24000 / 1001

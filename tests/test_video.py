@@ -15,9 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
-from lipsync_lang.animations.animation import Animation, Channel
-from lipsync_lang.animations.mp4 import write_mp4
-from lipsync_lang.animations.png import write_png
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import ModelError, OutputError
 from lipsync_lang.render import sheet, video
 from lipsync_lang.render.model.camera import framed
@@ -25,7 +23,9 @@ from lipsync_lang.render.model.material import Material
 from lipsync_lang.render.model.picture import Artist
 from lipsync_lang.render.model.raster import Window, area, fill, planes, shown
 from lipsync_lang.render.model.scene import FAN, STRIP, _triangles
+from lipsync_lang.render.picture_writers import write_mp4, write_png
 from lipsync_lang.render.staging import staged
+from lipsync_lang.rigs.channel import Channel
 
 SIZE, FPS, RATE = 96, 30, 8000
 WHOLE = Window(0, 0, 64, 64)

@@ -9,8 +9,8 @@ from shipped import LANGUAGES, LIBRARY, POSESETS
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.validate import validate
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.resolver.compile import compile_pair
 

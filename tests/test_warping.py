@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align as match
 from lipsync_lang.schedules import SILENCE, Audio, Schedule
-from lipsync_lang.speaking import Speaker
 from lipsync_lang.speech import speak
 from lipsync_lang.speech.align.registry import ALIGNERS
 from lipsync_lang.speech.align.spectrum import RATE, listen, mel_power, samples_of
-from lipsync_lang.speech.align.warp import SHORTEST, _spaced
+from lipsync_lang.speech.align.warping import SHORTEST, _spaced
 from lipsync_lang.speech.sound import read_audio
+from lipsync_lang.speech.speaking import Speaker
 
 MISSING = [name for name in ("espeakng_loader", "dtaidistance", "scipy") if find_spec(name) is None]
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"needs {' and '.join(MISSING)}")
@@ -122,7 +122,7 @@ def test_a_long_pause_within_a_word_is_silence_there(speakers, recording):
 def test_of_vocal_tracts_the_one_that_fits_is_taken(speakers, recording, monkeypatch):
     found = []
     for tracts in ((1.0,), (0.5, 1.0, 1.8)):
-        monkeypatch.setattr("lipsync_lang.speech.align.warp.TRACTS", tracts)
+        monkeypatch.setattr("lipsync_lang.speech.align.warping.TRACTS", tracts)
         found.append(WARP.align(recording.audio, TEXT, speakers["english"]))
     np.testing.assert_array_equal(found[0].times, found[1].times)
 

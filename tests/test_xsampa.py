@@ -8,14 +8,14 @@ from shipped import LANGUAGES, LIBRARY
 
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.validate import validate
 from lipsync_lang.phonology.ipa import key
 from lipsync_lang.phonology.labels import recognise
 from lipsync_lang.phonology.notations import Spelled, ready
-from lipsync_lang.resolver.manner import tables_of
-from lipsync_lang.resolver.nearest import spelling
+from lipsync_lang.resolver.language_tables import tables_of
+from lipsync_lang.resolver.nearest_phonemes import spelling
 
 SPELLING = spelling(LIBRARY)
 SIGNS = SPELLING["spelled"]["x-sampa"]

@@ -4,36 +4,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.animations.keys import Curve
-    from lipsync_lang.trace import Explanation
-
-
-Vector = tuple[float, float, float]
-
-
-class Channel(NamedTuple):
-    """What one column of an animation drives on a model."""
-
-    name: str
-    names: tuple[str, ...] = ()
-    """How models spell it otherwise; `*` stands for anything."""
-    mesh: str | None = None
-    """The one mesh that has it; None for every mesh with such a shape."""
-    node: str | None = None
-    """The bone it turns or moves; None for a morph target."""
-    rotation: Vector | None = None
-    """The axis it turns about; its values are degrees."""
-    translation: Vector | None = None
-    """The way it moves, in the model's units for a value of 1."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,10 +19,11 @@ from typing import BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.keys import needed
 from lipsync_lang.animations.registry import binary_writer
 from lipsync_lang.errors import OutputError
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.container import (
     BINARY_CHUNK,
     JSON_CHUNK,

@@ -11,8 +11,8 @@ from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import doubts, laid_out, names
+from lipsync_lang.animations.rates import timecode
 from lipsync_lang.animations.registry import writer
-from lipsync_lang.rates import timecode
 
 PROGRAM = "Live Link Face"
 HELD = "live-link-face.txt"

@@ -12,6 +12,9 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError, did_you_mean
 from lipsync_lang.files import atomic
 
+GROUP = "lipsync_lang.writers"
+"""Entry points of modules that register writers when they are imported."""
+
 WriteText = Callable[[Animation, TextIO], None]
 WriteBytes = Callable[[Animation, BinaryIO], None]
 Remarks = Callable[[Animation], Iterable[str]]
@@ -67,11 +70,15 @@ def _title(write: Callable[..., None]) -> str:
 
 
 def load_writers() -> dict[str, Writer]:
-    """Import every module of this folder, so that each has registered itself."""
+    """Import every module of this folder and of the entry points, so that each registers itself."""
+    from importlib.metadata import entry_points
+
     from lipsync_lang import animations
 
     for module in iter_modules(animations.__path__):
         import_module(f"{animations.__name__}.{module.name}")
+    for found in entry_points(group=GROUP):
+        found.load()
     return WRITERS
 
 

@@ -5,8 +5,8 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
-from lipsync_lang.packs.conflicts import FREE
 from lipsync_lang.packs.models import Contact, Phonemes, PoseSet, Target
+from lipsync_lang.packs.models.pose_models import FREE
 
 LINES = 60
 """A draft is no longer; of many poses, several share a line."""

@@ -5,9 +5,9 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.poseset_text import WIDTH, scalar
-from lipsync_lang.packs.braces import expanded
 from lipsync_lang.packs.models import Channel, PoseSet, Rig
-from lipsync_lang.packs.rig_channels import channels_of
+from lipsync_lang.packs.models.braces import expanded
+from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.rigs.names import folded
 
 if TYPE_CHECKING:

@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.extending import extended
-from lipsync_lang.packs.faults import Fault
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.phonology.g2p.registry import Rule
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import pieces
 from lipsync_lang.phonology.labels import normalise
-from lipsync_lang.resolver.manner import manner_of, notations_of
-from lipsync_lang.resolver.nearest import among, fights
-from lipsync_lang.speaking import Speaker, Transcript
+from lipsync_lang.resolver.language_tables import manner_of, notations_of
+from lipsync_lang.resolver.nearest_phonemes import among, fights
+from lipsync_lang.speech.speaking import Speaker, Transcript
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Pack
-    from lipsync_lang.packs.source import Loc
+    from lipsync_lang.packs.yaml.source import Loc
 
 
 @dataclass(frozen=True)

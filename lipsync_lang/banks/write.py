@@ -104,7 +104,7 @@ def add_bigrams(path: Path, made: Made) -> list[str]:
     """Add bigrams to a bank file, making it where there is none; return those that are new."""
     from ruamel.yaml.comments import CommentedMap
 
-    from lipsync_lang.packs.edit import edit_pack, flow
+    from lipsync_lang.packs.editing import edit_pack, flow
 
     new: list[str] = []
 

@@ -32,7 +32,7 @@ def draft(options: Namespace) -> int:
 
 def import_(options: Namespace) -> int:
     """Put bigrams of another program into a bank."""
-    from lipsync_lang.authoring.bank import import_bank
+    from lipsync_lang.authoring.bank_import import import_bank
     from lipsync_lang.packs.library import Library
 
     imported = import_bank(
@@ -73,8 +73,8 @@ def _print_remarks(remarks: "Remarks") -> None:
 
 def diff(options: Namespace) -> int:
     """Show what a layer changes."""
-    from lipsync_lang.banks.diff import diff_banks, told
     from lipsync_lang.packs.library import Library
+    from lipsync_lang.resolver.bank_diff import diff_banks, told
 
     found = diff_banks(
         Library(options.path), options.language, options.character, options.against,
@@ -82,7 +82,7 @@ def diff(options: Namespace) -> int:
     )  # fmt: skip
     if options.plot:
         from lipsync_lang.files import atomic
-        from lipsync_lang.render.bank import plot_diff
+        from lipsync_lang.render.bank_diff_plot import plot_diff
 
         with atomic(options.plot) as stream:
             plot_diff(found, stream, options.plot.suffix.lstrip("."))

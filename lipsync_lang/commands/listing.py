@@ -12,9 +12,9 @@ SHOWN = 4
 
 def voices(options: Namespace) -> int:
     """Print the voices of a speech engine."""
-    from lipsync_lang.authoring.table import columns
     from lipsync_lang.errors import did_you_mean
     from lipsync_lang.speech import ENGINES
+    from lipsync_lang.text_table import columns
 
     if options.engine not in ENGINES:
         raise LipsyncError(
@@ -29,9 +29,9 @@ def formats(options: Namespace) -> int:
     """Print every registered reader and writer."""
     from lipsync_lang.animations.readers.registry import load_animation_readers
     from lipsync_lang.animations.registry import load_writers
-    from lipsync_lang.authoring.table import columns
     from lipsync_lang.lines.registry import load_readers as load_line_readers
     from lipsync_lang.schedules.registry import load_readers
+    from lipsync_lang.text_table import columns
 
     rows = [
         *(("read", r.name, r.suffixes, r.title) for r in load_readers().values()),

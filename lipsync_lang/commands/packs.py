@@ -62,7 +62,7 @@ def _with_losses(library: "Library", options: Namespace, told: "Told") -> "Told"
 
 
 def _new_language(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.draft import Wanted, draft
+    from lipsync_lang.authoring.language_draft import Wanted, draft
 
     if options.name is None:
         raise LipsyncError("name the new language: languages new NAME --voice sw")
@@ -84,7 +84,7 @@ def _new_language(library: "Library", options: Namespace) -> int:
 
 
 def _new_poseset(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.poseset import Wanted, draft
+    from lipsync_lang.authoring.poseset_draft import Wanted, draft
 
     if options.name is None:
         raise LipsyncError("name the new pose set, and its poses: posesets new NAME POSE ...")
@@ -100,7 +100,7 @@ def _new_poseset(library: "Library", options: Namespace) -> int:
 
 
 def _new_character(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.character import Wanted, draft
+    from lipsync_lang.authoring.character_draft import Wanted, draft
 
     if options.name is None or options.model is None:
         raise LipsyncError(
@@ -121,8 +121,8 @@ NEW = {"language": _new_language, "poseset": _new_poseset, "character": _new_cha
 
 
 def _show_language(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.language import describe
-    from lipsync_lang.authoring.table import language_table
+    from lipsync_lang.authoring.language_description import describe
+    from lipsync_lang.authoring.printing import language_table
 
     with working(f"trying {options.name}"):
         told = describe(library, library.language(options.name))

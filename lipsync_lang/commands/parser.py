@@ -4,10 +4,12 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from lipsync_lang import __version__
-from lipsync_lang.commands import banks, check, checking, coverage, listing, packs, performing
+from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.commands import banks, coverage, listing, packs, performing
+from lipsync_lang.commands import quality as check
+from lipsync_lang.commands import validation as checking
 from lipsync_lang.coverage.forms import FORMS
-from lipsync_lang.rates import parse_rate
+from lipsync_lang.version import __version__
 
 Command = Callable[[argparse.Namespace], int]
 """Options in, exit code out."""

@@ -13,8 +13,8 @@ from lipsync_lang.errors import LipsyncError, OutputError
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.delivery import Points
-    from lipsync_lang.performer import Performer
+    from lipsync_lang.performing.delivery import Points
+    from lipsync_lang.performing.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
 
 
@@ -24,9 +24,9 @@ LATE = 0.1
 
 def run(options: Namespace) -> int:
     """Animate a line and write it wherever it is wanted."""
+    from lipsync_lang.animations.rates import parse_offset
     from lipsync_lang.animations.registry import parse_output
     from lipsync_lang.files import write_all
-    from lipsync_lang.rates import parse_offset
 
     if options.tolerance is not None and not 0 <= options.tolerance < 1:
         raise LipsyncError(f"--tolerance {options.tolerance:g}: give 0, or a number below 1")
@@ -49,7 +49,7 @@ def run(options: Namespace) -> int:
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
         print(remark, file=sys.stderr)
     if options.check:
-        from lipsync_lang.quality.checks import check
+        from lipsync_lang.quality.check_animation import check
 
         print(check(animation), file=sys.stderr)
     return SOUND
@@ -133,7 +133,7 @@ def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
 
 
 def _performer(options: Namespace, character: str | None = None) -> "Performer":
-    from lipsync_lang.resolver import resolve as resolve_pair
+    from lipsync_lang.performing.resolving import resolve as resolve_pair
 
     return resolve_pair(
         options.language,
@@ -169,7 +169,7 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
         return schedule if options.audio is None else _sounding(schedule, options.audio)
     if options.audio is None:
         return performer.speaker.speak(options.text, engine=options.tts)
-    from lipsync_lang.hearing import aligned, recognised
+    from lipsync_lang.speech.hearing import aligned, recognised
 
     speaker = performer.speaker
     with working(f"listening to {options.audio}"):
@@ -260,8 +260,8 @@ def explain(options: Namespace) -> int:
 
 def transcribe(options: Namespace) -> int:
     """Print what texts become: their phonemes and common phonemes, word by word."""
-    from lipsync_lang.authoring.table import transcript_table
-    from lipsync_lang.speaking import Speaker
+    from lipsync_lang.authoring.printing import transcript_table
+    from lipsync_lang.speech.speaking import Speaker
 
     texts = [options.text] if options.text is not None else lines_of(options.file)
     speaker = Speaker.of(options.language, options.path)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from lipsync_lang.coverage.plan import Ints
     from lipsync_lang.coverage.scripts import Spans
     from lipsync_lang.lines import Line
-    from lipsync_lang.performer import Performer
-    from lipsync_lang.speaking import Transcript
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.speech.speaking import Transcript
 
 BATCH = 1000
 """Lines that are read at a time."""

@@ -26,8 +26,8 @@ from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
-    from lipsync_lang.packs.language_models import Language
-    from lipsync_lang.performer import Performer
+    from lipsync_lang.packs.models.language_models import Language
+    from lipsync_lang.performing.performer import Performer
     from lipsync_lang.resolver.compiled import Origin
 
 
@@ -135,7 +135,7 @@ def _names(given: str | Sequence[str]) -> list[str]:
 def _resolved(
     languages: Sequence[str], characters: Sequence[str], paths: Sequence[str | Path]
 ) -> "list[Performer]":
-    from lipsync_lang.resolver import resolve
+    from lipsync_lang.performing.resolving import resolve
 
     return [
         resolve(language, character, paths=paths, gaps="rest")

@@ -19,8 +19,8 @@ from lipsync_lang.phonology.g2p.tokens import PAUSES, counts, pieces, plain
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
-    from lipsync_lang.packs.language_models import Language
-    from lipsync_lang.speaking import Speaker
+    from lipsync_lang.packs.models.language_models import Language
+    from lipsync_lang.speech.speaking import Speaker
 
 Spans = list[tuple[int, int]]
 """Where parts of a text start and stop."""

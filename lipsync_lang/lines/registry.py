@@ -89,7 +89,7 @@ def load_readers() -> dict[str, Reader]:
 @cache
 def by_suffix() -> dict[str, Reader]:
     """Return the reader of each suffix; of timed phonemes, those that no text claims."""
-    from lipsync_lang.lines.schedule import NAME
+    from lipsync_lang.lines.timings import NAME
 
     readers = load_readers()
     last = sorted(readers.values(), key=lambda reader: reader.name == NAME)
@@ -177,7 +177,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
 
 def _reader(source: Source) -> Reader:
     """Return what reads a file: that of its suffix, unless it begins like timed phonemes."""
-    from lipsync_lang.lines.schedule import NAME, is_timed
+    from lipsync_lang.lines.timings import NAME, is_timed
 
     if source.column is None and is_timed(source.path):
         return load_readers()[NAME]

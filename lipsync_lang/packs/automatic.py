@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.packs.source import Source
+from lipsync_lang.packs.yaml.source import Source
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack

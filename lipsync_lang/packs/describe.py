@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from lipsync_lang.packs.conflicts import FREE
-from lipsync_lang.packs.faults import shown
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models import AtMost
+from lipsync_lang.packs.models.pose_models import FREE
+from lipsync_lang.packs.yaml.faults import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

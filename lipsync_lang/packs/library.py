@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
 
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.finding import (
     BENEATH,
     COMMON,
@@ -25,7 +24,8 @@ from lipsync_lang.packs.finding import (
     beside,
     distribution,
 )
-from lipsync_lang.packs.source import Loc, Source, read_bytes, scan
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
+from lipsync_lang.packs.yaml.source import Loc, Source, read_bytes, scan
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -245,7 +245,7 @@ class Library:
         """Read one file once: its model, or None, its source, and the faults of its form."""
         key = path, kind, name
         if key not in self._loaded:
-            from lipsync_lang.packs.form import validated
+            from lipsync_lang.packs.models.validation import validated
 
             content = read_bytes(path)
             self.files[str(path)] = sha256(content).hexdigest()

@@ -9,8 +9,8 @@ import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import constrain
-from lipsync_lang.pipeline.delivery import Blend, Dial, scale, shares
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
+from lipsync_lang.pipeline.levels import Blend, Dial, scale, shares
 from lipsync_lang.pipeline.limit import envelope, lower_envelope, rest_at_ends
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay, lay_over

@@ -7,15 +7,15 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.banks.draft import PASSIVE
 from lipsync_lang.packs.library import Library
-from lipsync_lang.performer import Performer
+from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
-from lipsync_lang.quality.checks import Limits, check
+from lipsync_lang.quality.check_animation import Limits, check
 from lipsync_lang.quality.figures import Quality
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.pose_models import Target
+    from lipsync_lang.packs.models.pose_models import Target
 
 FALL = 50.0
 """Per second: how fast a target's say falls away in `dominance`; of 10 to 80, what follows three

@@ -8,7 +8,7 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measures import Found, measure, one, places, runs, share, unjudged
-from lipsync_lang.quality.scene import Scene, Touch
+from lipsync_lang.quality.take import Scene, Touch
 
 SEARCHED = 0.25
 """Seconds around a sound in which a closure may be meant for it."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.readers.registry import Recording, read_animation
 from lipsync_lang.errors import AnimationError
 from lipsync_lang.pipeline.arrays import Floats
@@ -15,7 +15,8 @@ from lipsync_lang.rigs.names import placed
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from lipsync_lang.performer import Performer
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.schedules.schedule import Schedule
 
 UNEVEN = 0.02

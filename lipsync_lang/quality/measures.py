@@ -13,7 +13,7 @@ import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Ints
 from lipsync_lang.quality.figures import Finding
-from lipsync_lang.quality.scene import Scene
+from lipsync_lang.quality.take import Scene
 
 VISIBLE = 0.05
 """The least change of a pose that a viewer sees."""

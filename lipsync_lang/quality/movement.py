@@ -21,7 +21,7 @@ from lipsync_lang.quality.measures import (
     share,
     unjudged,
 )
-from lipsync_lang.quality.scene import Scene
+from lipsync_lang.quality.take import Scene
 
 SILENT = "nothing is said"
 

@@ -14,7 +14,7 @@ from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.perform import Performance, Stage
 
 if TYPE_CHECKING:
-    from lipsync_lang.performer import Performer
+    from lipsync_lang.performing.performer import Performer
 
 STRIP, SHOWN = 6.5, 60.0
 """Seconds: a longer line is wrapped into several strips, and the picture ends after `SHOWN`."""

@@ -1,4 +1,4 @@
-"""Resolve: a language and a character become a performer.
+"""Resolve: a language and a character become tables that a performer plays.
 
 Every ordered pair of the language's common phonemes is looked up in layers; the first that has
 it wins, and the performer remembers where it came from:
@@ -11,68 +11,3 @@ it wins, and the performer remembers where it came from:
 
 What still has none is a gap, named; it is performed as rest only when the caller says so.
 """
-
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from lipsync_lang.errors import PackError
-from lipsync_lang.resolver.compiled import Compiled, Origin, Report
-from lipsync_lang.resolver.settings import motion_with
-
-if TYPE_CHECKING:
-    from lipsync_lang.performer import Performer
-
-__all__ = ["Compiled", "Origin", "Report", "motion_with", "resolve"]
-
-
-def resolve(  # noqa: PLR0913 two names, and what a call may change
-    language: str,
-    character: str,
-    *,
-    paths: Sequence[str | Path] = (),
-    gaps: str = "error",
-    motion: Mapping[str, object] | str | None = None,
-    cache: bool = True,
-) -> "Performer":
-    """Compose a language with a character.
-
-    Parameters
-    ----------
-    language : a language pack's name, tag or alias; ENGINE:CODE for one without a pack
-    character : a character's name, or a pose set's for its bare self
-    paths : folders to search for packs before all others
-    gaps : what becomes of bigrams that nothing answers: an `error`, or `rest`
-    motion : a preset's name, or settings of `Motion` to change
-    cache : whether a compiled pair may be taken from, and put into, the cache
-
-    Raises
-    ------
-    PackError
-        A pack is missing or unsound; the message holds every fault found.
-    """
-    from lipsync_lang.performer import Performer
-    from lipsync_lang.resolver import cache as store
-
-    folders = tuple(Path(p) for p in paths)
-    compiled = store.load(language, character, folders) if cache else None
-    if compiled is None:
-        from lipsync_lang.packs.library import Library
-        from lipsync_lang.resolver.compile import compile_pair
-
-        library = Library(folders)
-        compiled = compile_pair(library, language, character)
-        if cache:
-            store.save(compiled, language, character, library)
-    if compiled.report.gaps and gaps != "rest":
-        raise PackError(_gap_message(compiled.report))
-    return Performer(compiled, motion_with(compiled.motion, motion))
-
-
-def _gap_message(report: Report) -> str:
-    shown = ", ".join(report.gaps[:12]) + (", ..." if len(report.gaps) > 12 else "")  # noqa: PLR2004
-    return (
-        f"{report.character} has nothing for {len(report.gaps)} bigrams of {report.language}: "
-        f"{shown}. Give {report.poseset} targets for their phonemes, "
-        "or ask for gaps at rest (--gaps rest)"
-    )

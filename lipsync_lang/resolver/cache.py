@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang import __version__
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Bank, Contact, Tables
+from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -58,7 +58,7 @@ def compiler() -> str:
     package = Path(__file__).parents[1]
     whole = sha256(__version__.encode())
     for folder in COMPILERS:
-        for path in sorted((package / folder).glob("*.py")):
+        for path in sorted((package / folder).rglob("*.py")):
             whole.update(path.read_bytes())
     return whole.hexdigest()
 

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.banks.draft import shape
-from lipsync_lang.packs.faults import Fault, shown
-from lipsync_lang.packs.rig_channels import pose_names
+from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.packs.yaml.faults import Fault, shown
 from lipsync_lang.pipeline.arrays import Bools, Floats, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
+from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
 from lipsync_lang.resolver.layers import NEUTRAL, Row, Shelf
-from lipsync_lang.resolver.manner import manner_of, tables_of, visemes_of
-from lipsync_lang.resolver.nearest import plain_among, spelling
+from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
 from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
 

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
-from lipsync_lang.packs import checks
-from lipsync_lang.packs.faults import PackFaults
+from lipsync_lang.packs.checking import pack_checks as checks
+from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import known
 from lipsync_lang.packs.models import AtMost, Threshold
-from lipsync_lang.packs.validate import validate
+from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact

@@ -8,9 +8,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from lipsync_lang.animations.animation import Channel
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.drive import Rig, sides
+from lipsync_lang.rigs.channel import Channel
 
 MORPH = (0.0, 1.0)
 """The range of a shape that states none."""

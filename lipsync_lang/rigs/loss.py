@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.packs.rig_channels import plain_channels
+from lipsync_lang.packs.models.rig_channels import plain_channels
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.rigs.driver import Driver
 

@@ -27,7 +27,7 @@ from functools import lru_cache
 from itertools import groupby
 from typing import NamedTuple
 
-from lipsync_lang.animations.animation import Channel
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import Mesh
 
 _PARTING = r"_\-.:|\s"

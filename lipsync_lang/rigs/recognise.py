@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.rig_channels import channels_of, plain_channels, pose_names
-from lipsync_lang.packs.rig_checks import check_rig
+from lipsync_lang.packs.checking.rig_checks import check_rig
+from lipsync_lang.packs.models.rig_channels import channels_of, plain_channels, pose_names
 from lipsync_lang.rigs.driver import Driver, bare
 from lipsync_lang.rigs.loss import Loss, losses
 from lipsync_lang.rigs.names import on_mesh
@@ -16,9 +16,9 @@ from lipsync_lang.rigs.names import on_mesh
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from lipsync_lang.animations.animation import Channel
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.model import Model
 
 

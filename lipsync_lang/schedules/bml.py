@@ -10,11 +10,11 @@ time, as for characters whose shapes are layered, the one articulated most stron
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
+from lipsync_lang.schedules.mouth_shapes import shapes_of, until_next
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.shapes import shapes_of, until_next
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element

@@ -10,8 +10,8 @@ from collections import defaultdict
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
 from lipsync_lang.schedules.tiers import Tier, only
+from lipsync_lang.schedules.timing_file import Source
 
 COMMENT = ";;"
 SOUND = re.compile(r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIES])?(?:\s.*)?")

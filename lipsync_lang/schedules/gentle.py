@@ -9,7 +9,7 @@ import re
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 PLACE = re.compile(r"_[BEIS]$")
 """Begins, ends, is inside, or is all of a word."""

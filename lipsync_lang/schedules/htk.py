@@ -13,7 +13,7 @@ from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 UNITS = 1e7
 """Units of 100 ns per second."""

@@ -5,7 +5,7 @@ from typing import Any
 
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.schedule import Schedule, words_from_spans
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 SHAPE = '{"phonemes": [{"label": "HH", "start": 0.0, "end": 0.08}, ...], "words": [{"text": ...}]}'
 

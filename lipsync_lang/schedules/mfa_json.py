@@ -9,8 +9,8 @@ from typing import Any
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
 from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.timing_file import Source
 
 SHAPE = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
 

@@ -10,11 +10,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from lipsync_lang.errors import did_you_mean
+from lipsync_lang.schedules.mouth_shapes import Start, shapes_of
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.shapes import Start, shapes_of
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 NOTATION = "preston-blair"
 

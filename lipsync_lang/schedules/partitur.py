@@ -10,7 +10,7 @@ import re
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 PHONES, WORDS, RATE = "MAU", "ORT", "SAM"
 

@@ -12,7 +12,7 @@ from pkgutil import iter_modules
 
 from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 Read = Callable[[Source], Schedule]
 Looks = Callable[[Source], bool]

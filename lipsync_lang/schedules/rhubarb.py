@@ -7,11 +7,11 @@ recording with a closed mouth. XML and JSON state the end of every shape.
 import re
 from collections.abc import Iterator
 
+from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 NOTATION = "rhubarb"
 

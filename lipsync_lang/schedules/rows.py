@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.schedules.schedule import SILENCE, SNAP, Schedule, words_from_spans
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 SOUND = 0.08
 """Seconds that a phoneme lasts, about."""

@@ -9,11 +9,11 @@ list, or one on each line.
 import re
 
 from lipsync_lang.schedules.azure import LAST, TICKS
+from lipsync_lang.schedules.mouth_shapes import shapes_of
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.shapes import shapes_of
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 NOTATION = "sapi-visemes"
 

@@ -14,8 +14,8 @@ from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import Row
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
 from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.timing_file import Source
 
 TOKEN = re.compile(
     r"""

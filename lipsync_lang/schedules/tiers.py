@@ -13,7 +13,7 @@ from statistics import median
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.rows import Row, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.source import Source
+from lipsync_lang.schedules.timing_file import Source
 
 PHONES = re.compile(r"(phon(e(me)?)?s?|segments?|mau|phonalign)", re.IGNORECASE)
 """Names of phone tiers: MFA, FAVE, Praat users; MAUS; SPPAS."""

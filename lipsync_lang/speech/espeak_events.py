@@ -8,20 +8,18 @@ Deviations from what the library says:
 - A sound without length, which the library speaks within its neighbour, gets a part of that.
 """
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from lipsync_lang.schedules import SILENCE
+from lipsync_lang.phonology.espeak.names import label_of, modifies
+from lipsync_lang.schedules.schedule import SILENCE
 
 SHARE = 0.3
 """The part of its neighbour that a sound without length gets."""
 
 _NAME_BYTES = 8
-_MARKS = "ˈˌ0123456789"
-_STRESSED = re.compile("([ˈˌ])")
 
 
 @dataclass
@@ -54,31 +52,12 @@ def read_events(
         else:
             names.append(value.encode("latin-1"))
             times.append(min(max(sample, times[-1] if times else 0), end))
-    labels = [_label(name) for name in _completed(names, spelled)]
+    labels = [label_of(name) or SILENCE for name in _completed(names, spelled)]
     spans = pairwise([*times, end])
     sounds = [Sound(label, *span) for label, span in zip(labels, spans, strict=True)]
     lead = times[0] if times else end
     marks = [(position, number + 1) for position, number in marks]
     return [Sound(SILENCE, 0, lead), *sounds], marks
-
-
-def words_of(clause: str) -> list[tuple[str, ...]]:
-    """Return the labels of each word of a clause, as `read_events` has them.
-
-    `clause` has phonemes joined by ``_`` and words by spaces.
-    """
-    words = []
-    for word in clause.split():
-        labels: list[str] = []
-        for name in _STRESSED.sub(r"_\1", word).split("_"):
-            label = _label(name)
-            if label != SILENCE and labels and _modifies(label):
-                labels[-1] += label
-            elif label != SILENCE:
-                labels.append(label)
-        if labels:
-            words.append(tuple(labels))
-    return words
 
 
 def intervals(sounds: Sequence[Sound], pause: int) -> tuple[list[str], list[int], list[int]]:
@@ -115,16 +94,6 @@ def _completed(names: Sequence[bytes], spelled: Sequence[str]) -> list[str]:
     ]
 
 
-def _label(name: str) -> str:
-    """Return the bare sound of a name, `SILENCE` for none; flags and marks are none."""
-    return SILENCE if name.startswith("(") else name.strip(_MARKS) or SILENCE
-
-
-def _modifies(label: str) -> bool:
-    """Tell whether a label is but a modifier letter or a combining mark."""
-    return 0x2B0 <= ord(label[0]) <= 0x36F  # noqa: PLR2004 the two blocks in Unicode
-
-
 def _joined(sounds: Iterable[Sound]) -> tuple[list[Sound], list[int]]:
     """Join modifiers to the sound before, and silences to each other."""
     joined: list[Sound] = []
@@ -134,7 +103,7 @@ def _joined(sounds: Iterable[Sound]) -> tuple[list[Sound], list[int]]:
         last = joined[-1] if joined else None
         if last and last.silent and sound.silent:
             last.end = sound.end
-        elif last and not last.silent and _modifies(sound.label):
+        elif last and not last.silent and modifies(sound.label):
             last.label += sound.label
             last.end = sound.end
         else:

@@ -18,7 +18,7 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.schedules import SILENCE, Audio, Schedule
-from lipsync_lang.speech.words import find_words
+from lipsync_lang.speech.word_spans import find_words
 
 SCRIPT = Path(__file__).with_name("festival.scm")
 

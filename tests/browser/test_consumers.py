@@ -12,7 +12,8 @@ import pytest
 from test_glb import FACE, JAW, SLIDE, model_of, with_jaw
 
 import lipsync_lang as ll
-from lipsync_lang.animations.animation import Animation, Channel
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import read_model
 
 HERE = Path(__file__).parent

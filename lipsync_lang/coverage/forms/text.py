@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
-from lipsync_lang.authoring.table import columns
 from lipsync_lang.coverage.report import authored
+from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.forms.registry import Asked

@@ -10,7 +10,7 @@ from math import ceil, floor, log10
 
 from lipsync_lang.coverage.page.markup import Markup, join, tags
 from lipsync_lang.coverage.page.states import Row, States
-from lipsync_lang.coverage.page.words import NBSP, percent
+from lipsync_lang.coverage.page.wording import NBSP, percent
 
 HEIGHT = 1000
 STEPS, GAMMA = 9, 0.4

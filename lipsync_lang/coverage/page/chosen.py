@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 
 from lipsync_lang.coverage.page.markup import Child, Markup, join, tags
-from lipsync_lang.coverage.page.report import Report
+from lipsync_lang.coverage.page.report_view import Report
 from lipsync_lang.coverage.page.states import CODES, LAYERS, STATUSES, Row, States
 
 COLUMNS = {

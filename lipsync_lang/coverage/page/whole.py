@@ -9,9 +9,9 @@ from typing import Any
 
 from lipsync_lang.coverage.page.chosen import Chosen, scroll
 from lipsync_lang.coverage.page.markup import Markup, join, tags
-from lipsync_lang.coverage.page.report import Report, bigrams
+from lipsync_lang.coverage.page.report_view import Report, bigrams
 from lipsync_lang.coverage.page.states import States
-from lipsync_lang.coverage.page.words import count, folder, hours, listed, percent
+from lipsync_lang.coverage.page.wording import count, folder, hours, listed, percent
 
 TITLE = "What to draw next"
 NAMED = 5  # languages in a row, before the rest is counted

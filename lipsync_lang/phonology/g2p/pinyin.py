@@ -381,7 +381,7 @@ LETTERS = {
 
 def _heard(words: Sequence[str], settings: Settings) -> dict[str, tuple[str, ...]]:
     """Return those foreign words of which the voice knows the sounds, and the notation has them."""
-    from lipsync_lang.phonology.g2p.espeak import known_as
+    from lipsync_lang.phonology.g2p.espeak_g2p import known_as
     from lipsync_lang.phonology.g2p.registry import engine as engine_named
 
     labels = frozenset(map(normalise, settings.labels))

@@ -64,7 +64,7 @@ Respeller = Callable[[str], list[tuple[str, str]]]
 """Text in; pieces of it that make it up again, each with the spelling to read it by."""
 
 ENGINES: dict[str, str] = {
-    "espeak": "lipsync_lang.phonology.g2p.espeak:engine",
+    "espeak": "lipsync_lang.phonology.g2p.espeak_g2p:engine",
     "pypinyin": "lipsync_lang.phonology.g2p.pinyin:engine",
     "epitran": "lipsync_lang.phonology.g2p.epitran:engine",
     "lexicon": "lipsync_lang.phonology.g2p.lexicon:engine",

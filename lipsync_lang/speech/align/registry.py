@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING, Protocol
 
-from lipsync_lang.speech.align.pocketsphinx import Pocketsphinx
-from lipsync_lang.speech.align.warp import Warp
+from lipsync_lang.speech.align.pocketsphinx_aligner import Pocketsphinx
+from lipsync_lang.speech.align.warping import Warp
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
-    from lipsync_lang.speaking import Speaker
+    from lipsync_lang.speech.speaking import Speaker
 
 
 class Aligner(Protocol):

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, Protocol
 
-from lipsync_lang.speech.recognise.pocketsphinx import Pocketsphinx
+from lipsync_lang.speech.recognise.pocketsphinx_recogniser import Pocketsphinx
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
-    from lipsync_lang.speaking import Speaker
+    from lipsync_lang.speech.speaking import Speaker
 
 
 class Recogniser(Protocol):

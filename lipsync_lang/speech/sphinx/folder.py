@@ -8,7 +8,7 @@ from itertools import count, takewhile
 from pathlib import Path
 
 from lipsync_lang.errors import SpeechError, did_you_mean
-from lipsync_lang.speech.sphinx.model import OUTSIDE, Model, read_model
+from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE, Model, read_model
 
 _VARIANT = re.compile(r"\(\d+\)$")
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.speech.sphinx.model import (
+from lipsync_lang.speech.sphinx.acoustic_model import (
     OUTSIDE,
     STATES,
     Floats,

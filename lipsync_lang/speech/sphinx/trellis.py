@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.speech.sphinx.model import STATES, Floats, Singles
+from lipsync_lang.speech.sphinx.acoustic_model import STATES, Floats, Singles
 
 START = -1
 """What stands before a phoneme that the sound may start with."""

@@ -1,0 +1,262 @@
+"""A character drafted from its model: the pose set and the rig that fit it best."""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, cast
+
+from lipsync_lang.authoring.placing import place_model
+from lipsync_lang.authoring.poseset_text import scalar
+from lipsync_lang.authoring.rig import drafted, laid_out
+from lipsync_lang.errors import LipsyncError, ModelError, PackError, did_you_mean
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.finding import FOLDERS, POSESET
+from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.rigs.model import Model, read_model, some
+from lipsync_lang.rigs.recognise import Match, recognise
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.models import Rig
+
+ENOUGH = 4
+"""A pose set is taken unasked if one in so many of its poses is shown."""
+
+OTHERS = 3
+"""As many other choices are told."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a new character is to be made from."""
+
+    name: str
+    model: Path
+    poseset: str | None = None
+    """The pose set, instead of the one that fits best."""
+    rig: str | None = None
+    """A rig of it, instead of the one that fits best."""
+    title: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A drafted character: what goes where, and what to say of it."""
+
+    path: Path
+    match: Match
+    others: tuple[Match, ...]
+    rig: str | None
+    """The rig it names, drafted or known."""
+    model: Model
+    outputs: dict[Path, Callable[[BinaryIO], object]] = field(default_factory=dict)
+    said: dict[Path, str] = field(default_factory=dict)
+
+    def write(self) -> None:
+        """Write the character, and what it needs.
+
+        Raises
+        ------
+        OutputError
+            Something cannot be written; nothing is.
+        """
+        for path in self.outputs:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_all(cast("Any", self.outputs))
+
+    def __str__(self) -> str:
+        return "\n".join(self._told())
+
+    def _told(self) -> Iterator[str]:
+        """Say what was recognised, what was done, what is not shown, and what is next."""
+        shapes = dict.fromkeys(name for mesh in self.model.meshes for name in mesh.shapes)
+        meshes = len(self.model.meshes)
+        within = f"{meshes} meshes" if meshes > 1 else "one mesh"
+        yield f"{shown(self.model.path)}: {len(shapes)} shapes in {within}; {self.match}"
+        yield from (f"  or {other}: {_asking(other)}" for other in self.others)
+        yield from (f"wrote {path}: {self.said[path]}" for path in self.outputs)
+        yield from (f"doubtful: {doubt}" for doubt in self.match.found.doubts)
+        for shape, channels in self.match.found.shared.items():
+            yield f"about right: {' and '.join(channels)} are one shape, {shape}"
+        yield from _lost(self.match)
+        if self.match.left:
+            yield f"left alone: {some(self.match.left)}"
+        yield "next:"
+        yield f"  {_running(self.path.stem, self.model.path)}"
+        yield "  lipsync-lang validate"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data, for JSON."""
+        return {
+            "character": self.path.stem,
+            "rig": self.rig,
+            "wrote": [str(path) for path in self.outputs],
+            "match": self.match.to_dict(),
+            "others": [one.to_dict() for one in self.others],
+        }
+
+
+def _lost(match: Match) -> Iterator[str]:
+    """Say what is not shown, or not as itself, and what the model would need for it."""
+    absent = [loss.pose for loss in match.losses if not (loss.shown or loss.why)]
+    if absent:
+        yield f"not shown: {', '.join(absent)}"
+    yield from (f"lost: {loss}" for loss in match.losses if loss.pose not in absent)
+    if match.missing and match.rig:
+        yield f"rig {match.rig} would move these too, which the model lacks: {some(match.missing)}"
+
+
+def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
+    """Draft a character.
+
+    Parameters
+    ----------
+    library : where pose sets and rigs are found
+    wanted : what to make it from
+    folder : the project that it goes into, under `characters`
+
+    Raises
+    ------
+    LipsyncError
+        The model cannot be read, nobody knows its names, or the name is taken or is none.
+    """
+    path = folder / FOLDERS["character"] / f"{wanted.name}.yaml"
+    _refuse(library, wanted, path)
+    model = read_model(wanted.model)
+    matches = recognise(library, model)
+    match = _chosen(library, wanted, model, matches)
+    title = " ".join((wanted.title or "").split()) or re.sub("[-_]", " ", wanted.name).title()
+    placed = place_model(wanted.model, path)
+    fits = match.complete
+    rig = match.rig if fits else wanted.name
+    made = Draft(path, match, tuple(_others(match, matches)), rig, model)
+    text = "\n".join(_lines(made, title, placed.stated)) + "\n"
+    _add(made, path, text, f"the poses of {match.poseset}" + (f", rig {rig}" if rig else ""))
+    if not fits:
+        _add_rig(library, made, title, folder)
+    if placed.copy is not None:
+        copy = path.with_name(placed.stated)
+        made.outputs[copy] = placed.write
+        made.said[copy] = f"a copy of {placed.copy}"
+    return made
+
+
+def _refuse(library: "Library", wanted: Wanted, path: Path) -> None:
+    if not _NAME.fullmatch(wanted.name):
+        raise LipsyncError(
+            f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
+        )
+    there = [path] if path.exists() else library.finder.lookup("character", wanted.name)
+    for one in there:
+        raise PackError(f"{shown(Path(one))}: is there already; choose another name")
+
+
+def _chosen(library: "Library", wanted: Wanted, model: Model, matches: Sequence[Match]) -> Match:
+    """Return the match that is asked for, or else the best."""
+    if wanted.poseset is not None:
+        library.find("poseset", wanted.poseset)
+    fitting = [m for m in matches if wanted.poseset in {None, m.poseset}]
+    if wanted.rig is not None:
+        rigs = _rigs(library, wanted.poseset)
+        if wanted.rig not in rigs:
+            raise PackError(f"unknown rig '{wanted.rig}': {did_you_mean(wanted.rig, rigs)}")
+        fitting = [m for m in fitting if m.rig == wanted.rig]
+    asked = wanted.poseset is not None or wanted.rig is not None
+    found = next((m for m in fitting if asked or _enough(m)), None)
+    if found is not None:
+        return found
+    shapes = dict.fromkeys(name for mesh in model.meshes for name in mesh.shapes)
+    who = "no pose set knows"
+    if asked:
+        named = f"rig '{wanted.rig}'" if wanted.rig else f"pose set '{wanted.poseset}'"
+        who = f"{named} knows none of"
+    near = f"; the nearest is {fitting[0]} ({_asking(fitting[0])})" if fitting else ""
+    raise ModelError(
+        f"{wanted.model}: {who} its shapes{near}. It has "
+        f"{some(shapes)}. Make them poses of their own: lipsync-lang posesets new "
+        f"{wanted.name} --model {wanted.model}"
+    )
+
+
+def _rigs(library: "Library", poseset: str | None) -> list[str]:
+    sets = [poseset] if poseset else dict.fromkeys(f.name for f in library.names("poseset"))
+    return [path.stem for name in sets for path in library.rigs_of(name)]
+
+
+def _enough(match: Match) -> bool:
+    return match.shown * ENOUGH >= len(match.poses)
+
+
+def _others(match: Match, matches: Sequence[Match]) -> list[Match]:
+    """Return what else may be chosen: the best of each other pose set."""
+    best: dict[str, Match] = {}
+    for other in matches:
+        best.setdefault(other.poseset, other)
+    return [m for m in best.values() if m.poseset != match.poseset and _enough(m)][:OTHERS]
+
+
+def _asking(match: Match) -> str:
+    """Return the options that ask for a match."""
+    return f"--poseset {match.poseset}" + (f" --rig {match.rig}" if match.rig else "")
+
+
+def _running(name: str, model: Path) -> str:
+    """Return the command that lets it speak, into a file that is not the model itself."""
+    same = Path(f"{name}.glb").resolve() == model.resolve()
+    return f"lipsync-lang run 'Hello' -l LANGUAGE -c {name} -o {name}{'-line' * same}.glb"
+
+
+def _add(made: Draft, path: Path, text: str, said: str) -> None:
+    made.outputs[path] = lambda stream: stream.write(text.encode("utf-8"))
+    made.said[path] = said
+
+
+def _add_rig(library: "Library", made: Draft, title: str, folder: Path) -> None:
+    """Add a rig of the model's own names."""
+    match, name = made.match, made.path.stem
+    path = folder / FOLDERS["poseset"] / match.poseset / "rigs" / f"{name}.yaml"
+    known = {one.stem: one for one in library.rigs_of(match.poseset)}
+    if path.exists() or name in known:
+        raise PackError(f"{shown(known.get(name, path))}: is there already; choose another name")
+    _refuse_hidden(library, match.poseset, folder)
+    poseset = library.poseset(match.poseset).model
+    base = None
+    if match.rig is not None:
+        base = cast("Rig", library.load(known[match.rig], "rig", match.rig).model)
+    rig = drafted(name, title, match, poseset, base)
+    count = sum(len(places) for places in match.found.places.values())
+    said = f"{count} channel{'s' * (count != 1)} of the model's own"
+    _add(made, path, laid_out(rig, made.model, match, poseset), said)
+
+
+def _refuse_hidden(library: "Library", poseset: str, folder: Path) -> None:
+    """Refuse to write where rigs of a pose set are not looked for."""
+    home = library.find("poseset", poseset).parent.parent.parent
+    roots = [root.path.resolve() for root in library.roots]
+    here = folder.resolve()
+    if here not in roots or roots.index(home.resolve()) < roots.index(here):
+        raise LipsyncError(
+            f"the rig of a new character belongs beside pose set '{poseset}', which is in "
+            f"{shown(home / FOLDERS['poseset'] / poseset / POSESET)}; go to {shown(home)} first"
+        )
+
+
+def _lines(made: Draft, title: str, model: str) -> Iterator[str]:
+    name, poseset = made.path.stem, made.match.poseset
+    yield f"# {title}: the poses of {poseset} on {made.model.path.name}. See it speak:"
+    yield f"#   {_running(name, made.model.path)}"
+    yield "kind: character"
+    yield "format: 1"
+    yield f"name: {name}"
+    yield f"title: {scalar(title)}"
+    yield f"poseset: {poseset}"
+    if made.rig is not None:
+        yield f"rig: {made.rig}"
+    yield f"model: {scalar(model)}"
+    yield ""
+    yield "# What else may be its own: how it moves, and bigrams, words and lines"
+    yield "# motion: {speed_limit: 8}      # weight per second"
+    yield "# dials: {REGION: 0.8}          # a region that moves less, or more"

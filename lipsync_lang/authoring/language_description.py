@@ -1,0 +1,114 @@
+"""What a language pack says and what is known of it, as data."""
+
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.authoring.trial import Trial, try_out
+from lipsync_lang.packs.checking.language_checks import notation_of
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.resolver.nearest_phonemes import among, disagreements
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library, Pack
+
+
+def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
+    """Return a language as `languages show --json` prints it."""
+    model = pack.model
+    return {
+        "name": model.name,
+        "title": model.title or model.name,
+        "tag": model.tag,
+        "aliases": list(model.aliases),
+        "path": shown(pack.path),
+        "extends": model.extends,
+        "automatic": model.automatic,
+        "adds": list(model.adds),
+        "reads": _reads(model),
+        "speaks": f"{model.tts.engine}, voice {model.tts.voice or 'as it comes'}"
+        if model.tts
+        else "",
+        "caveats": list(model.caveats),
+        "notations": {
+            name: [
+                {
+                    "label": label,
+                    "common": " ".join(sounds.to),
+                    "example": model.examples.get(label, "") if number == 0 else "",
+                    "reason": model.reasons.get(label, ""),
+                }
+                for label, sounds in table.items()
+            ]
+            for number, (name, table) in enumerate(model.notations.items())
+        },
+        "inventory": model.inventory.model_dump(mode="json") if model.inventory else None,
+        "disagreements": _disagreements(library, pack),
+        "tests": _tests(library, pack),
+    }
+
+
+def _reads(model: "models.Language") -> str:
+    g2p = model.g2p
+    if g2p is None:
+        return ""
+    parts = [
+        g2p.engine,
+        f"voice {g2p.voice}" if g2p.voice else "",
+        f"code {g2p.code}" if g2p.code else "",
+        g2p.file or "",
+        f"{len(g2p.rules)} rules" if g2p.rules else "",
+        f"respelled as {g2p.respell}" if g2p.respell else "",
+    ]
+    return ", ".join(filter(None, parts))
+
+
+def _tests(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
+    common = library.common().model
+    trial = try_out(library, pack)
+    failed = {fault.line for fault in trial.faults(common.silence) if fault.severity == "fault"}
+    return {
+        "count": len(pack.model.tests),
+        "failed": len(failed),
+        "refusal": trial.refusal,
+        "untested": _untested(trial, common),
+    }
+
+
+def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
+    """Return what no test reaches: phonemes, common phonemes, and rules by their spelling."""
+    model = trial.pack.model
+    reached = trial.reached
+    heard = {name for test in model.tests for name in test.phonemes}
+    names = [*common.base, *(name for name in model.adds if name not in common.base)]
+    if model.inventory:
+        spelled = model.inventory.spelled
+        phonemes = [s for s in model.inventory.segments if s not in model.inventory.absent]
+        missing = [s for s in phonemes if normalise(spelled.get(s, s)) not in reached]
+        notation = notation_of(model, IPA)
+    else:
+        first = next(iter(model.notations), "")
+        phonemes = [*(model.examples or model.notations.get(first, {}))]
+        missing = [label for label in phonemes if normalise(label) not in reached]
+        notation = notation_of(model, first)
+    mapped = {name for label in phonemes for name, _ in notation.find(label) or ()}
+    rules = model.g2p.rules if model.g2p else ()
+    return {
+        "phonemes": missing,
+        "common phonemes": [name for name in names if name in mapped and name not in heard],
+        "rules": [rules[number].spelling for number in trial.silent_rules()],
+    }
+
+
+def _disagreements(library: "Library", pack: "Pack[models.Language]") -> list[dict[str, str]]:
+    """Return the labels that features alone would map otherwise."""
+    return [
+        {
+            "label": row.label,
+            "common": " ".join(name for name, _ in row.common) or "(mute)",
+            "automatic": " ".join(name for name, _ in row.automatic) or "(mute)",
+            "reason": row.reason,
+        }
+        for row in disagreements(pack.model, among(library, pack))
+    ]

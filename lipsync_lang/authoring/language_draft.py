@@ -1,0 +1,292 @@
+"""A language pack drafted from what there is: a voice, a code, a lexicon, an inventory.
+
+A draft runs as it is. Its map is the nearest common phoneme of every label by the features of the
+mouth; the doubtful ones come first, with what they lose. Its tests are for a person to write, from
+a source outside this program.
+"""
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.authoring.inventories import Inventory, read_inventory
+from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.finding import FOLDERS, IPA
+from lipsync_lang.phonology.g2p import Said, Settings, engine
+from lipsync_lang.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.resolver.nearest_phonemes import among_all
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.phonology.nearest import Nearest
+
+NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
+"""What every voice can read: numbers, which together have most sounds of a language."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+_PLAIN = re.compile(r"[^\W\d_][\w\u0300-\u036f\u02b0-\u02ff]*")
+_WORDS = {"true", "false", "null"}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a new language is to be made from; at least one of the four."""
+
+    name: str
+    tag: str | None = None
+    title: str | None = None
+    voice: str | None = None
+    """A voice of eSpeak NG, which reads and speaks."""
+    epitran: str | None = None
+    """A code of Epitran, which reads."""
+    lexicon: Path | None = None
+    """A file of pronunciations, which reads."""
+    inventory: Path | None = None
+    """A table of phonemes."""
+    inventory_id: str | None = None
+    texts: Sequence[str] = ()
+    """Sample texts, whose sounds are looked at."""
+
+
+@dataclass
+class Sounds:
+    """The labels found, and a word for each that has one."""
+
+    words: dict[str, str] = field(default_factory=dict)
+    spelled: dict[str, str] = field(default_factory=dict)
+
+    def add(self, labels: Sequence[str], word: str = "") -> None:
+        """Note the labels of a word; of spellings that are one label the first counts."""
+        for stated in labels:
+            label = self.spelled.setdefault(normalise(stated), stated)
+            if not self.words.get(label):
+                self.words[label] = word
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A drafted pack: what goes where, and what to say of it."""
+
+    path: Path
+    text: str
+    lexicon: Path | None
+    doubtful: int
+    labels: int
+
+    def write(self) -> str:
+        """Write the pack, and its lexicon beside it; return what to do next.
+
+        Raises
+        ------
+        OutputError
+            It cannot be written; nothing is.
+        """
+        made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
+        if self.lexicon is not None:
+            copy = self.path.with_name(self.path.stem + self.lexicon.suffix)
+            content = self.lexicon.read_bytes()
+            if copy.resolve() != self.lexicon.resolve():
+                made[copy] = lambda stream: stream.write(content)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_all(made)
+        name = self.path.stem
+        wrote = "\n".join(f"wrote {path}" for path in made)
+        return (
+            f"{wrote}: {self.labels} labels, {self.doubtful} of them doubtful\n"
+            f"next: look at the doubtful ones, which stand first, then\n"
+            f"  lipsync-lang languages show {name}\n"
+            f"  lipsync-lang validate {self.path}"
+        )
+
+
+def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
+    """Draft a language pack.
+
+    Parameters
+    ----------
+    library : where the common phonemes and the IPA are found
+    wanted : what to make it from
+    folder : the project that it goes into, under `languages`
+
+    Raises
+    ------
+    LipsyncError
+        There is nothing to make it from, the name is taken or is none, or a source is unsound.
+    """
+    path = folder / FOLDERS["language"] / f"{wanted.name}.yaml"
+    _refuse(wanted, path)
+    sounds, inventory = Sounds(), None
+    if wanted.inventory is not None:
+        inventory = read_inventory(wanted.inventory, wanted.inventory_id)
+        sounds.add(inventory.segments)
+    for settings, name in _readers(wanted):
+        for said in engine(name, settings)([*wanted.texts, *NUMBERS]):
+            _note(sounds, said)
+    if wanted.lexicon is not None:
+        for word, labels in read_lexicon(wanted.lexicon).items():
+            sounds.add(labels, word)
+    among = among_all(library, [*sounds.words])
+    found = {label: among.nearest(label) for label in sounds.words}
+    common = library.common().model
+    added = {n for near in found.values() for n, _ in near.value} - {*common.base}
+    text = "\n".join(
+        [*_head(wanted, inventory, sorted(added)), *_body(sounds, found, [*common.phonemes])]
+    )
+    text += "\n" + "\n".join([*_inventory(inventory, found), *_tests()]) + "\n"
+    doubtful = sum(map(_doubtful, found.values()))
+    return Draft(path, text, wanted.lexicon, doubtful, len(found))
+
+
+def _refuse(wanted: Wanted, path: Path) -> None:
+    if not _NAME.fullmatch(wanted.name):
+        raise LipsyncError(
+            f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
+        )
+    if path.exists():
+        raise PackError(f"{path}: is there already; choose another name, or delete it first")
+    if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
+        raise LipsyncError(
+            "a new language is made from something: --voice, --epitran, --lexicon or --inventory"
+        )
+    if wanted.epitran and not wanted.texts:
+        raise LipsyncError(
+            "Epitran shows its sounds by what it reads; give sample lines: --text FILE"
+        )
+    if sum(map(bool, (wanted.epitran, wanted.lexicon))) > 1:
+        raise LipsyncError("--epitran and --lexicon both read text; give one of them")
+
+
+def _readers(wanted: Wanted) -> Iterator[tuple[Settings, str]]:
+    """Yield the engines that read text into IPA."""
+    if wanted.voice and not wanted.lexicon and not wanted.epitran:
+        yield Settings(wanted.name, voice=wanted.voice), "espeak"
+    if wanted.epitran:
+        yield Settings(wanted.name, code=wanted.epitran), "epitran"
+
+
+def _note(sounds: Sounds, said: Sequence[Said]) -> None:
+    for word in said:
+        single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
+        sounds.add(word.labels, word.text if single else "")
+
+
+def _doubtful(near: "Nearest") -> bool:
+    return near.distance > 0 or not near.value or bool(near.unknown)
+
+
+def _head(wanted: Wanted, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
+    title = wanted.title or wanted.name.replace("-", " ").replace("_", " ").title()
+    yield f"# {title}: a draft. It runs as it is, and is as good as its first lines are right."
+    yield "#"
+    yield "# 1. Go through the doubtful labels, which stand first: is that the mouth you see?"
+    yield "# 2. Write tests: words with the phonemes that a dictionary or a grammar gives them."
+    yield f"# 3. lipsync-lang languages show {wanted.name}    says what is untested,"
+    yield f"#    lipsync-lang validate languages/{wanted.name}.yaml    what is wrong."
+    yield "# 4. Take `automatic` out when every label that you meet is below."
+    yield "kind: language"
+    yield "format: 1"
+    yield f"name: {wanted.name}"
+    tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
+    tag = tag or (inventory.code if inventory else "")
+    yield f"tag: {tag}" if tag else "tag: und            # say which language, as BCP 47 writes it"
+    yield f"title: {_scalar(title)}"
+    if added:
+        yield f"adds: [{', '.join(added)}]"
+    yield from _reading(wanted)
+    yield "automatic: true       # labels that are not below go to the nearest common phonemes"
+    yield ""
+
+
+def _reading(wanted: Wanted) -> Iterator[str]:
+    if wanted.lexicon:
+        file = f"{wanted.name}{wanted.lexicon.suffix}"
+        yield f"g2p: {{engine: lexicon, file: {_scalar(file)}, notation: {IPA}}}"
+    elif wanted.epitran:
+        yield f"g2p: {{engine: epitran, code: {_scalar(wanted.epitran)}, notation: {IPA}}}"
+    elif wanted.voice:
+        yield f"g2p: {{engine: espeak, voice: {_scalar(wanted.voice)}, notation: {IPA}}}"
+    else:
+        yield "# It reads text that is written in the labels below; rules make it read spelling:"
+        yield "#   rules: [{from: ch, to: tʃ}, {from: c, to: s, before: '[ei]'}, {from: c, to: k}]"
+        yield f"g2p: {{engine: rules, notation: {IPA}}}"
+    if wanted.voice:
+        yield f"tts: {{engine: espeak, voice: {_scalar(wanted.voice)}}}"
+
+
+def _body(sounds: Sounds, found: Mapping[str, "Nearest"], order: Sequence[str]) -> Iterator[str]:
+    """Write the map, the doubtful labels first, and an example for each."""
+    seen = [label for label, near in found.items() if near.value]
+    doubtful = sorted(
+        (label for label in seen if _doubtful(found[label])),
+        key=lambda label: -found[label].distance,
+    )
+    sure = sorted(
+        (label for label in seen if not _doubtful(found[label])),
+        key=lambda label: [order.index(name) for name, _ in found[label].value],
+    )
+    yield "notations:"
+    yield f"  {IPA}:"
+    if doubtful:
+        yield "    # Doubtful: no common phoneme names these, and the nearest was taken"
+        yield from (_entry(label, found[label]) for label in doubtful)
+        yield ""
+    if sure:
+        yield "    # Common phonemes name these"
+        yield from (_entry(label, found[label]) for label in sure)
+    examples = {label: word for label, word in sounds.words.items() if word}
+    if examples:
+        yield ""
+        yield "# A word for each label, as it came; choose better ones"
+        yield "examples:"
+        shown = (label for label in (*doubtful, *sure) if label in examples)
+        yield from (f"  {_scalar(label)}: {_scalar(examples[label])}" for label in shown)
+
+
+def _entry(label: str, near: "Nearest") -> str:
+    names = [name for name, _ in near.value]
+    shares = {round(share, 3) for _, share in near.value}
+    if len(names) == 1:
+        value = names[0]
+    elif len(shares) > 1:
+        parts = ", ".join(f"{share:.3g}" for _, share in near.value)
+        value = f"{{to: [{', '.join(names)}], shares: [{parts}]}}"
+    else:
+        value = f"[{', '.join(names)}]"
+    told = [f"loses {', '.join(near.losses)}"] if near.losses else []
+    told += [f"not IPA: {' '.join(near.unknown)}"] if near.unknown else []
+    entry = f"    {_scalar(label)}: {value}"
+    return f"{entry:<20}# {'; '.join(told)}" if told else entry
+
+
+def _inventory(inventory: Inventory | None, found: Mapping[str, "Nearest"]) -> Iterator[str]:
+    if inventory is None:
+        return
+    listed = ", ".join(map(_scalar, inventory.segments))
+    yield ""
+    yield "inventory:"
+    yield f"  source: {_scalar(inventory.source)}"
+    yield f"  segments: [{listed}]"
+    mute = {normalise(label) for label, near in found.items() if not near.value}
+    toned = [segment for segment in inventory.segments if normalise(segment) in mute]
+    if toned:
+        yield "  absent:"
+        yield from (f"    {_scalar(segment)}: nothing of it is seen" for segment in toned)
+
+
+def _tests() -> Iterator[str]:
+    yield ""
+    yield "# What a dictionary or a grammar says of a word, and the mouths it should become:"
+    yield '#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}'
+    yield "tests: []"
+
+
+def _scalar(text: str) -> str:
+    """Return text as YAML reads it back."""
+    if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
+        return text
+    return json.dumps(text, ensure_ascii=False)

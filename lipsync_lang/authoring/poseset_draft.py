@@ -1,0 +1,355 @@
+"""A pose set drafted from names: of its poses, of a model's shapes, or of another set's poses.
+
+A draft runs as it is. Poses that a pose set knows already move as they do there. Where nobody knows
+any, they are dealt out over the kinds of sounds, so that there is something to see and to change.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.authoring.placing import Placed, place_model
+from lipsync_lang.authoring.poseset_text import laid_out, scalar
+from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.finding import FOLDERS, POSESET
+from lipsync_lang.packs.models import (
+    AtMost,
+    Constraints,
+    Contact,
+    Motion,
+    Pose,
+    PoseSet,
+    Target,
+    Threshold,
+)
+from lipsync_lang.packs.models.rig_channels import pose_names
+from lipsync_lang.pipeline.motion import PRESETS
+from lipsync_lang.rigs.driver import bare
+from lipsync_lang.rigs.names import places
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.models import Phonemes
+
+STRONG = 0.8
+"""How far a guessed pose goes at the sounds that it is for."""
+
+WEAK = 0.3
+"""How far the first one goes at sounds that no pose is for."""
+
+SHUT = 0.1
+"""How far the first one may go at sounds that shut a mouth."""
+
+RESERVED = frozenset({"dominance", "weights"})
+"""Keys of a target, which no pose can be called."""
+
+LONGEST = 120
+"""Characters of a pose's name."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a new pose set is to be made from; at least one of the three."""
+
+    name: str
+    poses: Sequence[str] = ()
+    model: Path | None = None
+    """A model, whose shapes are the poses where none are named."""
+    like: str | None = None
+    """A pose set that knows how they move, and whose poses they are where none are named."""
+    title: str | None = None
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A drafted pose set: what goes where, and what to say of it."""
+
+    path: Path
+    text: str
+    said: str
+    model: Placed | None = None
+    """Its model, which may have to be copied beside it."""
+
+    def write(self) -> str:
+        """Write the pose set, and its model beside it; return what was done and what is next.
+
+        Raises
+        ------
+        OutputError
+            It cannot be written; nothing is.
+        """
+        made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
+        if self.model is not None and self.model.copy is not None:
+            made[self.path.with_name(self.model.stated)] = self.model.write
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_all(made)
+        name = self.path.parent.name
+        copied = "".join(f"wrote {path}, a copy\n" for path in [*made][1:])
+        return (
+            f"wrote {self.path}: {self.said}\n{copied}"
+            f"next: look at its targets, then\n"
+            f"  lipsync-lang run 'Hello' -l LANGUAGE -c {name} --plot {name}.png\n"
+            f"  lipsync-lang validate {self.path}"
+        )
+
+
+def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
+    """Draft a pose set.
+
+    Parameters
+    ----------
+    library : where the common phonemes and the pose sets that know poses are found
+    wanted : what to make it from
+    folder : the project that it goes into, under `posesets`
+
+    Raises
+    ------
+    LipsyncError
+        There is nothing to make it from, the name is taken or is none, or a source is unsound.
+    """
+    path = folder / FOLDERS["poseset"] / wanted.name / POSESET
+    _refuse(wanted, path)
+    sets = _sets(library, wanted.like)
+    shapes = _shapes(wanted.model)
+    names = _names(wanted.poses or shapes or sets[0].poses)
+    common = library.common().model
+    known, called = max(((s, _called(names, s)) for s in sets), key=lambda pair: len(pair[1]))
+    if called:
+        made, why = taken(known, called, common), _named_otherwise(called)
+        why[""] = f"Poses move as in pose set '{known.name}' until you change them."
+    else:
+        made, why = guessed(names[: len(common.base)], _shutting(sets, common), common), {}
+        why[""] = (
+            f"No pose set knows these poses: a first guess by sounds ({_kinds(made, common)})."
+        )
+    left = [name for name in names if name not in made.poses]
+    placed = place_model(wanted.model, path) if wanted.model is not None else None
+    stated = placed.stated if placed is not None else None
+    title = " ".join((wanted.title or "").split()) or re.sub("[-_]", " ", wanted.name).title()
+    made = made.model_copy(update={"name": wanted.name, "title": title, "model": stated})
+    absent = [name for name in made.poses if shapes and name not in shapes]
+    said = [
+        f"{len(made.poses)} pose{'s' * (len(made.poses) != 1)}, "
+        + (f"moving as in {known.name}" if called else "a first guess"),
+        *([f"not moved yet, in a comment: {len(left)}"] if left else ()),
+        *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
+    ]
+    return Draft(path, laid_out(made, common, why, left), "; ".join(said), placed)
+
+
+def _refuse(wanted: Wanted, path: Path) -> None:
+    if not _NAME.fullmatch(wanted.name):
+        raise LipsyncError(
+            f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
+        )
+    if path.exists():
+        raise PackError(f"{path}: is there already; choose another name, or delete it first")
+    if not wanted.poses and wanted.model is None and wanted.like is None:
+        raise LipsyncError(
+            "a new pose set is made from something: the names of its poses, --model or --like"
+        )
+
+
+def _sets(library: "Library", like: str | None) -> list[PoseSet]:
+    """Return the pose sets that may know how poses move."""
+    if like is not None:
+        return [library.poseset(like).model]
+    found = []
+    for name in dict.fromkeys(one.name for one in library.names("poseset")):
+        try:
+            found.append(library.poseset(name).model)
+        except PackError:  # `validate` says what is wrong with it
+            continue
+    return found or [_bare({})]
+
+
+def _shapes(model: Path | None) -> list[str]:
+    """Return the names of a model's shapes, each once."""
+    if model is None:
+        return []
+    from lipsync_lang.rigs.model import read_model
+
+    return list(
+        dict.fromkeys(name for names in read_model(model).shapes.values() for name in names)
+    )
+
+
+def _names(stated: Iterable[str]) -> list[str]:
+    """Return the names to make poses of."""
+    names = list(dict.fromkeys(stated))
+    for name in names:
+        fits = name == name.strip() and name.isprintable() and 0 < len(name) <= LONGEST
+        if not fits or name in RESERVED:
+            raise LipsyncError(f"{name!r} cannot be the name of a pose; call it otherwise")
+    return names
+
+
+def _called(names: Sequence[str], known: PoseSet) -> dict[str, str]:
+    """Map names to the poses of a set that they stand for and that its targets move."""
+    steps = [target for targets in known.targets.values() for target in targets]
+    moved = {pose for step in steps for pose, weight in step.weights.items() if weight > 0}
+    poses = tuple(pose for pose in known.poses if pose in moved)
+    called: dict[str, str] = {}
+    for number, shapes in sorted(places(bare(poses, pose_names(known)), names).items()):
+        for name in shapes:
+            called.setdefault(name, poses[number])
+    return {name: called[name] for name in names if name in called}
+
+
+def _named_otherwise(called: Mapping[str, str]) -> dict[str, str]:
+    return {name: f"as {scalar(pose)}" for name, pose in called.items() if name != pose}
+
+
+def _bare(poses: Mapping[str, Pose]) -> PoseSet:
+    return PoseSet.model_construct(kind="poseset", format=1, name="", poses=dict(poses))
+
+
+def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> PoseSet:
+    """Return what a pose set says of some of its poses, under other names.
+
+    Parameters
+    ----------
+    known : the pose set
+    called : what each pose is to be called -> its name there
+    common : the sounds that every pose set has a target for
+    """
+    new: dict[str, list[str]] = {}
+    for name, pose in called.items():
+        new.setdefault(pose, []).append(name)
+
+    def renamed(values: Mapping[str, float]) -> dict[str, float]:
+        return {name: value for pose, value in values.items() for name in new.get(pose, ())}
+
+    contacts = {
+        name: Contact(
+            phonemes=contact.phonemes,
+            floor=renamed(contact.floor),
+            ceiling=renamed(contact.ceiling),
+        )
+        for name, contact in known.contacts.items()
+    }
+    targets = {
+        label: tuple(
+            step.model_copy(
+                update={"weights": renamed(step.weights), "dominance": renamed(step.dominance)}
+            )
+            for step in steps
+        )
+        for label, steps in known.targets.items()
+    }
+    measures = {name: renamed(gains) for name, gains in known.measures.items()}
+    rest = (Target(),)
+    return _bare({name: _untitled(known.poses[pose]) for name, pose in called.items()}).model_copy(
+        update={
+            "constraints": _constraints(known.constraints, new),
+            "priority": tuple(name for pose in known.priority for name in new.get(pose, ())),
+            "contacts": {name: c for name, c in contacts.items() if c.floor or c.ceiling},
+            "motion": Motion(**_unusual(known.motion)),
+            "targets": {
+                label: steps if any(step.weights for step in steps) else steps[:1]
+                for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
+            },
+            "measures": {name: gains for name, gains in measures.items() if gains},
+        }
+    )
+
+
+def _unusual(motion: Motion) -> dict[str, Any]:
+    """Return what a pose set says of its motion, but for what is usual; its speed in any case."""
+    usual = {**asdict(PRESETS["default"]), "speed_limit": None}
+    stated = {"speed_limit": PRESETS["default"].speed_limit, **motion.model_dump(exclude_none=True)}
+    return {name: value for name, value in stated.items() if value != usual.get(name)}
+
+
+def _untitled(pose: Pose) -> Pose:
+    """Return a pose without the spellings of models that belong to its old name."""
+    return Pose(title=pose.title, region=pose.region)
+
+
+def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constraints:
+    pairs: list[Threshold | AtMost] = []
+    for pair in known.pairs:
+        if isinstance(pair, Threshold):
+            one, other = (new.get(pose, ()) for pose in pair.between)
+            between = product(one, other)
+            pairs += [Threshold(between=both, threshold=pair.threshold) for both in between]
+        else:
+            one, other = new.get(pair.pose, ()), new.get(pair.at_most, ())
+            pairs += [AtMost(pose=a, at_most=b) for a, b in product(one, other)]
+    return Constraints(default=known.default, pairs=tuple(pairs))
+
+
+def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -> PoseSet:
+    """Return a first guess at poses that nobody knows: each is for one kind of sounds.
+
+    Parameters
+    ----------
+    poses : their names; the first is for the kind of most sounds
+    shutting : sounds that shut a mouth, at which the first makes way
+    common : the sounds, and the kind of each
+    """
+    first = poses[0]
+    dealt = _dealt(poses, common)
+    targets = {}
+    for label in common.base:
+        pose = dealt.get(label)
+        weights = {first: WEAK} if pose is None else {pose: STRONG}
+        shut = {first: 0.0} if label in shutting else {}
+        targets[label] = (Target(weights={**weights, **shut}),)
+    contacts = {"closure": Contact(phonemes=tuple(shutting), ceiling={first: SHUT})}
+    return _bare(dict.fromkeys(poses, Pose())).model_copy(
+        update={
+            "contacts": contacts if shutting else {},
+            "motion": Motion(speed_limit=PRESETS["default"].speed_limit),
+            "targets": targets,
+        }
+    )
+
+
+def _dealt(poses: Sequence[str], common: "Phonemes") -> dict[str, str]:
+    """Map sounds to poses: a kind of sounds each, and what is left to the largest shares."""
+    kinds: dict[str | None, list[str]] = {}
+    for label in common.base:
+        told = common.phonemes.get(label)
+        kinds.setdefault(told.sound if told else None, []).append(label)
+    groups = sorted(kinds.values(), key=len, reverse=True)
+    shares = [[pose] for pose in poses[: len(groups)]]
+    for pose in poses[len(groups) :]:
+        most = max(range(len(shares)), key=lambda n: len(groups[n]) / len(shares[n]))
+        shares[most].append(pose)
+    return {
+        label: share[number * len(share) // len(group)]
+        for group, share in zip(groups, shares, strict=False)
+        for number, label in enumerate(group)
+    }
+
+
+def _kinds(made: PoseSet, common: "Phonemes") -> str:
+    """Say which poses were dealt to which kind of sounds."""
+    kinds: dict[str, dict[str, None]] = {}
+    for label, (target,) in made.targets.items():
+        kind = common.phonemes[label].sound if label in common.phonemes else None
+        strong = (pose for pose, weight in target.weights.items() if weight == STRONG)
+        kinds.setdefault(kind or "other", {}).update(dict.fromkeys(strong))
+    return ", ".join(f"{kind} {' '.join(poses)}" for kind, poses in kinds.items() if poses)
+
+
+def _shutting(sets: Iterable[PoseSet], common: "Phonemes") -> list[str]:
+    """Return the sounds at which every pose set keeps something shut."""
+    shut = [
+        {
+            label
+            for contact in one.contacts.values()
+            if contact.ceiling
+            for label in contact.phonemes
+        }
+        for one in sets
+    ]
+    agreed = set.intersection(*some) if (some := [labels for labels in shut if labels]) else set()
+    return [label for label in common.base if label in agreed]

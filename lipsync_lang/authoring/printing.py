@@ -1,0 +1,104 @@
+"""Tables for people: what a text becomes, and what a language pack says."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from lipsync_lang.text_table import columns
+
+
+def transcript_table(told: dict[str, Any]) -> str:
+    """Lay out a transcript: each word, its phonemes, and its common phonemes."""
+    rows = [("word", told["notation"], "common phonemes")]
+    for word in told["words"]:
+        labels = " ".join(label["label"] for label in word["labels"])
+        common = word.get("pronounced") or [
+            name for label in word["labels"] for name in label["common"] or ["?"]
+        ]
+        unread = [f"(not read: {word['unread']})"] if "unread" in word else []
+        rows.append((word["text"], labels, " ".join([*common, *unread])))
+    lines = list(columns(rows))
+    table = [
+        (label, " ".join(near["common"]) or "(mute)", _losing(near["loses"]))
+        for label, near in told["automatic"].items()
+        if near["distance"] or near["loses"]
+    ]
+    if told["automatic"]:
+        count = len(told["automatic"])
+        lines.append(
+            f"{count} labels mapped automatically" + (", not exactly these:" * bool(table))
+        )
+        lines += [f"  {line}" for line in columns(table)]
+    return "\n".join(lines)
+
+
+def _losing(losses: Sequence[str]) -> str:
+    return f"loses {', '.join(losses)}" if losses else ""
+
+
+def language_table(told: dict[str, Any]) -> str:
+    """Lay out a language as the paper's Table 1: phoneme, common phoneme, example, and why.
+
+    Of `told`, what `authoring.language.describe` returns. The first notation is spelled out; of the
+    others the labels of each common phoneme.
+    """
+    also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""
+    lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]
+    for number, (name, rows) in enumerate(told["notations"].items()):
+        lines.append(f"\n{name}: {len(rows)} labels")
+        if number == 0:
+            lines += _rows(rows)
+        else:
+            lines += _grouped(rows)
+    lines += _inventory(told["inventory"]) if told["inventory"] else []
+    if told["disagreements"]:
+        lines.append("\nother than by its features alone:")
+        table = [("phoneme", "here", "by features", "why")]
+        table += [
+            (d["label"], d["common"], d["automatic"], d["reason"] or "(no reason given)")
+            for d in told["disagreements"]
+        ]
+        lines += [f"  {line}" for line in columns(table, widest=60)]
+    return "\n".join([*lines, *_tests(told)])
+
+
+def _facts(told: dict[str, Any]) -> Iterator[str]:
+    for what in ("reads", "speaks"):
+        if told[what]:
+            yield f"{what} text by {told[what]}"
+    if told["extends"]:
+        yield f"states only what differs from {told['extends']}"
+    if told["automatic"]:
+        yield "automatic: IPA that it does not map goes to the nearest common phonemes"
+    for caveat in told["caveats"]:
+        yield f"beware: {caveat}"
+
+
+def _rows(rows: Sequence[dict[str, str]]) -> Iterator[str]:
+    table = [("phoneme", "common", "example", "why")]
+    table += [(r["label"], r["common"] or "(mute)", r["example"], r["reason"]) for r in rows]
+    yield from (f"  {line}" for line in columns(table, widest=60))
+
+
+def _grouped(rows: Sequence[dict[str, str]]) -> Iterator[str]:
+    groups: dict[str, list[str]] = {}
+    for row in rows:
+        groups.setdefault(row["common"], []).append(row["label"])
+    for common, labels in sorted(groups.items(), key=lambda group: " " in group[0]):
+        yield f"  {common or '(mute)':<10}{'  '.join(labels)}"
+
+
+def _inventory(inventory: dict[str, Any]) -> Iterator[str]:
+    yield f"\ninventory: {len(inventory['segments'])} phonemes, {inventory['source']}"
+    for segment, reason in inventory["absent"].items():
+        yield f"  absent: {segment} ({reason})"
+
+
+def _tests(told: dict[str, Any]) -> Iterator[str]:
+    tests = told["tests"]
+    failed = f", {tests['failed']} of them fail" if tests["failed"] else ""
+    yield f"\n{tests['count']} tests{failed}"
+    if tests["refusal"]:
+        yield f"  not run: {tests['refusal']}"
+    for what, which in tests["untested"].items():
+        if which:
+            yield f"  untested {what}: {' '.join(which)}"

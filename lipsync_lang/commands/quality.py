@@ -1,0 +1,95 @@
+"""The command that judges an animation: one performed here, or one that a file holds."""
+
+import sys
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from lipsync_lang.commands.output import FAULTS, SOUND, count
+from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import BinaryIO
+
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.quality.figures import Quality
+
+
+def check(options: Namespace) -> int:
+    """Print the figures of an animation; one past its limit is a fault."""
+    from lipsync_lang.files import write_all
+    from lipsync_lang.quality.quality_report import FORMATS
+
+    judged = _judged(options)
+    told = FORMATS[options.format](judged)
+    if options.output is None:
+        print(told)
+    else:
+        write_all({options.output: _writing(told)})
+        print(f"wrote {options.output}", file=sys.stderr)
+    first = next(iter(judged.values()))
+    if options.format != "text" or options.output is not None:
+        print(summary(first), file=sys.stderr)
+    return SOUND if first.passed else FAULTS
+
+
+def _writing(told: str) -> "Callable[[BinaryIO], None]":
+    def write(stream: "BinaryIO") -> None:
+        stream.write(f"{told}\n".encode())
+
+    return write
+
+
+def summary(quality: "Quality") -> str:
+    """Say in a line how an animation did."""
+    if quality.passed:
+        return "all limits are kept"
+    names = ", ".join(figure.name for figure in quality.failed)
+    return f"{count(len(quality.failed), 'limit')} missed: {names}"
+
+
+def _judged(options: Namespace) -> "dict[str, Quality]":
+    """Judge what is asked for; the first counts, plain methods follow."""
+    from lipsync_lang.quality.baselines import BASELINES
+    from lipsync_lang.quality.check_animation import check as judge
+
+    performer = performer_for(options)
+    animation, remarks = _animation(options, performer)
+    limits = _limits(options.limits)
+    name = str(options.animation) if options.animation else "performed"
+    judged = {name: judge(animation, performer=performer, limits=limits, remarks=remarks)}
+    for method, make in BASELINES.items() if options.baseline else ():
+        plain = make(performer, animation.schedule, options.fps)
+        plain = performer.rigged(plain) if options.channels else plain
+        judged[method] = judge(plain, performer=performer, limits=limits)
+    return judged
+
+
+def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, tuple[str, ...]]":
+    """Perform the line, or read what is said to be it."""
+    if options.animation is not None:
+        from lipsync_lang.quality.fitting import read_for
+
+        spoken = any(getattr(options, of) is not None for of in ("text", "schedule", "audio"))
+        schedule = schedule_for(options, performer) if spoken else None
+        return read_for(performer, options.animation, schedule, channels=options.channels)
+    animation = perform_line(options, performer, schedule_for(options, performer))
+    if options.channels and performer.compiled.rig is None:
+        raise LipsyncError(f"{performer.character} has no rig; leave out --channels")
+    return (performer.rigged(animation) if options.channels else animation), ()
+
+
+def _limits(stated: list[str]) -> dict[str, float]:
+    """Read ``jitter=2``."""
+    limits: dict[str, float] = {}
+    for one in stated:
+        name, _, number = one.partition("=")
+        try:
+            limits[name] = float(number)
+        except ValueError:
+            raise LipsyncError(
+                f"--limit {one}: write NAME=NUMBER (--limit {name or 'jitter'}=2)"
+            ) from None
+    return limits

@@ -1,0 +1,276 @@
+"""Rules of a pose set that work against each other."""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+from lipsync_lang.packs.models import AtMost, Bank, PoseSet, Threshold
+from lipsync_lang.packs.models.pose_models import FREE
+from lipsync_lang.packs.yaml.faults import Fault
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.yaml.source import Loc
+
+ROUNDING = 1e-9
+"""0.9 and 0.8 come to no more than 1.7."""
+
+
+def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[Bank] | None = None) -> Iterator[Fault]:
+    """Yield what keeps constraints from being met, or contacts from being seen.
+
+    `banks` are those of the pose set; None where nobody knows how far their curves reach.
+    """
+    yield from _pairs(poseset)
+    yield from _level(poseset)
+    yield from _circles(poseset)
+    yield from _outranked(poseset)
+    yield from _together(poseset)
+    yield from _pressed(poseset)
+    yield from _idle(poseset)
+    yield from _unprepared(poseset)
+    if banks is not None:
+        yield from _unreached(poseset, _reach(poseset.model, banks))
+
+
+@dataclass(frozen=True)
+class _Order:
+    """Who yields to whom in a pose set."""
+
+    model: PoseSet
+
+    def rank(self, pose: str) -> int:
+        """Return the place in `priority`; poses not named stand above all."""
+        order = self.model.priority
+        return order.index(pose) if pose in order else len(order)
+
+    def binds(self, pair: Threshold | AtMost) -> bool:
+        """Say whether a pair is of known poses, and has a threshold that two weights can pass."""
+        if not isinstance(pair, Threshold) or not set(pair.between) <= set(self.model.poses):
+            return False
+        return pair.threshold < FREE
+
+    def threshold(self, one: str, other: str) -> float:
+        """Return what two poses may add up to."""
+        for pair in self.model.constraints.pairs:
+            if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
+                return pair.threshold
+        return self.model.constraints.default
+
+    def unlisted(self, poses: Iterable[str]) -> Iterator[tuple[str, str]]:
+        """Yield the pairs of some poses for which the default threshold stands."""
+        pairs = self.model.constraints.pairs
+        listed = {frozenset(p.between) for p in pairs if isinstance(p, Threshold)}
+        yield from (pair for pair in combinations(poses, 2) if frozenset(pair) not in listed)
+
+
+def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """No pair is constrained twice, none with itself, and in each one pose yields."""
+    order = _Order(poseset.model)
+    seen: dict[tuple[object, ...], int] = {}
+    for index, pair in enumerate(poseset.model.constraints.pairs):
+        loc = ("constraints", "pairs", index)
+        threshold = isinstance(pair, Threshold)
+        one, other = pair.between if isinstance(pair, Threshold) else (pair.pose, pair.at_most)
+        key = (threshold, *(sorted((one, other)) if threshold else (one, other)))
+        if one == other:
+            yield poseset.fault(
+                loc, "P216", f"'{one}' is constrained with itself", "name two poses"
+            )
+        elif key in seen:
+            line = poseset.where(("constraints", "pairs", seen[key])).line
+            what = f"'{one}' and '{other}' are constrained twice"
+            yield poseset.fault(loc, "P216", what, f"first in line {line}; keep one of the two")
+        elif order.binds(pair) and order.rank(one) == order.rank(other):
+            what = f"neither '{one}' nor '{other}' yields: `priority` names neither"
+            yield poseset.warning(loc, "W302", what, "name the one that yields in `priority`")
+        seen.setdefault(key, index)
+
+
+def _level(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Of two poses that the default threshold binds, one yields."""
+    model = poseset.model
+    if model.constraints.default >= FREE or not set(model.priority) <= set(model.poses):
+        return
+    level = [pose for pose in model.poses if pose not in model.priority]
+    tied = dict.fromkeys(pose for pair in _Order(model).unlisted(level) for pose in pair)
+    if tied:
+        what = f"none of {', '.join(map(repr, tied))} yields: `priority` names none of them"
+        hint = "name those that yield in `priority`, or raise `default`"
+        yield poseset.warning(("constraints", "default"), "W302", what, hint)
+
+
+def _circles(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """No pose waits, through `at_most`, for itself."""
+    rules = [
+        (index, pair.pose, pair.at_most)
+        for index, pair in enumerate(poseset.model.constraints.pairs)
+        if isinstance(pair, AtMost) and pair.pose != pair.at_most
+    ]
+    waits: dict[str, set[str]] = {}
+    for _, pose, other in rules:
+        waits.setdefault(pose, set()).add(other)
+    for index, pose, other in rules:
+        path = path_between(waits, other, pose)
+        if path:
+            what = f"constraints run in a circle: {' -> '.join((pose, *path))}"
+            hint = "a pose cannot wait for itself; drop one"
+            yield poseset.fault(("constraints", "pairs", index), "P206", what, hint)
+
+
+def path_between(waits: Mapping[str, Collection[str]], start: str, goal: str) -> tuple[str, ...]:
+    """Return how `start` waits for `goal`, or nothing."""
+    came: dict[str, str] = {start: ""}
+    todo = [start]
+    while todo:
+        pose = todo.pop()
+        if pose == goal:
+            path = [pose]
+            while came[path[-1]]:
+                path.append(came[path[-1]])
+            return tuple(reversed(path))
+        for other in sorted(waits.get(pose, ())):
+            if other not in came:
+                came[other] = pose
+                todo.append(other)
+    return ()
+
+
+def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
+    """Map each contact pose to its highest floor and the contact that sets it."""
+    floors: dict[str, tuple[float, str]] = {}
+    for name, contact in model.contacts.items():
+        for pose, floor in contact.floor.items():
+            if floor > 0 and floor > floors.get(pose, (0.0, ""))[0]:
+                floors[pose] = floor, name
+    return floors
+
+
+def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    model, order, floors = poseset.model, _Order(poseset.model), _floors(poseset.model)
+    misspelt = not set(model.priority) <= set(model.poses)
+    ranked = [pose for pose in model.poses if pose in model.priority or not misspelt]
+    for pose, (_, name) in floors.items():
+        loc = ("contacts", name, "floor", pose)
+        for other in ranked:
+            above = order.rank(other) > order.rank(pose) and other not in floors
+            if above and order.threshold(pose, other) < FREE:
+                what = f"'{pose}' has to yield to '{other}', so that the contact may not be seen"
+                hint = f"put '{pose}' after '{other}' in `priority`"
+                yield poseset.fault(loc, "P207", what, hint, key=True)
+    for pair in model.constraints.pairs:
+        if not isinstance(pair, AtMost):
+            continue
+        for name, contact in model.contacts.items():
+            if contact.floor.get(pair.pose, 0) > contact.floor.get(pair.at_most, 0):
+                loc = ("contacts", name, "floor", pair.pose)
+                what = f"'{pair.pose}' never passes '{pair.at_most}', which is not held as high"
+                hint = f"drop the constraint, or hold '{pair.at_most}' as well"
+                yield poseset.fault(loc, "P207", what, hint, key=True)
+
+
+def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    model, order = poseset.model, _Order(poseset.model)
+    for (one, (low, _)), (other, (high, _)) in combinations(_floors(model).items(), 2):
+        threshold = order.threshold(one, other)
+        if threshold < min(FREE, low + high - ROUNDING):
+            index = next(
+                (
+                    n
+                    for n, pair in enumerate(model.constraints.pairs)
+                    if isinstance(pair, Threshold) and set(pair.between) == {one, other}
+                ),
+                None,
+            )
+            stated: Loc = ("constraints", "default")
+            loc = stated if index is None else ("constraints", "pairs", index, "threshold")
+            what = (
+                f"'{one}' and '{other}' may add up to {threshold:g}, "
+                f"but their contacts need {low + high:g}"
+            )
+            yield poseset.fault(loc, "P208", what, "raise the threshold, or lower the floors")
+
+
+def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    floors = _floors(poseset.model)
+    for name, contact in poseset.model.contacts.items():
+        for pose in contact.ceiling:
+            if pose in floors:
+                loc = ("contacts", name, "ceiling", pose)
+                what = f"'{pose}' gets a ceiling here, but contact '{floors[pose][1]}' holds it up"
+                yield poseset.fault(loc, "P209", what, "leave it out of one of the two", key=True)
+
+
+def _idle(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Every contact demands something."""
+    for name, contact in poseset.model.contacts.items():
+        if not any(contact.floor.values()) and all(top == 1 for top in contact.ceiling.values()):
+            what = f"contact '{name}' demands nothing: no floor above 0, no ceiling below 1"
+            hint = "say how far poses must rise (`floor`) or may rise (`ceiling`), or drop it"
+            yield poseset.warning(("contacts", name), "W312", what, hint, key=True)
+
+
+def _unprepared(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """The target of a phoneme goes where its contacts will have it anyway."""
+    targets = poseset.model.targets
+    for name, contact in poseset.model.contacts.items():
+        for phoneme in (label for label in contact.phonemes if label in targets):
+            for pose in (p for p in contact.floor | contact.ceiling if p in poseset.model.poses):
+                heights = [step.weights.get(pose, 0.0) for step in targets[phoneme]]
+                floor, top = contact.floor.get(pose, 0.0), contact.ceiling.get(pose, 1.0)
+                if max(heights) < floor:
+                    what = (
+                        f"'{pose}' gets to {max(heights):g}, but contact '{name}' is at {floor:g}"
+                    )
+                elif min(heights) > top:
+                    what = f"'{pose}' stays at {min(heights):g}, but contact '{name}' is at {top:g}"
+                else:
+                    continue
+                hint = "make them agree, so that a draft gets there by itself"
+                yield poseset.warning(("targets", phoneme), "W314", what, hint, key=True)
+
+
+def _reach(model: PoseSet, banks: Iterable[Bank]) -> dict[str, float]:
+    """Map each pose that targets or banks move to its greatest weight, contacts included."""
+    stated = [
+        *(pair for steps in model.targets.values() for t in steps for pair in t.weights.items()),
+        *(
+            (pose, max(value for _, value in curve))
+            for bank in banks
+            for bigram in bank.bigrams.values()
+            for pose, curve in bigram.curves.items()
+        ),
+        *(
+            (pose, floor)
+            for contact in model.contacts.values()
+            for pose, floor in contact.floor.items()
+        ),
+    ]
+    reach: dict[str, float] = {}
+    for pose, weight in stated:
+        reach[pose] = max(weight, reach.get(pose, 0.0))
+    return reach
+
+
+def _unreached(poseset: "Pack[PoseSet]", reach: Mapping[str, float]) -> Iterator[Fault]:
+    """Every threshold is one that two poses can pass."""
+    constraints = poseset.model.constraints
+    for index, pair in enumerate(constraints.pairs):
+        if isinstance(pair, Threshold) and set(pair.between) <= set(reach):
+            one, other = pair.between
+            together = reach[one] + reach[other]
+            if together <= pair.threshold < FREE and one != other:
+                what = (
+                    f"'{one}' and '{other}' never add up to more than {pair.threshold:g}: "
+                    f"they reach {reach[one]:g} and {reach[other]:g}"
+                )
+                loc = ("constraints", "pairs", index, "threshold")
+                yield poseset.warning(loc, "W313", what, "lower the threshold, or drop the pair")
+    pairs = [*_Order(poseset.model).unlisted(poseset.model.poses)]
+    if constraints.default < FREE and pairs and {p for pair in pairs for p in pair} <= set(reach):
+        one, other = max(pairs, key=lambda pair: reach[pair[0]] + reach[pair[1]])
+        if reach[one] + reach[other] <= constraints.default:
+            what = f"'{one}' and '{other}' never add up to more than {reach[one] + reach[other]:g}"
+            hint = "no other pair without a threshold of its own does; lower `default`, or drop it"
+            yield poseset.warning(("constraints", "default"), "W313", what, hint)

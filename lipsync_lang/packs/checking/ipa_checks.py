@@ -1,0 +1,119 @@
+"""Checks of the IPA as data: its words, features and letters exist."""
+
+from collections.abc import Collection, Iterable, Iterator
+from typing import TYPE_CHECKING
+from unicodedata import normalize
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.source import Loc
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.models.ipa_models import Ipa
+    from lipsync_lang.packs.models.language_models import Phonemes
+
+CARRIER = "\u25cc"
+"""The dotted circle on which a mark is written that needs a carrier."""
+
+
+def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
+    """Everything the IPA is described by is described itself."""
+    model = ipa.model
+    for term, features in model.terms.items():
+        yield from _features(ipa, ("terms", term), features)
+    for letter, words in model.letters.items():
+        yield from _words(ipa, ("letters", letter), words)
+    for index, join in enumerate(model.joins):
+        for side, phrases in (("first", join.first), ("second", join.second)):
+            for number, phrase in enumerate(phrases):
+                yield from _words(ipa, ("joins", index, side, number), phrase)
+    yield from _marks(ipa)
+    yield from _letters(ipa)
+    for field, phonemes in (("aside", model.aside), ("beside", model.beside)):
+        for phoneme in phonemes:
+            if phoneme not in common.phonemes:
+                what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, common.phonemes)
+                yield ipa.fault((field, phoneme), "P202", what, hint, key=True)
+
+
+def _marks(ipa: "Pack[Ipa]") -> Iterator[Fault]:
+    for mark, cases in ipa.model.marks.items():
+        for index, case in enumerate(cases):
+            loc: Loc = ("marks", mark, index)
+            for number, phrase in enumerate(case.on):
+                yield from _words(ipa, (*loc, "on", number), phrase)
+            yield from _features(ipa, (*loc, "set"), case.set)
+            yield from _features(ipa, (*loc, "add"), case.add)
+
+
+def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
+    """Every letter that another entry speaks of has an entry itself."""
+    model = ipa.model
+    letters = {_plain(letter) for letter in model.letters}
+    marks = {_plain(mark) for mark in model.marks}
+    named: list[tuple[Loc, str]] = [
+        *((("prefer", letter, "as"), p.letter) for letter, p in model.prefer.items()),
+        *((("alone", mark), letter) for mark, letter in model.alone.items()),
+        *(
+            (("beside", phoneme, letter, *step), name)
+            for phoneme, moved in model.beside.items()
+            for letter, neighbour in moved.items()
+            for step, name in (((), letter), (("of",), neighbour.of))
+        ),
+        *(
+            (("marks", mark, index, "then"), case.then)
+            for mark, cases in model.marks.items()
+            for index, case in enumerate(cases)
+            if case.then is not None
+        ),
+    ]
+    for loc, letter in named:
+        if _plain(letter) not in letters:
+            what, hint = f"unknown letter '{letter}'", "put it under `letters`"
+            yield ipa.fault(loc, "P223", what, hint, key=loc[-1] == letter)
+    for mark in model.alone:
+        if _plain(mark) not in marks:
+            what = f"unknown mark '{mark}'"
+            yield ipa.fault(("alone", mark), "P223", what, "put it under `marks`", key=True)
+    spelled: list[tuple[Loc, str]] = [
+        *((("spellings", text), meant) for text, meant in model.spellings.items()),
+        *(
+            (("notations", name, sign), meant)
+            for name, signs in model.notations.items()
+            for sign, meant in signs.items()
+        ),
+    ]
+    for loc, meant in spelled:
+        rest = _unread(_plain(meant), letters | marks)
+        if rest:
+            what = f"'{rest[0]}' is neither a letter nor a mark"
+            yield ipa.fault(loc, "P223", what, "put it under one of them")
+
+
+def _unread(text: str, known: Collection[str]) -> str:
+    """Return what is left of a text from the first character on that nobody knows."""
+    while text:
+        length = next((n for n in range(len(text), 0, -1) if text[:n] in known), 0)
+        if not length:
+            break
+        text = text[length:]
+    return text
+
+
+def _words(ipa: "Pack[Ipa]", loc: Loc, phrase: str) -> Iterator[Fault]:
+    for word in phrase.split():
+        if word not in ipa.model.terms:
+            what, hint = f"unknown word '{word}'", did_you_mean(word, ipa.model.terms)
+            yield ipa.fault(loc, "P222", what, hint)
+
+
+def _features(ipa: "Pack[Ipa]", loc: Loc, named: Iterable[str]) -> Iterator[Fault]:
+    for name in named:
+        if name not in ipa.model.features:
+            what, hint = f"unknown feature '{name}'", did_you_mean(name, ipa.model.features)
+            yield ipa.fault((*loc, name), "P222", what, hint, key=True)
+
+
+def _plain(text: str) -> str:
+    return normalize("NFD", text.replace(CARRIER, ""))

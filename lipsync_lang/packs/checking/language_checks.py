@@ -1,0 +1,149 @@
+"""What a language pack says of its sounds, compared with itself: labels, rules, inventory, tests.
+
+Everything here needs the pack alone; what its tests become is `authoring.trial`'s business.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.phonology.g2p.registry import Rule
+from lipsync_lang.phonology.g2p.rules import never_fire, unknown_labels
+from lipsync_lang.phonology.labels import Notation, normalise
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.yaml.source import Loc
+
+
+def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
+    """Labels are told apart, and rules speak of labels that there are and can fire."""
+    yield from _twice(language)
+    yield from _rules(language)
+
+
+def check_claims(language: "Pack[models.Language]") -> Iterator[Fault]:
+    """The inventory is whole, tests agree with the maps, and nothing is told of what is not there.
+
+    What is wrong here is wrong to rely on; it keeps nobody from performing.
+    """
+    yield from _inventory(language)
+    yield from _tests(language)
+    yield from _told(language)
+
+
+def notation_of(model: "models.Language", name: str) -> Notation:
+    """Return a notation of a language, ready to find labels in; silence aside."""
+    table = {
+        label: tuple((common, 1 / len(sounds.to)) for common in sounds.to)
+        for label, sounds in model.notations.get(name, {}).items()
+    }
+    return Notation(table)
+
+
+def written(model: "models.Language") -> str:
+    """Return the name of the notation that the pack's engine writes."""
+    stated = model.g2p.notation if model.g2p else None
+    return stated or next(iter(model.notations), "")
+
+
+def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
+    for name, table in language.model.notations.items():
+        first: dict[str, str] = {}
+        for label, sounds in table.items():
+            earlier = first.setdefault(normalise(label), label)
+            if earlier == label:
+                continue
+            loc: Loc = ("notations", name, label)
+            line = language.where(("notations", name, earlier), key=True).line
+            if table[earlier] != sounds:
+                what = f"'{label}' and '{earlier}' (line {line}) are one label, mapped in two ways"
+                yield language.fault(loc, "P219", what, "keep one of the two", key=True)
+            else:
+                what = f"'{label}' is '{earlier}' (line {line}) in another spelling"
+                yield language.warning(loc, "W308", what, "one of the two is enough", key=True)
+
+
+def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
+    g2p = language.model.g2p
+    if g2p is None or not g2p.rules:
+        return
+    rules = [Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules]
+    labels = language.model.notations.get(written(language.model), {})
+    for number, label in unknown_labels(rules, labels) if labels else ():
+        loc: Loc = ("g2p", "rules", number, "to")
+        what = f"'{label}' is not in the notation '{written(language.model)}'"
+        yield language.fault(loc, "P218", what, did_you_mean(label, labels))
+    for number, earlier in never_fire(rules):
+        line = language.where(("g2p", "rules", earlier)).line
+        what = f"the rule for '{rules[number].spelling}' never fires"
+        hint = f"the rule of line {line} takes its letters first; put it before that one"
+        yield language.warning(("g2p", "rules", number), "W307", what, hint)
+
+
+def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:
+    inventory = language.model.inventory
+    if inventory is None:
+        return
+    notation = notation_of(language.model, IPA)
+    for number, segment in enumerate(inventory.segments):
+        mapped, absent = notation.find(segment) is not None, segment in inventory.absent
+        loc: Loc = ("inventory", "segments", number)
+        if not mapped and not absent and not language.model.automatic:
+            what = f"'{segment}' is in the inventory, but '{IPA}' does not map it"
+            hint = "map it, or give a reason under `inventory: absent`"
+            yield language.fault(loc, "P220", what, hint)
+        elif mapped and absent:
+            what = f"'{segment}' is listed as absent, but mapped"
+            yield language.warning(("inventory", "absent", segment), "W308", what, key=True)
+    for name in ("spelled", "absent"):
+        for segment in getattr(inventory, name):
+            if segment not in inventory.segments:
+                hint = did_you_mean(segment, inventory.segments)
+                what = f"'{segment}' is not in the inventory"
+                yield language.warning(("inventory", name, segment), "W308", what, hint, key=True)
+
+
+def _tests(language: "Pack[models.Language]") -> Iterator[Fault]:
+    """What the sources of tests hear is what the maps make of it."""
+    notation = notation_of(language.model, IPA)
+    for index, test in enumerate(language.model.tests):
+        loc: Loc = ("tests", index, IPA)
+        heard: list[str] = []
+        unknown = [label for label in test.ipa.split() if notation.find(label) is None]
+        for label in unknown if not language.model.automatic else ():
+            what = f"'{label}' is not in the notation '{IPA}'"
+            yield language.fault(loc, "P218", what, notation.suggest(label))
+        for label in test.ipa.split():
+            heard += [name for name, _ in notation.find(label) or ()]
+        if test.ipa and not unknown and heard != list(test.phonemes):
+            what = (
+                f"/{test.ipa}/ becomes {' '.join(heard)}, not {' '.join(test.phonemes)}, "
+                f"in the test of '{test.text}'"
+            )
+            yield language.fault(loc, "P221", what, "mend the map or the test")
+
+
+def _told(language: "Pack[models.Language]") -> Iterator[Fault]:
+    """Examples and reasons are for labels that exist."""
+    model = language.model
+    notations = {name: notation_of(model, name) for name in model.notations}
+    first = {name: notations[name] for name in [*model.notations][:1]}
+    said: list[tuple[str, Mapping[str, str], dict[str, Notation]]] = [
+        ("examples", model.examples, first),
+        ("reasons", model.reasons, notations),
+    ]
+    for name, labels, known in said:
+        for label in labels:
+            if not any(notation.find(label) is not None for notation in known.values()):
+                what = (
+                    f"'{label}' is in no notation"
+                    if len(known) > 1
+                    else (f"'{label}' is not in the first notation")
+                )
+                every = [known_label for n in known.values() for known_label in n.table]
+                hint = did_you_mean(label, every)
+                yield language.warning((name, label), "W308", what, hint, key=True)

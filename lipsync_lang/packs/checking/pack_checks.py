@@ -1,0 +1,384 @@
+"""What needs two places or two files to be seen: named checks that yield faults.
+
+Each check takes loaded packs and the names that are known; `validate.validate` runs them over
+everything a library finds.
+"""
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs.checking.conflicts import conflicts
+from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
+from lipsync_lang.packs.finding import beside
+from lipsync_lang.packs.models import (
+    Bank,
+    Bigram,
+    Character,
+    Checks,
+    Delivery,
+    Language,
+    Phonemes,
+    PoseSet,
+    Rig,
+    Threshold,
+)
+from lipsync_lang.packs.models.braces import expanded
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.source import Loc
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+
+
+def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
+    """Silence, `base`, `like` and mouth shapes name phonemes that are declared."""
+    model = common.model
+    known = {*model.phonemes, model.silence}
+    for number, label in enumerate(model.base):
+        yield from _phoneme(common, ("base", number), label, known)
+    yield from _twice(common, ("base",), model.base)
+    for label, phoneme in model.phonemes.items():
+        if phoneme.like is not None:
+            loc = ("phonemes", label, "like")
+            yield from _phoneme(common, loc, phoneme.like, known - {label})
+    everywhere = {*model.base, model.silence}
+    for name, notation in model.visemes.items():
+        for label, sounds in notation.labels.items():
+            for number, sound in enumerate(sounds.to):
+                place: Loc = ("visemes", name, "labels", label, "to", number)
+                yield from _phoneme(common, place, sound, everywhere)
+
+
+def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fault]:
+    """Everything a language maps to is a phoneme it has."""
+    model = language.model
+    known = phonemes_of(model, common)
+    yield from _adds(language, common, known)
+    for notation, labels in model.notations.items():
+        for label, sounds in labels.items():
+            for number, sound in enumerate(sounds.to):
+                loc: Loc = ("notations", notation, label, "to", number)
+                yield from _phoneme(language, loc, sound, known, common)
+    for word, sounded in model.words.items():
+        for number, sound in enumerate(sounded):
+            yield from _phoneme(language, ("words", word, number), sound, known, common)
+    for index, test in enumerate(model.tests):
+        for number, sound in enumerate(test.phonemes):
+            loc = ("tests", index, "phonemes", number)
+            yield from _phoneme(language, loc, sound, known, common)
+    yield from _g2p(language)
+    yield from _hearing(language)
+    yield from check_labels(language)
+
+
+def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) -> Iterator[Fault]:
+    stated = language.source.data.get("adds")
+    if isinstance(stated, tuple):
+        yield from _twice(language, ("adds",), stated)
+    for label, phoneme in language.model.adds.items():
+        if phoneme is None:
+            yield from _phoneme(language, ("adds", label), label, common.phonemes, key=True)
+        elif label in common.phonemes:
+            what = f"'{label}' is declared in the common pack already"
+            hint = f"write `{label}: null` to add it as it is, or choose another label"
+            yield language.fault(("adds", label), "P215", what, hint, key=True)
+        elif phoneme.like is not None:
+            loc = ("adds", label, "like")
+            yield from _phoneme(language, loc, phoneme.like, set(known) - {label}, common)
+
+
+def _hearing(language: "Pack[Language]") -> Iterator[Fault]:
+    """What recordings become is in a notation that there is, and so is what a model says."""
+    audio, notations = language.model.audio, language.model.notations
+    if audio is None or audio.notation is None:
+        return
+    if audio.notation not in notations:
+        hint = did_you_mean(audio.notation, notations)
+        what = f"unknown notation '{audio.notation}'"
+        yield language.fault(("audio", "notation"), "P217", what, hint)
+        return
+    notation = notation_of(language.model, audio.notation)
+    for label, phones in audio.phones.items():
+        for phone in phones:
+            if notation.find(phone) is None:
+                what = f"'{phone}' is not in the notation '{audio.notation}'"
+                hint = notation.suggest(phone)
+                yield language.fault(("audio", "phones", label), "P218", what, hint)
+
+
+def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
+    g2p, notations = language.model.g2p, language.model.notations
+    if g2p is None:
+        return
+    if g2p.notation is not None and g2p.notation not in notations:
+        hint = did_you_mean(g2p.notation, notations)
+        what = f"unknown notation '{g2p.notation}'"
+        yield language.fault(("g2p", "notation"), "P217", what, hint)
+    place = language.where(("g2p", "file")).file
+    if g2p.file is not None and beside(place, g2p.file) is None:
+        what, hint = f"there is no file '{g2p.file}'", f"it belongs in {place.parent.name}/"
+        yield language.fault(("g2p", "file"), "P213", what, hint)
+
+
+def check_poseset(
+    poseset: "Pack[PoseSet]", phonemes: Collection[str], banks: Iterable[Bank] | None = None
+) -> Iterator[Fault]:
+    """A pose set speaks of its own poses and of phonemes that exist, and its rules agree.
+
+    `banks` are those of the pose set; None where nobody knows how far their curves reach.
+    """
+    model = poseset.model
+    yield from _priority(poseset)
+    yield from _claims(poseset)
+    for loc, pose in _poses_named(model):
+        yield from check_pose(poseset, loc, pose, model.poses)
+    for name, contact in model.contacts.items():
+        for number, label in enumerate(contact.phonemes):
+            yield from _phoneme(poseset, ("contacts", name, "phonemes", number), label, phonemes)
+        yield from _twice(poseset, ("contacts", name, "phonemes"), contact.phonemes)
+    for label in model.targets:
+        yield from _phoneme(poseset, ("targets", label), label, phonemes, key=True)
+    yield from _rules(poseset, model.checks, model, phonemes)
+    for number, region in enumerate(model.intensity.regions if model.intensity else ()):
+        yield from _region(poseset, ("intensity", "regions", number), region, model)
+    yield from _model(poseset)
+    yield from conflicts(poseset, banks)
+    yield from _without_target(poseset)
+
+
+def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
+    """Yield every place of a pose set that names a pose, but for `poses` itself."""
+    for index, pair in enumerate(model.constraints.pairs):
+        at = ("constraints", "pairs", index)
+        if isinstance(pair, Threshold):
+            yield from (((*at, "between", n), pose) for n, pose in enumerate(pair.between))
+        else:
+            yield (*at, "pose"), pair.pose
+            yield (*at, "at_most"), pair.at_most
+    yield from ((("priority", n), pose) for n, pose in enumerate(model.priority))
+    for name, contact in model.contacts.items():
+        yield from ((("contacts", name, "floor", pose), pose) for pose in contact.floor)
+        yield from ((("contacts", name, "ceiling", pose), pose) for pose in contact.ceiling)
+    for label, targets in model.targets.items():
+        for index, target in enumerate(targets):
+            at_target: Loc = ("targets", label, index)
+            yield from (((*at_target, pose), pose) for pose in target.weights)
+            yield from (((*at_target, "dominance", pose), pose) for pose in target.dominance)
+    for name, gains in model.measures.items():
+        yield from ((("measures", name, pose), pose) for pose in gains)
+
+
+def _priority(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    yield from _twice(poseset, ("priority",), poseset.model.priority)
+
+
+def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Every spelling means one pose, and the face at rest is none."""
+    model = poseset.model
+    if model.neutral in model.poses:
+        what = f"the face at rest is called '{model.neutral}', and so is a pose"
+        yield poseset.fault(("neutral",), "P225", what, "rename one, or drop the pose")
+    owners = {pose.casefold(): pose for pose in model.poses}
+    for pose, told in model.poses.items():
+        for number, text in enumerate(told.names):
+            for spelling in expanded(text):
+                owner = owners.setdefault(spelling.casefold(), pose)
+                if owner != pose:
+                    what = f"'{spelling}' is claimed by '{owner}' and by '{pose}'"
+                    hint = f"a shape of that name means one pose; '{owner}' has it first"
+                    yield poseset.fault(("poses", pose, "names", number), "P224", what, hint)
+
+
+def _without_target(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    model = poseset.model
+    moved = {p for targets in model.targets.values() for t in targets for p in t.weights}
+    if not model.targets:
+        return
+    for pose in model.poses:
+        if pose not in moved:
+            what = f"no target moves '{pose}', so that drafts leave it at rest"
+            hint = "name it under `targets`, or leave it to the banks"
+            yield poseset.warning(("poses", pose), "W301", what, hint, key=True)
+
+
+def check_bank(
+    bank: "Pack[Bank]",
+    poseset: PoseSet,
+    phonemes: Collection[str] | None,
+    languages: Collection[str],
+) -> Iterator[Fault]:
+    """A bank belongs to its pose set, and moves poses of it for phonemes that exist.
+
+    `phonemes` may be None where nobody knows those of the bank's language.
+    """
+    yield from check_home(bank, bank.model.poseset, poseset)
+    if bank.model.language is not None and bank.model.language not in languages:
+        hint = did_you_mean(bank.model.language, languages)
+        yield bank.fault(("language",), "P210", f"unknown language '{bank.model.language}'", hint)
+    yield from _bigrams(bank, bank.model.bigrams, poseset, phonemes)
+
+
+def check_character(  # noqa: PLR0913 what is known of others
+    character: "Pack[Character]",
+    poseset: PoseSet,
+    phonemes: Collection[str],
+    *,
+    rigs: Collection[str],
+    languages: Collection[str],
+    styles: Collection[str],
+) -> Iterator[Fault]:
+    """A character moves poses of its pose set, and its files exist."""
+    model = character.model
+    yield from _delivery(character, (), model, poseset, styles)
+    for name, line in model.lines.items():
+        yield from _delivery(character, ("lines", name), line, poseset, styles)
+    yield from _bigrams(character, model.bigrams, poseset, phonemes)
+    for word, edit in model.words.items():
+        for pose in edit.curves:
+            yield from check_pose(character, ("words", word, "curves", pose), pose, poseset.poses)
+    for name, line in model.lines.items():
+        for index, change in enumerate(line.edits):
+            for pose in change.curves:
+                loc = ("lines", name, "edits", index, "curves", pose)
+                yield from check_pose(character, loc, pose, poseset.poses)
+    yield from _pronunciations(character, phonemes, languages)
+    yield from _rules(character, model.checks, poseset, phonemes)
+    for number, file in enumerate(model.banks):
+        if beside(character.path, file) is None:
+            what, hint = f"there is no file '{file}'", "it belongs beside the character"
+            yield character.fault(("banks", number), "P213", what, hint)
+    yield from _model(character)
+    if model.rig is not None and model.rig not in rigs:
+        what, hint = f"unknown rig '{model.rig}'", did_you_mean(model.rig, rigs)
+        yield character.fault(("rig",), "P212", what, hint)
+
+
+def _rules(
+    pack: "Pack[PoseSet] | Pack[Character]",
+    stated: Checks,
+    poseset: PoseSet,
+    phonemes: Collection[str],
+) -> Iterator[Fault]:
+    """Rules are about phonemes that exist, and read measures of the pose set."""
+    for name, rule in stated.rules.items():
+        at: Loc = ("checks", "rules", name)
+        for number, label in enumerate(rule.phonemes):
+            yield from _phoneme(pack, (*at, "phonemes", number), label, phonemes)
+        yield from _twice(pack, (*at, "phonemes"), rule.phonemes)
+        if rule.measure not in poseset.measures:
+            what = f"unknown measure '{rule.measure}'"
+            hint = did_you_mean(rule.measure, poseset.measures)
+            if not poseset.measures:
+                hint = "state it under `measures` of the pose set, as sums of gain times pose"
+            yield pack.fault((*at, "measure"), "P231", what, hint)
+
+
+def _model(pack: "Pack[PoseSet] | Pack[Character]") -> Iterator[Fault]:
+    file = pack.model.model
+    if file is not None and beside(pack.path, file) is None:
+        what, hint = f"there is no file '{file}'", f"it belongs in {pack.path.parent.name}/"
+        yield pack.fault(("model",), "P213", what, hint)
+
+
+def _region(
+    pack: "Pack[PoseSet] | Pack[Character]",
+    loc: "Loc",
+    region: str,
+    poseset: PoseSet,
+    *,
+    key: bool = False,
+) -> Iterator[Fault]:
+    regions = sorted({pose.region for pose in poseset.poses.values() if pose.region})
+    if region not in regions:
+        what, hint = f"unknown region '{region}'", did_you_mean(region, regions)
+        yield pack.fault(loc, "P230", what, hint, key=key)
+
+
+def _delivery(
+    character: "Pack[Character]",
+    at: Loc,
+    stated: Delivery,
+    poseset: PoseSet,
+    styles: Collection[str],
+) -> Iterator[Fault]:
+    """Dials are of regions of the pose set, and styles have a bank."""
+    for region in stated.dials:
+        yield from _region(character, (*at, "dials", region), region, poseset, key=True)
+    known = set(styles) - {Bank.model_fields["style"].default}
+    for style in stated.styles:
+        if style not in known:
+            what = f"no bank has the style '{style}', so that nothing of it is heard"
+            hint = did_you_mean(style, known) if known else "write a bank that says `style:`"
+            yield character.warning((*at, "styles", style), "W320", what, hint, key=True)
+
+
+def _pronunciations(
+    character: "Pack[Character]", phonemes: Collection[str], languages: Collection[str]
+) -> Iterator[Fault]:
+    for language, words in character.model.pronunciations.items():
+        said: Loc = ("pronunciations", language)
+        if language not in languages:
+            what, hint = f"unknown language '{language}'", did_you_mean(language, languages)
+            yield character.fault(said, "P210", what, hint, key=True)
+        for word, sounds in words.items():
+            for number, sound in enumerate(sounds):
+                yield from _phoneme(character, (*said, word, number), sound, phonemes)
+
+
+def phonemes_of(language: Language, common: Phonemes) -> set[str]:
+    """Return the common phonemes of a language: the base, silence, and what it adds."""
+    return {*common.base, common.silence, *language.adds}
+
+
+def _bigrams(
+    pack: "Pack[Bank] | Pack[Character]",
+    bigrams: Mapping[str, Bigram],
+    poseset: PoseSet,
+    phonemes: Collection[str] | None,
+) -> Iterator[Fault]:
+    for key, bigram in bigrams.items():
+        for label in dict.fromkeys(key.split("-")):
+            if phonemes is not None:
+                yield from _phoneme(pack, ("bigrams", key), label, phonemes, key=True)
+        for pose in bigram.curves:
+            yield from check_pose(pack, ("bigrams", key, "curves", pose), pose, poseset.poses)
+
+
+def check_home(pack: "Pack[Bank] | Pack[Rig]", stated: str, poseset: PoseSet) -> Iterator[Fault]:
+    """A bank or rig belongs to the pose set that it lies in."""
+    if stated != poseset.name:
+        what = f"the pack is for pose set '{stated}', but lies in that of '{poseset.name}'"
+        yield pack.fault(("poseset",), "P204", what, "move the file, or mend its `poseset`")
+
+
+def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]:
+    seen: set[str] = set()
+    for number, item in enumerate(items):
+        if item in seen:
+            yield pack.fault((*loc, number), "P205", f"'{item}' stands twice in `{loc[-1]}`")
+        seen.add(item)
+
+
+def check_pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -> Iterator[Fault]:
+    """A place names a pose of the pose set."""
+    if pose not in known:
+        what, hint = f"unknown pose '{pose}'", did_you_mean(pose, known)
+        yield pack.fault(loc, "P201", what, hint, key=pose == loc[-1])
+
+
+def _phoneme(  # noqa: PLR0913 what a place may say of a phoneme
+    pack: "Pack[Any]",
+    loc: Loc,
+    label: str,
+    known: Collection[str],
+    common: Phonemes | None = None,
+    *,
+    key: bool = False,
+) -> Iterator[Fault]:
+    if label in known:
+        return
+    hint = did_you_mean(label, known)
+    if common is not None and label in common.phonemes:
+        hint = f"it is beyond the base: put '{label}' in the language's `adds`"
+    yield pack.fault(loc, "P202", f"unknown phoneme '{label}'", hint, key=key)

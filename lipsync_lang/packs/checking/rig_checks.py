@@ -1,0 +1,129 @@
+"""Checks of a rig: its poses, its channels, and the pose set that these belong to."""
+
+from collections import Counter
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs.checking.conflicts import path_between
+from lipsync_lang.packs.checking.pack_checks import check_home, check_pose
+from lipsync_lang.packs.models import PoseSet, Rig
+from lipsync_lang.packs.models.braces import expanded, paired
+from lipsync_lang.packs.models.rig_channels import Stated, channels_of, stated
+from lipsync_lang.packs.yaml.faults import Fault
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.yaml.source import Loc
+
+
+def check_rig(
+    rig: "Pack[Rig]", poseset: PoseSet, posesets: Collection[str], to: PoseSet | None = None
+) -> Iterator[Fault]:
+    """A rig belongs to its pose set, and speaks of its poses and its own channels.
+
+    Parameters
+    ----------
+    poseset : whose poses drive it
+    posesets : the names of all there are
+    to : the pose set that it drives; None where there is none, or it is unsound
+    """
+    model = rig.model
+    yield from check_home(rig, model.poseset, poseset)
+    if model.to is not None and model.to not in posesets:
+        what, hint = f"unknown pose set '{model.to}'", did_you_mean(model.to, posesets)
+        yield rig.fault(("to",), "P203", what, hint)
+    for key, channel in model.channels.items():
+        for pose in channel.gains:
+            yield from check_pose(rig, ("channels", key, "gains", pose), pose, poseset.poses)
+    for pose in model.lost:
+        yield from check_pose(rig, ("lost", pose), pose, poseset.poses)
+    yield from _twice(rig)
+    yield from _limits(rig)
+    yield from _names(rig)
+    if to is not None:
+        yield from _driven(rig, to)
+    yield from _unseen(rig, poseset)
+
+
+def _twice(rig: "Pack[Rig]") -> Iterator[Fault]:
+    """Braces written out, every channel stands once, in `channels` and in `names`."""
+    for field, keys in (("channels", rig.model.channels), ("names", rig.model.names)):
+        first: dict[str, str] = {}
+        for key in keys:
+            for name, count in Counter(expanded(key)).items():
+                if name in first or count > 1:
+                    what = f"'{name}' stands twice in `{field}`"
+                    hint = f"'{first.get(name, key)}' stands for it already"
+                    yield rig.fault((field, key), "P205", what, hint, key=True)
+                first.setdefault(name, key)
+
+
+def _limits(rig: "Pack[Rig]") -> Iterator[Fault]:
+    """What a channel never passes is another one, and does not wait for it."""
+    channels = channels_of(rig.model)
+    waits = {name: {c.at_most} if c.at_most else set() for name, c in channels.items()}
+    for key, ones in _by_key(rig.model).items():
+        loc: Loc = ("channels", key, "at_most")
+        unknown = {
+            one.channel.at_most: one.name
+            for one in ones
+            if one.channel.at_most not in {None, *channels} - {one.name}
+        }
+        for limit, name in unknown.items():
+            what = f"unknown channel '{limit}'"
+            known = [channel for channel in channels if channel != name]
+            yield rig.fault(loc, "P214", what, did_you_mean(str(limit), known))
+        for one in ones:
+            limit = one.channel.at_most
+            path = path_between(waits, limit, one.name) if limit and limit != one.name else ()
+            if path:
+                what = f"channels run in a circle: {' -> '.join((one.name, *path))}"
+                yield rig.fault(loc, "P206", what, "a channel cannot wait for itself; drop one")
+                break
+
+
+def _by_key(model: Rig) -> dict[str, list[Stated]]:
+    keys: dict[str, list[Stated]] = {}
+    for one in stated(model):
+        keys.setdefault(one.key, []).append(one)
+    return keys
+
+
+def _names(rig: "Pack[Rig]") -> Iterator[Fault]:
+    channels = channels_of(rig.model)
+    for key, spellings in rig.model.names.items():
+        meant = expanded(key)
+        for name in dict.fromkeys(meant):
+            if name not in channels:
+                what, hint = f"unknown channel '{name}'", did_you_mean(name, channels)
+                yield rig.fault(("names", key), "P214", what, hint, key=True)
+        for index, spelling in enumerate(spellings):
+            if paired(spelling, len(meant)) is None:
+                what = f"'{spelling}' stands for {len(expanded(spelling))} names, but '{key}' for"
+                hint = "give both the same choices in braces"
+                loc = ("names", key, index)
+                yield rig.fault(loc, "P115", f"{what} {len(meant)} channels", hint)
+
+
+def _driven(rig: "Pack[Rig]", to: PoseSet) -> Iterator[Fault]:
+    """A channel that is no bone is a pose of the set that the rig drives."""
+    for key, ones in _by_key(rig.model).items():
+        for name in dict.fromkeys(one.name for one in ones if one.channel.node is None):
+            if name not in to.poses:
+                what, hint = f"unknown pose '{name}'", did_you_mean(name, to.poses)
+                yield rig.fault(("channels", key), "P201", what, hint, key=True)
+
+
+def _unseen(rig: "Pack[Rig]", poseset: PoseSet) -> Iterator[Fault]:
+    """Every pose is shown, or said to be lost; a misspelt one may be any of them."""
+    gains = [channel.gains for channel in rig.model.channels.values()]
+    named = {pose for some in gains for pose in some} | {*rig.model.lost}
+    if not named <= set(poseset.poses):
+        return
+    shown = {pose for some in gains for pose, gain in some.items() if gain}
+    for pose in poseset.poses:
+        if pose not in shown and pose not in rig.model.lost:
+            what = f"the rig never shows '{pose}'"
+            hint = "drive a channel with it, or say why not under `lost`"
+            yield rig.warning(("channels",), "W311", what, hint, key=True)

@@ -1,0 +1,286 @@
+"""Every fault of every pack, at once."""
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
+
+from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.packs.answers import answers_of, folded
+from lipsync_lang.packs.checking import pack_checks as checks
+from lipsync_lang.packs.checking.ipa_checks import check_ipa
+from lipsync_lang.packs.checking.language_checks import check_claims
+from lipsync_lang.packs.checking.rig_checks import check_rig
+from lipsync_lang.packs.checking.salvage import salvaged
+from lipsync_lang.packs.extending import extended
+from lipsync_lang.packs.finding import (
+    COMMON,
+    FOLDERS,
+    IPA,
+    PARTS,
+    POSESET,
+    SHARED,
+    Found,
+    beside,
+    entries,
+    yaml_files,
+)
+from lipsync_lang.packs.known import added_by, known
+from lipsync_lang.packs.library import Library, Pack
+from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
+from lipsync_lang.packs.yaml.source import Loc, Source
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+
+T = TypeVar("T")
+
+YAML = (".yaml", ".yml")
+"""Suffixes of YAML files; packs have the first."""
+
+
+class File(NamedTuple):
+    """A pack file, and the kind and name that belong where it lies; None where any does."""
+
+    path: Path
+    kind: str | None
+    name: str | None
+
+
+def validate(library: Library, paths: Sequence[str | Path] | None = None) -> list[Fault]:
+    """Return every fault of every pack found, or of the files and folders given, in order.
+
+    What the given files speak of is looked up in the library.
+    """
+    run = _Run(library)
+    if paths is None:
+        run.check_library()
+    else:
+        for path in paths:
+            run.check_path(Path(path))
+    return sorted(run.faults)
+
+
+class _Run:
+    """One validation: what it has loaded, and what was wrong."""
+
+    def __init__(self, library: Library) -> None:
+        self.library = library
+        self.faults: set[Fault] = set()
+        self.common = _quietly(library.common)
+        self.languages = sorted({found.name for found in library.names("language")})
+
+    def check_library(self) -> None:
+        """Check every pack that the library finds, shadowed ones included."""
+        self.faults.update(f for f in self.library.faults if f.code == "W304")
+        if self.common is None:
+            self._try(self.library.common)
+        for root in self.library.roots:
+            for folder in FOLDERS.values():
+                self.check_folder(root.path / folder)
+        self._tags()
+
+    def check_path(self, path: Path) -> None:
+        """Check a file, or all below a folder."""
+        path = path.absolute()
+        if path.is_dir():
+            parts = [path / f for f in FOLDERS.values() if (path / f).is_dir()]
+            for folder in parts or [path]:
+                self.check_folder(folder)
+        else:
+            self.check_file(_placed(path))
+
+    def check_folder(self, folder: Path) -> None:
+        """Check all below a folder."""
+        for path in sorted(p for p in folder.rglob("*") if p.suffix in YAML and p.is_file()):
+            if path.suffix == YAML[0]:
+                self.check_file(_placed(path))
+            else:
+                self._warn(path, "W303", "is not read: packs are `.yaml`", "rename it")
+        if folder.name == FOLDERS["poseset"]:
+            for entry in entries(folder):
+                parts = [POSESET, *PARTS]
+                if entry.is_dir() and not any((entry / part).exists() for part in parts):
+                    self._warn(entry, "W303", f"has no {POSESET}", "write one, or delete it")
+
+    def check_file(self, file: File) -> None:
+        """Check one file: its form, and what it says of others."""
+        try:
+            model, source, faults = self.library.inspect(*file)
+        except PackError as error:
+            self._note(Fault(shown(file.path), 1, 1, "P001", str(error), "check the path"))
+            return
+        self.faults.update(faults)
+        if model is not None:
+            self._compare(Pack(model, (source,)))
+        elif source.data is not None:
+            self._rest(source, file.kind)
+
+    def _rest(self, source: Source, kind: str | None) -> None:
+        """Check what is sound of an unsound file, so that its other faults come at once."""
+        model = salvaged(source, kind)
+        if model is None:
+            return
+        before = set(self.faults)
+        if isinstance(model, Language):
+            if model.extends is None and self.common is not None:
+                pack = Pack(model, (source,))
+                self.faults.update(checks.check_language(pack, self.common.model))
+        else:
+            self._compare(Pack(model, (source,)))
+        # what is only probably not meant may come of what was left out
+        self.faults = before | {f for f in self.faults if f.severity == "fault"}
+
+    def _compare(self, pack: "Pack[Any]") -> None:
+        act: dict[str, Callable[[Pack[Any]], None]] = {
+            "phonemes": lambda pack: self.faults.update(checks.check_phonemes(pack)),
+            IPA: self._ipa,
+            "language": self._language,
+            "poseset": self._poseset,
+            "bank": self._bank,
+            "rig": self._rig,
+            "character": self._character,
+        }
+        act[pack.model.kind](pack)
+
+    def _ipa(self, pack: "Pack[models.Ipa]") -> None:
+        if self.common is not None:
+            self.faults.update(check_ipa(pack, self.common.model))
+
+    def _language(self, pack: "Pack[models.Language]") -> None:
+        whole = self._try(lambda: extended(self.library, pack.path))
+        if whole is not None and self.common is not None:
+            self.faults.update(checks.check_language(whole, self.common.model))
+            self.faults.update(check_claims(whole))
+
+    def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
+        phonemes = self._phonemes()
+        if phonemes is not None:
+            self.faults.update(checks.check_poseset(pack, phonemes, self._banks(pack)))
+
+    def _bank(self, pack: "Pack[models.Bank]") -> None:
+        poseset = self._poseset_of(pack)
+        phonemes = self._phonemes(pack.model.language)
+        if poseset is not None and phonemes is not None:
+            self.faults.update(checks.check_bank(pack, poseset, phonemes, self.languages))
+
+    def _rig(self, pack: "Pack[models.Rig]") -> None:
+        poseset = self._poseset_of(pack)
+        if poseset is not None:
+            sets = {found.name for found in self.library.names("poseset")}
+            to = pack.model.to
+            driven = _quietly(lambda: self.library.poseset(to).model) if to in sets else None
+            self.faults.update(check_rig(pack, poseset, sets, driven))
+
+    def _character(self, pack: "Pack[models.Character]") -> None:
+        poseset = self._poseset_of(pack)
+        phonemes = self._phonemes()
+        if poseset is None or phonemes is None:
+            return
+        rigs = {path.stem for path in self.library.rigs_of(pack.model.poseset)}
+        styles = self._styles(pack)
+        self.faults.update(
+            checks.check_character(
+                pack, poseset, phonemes, rigs=rigs, languages=self.languages, styles=styles
+            )
+        )
+        for file in pack.model.banks:
+            path = beside(pack.path, file)
+            if path is not None:
+                self.check_file(File(path, "bank", path.stem))
+
+    def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.Bank] | None":
+        """Return the banks beside a pose set and those that join it; None where one is unsound."""
+        name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
+        found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
+        if self.library.finder.lookup("poseset", name):
+            joined = _quietly(lambda: self.library.banks(name))
+            found += [bank.model for bank in joined] if joined is not None else [None]
+        return None if None in found else cast("list[models.Bank]", found)
+
+    def _styles(self, character: "Pack[models.Character]") -> set[str]:
+        """Return the styles of a character's banks and of those of its pose set."""
+        shared = _quietly(lambda: self.library.banks(character.model.poseset)) or []
+        own = _quietly(lambda: self.library.character_banks(character)) or []
+        return {bank.model.style for bank in (*shared, *own)}
+
+    def _poseset_of(self, pack: "Pack[Any]") -> "models.PoseSet | None":
+        """Return the pose set that a pack lies in or names; one that is unsound counts as none."""
+        beside = pack.path.parent.parent / POSESET
+        if pack.path.parent.name in PARTS and beside.is_file():
+            model, _, _ = self.library.inspect(beside, "poseset", beside.parent.name)
+            return cast("models.PoseSet | None", model)
+        name = pack.model.poseset
+        try:
+            return self.library.poseset(name).model
+        except PackFaults:
+            return None
+        except PackError:
+            known = {found.name for found in self.library.names("poseset")}
+            what, hint = f"unknown pose set '{name}'", did_you_mean(name, known)
+            self._note(pack.fault(("poseset",), "P203", what, hint))
+            return None
+
+    def _phonemes(self, language: str | None = None) -> Collection[str] | None:
+        """Return the phonemes of a language, or all there are; None where nobody can tell."""
+        if self.common is None:
+            return None
+        model = self.common.model
+        if language in self.languages:
+            return {*model.base, model.silence, *added_by(self.library, language)}
+        return known(self.library, {*model.phonemes, model.silence})
+
+    def _tags(self) -> None:
+        """Warn of languages that state what another answers to already."""
+        found = [f for f in self.library.names("language") if f.shadowed_by is None]
+        first = {folded(one.name): one.name for one in found}
+        for one in found:
+            for answer in answers_of(one.path):
+                if first.setdefault(answer, one.name) != one.name:
+                    self._taken(one, answer, first[answer])
+
+    def _taken(self, found: Found, answer: str, other: str) -> None:
+        model, source, _ = self.library.inspect(found.path, "language", found.name)
+        if not isinstance(model, Language):
+            return
+        alias = next((a for a in model.aliases if folded(a) == answer), None)
+        loc: Loc = ("tag",) if alias is None or folded(model.tag) == answer else ("aliases", alias)
+        field = "tag" if loc == ("tag",) else "alias"
+        what = f"{field} '{answer}' is that of language '{other}' already"
+        fault = source.fault(loc, "W305", what, f"only '{other}' answers to it")
+        self._note(replace(fault, severity="warning"))
+
+    def _warn(self, path: Path, code: str, what: str, hint: str) -> None:
+        self._note(Fault(shown(path), 1, 1, code, f"'{path.name}' {what}", hint, "warning"))
+
+    def _note(self, fault: Fault) -> None:
+        self.faults.add(fault)
+
+    def _try(self, load: Callable[[], T]) -> T | None:
+        try:
+            return load()
+        except PackFaults as error:
+            self.faults.update(error.faults)
+        except PackError as error:
+            self._note(Fault(f"{FOLDERS['language']}/{COMMON}.yaml", 1, 1, "P001", str(error)))
+        return None
+
+
+def _quietly(load: Callable[[], T]) -> T | None:
+    """Load what is reported elsewhere when it is unsound."""
+    try:
+        return load()
+    except PackError:
+        return None
+
+
+def _placed(path: Path) -> File:
+    """Tell from where a file lies what belongs there."""
+    folder = path.parent.name
+    if path.name == POSESET:
+        return File(path, "poseset", folder)
+    kind = PARTS.get(folder)
+    if folder == FOLDERS["language"]:
+        kind = SHARED.get(path.stem, "language")
+    return File(path, kind, path.stem)

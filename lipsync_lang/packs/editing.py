@@ -1,0 +1,169 @@
+"""Changing a pack as its author would by hand: comments, order and untouched lines stay.
+
+YAML is written out twice, before and after the change, and only what differs between the two
+goes into the author's own text. So a line that nobody touched keeps its spacing, quotes and
+line end, however the YAML library would write it.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from difflib import SequenceMatcher
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import PackError
+from lipsync_lang.files import atomic
+from lipsync_lang.packs.models.validation import validated
+from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.yaml.source import read_bytes, read_yaml, scan
+
+WIDTH = 4096
+"""Characters; no line is ever folded."""
+
+Document = Any
+"""ruamel.yaml's `CommentedMap`, which is untyped."""
+
+
+def edit_pack(path: Path, change: Callable[[Document], None], *, create: str | None = None) -> None:
+    """Change a pack in its file.
+
+    Parameters
+    ----------
+    path : the pack
+    change : gets the file as a mapping, and alters it in place
+    create : the text to start from where there is no such file
+
+    Raises
+    ------
+    PackFaults
+        The file is unsound as it stands, or would be after the change; it stays as it was.
+    PackError
+        The file cannot be opened, or there is none and nothing to start from.
+    OutputError
+        The file cannot be written.
+    """
+    content = create.encode() if create is not None and not path.exists() else read_bytes(path)
+    edited = edited_text(path, content, change)
+    if edited != content or not path.exists():
+        with atomic(path) as stream:
+            stream.write(edited)
+
+
+def edited_text(path: Path, content: bytes, change: Callable[[Document], None]) -> bytes:
+    """Return what a pack's file holds after a change; see `edit_pack`."""
+    read_yaml(path, content)
+    text = content.decode("utf-8")
+    newline = "\r\n" if "\r\n" in text else "\n"
+    lines = text.replace("\r\n", "\n")
+    document = _load(lines)
+    before = _dump(document, lines)
+    change(document)
+    after = _dump(document, lines)
+    if after == before:
+        return content
+    written = scan(path, after.encode())
+    merged = _transfer(lines, before, after).replace("\n", newline).encode()
+    source = scan(path, merged)
+    if source.faults or source.data != written.data:  # never seen; the change matters more
+        merged, source = after.replace("\n", newline).encode(), written
+    _, faults = validated(source, name=_name(path))
+    if faults:
+        raise PackFaults(faults)
+    return merged
+
+
+def flow(value: object) -> Document:
+    """Return plain data as YAML writes it on one line: ``[[0, 0], [1, 1]]``."""
+    from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+    made: Document
+    if isinstance(value, Mapping):
+        made = CommentedMap({key: flow(inner) for key, inner in value.items()})
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        made = CommentedSeq([flow(inner) for inner in value])
+    else:
+        return value
+    made.fa.set_flow_style()
+    return made
+
+
+def _name(path: Path) -> str:
+    """Return the name that belongs to a file: its own, or its folder's for a pose set."""
+    from lipsync_lang.packs.finding import POSESET
+
+    return path.parent.name if path.name == POSESET else path.stem
+
+
+def _yaml(text: str) -> Document:
+    """Make a reader and writer that keeps to the habits of a text."""
+    from ruamel.yaml import YAML
+
+    yaml = YAML()
+    yaml.width = WIDTH
+    yaml.preserve_quotes = True
+    yaml.allow_unicode = True
+    mapping, offset = _indents(text)
+    yaml.indent(mapping=mapping, sequence=offset + 2, offset=offset)
+    return yaml
+
+
+def _indents(text: str) -> tuple[int, int]:
+    """Return how far a text indents mappings, and the dashes of lists."""
+    block = re.compile(
+        r"^( *)[^\s#-][^\n]*:[ \t]*(?:#[^\n]*)?\n(?:[ \t]*(?:#[^\n]*)?\n)*( *)(- )?", re.MULTILINE
+    )
+    found = [(len(m[2]) - len(m[1]), bool(m[3])) for m in block.finditer(text)]
+    mapping = next((by for by, dash in found if by > 0 and not dash), 2)
+    return mapping, next((by for by, dash in found if by >= 0 and dash), mapping)
+
+
+def _load(text: str) -> Document:
+    from ruamel.yaml.error import YAMLError
+
+    try:
+        return _yaml(text).load(text)
+    except (YAMLError, ValueError, TypeError) as error:
+        raise PackError(f"the file cannot be edited here: {error}") from None
+
+
+def _dump(document: Document, text: str) -> str:
+    out = StringIO()
+    _yaml(text).dump(document, out)
+    return out.getvalue()
+
+
+def _transfer(text: str, before: str, after: str) -> str:
+    """Bring what changed from `before` to `after` into `text`, which says the same as `before`."""
+    own, old, new = (t.splitlines(keepends=True) for t in (text, before, after))
+    place = _places(own, old)
+    out: list[str] = []
+    for tag, start, stop, first, last in _opcodes(old, new):
+        out += own[place[start] : place[stop]] if tag == "equal" else new[first:last]
+    return "".join(out)
+
+
+def _places(own: Sequence[str], old: Sequence[str]) -> list[int]:
+    """Map every gap between lines of `old` to one of `own`; spaces make no difference."""
+    bare, bare_old = (["".join(line.split()) for line in lines] for lines in (own, old))
+    place = [0] * (len(old) + 1)
+    for _, first, last, start, stop in _opcodes(bare, bare_old):
+        even = last - first == stop - start
+        for index in range(start, stop):
+            place[index] = first + (index - start) if even else first
+    place[0], place[len(old)] = 0, len(own)
+    return place
+
+
+def _opcodes(one: Sequence[str], other: Sequence[str]) -> list[tuple[str, int, int, int, int]]:
+    """Say how two texts differ; what they share at both ends is cut off first, for speed."""
+    short = min(len(one), len(other))
+    head = next((n for n in range(short) if one[n] != other[n]), short)
+    tail = next((n for n in range(short - head) if one[-1 - n] != other[-1 - n]), short - head)
+    middle = SequenceMatcher(
+        None, one[head : len(one) - tail], other[head : len(other) - tail], autojunk=False
+    ).get_opcodes()
+    moved = [(tag, a + head, b + head, c + head, d + head) for tag, a, b, c, d in middle]
+    start = [("equal", 0, head, 0, head)] if head else []
+    end = [("equal", len(one) - tail, len(one), len(other) - tail, len(other))] if tail else []
+    return [*start, *moved, *end]

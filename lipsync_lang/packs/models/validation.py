@@ -1,0 +1,275 @@
+"""A file's form against the model of its kind: what pydantic says, in the words of the file."""
+
+from collections.abc import Mapping, Sequence
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.packs.models import MODELS, Pack
+from lipsync_lang.packs.models.fields import FORMAT
+from lipsync_lang.packs.yaml.faults import Fault
+from lipsync_lang.packs.yaml.source import Loc, Source
+
+Data = Any
+"""A value as YAML holds it, or a type as `typing` holds it."""
+
+Report = Mapping[str, Any]
+"""One of pydantic's errors."""
+
+KEY = "[key]"
+"""The step by which pydantic points at a key."""
+
+LONGEST_SHOWN = 40
+"""Characters of a value that a message repeats."""
+
+_MUST = {
+    "string_type": "text",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "bool_type": "true or false",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+}
+_RANGE = {
+    "greater_than": ("gt", "above"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "below"),
+    "less_than_equal": ("le", "at most"),
+}
+_PATTERNS = {
+    "^[a-z]+$": "a sound is called by small letters a to z; silence demands no contact",
+    "^([a-z]+|_)$": "a common phoneme is called by small letters a to z, or '_'",
+    "^[A-Za-z0-9][A-Za-z0-9_-]*$": "a name is letters, digits, '-' and '_'",
+    "^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$": (
+        "name a language, or an engine and its code as in ENGINE:CODE"
+    ),
+}
+_PATTERN = "write a BCP 47 tag such as 'pt-BR'"
+
+
+def validated(
+    source: Source, *, kind: str | None = None, name: str | None = None
+) -> tuple[Pack | None, tuple[Fault, ...]]:
+    """Return the pack that a file states, or None, and every fault of the file.
+
+    `kind` and `name` are those that belong where the file lies; None lets the file say.
+    """
+    model, faults = _kind(source, kind) if source.data is not None else (None, [])
+    pack = None
+    if model is not None:
+        try:
+            pack = model.model_validate(source.data)
+        except ValidationError as error:
+            faults += _translate(source, model, error)
+        faults += _name(source, name)
+    faults = sorted({*source.faults, *faults})
+    return (None if faults else pack), tuple(faults)
+
+
+def _kind(source: Source, kind: str | None) -> tuple[type[Pack] | None, list[Fault]]:
+    """Find the model of a file; without one, nothing more can be said of it."""
+    data = source.data
+    start = "start it with `kind: ...`, `format: 1` and `name: ...`"
+    if not isinstance(data, dict):
+        what = f"a pack must be a mapping, got {_got(data)}"
+        return None, [source.fault((), "P103", what, start)]
+    stated = data.get("kind")
+    if stated is None:
+        return None, [source.fault(("kind",), "P102", "missing field `kind`", start)]
+    if not isinstance(stated, str) or stated not in MODELS:
+        hint = did_you_mean(str(stated), MODELS)
+        return None, [source.fault(("kind",), "P109", f"unknown kind {_got(stated)}", hint)]
+    if kind is not None and stated != kind:
+        what = f"a pack of kind '{stated}' where one of kind '{kind}' belongs"
+        hint = "move the file to its folder, or mend its `kind`"
+        return None, [source.fault(("kind",), "P109", what, hint)]
+    number = data.get("format")
+    if type(number) is int and number > FORMAT:
+        what = f"the pack is in format {number}; this program reads format {FORMAT}"
+        hint = "use a newer version of the program"
+        return None, [source.fault(("format",), "P110", what, hint)]
+    return MODELS[stated], []
+
+
+def _name(source: Source, name: str | None) -> list[Fault]:
+    stated = source.data.get("name")
+    if name is None or not isinstance(stated, str) or stated == name:
+        return []
+    what = f"the pack is named '{stated}', but its file or folder '{name}'"
+    return [source.fault(("name",), "P111", what, "rename one of the two")]
+
+
+def _translate(source: Source, model: type[Pack], error: ValidationError) -> list[Fault]:
+    """Turn pydantic's errors into faults, one for each place and matter."""
+    return [
+        _fault(source, model, report)
+        for report in error.errors(include_url=False)
+        if not _echo(report)
+    ]
+
+
+def _echo(report: Report) -> bool:
+    """Say whether a list is only too short because some of its items are faulty themselves."""
+    value = report["input"]
+    return (
+        report["type"] == "too_short"
+        and isinstance(value, (tuple, list, dict, str))
+        and len(value) >= report["ctx"]["min_length"]
+    )
+
+
+def _fault(source: Source, model: type[Pack], report: Report) -> Fault:
+    loc: Loc = tuple(report["loc"])
+    key = bool(loc) and loc[-1] == KEY
+    loc = loc[:-1] if key else loc
+    context = report.get("ctx", {})
+    loc += tuple(context[step] for step in ("field", "at") if step in context)
+    code, what, hint = _say(source, model, loc, report)
+    return source.fault(loc, code, what, hint, key=key or report["type"] == "extra_forbidden")
+
+
+def _say(  # noqa: C901, PLR0911 one return for each family of errors
+    source: Source, model: type[Pack], loc: Loc, report: Report
+) -> tuple[str, str, str]:
+    """Return the code, the matter and the hint of one error."""
+    sort, value, context = report["type"], report["input"], report.get("ctx", {})
+    subject = _subject(source, loc)
+    if sort == "extra_forbidden":
+        return "P101", f"unknown field `{loc[-1]}`", did_you_mean(str(loc[-1]), _fields(model, loc))
+    if sort == "missing" and isinstance(loc[-1], str):
+        field = _fields(model, loc).get(loc[-1])
+        return "P102", f"missing field `{loc[-1]}`", (field and field.description) or ""
+    if sort in ("missing", "too_short", "too_long"):
+        return _length(source, loc, report)
+    if sort in _MUST:
+        return "P103", f"{subject} must be {_MUST[sort]}, got {_got(value)}", _mend(sort, value)
+    if sort in _RANGE:
+        bound, word = _RANGE[sort]
+        return "P104", f"{subject} must be {word} {context[bound]:g}, got {value:g}", ""
+    if sort == "finite_number":
+        return "P105", f"{subject} must be a finite number, got {value}", ""
+    if sort in ("string_pattern_mismatch", "string_too_long"):
+        hint = _PATTERNS.get(context.get("pattern", ""), _PATTERN)
+        hint = hint if "pattern" in context else f"keep it below {context['max_length']} characters"
+        return "P106", f"{_got(value)} is malformed", hint
+    if sort == "string_too_short":
+        return "P116", f"{subject} is empty", "write something, or delete it"
+    if sort == "literal_error":
+        return _literal(subject, value, context["expected"])
+    if sort.startswith("P1"):
+        must = report["msg"].startswith("must ")
+        got = _got(context.get("got", value))
+        return sort, f"{subject} {report['msg']}, got {got}" if must else report["msg"], ""
+    return "P103", f"{subject}: {report['msg'][:1].lower()}{report['msg'][1:]}", ""
+
+
+def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
+    words = [w.strip("'") for w in expected.replace(" or ", ", ").split(", ")]
+    what = f"{subject} must be one of {', '.join(words)}, got {_got(value)}"
+    if len(words) == 1:
+        what = f"{subject} must be {words[0]}, got {_got(value)}"
+    hint = did_you_mean(value, words) if isinstance(value, str) else ""
+    return "P107", what, hint if hint.startswith("did") else ""
+
+
+def _length(source: Source, loc: Loc, report: Report) -> tuple[str, str, str]:
+    """Say how many items a list or mapping needs, and how many it has."""
+    sort, value, context = report["type"], report["input"], report.get("ctx", {})
+    if sort == "missing":
+        need = f"more than {len(value)}"
+        loc = loc[:-1]
+    elif sort == "too_short":
+        need = f"at least {context['min_length']}"
+    else:
+        need = f"at most {context['max_length']}"
+    return "P108", f"{_subject(source, loc)} must have {need} items, got {len(value)}", ""
+
+
+def _mend(sort: str, value: Data) -> str:
+    if sort == "string_type" and not isinstance(value, (tuple, dict)):
+        return "put it in quotes"
+    if sort == "float_type" and isinstance(value, str) and "," in value:
+        return "write a point, not a comma"
+    return ""
+
+
+def _subject(source: Source, loc: Sequence[str | int]) -> str:
+    """Name the value at `loc` as the file does: the nearest key, and items from 1."""
+    steps = [s for n, s in enumerate(loc) if _there(source, loc[:n], s) or n == len(loc) - 1]
+    steps = [s for s in steps if not str(s).startswith("<")]
+    items = ""
+    while steps and isinstance(step := steps[-1], int):
+        items += f"item {step + 1} of "
+        steps.pop()
+    return f"{items}`{steps[-1]}`" if steps else "the pack"
+
+
+def _there(source: Source, before: Sequence[str | int], step: str | int) -> bool:
+    """Say whether the file has the step, which pydantic may have put in itself."""
+    value = source.at(before)
+    if isinstance(value, dict):
+        return step in value
+    return isinstance(value, tuple) and isinstance(step, int) and step < len(value)
+
+
+def _got(value: Data) -> str:
+    """Describe a value in the words of the file."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return f"number {float(value):g}"
+    if isinstance(value, str):
+        short = value if len(value) <= LONGEST_SHOWN else value[: LONGEST_SHOWN - 3] + "..."
+        return f"text {short!r}"
+    return "a mapping" if isinstance(value, dict) else "a list"
+
+
+def _fields(model: type[BaseModel], loc: Loc) -> dict[str, FieldInfo]:
+    """Return the fields, by their names in the file, of the model in which `loc` ends."""
+    types: list[Data] = [model]
+    for step in loc[:-1]:
+        types = [t for kind in types for t in _inside(kind, step)] or types
+    found: dict[str, FieldInfo] = {}
+    for kind in _flat(types):
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            found |= {f.alias or name: f for name, f in kind.model_fields.items()}
+    return found
+
+
+def _flat(types: Sequence[Data]) -> list[Data]:
+    """Take annotations and unions apart."""
+    flat: list[Data] = []
+    for kind in types:
+        origin: Data = get_origin(kind)
+        if origin is Annotated:
+            flat += _flat(get_args(kind)[:1])
+        elif origin in (Union, UnionType):
+            flat += _flat(get_args(kind))
+        else:
+            flat.append(kind)
+    return flat
+
+
+def _inside(kind: Data, step: str | int) -> list[Data]:
+    """Return what a value of some type holds at a step; nothing for a step of pydantic's own."""
+    inside: list[Data] = []
+    for part in _flat([kind]):
+        if isinstance(part, type) and issubclass(part, BaseModel):
+            fields = {f.alias or name: f for name, f in part.model_fields.items()}
+            if step in fields:
+                inside.append(fields[str(step)].annotation)
+            continue
+        origin: Data = get_origin(part)
+        if origin is dict:
+            inside.append(get_args(part)[1])
+        elif origin is tuple and isinstance(step, int):
+            inside += [a for a in get_args(part) if a is not Ellipsis]
+    return inside

@@ -1,0 +1,125 @@
+"""How loud each sound of a line is, and how far that moves the mouth.
+
+A vowel is louder than a stop in any voice, so each sound is compared with the others of its class
+in the same line: what is above their median is stressed, what is below is said in passing. How
+loud the whole line is does not count; that depends on the microphone.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.pipeline.levels import Dial, Level
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy.typing as npt
+
+    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.schedules.schedule import Audio, Schedule
+
+MOST = 2.0
+"""The most that loudness may be asked to count; 1 is as the pose set says."""
+
+SPAN = 9.0
+"""Decibels from the usual loudness at which a region moves least, or most."""
+
+FLOOR = 1.0
+"""The amplitude of int16 samples that is taken for nothing."""
+
+_NEAR = (0.25, 0.5, 0.25)
+"""What a sound's level takes of the one before, itself, and the one after."""
+
+
+def loudness_dial(
+    compiled: "Compiled",
+    schedule: "Schedule",
+    classes: "Callable[[], Sequence[str]]",
+    intensity: float,
+) -> Dial | None:
+    """Return how loudness scales what the pose set lets it scale; None where nothing is to be.
+
+    Parameters
+    ----------
+    classes : gives the class of each phoneme's sound, (n,); empty for silence
+    intensity : 0 not at all, 1 as the pose set says, 2 twice that
+
+    Raises
+    ------
+    LipsyncError
+        The number is out of range, the pose set names no region, or there is no sound.
+    """
+    if not 0 <= intensity <= MOST:
+        raise LipsyncError(f"intensity {intensity:g}: give a number from 0 to {MOST:g}")
+    if intensity == 0:
+        return None
+    stated = compiled.intensity
+    if stated is None:
+        region = next(iter(compiled.regions), "REGION")
+        raise LipsyncError(
+            f"{compiled.poseset} does not say what loudness moves; "
+            f"add `intensity: {{regions: [{region}]}}` to the pose set"
+        )
+    if schedule.audio is None:
+        raise LipsyncError(
+            f"{schedule.source} has no sound to take the loudness from; "
+            "speak a text, or give the recording with the timed phonemes"
+        )
+    poses = [pose for region in stated["regions"] for pose in compiled.regions.get(region, [])]
+    level = levels(
+        schedule, schedule.audio, classes(), intensity, (stated["least"], stated["most"])
+    )
+    return Dial(np.isin(np.arange(len(compiled.poses)), poses), level)
+
+
+def levels(
+    schedule: "Schedule",
+    audio: "Audio",
+    classes: Sequence[str],
+    intensity: float,
+    limits: tuple[float, float],
+) -> Level:
+    """Return the level over time: 1 where a sound is as loud as its like, else within limits.
+
+    Its points lie in the middle of the sounds, with straight lines between.
+    """
+    sounding = np.array([bool(one) for one in classes])
+    if not sounding.any():
+        return Level(np.zeros(1), np.ones(1))
+    above = _above(_decibels(audio, schedule.times), np.array(classes), sounding)
+    share = np.clip(_smooth(above, sounding) / SPAN, -1, 1)
+    least, most = limits
+    values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
+    middles = (schedule.times[:-1] + schedule.times[1:]) / 2
+    return Level(middles[sounding], np.maximum(values[sounding], 0.0))
+
+
+def _decibels(audio: "Audio", times: Floats) -> Floats:
+    """Return the loudness of each span of the sound: (n,); nothing where there is no sound."""
+    power = np.concatenate([[0.0], np.cumsum(audio.samples.astype(np.float64) ** 2)])
+    at = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
+    counts = np.maximum(np.diff(at), 1)
+    return 10 * np.log10(np.maximum(np.diff(power[at]) / counts, FLOOR**2))
+
+
+def _above(decibels: Floats, classes: "npt.NDArray[np.str_]", sounding: Bools) -> Floats:
+    """Return by how much each sound is louder than those of its class: (n,), 0 in silence."""
+    out = np.zeros(len(decibels))
+    for one in set(classes[sounding]):
+        here = classes == one
+        out[here] = decibels[here] - np.median(decibels[here])
+    return out
+
+
+def _smooth(values: Floats, sounding: Bools) -> Floats:
+    """Even out neighbours within a run of sounds."""
+    out = values.copy()
+    cuts = np.flatnonzero(np.diff(sounding)) + 1
+    for low, high in pairwise([0, *cuts, len(values)]):
+        out[low:high] = np.convolve(np.pad(values[low:high], 1, mode="edge"), _NEAR, "valid")
+    return out

@@ -1,0 +1,213 @@
+"""Trace: why a pose stands where it stands at a time.
+
+Nothing is recorded while performing; the frames around the asked one go through the stages again.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.animations.explanation import BigramAt, Explanation, PoseAt, StageAt, StyleAt
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.levels import shares
+from lipsync_lang.pipeline.perform import Performance, Stage
+from lipsync_lang.pipeline.warp import locate
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.track import Track
+    from lipsync_lang.pipeline.warp import Place
+
+VISIBLE = 5e-4
+"""A change of weight that is worth a word."""
+
+DONE = {
+    "stitch": "the larger of the overlapping bigrams",
+    "overlay": "the character's own curve of this word or line",
+    "smooth": "a valley filled",
+    "dial": "scaled by the dial of its region",
+    "switch": "one pose at a time, each for a least time",
+    "rest": "brought to rest at the ends",
+    "limit": "held to the speed limit",
+}
+"""What a stage that changed a value did to it; `hold` and `constrain` say more."""
+
+
+def explain(animation: "Animation", seconds: float) -> Explanation:
+    """Explain the frame of an animation that is nearest to a time.
+
+    Raises
+    ------
+    LipsyncError
+        The time lies outside the animation.
+    """
+    performer: Performer = animation.performer
+    first, last = float(animation.times[0]), float(animation.times[-1])
+    half = 0.5 / animation.fps
+    if not first - half <= seconds <= last + half:
+        raise LipsyncError(
+            f"{seconds:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
+        )
+    performance = performer.performance(animation.schedule, animation.fps, **animation.asked)
+    frame = int(np.abs(performance.frames.times() - seconds).argmin())
+    return _explain_frame(animation, performer, performance, frame)
+
+
+def _explain_frame(
+    animation: "Animation", performer: "Performer", performance: Performance, frame: int
+) -> Explanation:
+    track, schedule = performance.track, animation.schedule
+    halo = performance.halo()
+    begin = max(0, frame - halo)
+    stop = min(performance.frames.count, frame + halo + 1)
+    if performance.far:
+        begin, stop = 0, performance.frames.count
+    place = locate(track, performance.frames.times(frame, frame + 1))
+    now = performance.frames.times(frame, frame + 1)
+    values = [v[0] for v in performance.bigrams(place, now)]
+    stages = [
+        Stage(name, curves[:, frame - begin : frame - begin + 1])
+        for name, curves in performance.stages(begin, stop)
+    ]
+    at = int(place.phoneme[0])
+    index = int(track.source[at])
+    word = schedule.word_at(index) if index >= 0 else None
+    covering = _bigrams(performer, performance, place, _heard(performer, performance, now))
+    return Explanation(
+        seconds=float(now[0]),
+        frame=frame,
+        phoneme=schedule.labels[index] if index >= 0 else performer.compiled.phonemes[0],
+        index=index if index >= 0 else None,
+        common=performer.compiled.phonemes[int(track.ids[at])],
+        start=float(track.bounds[at]),
+        end=float(track.bounds[at + 1]),
+        word=word.text if word else None,
+        bigrams=tuple(b for b in covering if b is not None),
+        poses=tuple(
+            _pose(performer, performance, number, frame, stages, values, covering)
+            for number in range(len(performer.poses))
+        ),
+    )
+
+
+def _heard(performer: "Performer", performance: Performance, now: Floats) -> dict[str, float]:
+    """Return the share of each style that is heard."""
+    if not performance.blends:
+        return {}
+    names = tuple(performer.compiled.style_origins)
+    parts = shares(performance.blends, now)[1:, 0].tolist()
+    return {names[b.style]: p for b, p in zip(performance.blends, parts, strict=True) if p > 0}
+
+
+def _bigrams(
+    performer: "Performer", performance: Performance, place: "Place", heard: Mapping[str, float]
+) -> tuple[BigramAt | None, BigramAt | None]:
+    """Return the bigram that ends with the frame's phoneme, and the one that begins with it."""
+    at, track = int(place.phoneme[0]), performance.track
+    found: list[BigramAt | None] = [None, None]
+    boundary = track.boundary(performer.compiled.tables.neutral)
+    if at > 0 and place.coming[0] <= 1:
+        pin = boundary[at - 1]
+        found[0] = _bigram(
+            performer, track, at - 1, float(pin + (1 - pin) * place.coming[0]), heard
+        )
+    if at < len(track.rows) and place.going[0] >= 0:
+        found[1] = _bigram(performer, track, at, float(boundary[at] * place.going[0]), heard)
+    return found[0], found[1]
+
+
+def _bigram(
+    performer: "Performer",
+    track: "Track",
+    number: int,
+    position: float,
+    heard: Mapping[str, float],
+) -> BigramAt:
+    compiled = performer.compiled
+    origin = compiled.origins[int(track.rows[number])]
+    names = (compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
+    first, second = names
+    own = (
+        (style, share, compiled.style_origins[style].get(str(track.rows[number])))
+        for style, share in heard.items()
+    )
+    styles = tuple(
+        StyleAt(style, share, o.layer, o.status, o.places) for style, share, o in own if o
+    )
+    return BigramAt(
+        (first, second), position, origin.layer, origin.status, origin.places, origin.word, styles
+    )
+
+
+def _pose(  # noqa: PLR0913, PLR0917 what a frame went through
+    performer: "Performer",
+    performance: Performance,
+    pose: int,
+    frame: int,
+    stages: list[Stage],
+    values: list[Floats],
+    covering: tuple[BigramAt | None, BigramAt | None],
+) -> PoseAt:
+    weights = [float(s.curves[pose, 0]) for s in stages]
+    steps = []
+    for number, (stage, weight) in enumerate(zip(stages, weights, strict=True)):
+        before = weights[number - 1] if number else 0.0
+        why = ""
+        if abs(weight - before) > VISIBLE:
+            why = DONE.get(stage.name, "")
+            if stage.name == "stitch":
+                why = _larger(covering, [float(v[pose]) for v in values])
+            elif stage.name == "hold":
+                why = _held(performer, performance, pose, frame)
+            elif stage.name == "constrain":
+                why = _won(performer, performance, pose, stages[number])
+        steps.append(StageAt(stage.name, weight, why))
+    given = tuple(
+        float(v[pose]) for v, bigram in zip(values, covering, strict=True) if bigram is not None
+    )
+    return PoseAt(performer.poses[pose], weights[-1], given, tuple(steps))
+
+
+def _larger(covering: tuple[BigramAt | None, ...], values: list[float]) -> str:
+    parts = [
+        f"{'-'.join(bigram.pair)} gives {value:.3f}"
+        for bigram, value in zip(covering, values, strict=True)
+        if bigram is not None
+    ]
+    return ", ".join(parts)
+
+
+def _held(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
+    """Name the contacts that hold a pose up or down at a frame."""
+    names = performer.compiled.contact_names
+    reasons = []
+    for name, contact, (_, frames) in zip(
+        names, performance.tables.contacts, performance.held, strict=True
+    ):
+        if frames[frame] and contact.floor[pose] > 0:
+            reasons.append(f"contact '{name}' holds it at {contact.floor[pose]:g} or more")
+        if frames[frame] and contact.ceiling[pose] < 1:
+            reasons.append(f"contact '{name}' keeps it at {contact.ceiling[pose]:g} or less")
+    return ", ".join(reasons)
+
+
+def _won(performer: "Performer", performance: Performance, pose: int, after: Stage) -> str:
+    """Name the constraint that left a pose the least room."""
+    rooms = [
+        (threshold - float(after.curves[high, 0]), high, threshold)
+        for low, high, threshold in performance.tables.caps
+        if low == pose
+    ]
+    bounds = [
+        (float(after.curves[other, 0]), f"never above {performer.poses[other]}")
+        for low, other in performance.tables.at_most
+        if low == pose
+    ]
+    if rooms:
+        room, high, threshold = min(rooms)
+        name = performer.poses[high]
+        bounds.append((room, f"{name} outranks it: together at most {threshold:g}"))
+    return min(bounds)[1] if bounds else ""

@@ -1,0 +1,218 @@
+"""eSpeak NG in a process of its own: its voices, and text to phonemes without sound.
+
+A fresh process per request keeps the library's licence, its crashes and its memory apart from ours,
+and makes the same text sound the same, byte for byte.
+"""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import unicodedata
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.phonology.espeak.names import words_of
+
+MAGIC = b"lipsync1"
+WORKER = Path(__file__).with_name("espeak_worker.py")
+READER = Path(__file__).with_name("phonemizer_worker.py")
+
+BATCH = 2000
+"""Texts that one process reads."""
+
+_SHOWN = 60
+_DOTS = re.compile(r"\.{2,}|…")
+_ORDER = (
+    (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
+    (re.compile("([\u05b0-\u05bb\u05c7]+)([\u05bc\u05c1\u05c2]+)"), r"\2\1"),
+)
+"""Marks on one letter that Unicode puts in one order, and the library reads in the other only."""
+
+_QUOTES = frozenset("«»‹›„“”‟")
+_IGNORED = {0x00AD, 0x200B, 0x200E, 0x200F, 0x2060, 0xFEFF}
+_IGNORED |= {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
+
+
+@dataclass
+class EspeakProcess:
+    """The library behind a process boundary.
+
+    Parameters
+    ----------
+    python : the interpreter that runs the worker; name one where this one is embedded in a host
+    worker : the script that it runs
+    patience : seconds to wait for an answer, beyond a hundredth of one per character
+    """
+
+    python: str = sys.executable
+    worker: Path = WORKER
+    patience: float = 20.0
+
+    def transcribe(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
+        """Turn texts into phonemes without sound, by phonemizer.
+
+        Yields
+        ------
+        For each text its clauses, of each its words, of each its labels in IPA, as `speak` has them
+
+        Raises
+        ------
+        SpeechError
+            No such voice, phonemizer or the library is missing, or it failed.
+        """
+        for start in range(0, len(texts), BATCH):
+            yield from self._read([blank(t) for t in texts[start : start + BATCH]], voice)
+
+    def _read(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
+        library, data = _library()
+        if find_spec("phonemizer") is None:
+            raise SpeechError(
+                "reading text without speaking it needs phonemizer, which is not installed; "
+                'get it with: pip install "lipsync-lang[speech]"'
+            )
+        request = {"library": library, "data": data.name, "voice": voice, "texts": texts}
+        done = self._run([self.python, str(READER)], request, data.parent, texts)
+        answers = [json.loads(line) for line in done.stdout.splitlines()]
+        if answers and "error" in answers[0]:
+            raise SpeechError(_refusal(answers[0], voice))
+        if len(answers) != len(texts) + 1:
+            at = max(len(answers) - 1, 0)
+            raise SpeechError(_ending(done.returncode, done.stderr, texts[at], voice))
+        for clauses in answers[1:]:
+            yield [words_of(clause) for clause in clauses]
+
+    def voices(self) -> dict[str, str]:
+        """Return the voices of the library: language code and title."""
+        header, _ = self.ask("voices")
+        return {str(name): str(title) for name, title in header["voices"].items()}
+
+    def ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, bytes]:
+        """Run the worker for one request and return its answer's header and sound."""
+        library, data = _library()
+        request: dict[str, Any] = {"library": library, "data": data.name, "task": task}
+        request |= {"text": text, "voice": voice, "rate": rate}
+        command = [self.python, "-I", "-S", str(self.worker)]
+        done = self._run(command, request, data.parent, [text])
+        if done.returncode:
+            raise SpeechError(_ending(done.returncode, done.stderr, text, voice))
+        header, sound = _unframe(done.stdout)
+        if "error" in header:
+            raise SpeechError(_refusal(header, voice))
+        return header | {"said": _said(done.stderr)}, sound
+
+    def _run(
+        self, command: list[str], request: object, folder: Path, texts: Sequence[str]
+    ) -> "subprocess.CompletedProcess[bytes]":
+        """Run a worker for one request."""
+        try:
+            return subprocess.run(  # noqa: S603 our own script, no shell
+                command,
+                input=json.dumps(request).encode("ascii"),
+                capture_output=True,
+                cwd=folder,
+                timeout=self.patience + sum(map(len, texts)) / 100,
+                check=False,
+            )
+        except subprocess.TimeoutExpired as late:
+            raise SpeechError(
+                f"eSpeak NG did not finish within {late.timeout:.0f} s with {quoted(texts[0])}; "
+                "try again, or split the text"
+            ) from None
+        except OSError as error:
+            raise SpeechError(
+                f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
+            ) from None
+
+
+def _library() -> tuple[str, Path]:
+    """Find the library and its data without loading either."""
+    try:
+        import espeakng_loader
+    except ImportError:
+        raise SpeechError(
+            "speaking text needs eSpeak NG, which is not installed; "
+            'get it with: pip install "lipsync-lang[speech]"'
+        ) from None
+    try:
+        library, data = espeakng_loader.get_library_path(), Path(espeakng_loader.get_data_path())
+    except RuntimeError as error:
+        raise SpeechError(f"eSpeak NG is not installed whole: {error}; install it anew") from None
+    for path in (Path(library), data):
+        if not path.exists():
+            raise SpeechError(f"eSpeak NG is not installed whole: no {path}; install it anew")
+    return library, data
+
+
+def blank(text: str) -> str:
+    """Blank out what steers the library, and what some voices read out by its name."""
+    for marks, order in _ORDER:
+        text = marks.sub(order, text)
+    dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
+    return "".join(" " if c in _QUOTES or _steers(c) else c for c in dotted)
+
+
+def _steers(character: str) -> bool:
+    """Tell whether a character is a command, a lone surrogate, unassigned or a hidden mark."""
+    if unicodedata.category(character) in {"Cc", "Cs", "Co", "Cn"}:
+        return character != "\n"
+    return ord(character) in _IGNORED
+
+
+def quoted(text: str) -> str:
+    """Return a text in quotes, cut short for a message."""
+    return repr(text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "...")
+
+
+def _ending(code: int, stderr: bytes, text: str, voice: str) -> str:
+    """Say how the worker ended, and what to try."""
+    how = f"ended with code {code}"
+    if code < 0:
+        names = {int(s): s.name for s in signal.Signals}
+        how = f"crashed ({names.get(-code, f'signal {-code}')})"
+    return (
+        f"eSpeak NG {how} in the voice '{voice}' with {quoted(text)}"
+        + _said(stderr)
+        + "; try another voice, or a shorter text"
+    )
+
+
+def _said(stderr: bytes) -> str:
+    """Return the last line that the library printed, to end a sentence with."""
+    lines = stderr.decode("utf-8", "replace").strip().splitlines()
+    return f" ({lines[-1].strip()})" if lines else ""
+
+
+def _unframe(raw: bytes) -> tuple[Any, bytes]:
+    """Take an answer apart, believing none of it."""
+    start = len(MAGIC) + 4
+    garbage = SpeechError("eSpeak NG gave no answer that makes sense; try again")
+    if not raw.startswith(MAGIC) or len(raw) < start:
+        raise garbage
+    end = start + int.from_bytes(raw[len(MAGIC) : start], "little")
+    try:
+        header = json.loads(raw[start:end])
+    except ValueError:
+        raise garbage from None
+    if not isinstance(header, dict) or len(raw) - end != header.get("bytes", 0):
+        raise garbage
+    return header, raw[end:]
+
+
+def _refusal(header: dict[str, Any], voice: str) -> str:
+    match header["error"]:
+        case "voice":
+            return f"eSpeak NG has no voice '{voice}'; {did_you_mean(voice, header['known'])}"
+        case "variant":
+            variant = voice.partition("+")[2]
+            hint = did_you_mean(variant, header["known"])
+            return f"eSpeak NG has no voice variant '{variant}'; {hint}"
+        case "data":
+            return "eSpeak NG cannot read its data; install it anew"
+        case _:
+            return f"eSpeak NG could not speak the text (status {header.get('status')})"

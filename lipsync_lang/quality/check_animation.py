@@ -1,0 +1,84 @@
+"""Judge a finished animation: every measure, against the limits of its face."""
+
+from collections.abc import Iterator, Mapping
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.quality.figures import Figure, Quality
+from lipsync_lang.quality.measures import Measure, load_measures
+from lipsync_lang.quality.take import Scene, scene_of
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+
+Limits = Mapping[str, float]
+"""The most of a measure that is sound, by its name."""
+
+
+def check(
+    animation: "Animation",
+    *,
+    performer: "Performer | None" = None,
+    limits: Limits | None = None,
+    remarks: tuple[str, ...] = (),
+) -> Quality:
+    """Measure an animation and hold it against limits.
+
+    Parameters
+    ----------
+    animation : of a performer's poses, or of its rig's channels
+    performer : what knows the face and what was said; that which performed it unless given
+    limits : by a measure's name, over those of the pose set and the character
+    remarks : what is worth a word about how the animation came here
+
+    Raises
+    ------
+    LipsyncError
+        Nobody knows the face, a limit is of no measure, or the animation is of another face.
+    """
+    performer = performer or animation.performer
+    if performer is None:
+        raise LipsyncError("this animation was not performed here; name a performer of its face")
+    measures = load_measures()
+    scene = scene_of(animation, performer)
+    asked = {name: one.limit for name, one in measures.items()}
+    asked["speed"] = performer.motion.speed_limit
+    asked |= performer.compiled.checks["limits"]
+    asked |= _sound(limits or {}, measures)
+    figures = [
+        figure for one in measures.values() for figure in _figures(one, scene, asked[one.name])
+    ]
+    return Quality(_subject(animation, performer), tuple(figures), remarks)
+
+
+def _sound(limits: Limits, measures: Mapping[str, Measure]) -> Limits:
+    for name, value in limits.items():
+        if name not in measures:
+            raise LipsyncError(f"no measure '{name}' to limit; {did_you_mean(name, measures)}")
+        if not isfinite(value) or value < 0:
+            raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
+    return limits
+
+
+def _figures(measure: Measure, scene: Scene, limit: float | None) -> Iterator[Figure]:
+    for found in measure.find(scene):
+        yield Figure(
+            f"{measure.name} {found.of}".rstrip(),
+            found.value,
+            measure.unit,
+            limit if found.limit is None else found.limit,
+            found.parts,
+            found.findings,
+            found.why,
+        )
+
+
+def _subject(animation: "Animation", performer: "Performer") -> str:
+    words = " ".join(word.text for word in animation.schedule.words)
+    said = repr(words) if words else animation.schedule.source
+    return (
+        f"{performer.language} on {performer.character}, {animation.fps:g} fps: "
+        f"{said if len(said) <= 60 else said[:57] + '...'}"  # noqa: PLR2004 a line's worth
+    )

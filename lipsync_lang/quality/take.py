@@ -1,0 +1,265 @@
+"""An animation and what was said, as arrays that every measure reads.
+
+Conventions: curves are (C, T), a column being a pose or a channel of a rig; times are in seconds
+and rise; phonemes are those of the track, silence first and last, n of them with n + 1 bounds.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.constrain import Cap
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.motion import Motion
+    from lipsync_lang.pipeline.track import Track
+
+REACHED = 0.9
+"""Share of a floor at which a contact is seen."""
+
+OVER = 0.05
+"""Share of a column's range by which a ceiling may be passed unseen."""
+
+
+class Touch(NamedTuple):
+    """A contact as the columns of an animation show it; infinite bounds ask nothing."""
+
+    name: str
+    phonemes: Bools
+    """(N,) True where the common phoneme demands it."""
+    low: Floats
+    """(C,) the least of each column."""
+    high: Floats
+    """(C,) the most of each column."""
+
+    @property
+    def raised(self) -> bool:
+        """Whether something is held up; else a face at rest makes the contact too."""
+        return bool(np.isfinite(self.low).any())
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """What the columns of an animation are, and what is asked of them."""
+
+    names: tuple[str, ...]
+    touches: tuple[Touch, ...]
+    caps: tuple[Cap, ...]
+    at_most: tuple[tuple[int, int], ...]
+    low: Floats
+    high: Floats
+    """(C,) the range of each column; infinite for bones."""
+    span: Floats
+    """(C,) how far each can go."""
+    measures: dict[str, Floats]
+    """By name, (C,) gains."""
+
+
+def face_of(animation: "Animation", performer: "Performer") -> Face:
+    """Return what the columns of an animation are: a performer's poses, or its rig's channels.
+
+    Raises
+    ------
+    LipsyncError
+        They are neither.
+    """
+    compiled = performer.compiled
+    if animation.poses == performer.poses:
+        return _posed(performer)
+    if compiled.rig is not None:
+        names = tuple(one["name"] for one in compiled.rig["channels"])
+        if animation.poses == names:
+            return _rigged(performer, names)
+    raise LipsyncError(
+        f"the animation has other columns than {performer.character} has poses; read its file for "
+        f"this character (quality.fitting.read_for), or name the character it was made for"
+    )
+
+
+def _posed(performer: "Performer") -> Face:
+    compiled = performer.compiled
+    tables, count = compiled.tables, len(performer.poses)
+    touches = [
+        Touch(
+            name,
+            contact.phonemes,
+            np.where(contact.floor > 0, contact.floor, -np.inf),
+            np.where(contact.ceiling < 1, contact.ceiling, np.inf),
+        )
+        for name, contact in zip(compiled.contact_names, tables.contacts, strict=True)
+    ]
+    measures = {
+        name: np.array([gains.get(pose, 0.0) for pose in performer.poses])
+        for name, gains in compiled.measures.items()
+    }
+    unit = np.ones(count)
+    zero = np.zeros(count)
+    return Face(
+        performer.poses, tuple(touches), tables.caps, tables.at_most, zero, unit, unit, measures
+    )
+
+
+def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
+    """Return the face of a rig's channels: contacts as its gains pass them on."""
+    from lipsync_lang.rigs.driver import Driver
+
+    compiled = performer.compiled
+    rig = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors).rig
+    yielding = np.isin(np.arange(len(names)), [channel for channel, _ in rig.at_most])
+    free = _bounds(rig, np.zeros(len(performer.poses)), np.ones(len(performer.poses)))
+    touches = []
+    for name, contact in zip(compiled.contact_names, compiled.tables.contacts, strict=True):
+        low, high = _bounds(rig, contact.floor, contact.ceiling)
+        asks = (low > free[0] + 1e-9) & ~yielding
+        touches.append(
+            Touch(
+                name,
+                contact.phonemes,
+                np.where(asks, low, -np.inf),
+                np.where(high < free[1] - 1e-9, high, np.inf),
+            )
+        )
+    span = np.where(rig.span > 0, rig.span, 1.0)
+    return Face(names, tuple(touches), (), rig.at_most, rig.low, rig.high, span, {})
+
+
+def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
+    """Return the least and the most of every channel while poses keep to floors and ceilings."""
+    up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
+    low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)
+    high = np.clip(up @ ceiling + down @ floor, rig.low, rig.high)
+    return low, high
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """An animation, what was said, and the face that says it."""
+
+    times: Floats
+    """(T,) seconds, rising."""
+    curves: Floats
+    """(C, T)"""
+    face: Face
+    track: "Track"
+    labels: tuple[str, ...]
+    """(n,) what each phoneme of the track is called in messages."""
+    silence: int
+    motion: "Motion"
+    rules: dict[str, dict[str, Any]]
+    phonemes: tuple[str, ...]
+    """Names of the common phonemes, by number."""
+
+    @property
+    def frame(self) -> float:
+        """Seconds between frames."""
+        return float(np.median(np.diff(self.times))) if len(self.times) > 1 else 1.0
+
+    @cached_property
+    def sounds(self) -> Bools:
+        """(n,) whether a phoneme is a sound."""
+        sounds: Bools = self.track.ids != self.silence
+        return sounds
+
+    @cached_property
+    def owner(self) -> Ints:
+        """(T,) the phoneme of each frame; the outermost silences go on for ever."""
+        at = np.searchsorted(self.track.bounds, self.times, side="right") - 1
+        return np.clip(at, 0, len(self.track.ids) - 1)
+
+    @cached_property
+    def speaking(self) -> Bools:
+        """(T,) whether a frame lies in a sound."""
+        speaking: Bools = self.sounds[self.owner]
+        return speaking
+
+    @cached_property
+    def seconds(self) -> float:
+        """How long the sounds last together."""
+        return float(np.diff(self.track.bounds)[self.sounds].sum())
+
+    @cached_property
+    def share(self) -> Floats:
+        """(C, T) curves as shares of what each column can do."""
+        return self.curves / self.face.span[:, None]
+
+    @cached_property
+    def speeds(self) -> Floats:
+        """(C, T - 1) shares per second from frame to frame."""
+        return np.abs(np.diff(self.share, axis=1)) / np.diff(self.times)
+
+    def frames(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
+        """Return the first frame of each span and the one past its last, half a frame wider."""
+        half = self.frame / 2 + 1e-9
+        first = np.searchsorted(self.times, start - half, side="left")
+        stop = np.searchsorted(self.times, end + half, side="right")
+        return first, np.maximum(first, stop)
+
+    def over(self, which: Ints, values: Floats, how: np.ufunc) -> Floats:
+        """Reduce (T,) values over the frames of phonemes; nan where a phoneme has none."""
+        first, stop = self.frames(self.track.bounds[which], self.track.bounds[which + 1])
+        if not which.size:
+            return np.zeros(0)
+        padded = np.append(values, values[-1])
+        cuts = np.column_stack((first, stop)).ravel()
+        reduced: Floats = how.reduceat(padded, np.minimum(cuts, len(values)))[::2]
+        return np.where(stop > first, reduced, np.nan)
+
+    def margin(self, touch: Touch) -> Floats:
+        """Return by how much each frame makes a contact: (T,); below 0 it does not."""
+        margin: Floats = self.margins(touch).min(axis=0, initial=np.inf)
+        return margin
+
+    def margins(self, touch: Touch) -> Floats:
+        """Return the same for every column: (C, T) in shares of its range."""
+        asked = np.isfinite(touch.low)
+        low = np.where(asked, touch.low, 0.0)
+        floor = np.where(asked, low - (1 - REACHED) * np.abs(low), -np.inf)
+        span = self.face.span
+        above = (self.curves - floor[:, None]) / span[:, None]
+        below = (touch.high[:, None] - self.curves) / span[:, None] + OVER
+        margins: Floats = np.minimum(above, below) + 1e-9
+        return margins
+
+    def demanded(self, touch: Touch) -> Bools:
+        """Tell which phonemes demand a contact: (n,)."""
+        return touch.phonemes[self.track.ids] & ~self.track.waived
+
+
+def scene_of(animation: "Animation", performer: "Performer") -> Scene:
+    """Lay an animation beside what was said.
+
+    Raises
+    ------
+    LipsyncError
+        The animation is of another face, has too few frames, or numbers that are none.
+    """
+    face = face_of(animation, performer)
+    times, weights = animation.times, animation.weights
+    if len(times) < 2:  # noqa: PLR2004 one frame does not move
+        raise LipsyncError("the animation has fewer than two frames; there is nothing to judge")
+    if not np.isfinite(weights).all() or (np.diff(times) <= 0).any():
+        raise LipsyncError("the animation has times that do not rise, or weights that are none")
+    asked = animation.asked if animation.performer is not None else {}
+    track = performer.performance(animation.schedule, 60, **asked).track
+    labels = animation.schedule.labels
+    compiled = performer.compiled
+    return Scene(
+        times,
+        np.ascontiguousarray(weights.T),
+        face,
+        track,
+        tuple(
+            labels[at] if at >= 0 else compiled.phonemes[compiled.tables.silence]
+            for at in track.source
+        ),
+        compiled.tables.silence,
+        performer.motion,
+        compiled.checks["rules"],
+        compiled.phonemes,
+    )

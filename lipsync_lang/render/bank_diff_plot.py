@@ -1,0 +1,146 @@
+"""A picture of what a layer changes: bigrams as small multiples, before and after, pose by pose.
+
+Units: x is normalised time; y is inches from the top of a panel, so that every size is a real one.
+"""
+
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.errors import OutputError
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.render.plot import BIGRAMS, FINAL, INK, STAGES, THIN, draw
+from lipsync_lang.render.view import VISIBLE, WIDTH
+from lipsync_lang.resolver.bank_diff import TIMES, Change, Diff
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMNS, MOST = 4, 12
+"""Panels side by side, and how many there are at most."""
+
+HEAD, TITLE, AXIS, ROW, GAP, MARGIN = 0.85, 0.42, 0.45, 0.5, 0.14, 0.2
+"""Inches: the page's head, a panel's title and axis, a pose's row and what parts it, the margin."""
+
+LETTER = 0.085
+"""Inches that a letter of a pose's name takes, about."""
+
+PALE, EDGE = BIGRAMS[0]
+CHANGED = STAGES["constrain"][1]
+BEFORE: dict[str, Any] = {"color": EDGE, "lw": 1.3, "zorder": 3}
+AFTER: dict[str, Any] = {"color": FINAL, "lw": 1.7, "zorder": 4}
+
+
+class Panel(NamedTuple):
+    """A bigram and the poses that it moves on either side."""
+
+    change: Change
+    poses: list[int]
+
+    @property
+    def height(self) -> float:
+        """Inches."""
+        return len(self.poses) * (ROW + GAP)
+
+
+def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002 as `plot`
+    """Draw the bigrams that differ most, or those that were asked for.
+
+    Parameters
+    ----------
+    stream : open for bytes
+    format : one of `FORMATS`, in any case
+
+    Raises
+    ------
+    OutputError
+        The format is unknown, matplotlib is missing, or there is nothing to draw.
+    """
+    if not diff.named:
+        raise OutputError(f"nothing to draw: no bigram differs from those of {diff.against}")
+    draw(lambda: _page(diff), stream, format)
+
+
+def _page(diff: Diff) -> "Figure":
+    from matplotlib.figure import Figure
+
+    panels = [Panel(change, _moved(change)) for change in diff.named[:MOST]]
+    columns = min(COLUMNS, len(panels))
+    bands = [panels[n : n + columns] for n in range(0, len(panels), columns)]
+    tall = [TITLE + max(panel.height for panel in band) + AXIS for band in bands]
+    height = HEAD + sum(tall)
+    figure = Figure(figsize=(WIDTH, height))
+    _head(figure, diff, len(panels), height)
+    names = [diff.poses[pose] for panel in panels for pose in panel.poses]
+    left = 0.35 + LETTER * max(map(len, names), default=0)
+    cell = (WIDTH - MARGIN) / COLUMNS
+    for number, band in enumerate(bands):
+        top = height - HEAD - sum(tall[:number]) - TITLE
+        for column, panel in enumerate(band):
+            size = max(panel.height, GAP)
+            corner = ((column * cell + left) / WIDTH, (top - size) / height)
+            place = (*corner, (cell - left - MARGIN) / WIDTH, size / height)
+            _panel(figure.add_axes(place, xlim=(0, 1), ylim=(size, 0)), panel, diff.poses)
+    return figure
+
+
+def _moved(change: Change) -> list[int]:
+    """Return the poses that move on either side."""
+    tops = np.maximum(change.before.curves, change.after.curves).max(axis=0)
+    return [int(pose) for pose in np.flatnonzero(tops > VISIBLE)]
+
+
+def _head(figure: "Figure", diff: Diff, shown: int, height: float) -> None:
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    left = MARGIN / WIDTH
+    title = f"{diff.character} against {diff.against}"
+    figure.text(left, 1 - 0.12 / height, title, size=13, weight="bold", va="top")
+    parts = [diff.language, f"{len(diff.changes)} of {diff.total} bigrams differ"]
+    if shown < len(diff.named):
+        parts.append(f"the {shown} that differ most")
+    line = "   ·   ".join(parts)
+    figure.text(left, 1 - 0.4 / height, line, size=10, color=INK, va="top")
+    entries = {
+        "before": Line2D([], [], **BEFORE),
+        "after": Line2D([], [], **AFTER),
+        "the difference": Patch(facecolor=CHANGED, alpha=0.6),
+        "where the first phoneme ends": Line2D([], [], color=INK, lw=0.8, ls=":"),
+    }
+    figure.legend(
+        list(entries.values()), list(entries), ncols=len(entries), loc="upper right",
+        bbox_to_anchor=(1 - left, 1 - 0.36 / height), frameon=False, borderpad=0, borderaxespad=0,
+    )  # fmt: skip
+
+
+def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
+    """Draw one bigram: a row for each pose, ruled at 0 and 1, as in the picture of a line."""
+    change = panel.change
+    word = f"  {change.word}" if change.word else ""
+    axes.set_title(f"{change.bigram}{word}", size=11, weight="bold", loc="left", pad=16)
+    axes.annotate(
+        f"{change.before} → {change.after}" if change.changed else "the same",
+        (0, 1), (0, 5), xycoords="axes fraction", textcoords="offset points", size=8, color=INK,
+    )  # fmt: skip
+    tops = np.arange(len(panel.poses)) * (ROW + GAP) + GAP
+    axes.set_yticks(tops + ROW / 2, [poses[pose] for pose in panel.poses], size=9)
+    axes.tick_params(axis="y", length=0)
+    axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "", "0.5", "", "1"], size=8)
+    axes.spines[["left", "right", "top"]].set_visible(False)
+    for side, look in ((change.before, BEFORE), (change.after, AFTER)):
+        axes.axvline(side.boundary, color=look["color"], lw=0.8, ls=":", zorder=1)
+    for top, pose in zip(tops, panel.poses, strict=True):
+        _row(axes, float(top), change.before.curves[:, pose], change.after.curves[:, pose])
+
+
+def _row(axes: "Axes", top: float, before: Floats, after: Floats) -> None:
+    """Draw a pose before and after."""
+    axes.axhline(top + ROW, **THIN | {"color": INK})
+    axes.axhline(top, **THIN)
+    old, new = (top + ROW * (1 - curve) for curve in (before, after))
+    axes.fill_between(TIMES, top + ROW, old, color=PALE, lw=0, alpha=0.7, zorder=2)
+    axes.fill_between(TIMES, old, new, color=CHANGED, lw=0, alpha=0.6, zorder=2.5)
+    axes.plot(TIMES, old, **BEFORE)
+    axes.plot(TIMES, new, **AFTER)

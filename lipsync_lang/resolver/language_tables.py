@@ -1,0 +1,109 @@
+"""What a language pack says of reading and speaking its text, taken out of it."""
+
+from typing import TYPE_CHECKING
+
+from lipsync_lang.packs.finding import IPA, beside
+from lipsync_lang.phonology.g2p.registry import Rule, Settings
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.labels import Notation, Value
+from lipsync_lang.phonology.manner import Hearing, Manner
+from lipsync_lang.phonology.notations import ready
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library, Pack
+
+
+def manner_of(
+    language: "Pack[models.Language]",
+    common: "models.Phonemes",
+    character: "models.Character | None" = None,
+) -> Manner:
+    """Return how a language's text is read and spoken, by a character with words of its own."""
+    model, g2p = language.model, language.model.g2p
+    own = character.pronunciations if character is not None else {}
+    words = {
+        plain(word): tuple(sounds)
+        for said in (model.words, *(own.get(name, {}) for name in (*language.lineage[::-1],)))
+        for word, sounds in said.items()
+    }
+    phonemes = {**common.phonemes, **{k: p for k, p in model.adds.items() if p is not None}}
+    return Manner(
+        language=model.name,
+        engine=g2p.engine if g2p else None,
+        settings=_settings(language),
+        notation=(g2p.notation if g2p else None) or next(iter(model.notations), ""),
+        voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
+        others=dict(model.tts.others) if model.tts else {},
+        kinds={name: phoneme.sound or "" for name, phoneme in phonemes.items()},
+        durations={str(k): v for k, v in {**common.durations, **model.durations}.items()},
+        words=words,
+        audio=_hearing(model),
+    )
+
+
+def _hearing(model: "models.Language") -> Hearing:
+    stated = model.audio
+    if stated is None:
+        return Hearing()
+    return Hearing(
+        stated.align or Hearing.align,
+        stated.recognise,
+        stated.model,
+        stated.notation or "",
+        dict(stated.phones),
+    )
+
+
+def _settings(language: "Pack[models.Language]") -> Settings:
+    model, g2p = language.model, language.model.g2p
+    if g2p is None:
+        return Settings(model.name)
+    notation = g2p.notation or next(iter(model.notations), "")
+    stated = language.where(("g2p", "file")).file
+    return Settings(
+        language=model.name,
+        voice=g2p.voice or (model.tts.voice if model.tts else None),
+        code=g2p.code,
+        file=beside(stated, g2p.file) if g2p.file else None,
+        rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
+        labels=tuple(model.notations.get(notation, ())),
+        respell=g2p.respell,
+    )
+
+
+def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
+    """Return the notations of a language and those of mouth shapes, ready to find labels in."""
+    from lipsync_lang.resolver.nearest_phonemes import among, spelling
+
+    common, model = library.common().model, language.model
+    silences = (*common.silence_labels, *model.silence, common.silence)
+    silence: Value = ((common.silence, 1.0),)
+    near = among(library, language).value if model.automatic else None
+    tables = {**visemes_of(common), **tables_of(model)}
+    return ready(tables, silences, silence, IPA, spelling(library), near)
+
+
+def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
+    """Return the notations of mouth shapes as tables."""
+    return {
+        name: {label: value_of(sounds) for label, sounds in notation.labels.items()}
+        for name, notation in common.visemes.items()
+    }
+
+
+def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
+    """Return the notations of a language as tables; an automatic one reads IPA without any."""
+    tables = {
+        name: {label: value_of(sounds) for label, sounds in table.items()}
+        for name, table in model.notations.items()
+    }
+    if model.automatic:
+        tables.setdefault(IPA, {})
+    return tables
+
+
+def value_of(sounds: "models.Sounds") -> Value:
+    """Return the common phonemes of a label, each with its share of the time."""
+    even = tuple(1 / len(sounds.to) for _ in sounds.to)
+    return tuple(zip(sounds.to, sounds.shares or even, strict=True))

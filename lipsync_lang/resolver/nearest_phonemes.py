@@ -1,0 +1,144 @@
+"""Mapping by features, as far as packs have a say: which phonemes take part, and who disagrees."""
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lipsync_lang.errors import PackError
+from lipsync_lang.packs.checking.ipa_checks import check_ipa
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.phonology.ipa import Features, key
+from lipsync_lang.phonology.labels import Value
+from lipsync_lang.phonology.nearest import Among
+from lipsync_lang.resolver.language_tables import value_of
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library, Pack
+
+
+class Disagreement(NamedTuple):
+    """A label that a pack maps otherwise than its features alone would."""
+
+    label: str
+    common: Value
+    """What the pack says."""
+    automatic: Value
+    """What the features say."""
+    reason: str
+    """Why, as the pack states it; empty where it does not."""
+
+
+def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[str, Any]:
+    """Return what finds the phonemes of a language nearest to a label, as JSON holds it.
+
+    Raises
+    ------
+    PackFaults
+        The pack of the IPA is unsound.
+    """
+    model = language.model
+    # an inventory is what the language tells apart; a notation has what any source may write
+    labels = [*(model.inventory.segments if model.inventory else model.notations.get(IPA, ()))]
+    known = candidates(model, library.common().model)
+    return {"features": _features(library), "candidates": known, "labels": labels}
+
+
+def spelling(library: "Library") -> dict[str, dict[str, Any]]:
+    """Return how the IPA is spelled in other signs, and which of its marks are not seen, as JSON.
+
+    Where the pack of the IPA is unsound or missing, nothing is known of either: the languages that
+    need no more of it are performed all the same.
+    """
+    try:
+        data = _features(library)
+    except PackError:
+        return {"spelled": {}, "unseen": {}}
+    spelled = {
+        name: {sign: key(meant) for sign, meant in signs.items()}
+        for name, signs in data["notations"].items()
+    }
+    return {"spelled": spelled, "unseen": Features.from_data(data).unseen()}
+
+
+def _features(library: "Library") -> dict[str, Any]:
+    ipa = library.ipa()
+    faults = sorted(set(check_ipa(ipa, library.common().model)))
+    if faults:
+        raise PackFaults(faults)
+    return ipa.model.model_dump(mode="json", by_alias=True)
+
+
+def among(library: "Library", language: "Pack[models.Language]") -> Among:
+    """Return what finds the phonemes of a language nearest to a label."""
+    return Among.from_plain(plain_among(library, language))
+
+
+def among_shared(names: Sequence[str]) -> Among | None:
+    """Return what finds the nearest of some common phonemes, as the packs found from here have it.
+
+    For hints: where those packs are unsound or missing, there is none.
+    """
+    from lipsync_lang.packs.library import Library
+
+    library = Library()
+    try:
+        common = library.common().model
+        known = {n: list(common.phonemes[n].ipa) for n in names if n in common.phonemes}
+        plain = {"features": _features(library), "candidates": known, "labels": ()}
+        return Among.from_plain(plain)
+    except PackError:
+        return None
+
+
+def among_all(library: "Library", labels: Sequence[str] = ()) -> Among:
+    """Return what finds the nearest of all common phonemes, for a language of some labels.
+
+    Raises
+    ------
+    PackFaults
+        The pack of the IPA is unsound.
+    """
+    common = library.common().model
+    added = [name for name in common.phonemes if name not in (*common.base, common.silence)]
+    known = {name: list(common.phonemes[name].ipa) for name in (*added, *common.base)}
+    return Among.from_plain(
+        {"features": _features(library), "candidates": known, "labels": list(labels)}
+    )
+
+
+def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:
+    """Return the common phonemes of a language, each with the IPA that counts as it.
+
+    Those that it adds come first, so that of equals they are the nearest.
+    """
+    names = dict.fromkeys((*language.adds, *common.base))
+    stated = {name: language.adds.get(name) or common.phonemes.get(name) for name in names}
+    return {name: list(phoneme.ipa) for name, phoneme in stated.items() if phoneme is not None}
+
+
+def disagreements(language: "models.Language", near: Among) -> list[Disagreement]:
+    """List the IPA labels that a language maps otherwise than their features would."""
+    rows = []
+    for label, sounds in language.notations.get(IPA, {}).items():
+        stated, found = value_of(sounds), near.value(label)
+        if found is None or _shown(found) != _shown(stated):
+            reason = language.reasons.get(label, "")
+            rows.append(Disagreement(label, stated, found or (), reason))
+    return rows
+
+
+def fights(language: "models.Language", near: Among) -> list[tuple[str, list[str]]]:
+    """List the IPA labels mapped to mouths that their features forbid, without a reason given."""
+    rows = []
+    for label, sounds in language.notations.get(IPA, {}).items():
+        against = near.fights(label, sounds.to) if label not in language.reasons else []
+        if against:
+            rows.append((label, against))
+    return rows
+
+
+def _shown(value: Value) -> list[str]:
+    """Return what is seen of a value: one phoneme twice is one that lasts."""
+    return [name for name, _ in groupby(name for name, _ in value)]

@@ -1,0 +1,135 @@
+"""Alignment by an acoustic model and a dictionary that pocketsphinx brings.
+
+The words of the text are said as the dictionary says them and as the language's own G2P reads
+them; which of the ways it was, the sound decides. `sphinx` lays them on the sound.
+"""
+
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.labels import Notation
+from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.sphinx.features import features
+from lipsync_lang.speech.sphinx.folder import Models, find_models
+from lipsync_lang.speech.sphinx.forced import lay
+from lipsync_lang.speech.sphinx.scheduling import Saying, confidence, doubts, laid, prepared
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lipsync_lang.phonology.g2p.registry import Said
+    from lipsync_lang.speech.speaking import Speaker
+
+NOTHING = 0.12
+"""A confidence below this: no more fits than would by chance."""
+
+DOUBTFUL = 0.5
+"""A confidence below this is remarked upon."""
+
+
+class Pocketsphinx:
+    """The aligner for languages that pocketsphinx has a model of."""
+
+    def align(
+        self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
+    ) -> Schedule:
+        """Find when each phoneme of a text is said in a recording of it.
+
+        Parameters
+        ----------
+        audio : the recording
+        text : what is said in it
+        speaker : its language
+        model : a name of pocketsphinx's
+
+        Raises
+        ------
+        SpeechError
+            There is no such model, nothing is said, or nothing of it fits the sound.
+        """
+        models = find_models(model)
+        (transcript,) = speaker.transcribe([text])
+        sayings = _Reader(models, speaker).sayings(transcript.words)
+        if not sayings:
+            raise SpeechError(f"'{text[:60]}' has no words to align; give what is said")
+        heard = lay(models.model, features(prepared(audio)), [saying.ways for saying in sayings])
+        if heard is None:
+            raise SpeechError(
+                f"the text has {len(sayings)} words, more than can be said in {audio.seconds:.2f} "
+                "s: is it the text of this recording, and is the recording whole?"
+            )
+        sure = confidence(models, heard)
+        if sure < NOTHING:
+            raise SpeechError(
+                f"nothing of the text fits the sound (confidence {sure:.2f}): is it the text of "
+                "this recording, in this language, and can the voice be heard? Another aligner "
+                "may do better (--aligner)"
+            )
+        remarks = doubts(heard, sayings)
+        if sure < DOUBTFUL:
+            remarks.insert(
+                0, f"text and sound hardly agree (confidence {sure:.2f}): is it the right text?"
+            )
+        found = laid(models, heard, sayings, audio.seconds)
+        return Schedule(
+            *found,
+            notation=speaker.manner.audio.notation,
+            language=speaker.manner.language,
+            audio=audio,
+            source="recording",
+            unread=transcript.unread,
+            remarks=tuple(remarks),
+            confidence=sure,
+        )
+
+
+class _Reader:
+    """Finds the ways to say the words of a language."""
+
+    def __init__(self, models: Models, speaker: "Speaker") -> None:
+        self.models = models
+        self.speaker = speaker
+        manner = speaker.manner
+        self.labels = speaker.notations[manner.notation]
+        own = speaker.notations.get(manner.audio.notation)
+        self.alike = {value: name for name, value in reversed([*own.table.items()] if own else [])}
+        self.stated = Notation(
+            {
+                label: tuple((name, 1 / len(names)) for name in names)
+                for label, names in manner.audio.phones.items()
+            }
+        )
+
+    def sayings(self, words: "Sequence[Said]") -> list[Saying]:
+        """Return words and the ways to say them; words that the G2P ran together are told apart."""
+        together = {said.text for said in words if said.labels and len(said.text.split()) > 1}
+        parts = sorted({part for text in together for part in text.split()})
+        read = dict(zip(parts, self.speaker.transcribe(parts), strict=True)) if parts else {}
+        apart = [
+            one
+            for said in words
+            for one in (
+                (word for part in said.text.split() for word in read[part].words)
+                if said.text in together
+                else [said]
+            )
+        ]
+        sayings = (Saying(said.text, self.ways(said.text, said.labels)) for said in apart)
+        return [saying for saying in sayings if saying.ways]
+
+    def ways(self, word: str, labels: "Sequence[str]") -> tuple[tuple[int, ...], ...]:
+        """Return the ways to say a word: as the dictionary says it, and as the G2P reads it."""
+        read = tuple(number for label in labels for number in self.numbers(label))
+        return tuple(dict.fromkeys([*self.models.ways(plain(word)), read])) if read else ()
+
+    def numbers(self, label: str) -> list[int]:
+        """Return the model's phonemes of a label that the language's G2P writes.
+
+        Where the pack states none, they are the first that become the same common phonemes.
+        """
+        found = self.stated.find(label)
+        if found is None:
+            common = self.labels.find(label) or ()
+            found = tuple((self.alike.get(((name, 1.0),), ""), 1.0) for name, _ in common)
+        return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]

@@ -1,0 +1,101 @@
+"""Recordings of a language: which aligner and recogniser hears them is the language pack's word.
+
+With its text a recording is *aligned*: when is each phoneme said? Without, it is *recognised*: what
+is said? Both make a schedule with the sound, which is performed like any other.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.speaking import Speaker
+
+
+def align(
+    audio: str | Path | Audio,
+    text: str,
+    language: str,
+    *,
+    aligner: str | None = None,
+    paths: Sequence[str | Path] = (),
+) -> Schedule:
+    """Find when each phoneme of a text is said in a recording of it.
+
+    Parameters
+    ----------
+    audio : the recording, or a file of it
+    text : what is said in it
+    language : a language pack's name or tag
+    aligner : another aligner than the pack's
+    paths : folders to search for packs before all others
+
+    Raises
+    ------
+    SpeechError
+        The recording cannot be read, or nothing of the text fits it.
+    """
+    return aligned(Speaker.of(language, paths), audio, text, aligner=aligner)
+
+
+def recognise(
+    audio: str | Path | Audio,
+    language: str,
+    *,
+    recogniser: str | None = None,
+    paths: Sequence[str | Path] = (),
+) -> Schedule:
+    """Find what is said in a recording, and when.
+
+    Parameters
+    ----------
+    audio : the recording, or a file of it
+    language : a language pack's name or tag
+    recogniser : another recogniser than the pack's
+    paths : folders to search for packs before all others
+
+    Raises
+    ------
+    SpeechError
+        The recording cannot be read, or the language has no recogniser.
+    """
+    return recognised(Speaker.of(language, paths), audio, recogniser=recogniser)
+
+
+def aligned(
+    speaker: Speaker, audio: str | Path | Audio, text: str, *, aligner: str | None = None
+) -> Schedule:
+    """Align as `align` does, in a language that was made ready before."""
+    from lipsync_lang.speech.align.registry import ALIGNERS
+
+    stated = speaker.manner.audio
+    name = aligner or stated.align
+    if name not in ALIGNERS:
+        raise SpeechError(f"no aligner '{name}'; {did_you_mean(name, ALIGNERS)}")
+    model = stated.model if name == stated.align else None
+    return ALIGNERS[name].align(_sound(audio), text, speaker, model)
+
+
+def recognised(
+    speaker: Speaker, audio: str | Path | Audio, *, recogniser: str | None = None
+) -> Schedule:
+    """Recognise as `recognise` does, in a language that was made ready before."""
+    from lipsync_lang.speech.recognise.registry import RECOGNISERS
+
+    stated = speaker.manner.audio
+    name = recogniser or stated.recognise
+    if name is None:
+        raise SpeechError(
+            f"{speaker.manner.language} has no recogniser: give the text that is said as well, or "
+            "name a recogniser in its pack (`audio: {recognise: ...}`)"
+        )
+    if name not in RECOGNISERS:
+        raise SpeechError(f"no recogniser '{name}'; {did_you_mean(name, RECOGNISERS)}")
+    model = stated.model if name == stated.recognise else None
+    return RECOGNISERS[name].recognise(_sound(audio), speaker, model)
+
+
+def _sound(audio: str | Path | Audio) -> Audio:
+    from lipsync_lang.speech.sound import read_audio
+
+    return audio if isinstance(audio, Audio) else read_audio(audio)

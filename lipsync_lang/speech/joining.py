@@ -1,0 +1,217 @@
+"""Times for what a text says: a voice's, joined to it by alignment, or estimated ones."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.align import align
+from lipsync_lang.phonology.labels import LENGTH, Notation, normalise
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from lipsync_lang.speech.speaking import Transcript
+
+LONG = 1.5
+"""How much longer a sound marked as long lasts than a short one."""
+
+
+def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Schedule:
+    """Give each label of a transcript the length of its class, and its pauses theirs.
+
+    Raises
+    ------
+    SpeechError
+        Nothing of the text can be read.
+    """
+    labels: list[str] = []
+    lengths: list[float] = []
+    words: list[Word] = []
+    for word in transcript.words:
+        if word.labels:
+            words.append(Word(word.text, len(labels), len(labels) + len(word.labels)))
+            labels += word.labels
+            lengths += [_length(label, manner, notation) for label in word.labels]
+        elif labels and labels[-1] != SILENCE and not word.unread:
+            labels.append(SILENCE)
+            lengths.append(manner.durations["silence"])
+    if labels and labels[-1] == SILENCE:
+        labels.pop()
+        lengths.pop()
+    _refuse_nothing(labels, transcript)
+    return Schedule(
+        tuple(labels),
+        np.concatenate([[0.0], np.cumsum(lengths)]),
+        words=tuple(words),
+        notation=transcript.notation,
+        language=transcript.language,
+        estimated=True,
+        source=f"text {_quoted(transcript.text)}",
+        unread=transcript.unread,
+    )
+
+
+def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
+    if not labels:
+        unread = f"; it cannot read {' '.join(transcript.unread)}" if transcript.unread else ""
+        raise SpeechError(
+            f"{transcript.language} says nothing for {_quoted(transcript.text)}{unread}; "
+            "is the text in its script?"
+        )
+
+
+def _length(label: str, manner: Manner, notation: Notation) -> float:
+    """Return the seconds of a label: those of its sounds, several consonants as an affricate's."""
+    value = notation.find(label) or ()
+    kinds = [manner.kinds.get(name, "") for name, _ in value]
+    middling = manner.durations["stop"]
+    length = sum(manner.durations.get(kind, middling) for kind in kinds) or middling
+    if len(kinds) > 1 and not {"vowel", "glide"} & set(kinds):
+        length = manner.durations["affricate"]
+    return length * LONG if normalise(label).endswith(tuple(LENGTH)) else length
+
+
+def join(
+    transcript: "Transcript",
+    spoken: Schedule,
+    manner: Manner,
+    notations: Mapping[str, Notation],
+) -> Schedule:
+    """Give the labels of a transcript the times at which a voice was heard to say them.
+
+    The two are aligned by their common phonemes. A sound of the voice alone belongs to the one
+    before it; a sound of the transcript alone takes its share of the one before. Pauses are the
+    voice's.
+
+    Raises
+    ------
+    SpeechError
+        Nothing of the text can be read.
+    """
+    _refuse_nothing(transcript.labels, transcript)
+    label_of, said = _units(
+        [label for word in transcript.words for label in (word.labels or (SILENCE,))],
+        notations[transcript.notation],
+    )
+    heard_of, heard = _units(spoken.labels, notations[spoken.notation or transcript.notation])
+    found = align(said, heard, manner.kinds, SILENCE)
+    starts = _starts(heard_of, spoken)
+    rows = _rows(label_of, heard, found, starts, float(spoken.end))
+    return _scheduled(transcript, spoken, rows)
+
+
+def _units(labels: Sequence[str], notation: Notation) -> tuple[list[int], list[str]]:
+    """Return common phonemes, and the number of the label that each belongs to."""
+    owner: list[int] = []
+    names: list[str] = []
+    for number, label in enumerate(labels):
+        value = notation.find(label) if label != SILENCE else None
+        for name in [name for name, _ in value or ()] or [SILENCE if label == SILENCE else label]:
+            owner.append(number)
+            names.append(name)
+    return owner, names
+
+
+def _starts(owner: Sequence[int], spoken: Schedule) -> list[float]:
+    """Return when each unit of a schedule starts: those of one label share its time."""
+    starts: list[float] = []
+    count = np.bincount(np.array(owner, np.intp), minlength=len(spoken))
+    place = 0
+    for number, unit in enumerate(owner):
+        place = place + 1 if number and owner[number - 1] == unit else 0
+        low, high = spoken.times[unit], spoken.times[unit + 1]
+        starts.append(float(low + (high - low) * place / count[unit]))
+    return starts
+
+
+def _rows(
+    label_of: Sequence[int],
+    heard: Sequence[str],
+    found: "npt.NDArray[np.intp]",
+    starts: Sequence[float],
+    end: float,
+) -> list[tuple[int, float, float]]:
+    """Return (number of the label, start, end) in order of time; -1 is a pause."""
+    rows: list[tuple[int, float, float]] = []
+    begin: float | None = None
+    for unit, (start, stop) in enumerate(pairwise([*starts, end])):
+        here = int(found[unit])
+        number = -1 if heard[unit] == SILENCE else label_of[here] if here >= 0 else None
+        if number is None and not rows:
+            begin = start if begin is None else begin
+        elif rows and number in (None, rows[-1][0]):
+            rows[-1] = (*rows[-1][:2], stop)
+        elif number is not None and number >= 0 and rows[-2:-1] and rows[-2][0] == number:
+            rows[-2:] = [(number, rows[-2][1], stop)]  # a rest within one label
+        elif number is not None:
+            rows.append((number, start if begin is None else begin, stop))
+            begin = None
+    return rows
+
+
+def _scheduled(
+    transcript: "Transcript", spoken: Schedule, rows: Sequence[tuple[int, float, float]]
+) -> Schedule:
+    """Lay the labels of a transcript on the rows; those without a row share their neighbour's."""
+    flat = [label for word in transcript.words for label in (word.labels or (SILENCE,))]
+    groups = _groups(flat, {number for number, _, _ in rows})
+    labels: list[str] = []
+    numbers: list[int] = []
+    times: list[float] = [float(spoken.start)]
+    for number, start, stop in rows:
+        members = groups.get(number, [])
+        for part, member in enumerate(members, start=1):
+            labels.append(flat[member])
+            numbers.append(member)
+            times.append(stop - (stop - start) * (len(members) - part) / len(members))
+        if not members:
+            labels.append(SILENCE)
+            numbers.append(-1)
+            times.append(stop)
+    return replace(
+        spoken,
+        labels=tuple(labels),
+        times=np.array(times),
+        words=_words(transcript, numbers),
+        notation=transcript.notation,
+        language=transcript.language,
+        unread=transcript.unread,
+    )
+
+
+def _groups(flat: Sequence[str], present: Collection[int]) -> dict[int, list[int]]:
+    """Give each label that has no time of its own to the one before that has, or to the first."""
+    groups: dict[int, list[int]] = {}
+    first = next((n for n, label in enumerate(flat) if n in present and label != SILENCE), None)
+    owner = first
+    for number, label in enumerate(flat):
+        if label == SILENCE:
+            continue
+        owner = number if number in present else owner
+        if owner is not None:
+            groups.setdefault(owner, []).append(number)
+    return groups
+
+
+def _words(transcript: "Transcript", numbers: Sequence[int]) -> tuple[Word, ...]:
+    """Return the words of a transcript by the places their labels got."""
+    place = {number: index for index, number in enumerate(numbers) if number >= 0}
+    words: list[Word] = []
+    number = 0
+    for word in transcript.words:
+        count = max(len(word.labels), 1)
+        places = [place[n] for n in range(number, number + count) if n in place and word.labels]
+        if places:
+            words.append(Word(word.text, places[0], places[-1] + 1))
+        number += count
+    return tuple(words)
+
+
+def _quoted(text: str, most: int = 60) -> str:
+    return repr(text if len(text) <= most else text[: most - 3] + "...")

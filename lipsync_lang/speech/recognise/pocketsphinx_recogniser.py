@@ -1,0 +1,135 @@
+"""Recognition by pocketsphinx: words where it hears some, phonemes alone where it does not.
+
+It is given a part of the sound at a time, cut where the sound is quietest. The words it hears are
+laid on the sound as if they had been given.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
+from lipsync_lang.speech.sphinx.features import RATE, STEP, Floats, features
+from lipsync_lang.speech.sphinx.folder import Models, find_models, without_variant
+from lipsync_lang.speech.sphinx.forced import Heard, lay
+from lipsync_lang.speech.sphinx.scheduling import Saying, confidence, laid, prepared
+
+if TYPE_CHECKING:
+    from lipsync_lang.speech.speaking import Speaker
+
+SHORTEST, LONGEST = 10 * RATE, 20 * RATE
+"""Samples of a part, where there are so many."""
+
+QUIET = 20
+"""Frames over which loudness is taken."""
+
+SHOWN = 200
+"""Letters of what was heard that the remark repeats."""
+
+
+class Pocketsphinx:
+    """The recogniser for languages that pocketsphinx has a model of."""
+
+    def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
+        """Find what is said in a recording.
+
+        Parameters
+        ----------
+        audio : the recording
+        speaker : its language
+        model : a name of pocketsphinx's
+
+        Raises
+        ------
+        SpeechError
+            There is no such model.
+        """
+        models = find_models(model)
+        sound = prepared(audio)
+        decoder = _decoder(models)
+        heard: list[Heard] = []
+        sayings: list[Saying] = []
+        for start, stop in parts(sound):
+            part = sound[start:stop]
+            words = _words(decoder, models, part)
+            said = [Saying(word, models.ways(word)) for word in words]
+            found = lay(models.model, features(part), [one.ways for one in said]) if said else None
+            if found is None:
+                said, found = [], _phones(decoder, models, part)
+            heard += [_moved(one, start // STEP, len(sayings)) for one in found]
+            sayings += said
+        return Schedule(
+            *laid(models, heard, sayings, audio.seconds),
+            notation=speaker.manner.audio.notation,
+            language=speaker.manner.language,
+            audio=audio,
+            source="recording",
+            remarks=(_told(sayings),),
+            recognised=True,
+            confidence=confidence(models, heard),
+        )
+
+
+def parts(sound: Floats) -> Iterator[tuple[int, int]]:
+    """Yield where parts of a sound start and stop: whole frames, cut where it is quietest."""
+    start = 0
+    while len(sound) - start > LONGEST:
+        energy = np.cumsum(np.square(sound[start + SHORTEST : start + LONGEST]))[::STEP]
+        quietest = int((energy[QUIET:] - energy[:-QUIET]).argmin())
+        stop = start + SHORTEST + (quietest + QUIET // 2) * STEP
+        yield start, stop
+        start = stop
+    yield start, len(sound)
+
+
+def _decoder(models: Models) -> Any:
+    from pocketsphinx import Decoder
+
+    return Decoder(
+        hmm=str(models.acoustic),
+        dict=str(models.dictionary),
+        lm=str(models.words),
+        loglevel="FATAL",
+    )
+
+
+def _segments(decoder: Any, sound: Floats) -> list[tuple[str, int]]:
+    """Return what a decoder hears: names, each with its first frame."""
+    samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16)
+    decoder.start_utt()
+    decoder.process_raw(samples.tobytes(), full_utt=True)
+    decoder.end_utt()
+    return [(one.word, one.start_frame) for one in decoder.seg() or ()]
+
+
+def _words(decoder: Any, models: Models, sound: Floats) -> list[str]:
+    """Return the words of a sound; what the dictionary does not have is a pause or a noise."""
+    decoder.activate_search()
+    names = (without_variant(name) for name, _ in _segments(decoder, sound))
+    return [name for name in names if models.ways(name)]
+
+
+def _phones(decoder: Any, models: Models, sound: Floats) -> list[Heard]:
+    """Return the phonemes of a sound that has no words."""
+    decoder.add_allphone_file("phones", str(models.phones))
+    decoder.activate_search("phones")
+    names = _segments(decoder, sound) or [("", 0)]
+    stops = [first for _, first in names[1:]] + [-(-len(sound) // STEP)]
+    return [
+        Heard(OUTSIDE, models.numbers.get(name, OUTSIDE), first, stop, 0.0)
+        for (name, first), stop in zip(names, stops, strict=True)
+    ]
+
+
+def _moved(one: Heard, frames: int, words: int) -> Heard:
+    word = one.word if one.word == OUTSIDE else one.word + words
+    return one._replace(word=word, first=one.first + frames, stop=one.stop + frames)
+
+
+def _told(sayings: Sequence[Saying]) -> str:
+    words = " ".join(saying.text for saying in sayings)
+    if not words:
+        return "no words were heard; what moves the mouth are single sounds"
+    return f"heard: {words[:SHOWN]}{' ...' if len(words) > SHOWN else ''}"

@@ -1,0 +1,325 @@
+"""Text in a language: who reads it, and which voice speaks it, is the language pack's word.
+
+A text is *transcribed* by the pack's G2P engine, and *spoken* by its voice. Where voice and engine
+are one, what was heard is what is said. Where they differ, the voice gives the times and the
+engine the phonemes, joined by alignment. Without a voice, lengths by phoneme class estimate the
+times.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.phonology.g2p import Said, engine
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.labels import Notation
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+
+if TYPE_CHECKING:
+    from lipsync_lang.phonology.nearest import Among
+
+SILENT = "none"
+"""The name to ask for no speech engine by: times are estimated, and nothing sounds."""
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """What a text becomes before anybody times it.
+
+    Parameters
+    ----------
+    text : as it was given
+    language : the pack's name
+    notation : of the words' labels
+    words : words and pauses in order
+    phonemes : the common phonemes they become, pauses as silence; a pack's own words its way
+    unmapped : labels that the notation does not have, in order, each once
+    unread : characters that the engine could not read, in order, each once
+    gaps : where, in `phonemes`, something is missing that is unmapped or unread: before which
+    """
+
+    text: str
+    language: str
+    notation: str
+    words: tuple[Said, ...]
+    phonemes: tuple[str, ...] = ()
+    unmapped: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
+    gaps: tuple[int, ...] = ()
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """All phonemes in order, pauses left out."""
+        return tuple(label for word in self.words for label in word.labels)
+
+
+class Speaker:
+    """A language made ready to read and speak many texts.
+
+    Parameters
+    ----------
+    manner : how its text is read and spoken
+    notations : its notations, by name
+    near : what finds the nearest of labels that no notation has, where the language is automatic
+    """
+
+    def __init__(
+        self, manner: Manner, notations: Mapping[str, Notation], near: "Among | None" = None
+    ) -> None:
+        self.manner = manner
+        self.notations = notations
+        self.near = near
+
+    @classmethod
+    def of(cls, language: str, paths: Sequence[str | Path] = ()) -> "Speaker":
+        """Make a language ready by its name or tag, looking for packs in `paths` first."""
+        from lipsync_lang.packs.library import Library
+        from lipsync_lang.resolver.language_tables import manner_of, notations_of
+        from lipsync_lang.resolver.nearest_phonemes import among
+
+        library: Library = Library(paths)
+        pack, common = library.language(language), library.common().model
+        near = among(library, pack) if pack.model.automatic else None
+        return cls(manner_of(pack, common), notations_of(library, pack), near)
+
+    def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
+        """Turn texts into phonemes, one after the other.
+
+        Raises
+        ------
+        SpeechError
+            The pack says nothing of how text becomes phonemes, or its engine failed.
+        """
+        whole = list(texts)
+        for text, words in zip(whole, self._read(whole), strict=True):
+            yield self._transcript(text, words)
+
+    def _read(self, texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        manner = self.manner
+        if manner.engine is None:
+            raise SpeechError(
+                f"{manner.language} does not read text: give its pack a `g2p`, "
+                "or give timed phonemes (--schedule)"
+            )
+        if manner.notation not in self.notations:
+            raise SpeechError(
+                f"{manner.language} has no notation '{manner.notation}' for what its `g2p` writes"
+            )
+        for text, words in zip(texts, engine(manner.engine, manner.settings)(texts), strict=True):
+            yield self._heard(text) if self._hides(words) else tuple(words)
+
+    def _hides(self, words: Sequence[Said]) -> bool:
+        """Tell whether a word of the pack's own may lie within words the engine ran together."""
+        return bool(self.manner.words) and any(
+            plain(part.strip(".,;:!?…\"'()")) in self.manner.words
+            for word in words
+            if any(map(str.isspace, word.text))
+            for part in word.text.split()
+        )
+
+    def _heard(self, text: str) -> tuple[Said, ...]:
+        """Return the words of a text as they are told apart when it is spoken."""
+        from lipsync_lang.speech import speak as say
+
+        schedule = say(text, self.manner.settings.voice or "", engine=self.manner.engine or "")
+        words: list[Said] = []
+        at = 0
+        for word in schedule.words:
+            if words and SILENCE in schedule.labels[at : word.first]:
+                words.append(Said(",", ()))
+            words.append(Said(word.text, schedule.labels[word.first : word.stop]))
+            at = word.stop
+        return tuple(words)
+
+    def _transcript(self, text: str, words: Sequence[Said]) -> Transcript:
+        notation = self.notations[self.manner.notation]
+        while words and not words[-1].labels and not words[-1].unread:
+            words = words[:-1]
+        phonemes: list[str] = []
+        unmapped: list[str] = []
+        gaps: list[int] = []
+        for word in words:
+            own = self.manner.words.get(plain(word.text)) if word.labels else (SILENCE,)
+            start = len(phonemes)
+            if own is not None and (word.labels or not word.unread):
+                phonemes += own
+                continue
+            for label in word.labels:
+                value = notation.find(label)
+                gaps += [len(phonemes)] if value is None else []
+                phonemes += [name for name, _ in value or ()]
+                unmapped += [label] if value is None else []
+            gaps += range(start, len(phonemes) + 1) if word.unread else ()
+        return Transcript(
+            text,
+            self.manner.language,
+            self.manner.notation,
+            tuple(words),
+            tuple(phonemes),
+            tuple(dict.fromkeys(unmapped)),
+            tuple(dict.fromkeys(c for word in words for c in word.unread)),
+            tuple(sorted(set(gaps))),
+        )
+
+    def told(self, transcript: Transcript) -> dict[str, Any]:
+        """Return a transcript as JSON holds it, with the common phonemes of each label."""
+        notation = self.notations[self.manner.notation]
+        words: list[dict[str, Any]] = []
+        for word in transcript.words:
+            labels = [
+                {"label": label, "common": [name for name, _ in notation.find(label) or ()]}
+                for label in word.labels
+            ]
+            own = self.manner.words.get(plain(word.text))
+            words.append(
+                {"text": word.text, "labels": labels}
+                | ({"pronounced": list(own)} if own and labels else {})
+                | ({"unread": word.unread} if word.unread else {})
+            )
+        return {
+            "text": transcript.text,
+            "language": transcript.language,
+            "notation": transcript.notation,
+            "words": words,
+            "phonemes": list(transcript.phonemes),
+            "automatic": self._automatic(transcript),
+            "unmapped": list(transcript.unmapped),
+            "unread": list(transcript.unread),
+        }
+
+    def _automatic(self, transcript: Transcript) -> dict[str, dict[str, Any]]:
+        """Return the labels that features alone mapped, and what of each is not shown."""
+        notation = self.notations[self.manner.notation]
+        if self.near is None or notation.nearest is None:
+            return {}
+        found = {
+            label: self.near.nearest(label)
+            for label in dict.fromkeys(transcript.labels)
+            if notation.stated(label) is None
+        }
+        return {
+            label: {
+                "common": [name for name, _ in near.value],
+                "distance": near.distance,
+                "loses": list(near.losses),
+            }
+            for label, near in found.items()
+        }
+
+    def speak(
+        self, text: str, *, engine: str | None = None, words_per_minute: int | None = None
+    ) -> Schedule:
+        """Speak a text, or estimate its times where nothing speaks it.
+
+        Parameters
+        ----------
+        text : what to say
+        engine : another speech engine than the pack's; `none` for estimated times
+        words_per_minute : the speed of speech; None is the engine's own
+
+        Raises
+        ------
+        SpeechError
+            There is nothing to say, the language cannot read it, or the engine failed.
+        """
+        from lipsync_lang.speech import speak as say
+
+        manner = self.manner
+        if engine == SILENT or (engine is None and manner.voice is None):
+            return self._estimated(text)
+        name, voice = self._voice(engine)
+        if manner.direct or manner.voice is None or name != manner.voice[0]:
+            schedule = say(text, voice, engine=name, words_per_minute=words_per_minute)
+            return replace(schedule, language=manner.language)
+        (transcript,) = self.transcribe([text])
+        spelling = _spelling(transcript)
+        schedule = say(spelling, voice, engine=name, words_per_minute=words_per_minute)
+        from lipsync_lang.speech.joining import join
+
+        return join(transcript, schedule, manner, self.notations)
+
+    def _voice(self, engine: str | None) -> tuple[str, str]:
+        """Return the speech engine and the voice that speak: the pack's, or its of that engine."""
+        manner = self.manner
+        if manner.voice is not None and engine in (None, manner.voice[0]):
+            return manner.voice
+        name = engine or ""
+        reads = manner.settings.voice if name == manner.engine else None
+        voice = manner.others.get(name, reads)
+        if voice is None:
+            from lipsync_lang.speech import ENGINES
+
+            if name not in ENGINES:
+                raise SpeechError(f"no speech engine '{name}'; {did_you_mean(name, ENGINES)}")
+            raise SpeechError(
+                f"{manner.language} names no voice of {name}; give its pack "
+                f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"
+            )
+        return name, voice
+
+    def _estimated(self, text: str) -> Schedule:
+        from lipsync_lang.speech.joining import estimate
+
+        if self.manner.engine is None:
+            raise SpeechError(
+                f"{self.manner.language} names no voice: give its pack a `tts`, a `g2p` to "
+                "estimate times by, or give timed phonemes (--schedule)"
+            )
+        (transcript,) = self.transcribe([text])
+        return estimate(transcript, self.manner, self.notations[self.manner.notation])
+
+
+def _spelling(transcript: Transcript) -> str:
+    """Return what a voice should read: the engine's own spelling where it has one."""
+    if not any(word.respelled for word in transcript.words):
+        return transcript.text
+    return " ".join(word.respelled or word.text for word in transcript.words)
+
+
+def transcribe(
+    texts: Iterable[str], language: str, *, paths: Sequence[str | Path] = ()
+) -> Iterator[Transcript]:
+    """Turn texts into phonemes, as the language pack's `g2p` says, one after the other.
+
+    Parameters
+    ----------
+    texts : what to read
+    language : a language pack's name or tag
+    paths : folders to search for packs before all others
+
+    Raises
+    ------
+    SpeechError
+        The language does not read text, or its engine failed.
+    """
+    return Speaker.of(language, paths).transcribe(texts)
+
+
+def speak(
+    text: str,
+    language: str,
+    *,
+    engine: str | None = None,
+    words_per_minute: int | None = None,
+    paths: Sequence[str | Path] = (),
+) -> Schedule:
+    """Speak text with the voice its language pack names.
+
+    Parameters
+    ----------
+    text : what to say
+    language : a language pack's name or tag
+    engine : another speech engine than the pack's; `none` for estimated times without sound
+    words_per_minute : the speed of speech; None is the engine's own
+    paths : folders to search for packs before all others
+
+    Raises
+    ------
+    SpeechError
+        There is nothing to say, the language can neither read nor speak it, or the engine failed.
+    """
+    speaker = Speaker.of(language, paths)
+    return speaker.speak(text, engine=engine, words_per_minute=words_per_minute)

@@ -1,0 +1,25 @@
+"""Tables as text: columns one below the other, whatever script they are in."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from unicodedata import combining, east_asian_width
+
+
+def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> Iterator[str]:
+    """Yield rows of text with their columns one below the other, as a terminal shows them."""
+    kept = [list(row) for row in rows]
+    count = max(map(len, kept), default=0)
+    widths = [
+        min(max((width(row[i]) for row in kept if i < len(row)), default=0), widest)
+        for i in range(count)
+    ]
+    for row in kept:
+        cells = [cell + " " * (max(widths[i] - width(cell), 0) + gap) for i, cell in enumerate(row)]
+        yield "".join(cells).rstrip()
+
+
+def width(text: str) -> int:
+    """Return how many columns of a terminal a text takes."""
+    return sum(
+        0 if combining(c) or c in "\u200b\u200c\u200d" else 2 if east_asian_width(c) in "WF" else 1
+        for c in text
+    )
