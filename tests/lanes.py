@@ -36,7 +36,7 @@ def swept(values: Iterable[Any], quick: int | Iterable[Any] = 1) -> list[Any]:
 
     Parameters
     ----------
-    values : what is swept over
+    values : what is swept over; tuples where several arguments are
     quick : so many of the first stay in the quick lane, or exactly these
     """
     every = list(values)
@@ -44,7 +44,12 @@ def swept(values: Iterable[Any], quick: int | Iterable[Any] = 1) -> list[Any]:
     stay = every[:quick] if isinstance(quick, int) else list(quick)
     assert stay, "some of every sweep is quick"
     assert all(value in every for value in stay), "not in the sweep"
-    return [value if value in stay else pytest.param(value, marks=full) for value in every]
+    return [value if value in stay else _in_full(value) for value in every]
+
+
+def _in_full(value: Any) -> Any:
+    """Return a parameter of the full lane; a tuple holds one value for each argument."""
+    return pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=full)
 
 
 def costly() -> settings:

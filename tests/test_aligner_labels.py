@@ -1,6 +1,7 @@
 """Labels of aligners are known in every language; marks that nobody sees are no reason to stop."""
 
 import csv
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -43,10 +44,16 @@ CODES = {"portuguese-br": "por", "portuguese-pt": "por"}
 """Languages whose pack does not say the code by which Epitran knows them."""
 
 
+@cache
+def segmenter():
+    """Epitran's table of features, which takes seconds to load."""
+    return pytest.importorskip("panphon").FeatureTable().ipa_segs
+
+
 @pytest.mark.parametrize("name", LANGUAGES)
 def test_every_segment_that_epitran_writes_is_known(name):
     epitran = pytest.importorskip("epitran")
-    segments = pytest.importorskip("panphon").FeatureTable().ipa_segs
+    segments = segmenter()
     codes = {CODES.get(name, ""), *LIBRARY.language(name).model.aliases} - {""}
     folder = Path(epitran.__file__).parent / "data/map"
     maps = [path for code in sorted(codes) for path in folder.glob(f"{code}-*.csv")]

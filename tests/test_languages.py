@@ -9,7 +9,6 @@ from unicodedata import normalize
 import pytest
 from shipped import LANGUAGES, LIBRARY
 
-from lipsync_lang import resolve
 from lipsync_lang.phonology.labels import Notation, normalise
 from lipsync_lang.speech.speaking import transcribe
 
@@ -18,9 +17,6 @@ every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
          "kana": ["pyopenjtalk"]}  # fmt: skip
 """What an engine, or a respeller, needs to be installed."""
-
-FACE = LIBRARY.names("poseset")[0].name
-"""Any pose set: common phonemes are the same for all."""
 
 SILENCE = LIBRARY.common().model.silence
 
@@ -118,14 +114,6 @@ def test_the_inventory_is_the_one_it_names(pack, data):
         pytest.skip(f"{pack.name} names no PHOIBLE inventory")
     stated = {normalize("NFC", segment) for segment in pack.inventory.segments}
     assert stated == {normalize("NFC", segment) for segment in phoible(data)[named[1]]}
-
-
-@every_pack
-def test_every_language_resolves_on_every_pose_set_without_a_gap(pack):
-    for found in LIBRARY.names("poseset"):
-        report = resolve(pack.name, found.name).report
-        assert not report.gaps
-        assert len(report.phonemes) ** 2 == report.shared + report.extra
 
 
 @every_pack

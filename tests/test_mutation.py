@@ -9,6 +9,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from lanes import swept
 from shipped import LIBRARY
 
 from lipsync_lang import LipsyncError, Schedule, resolve
@@ -133,7 +134,7 @@ def compared(pack: Pack) -> list[Fault]:
     return [*check_rig(pack, poseset, known, to)]
 
 
-@pytest.mark.parametrize("first", range(0, EDITS, BATCH))
+@pytest.mark.parametrize("first", swept(range(0, EDITS, BATCH), quick=2))
 def test_a_slip_gives_located_faults_or_a_sound_pack(first):
     for number in range(first, first + BATCH):
         path, content = edited(number)
@@ -170,7 +171,7 @@ SCHEDULE = Schedule.from_intervals(
 )
 
 
-@pytest.mark.parametrize("first", range(0, RESOLVED, BATCH))
+@pytest.mark.parametrize("first", swept(range(0, RESOLVED, BATCH)))
 def test_what_is_sound_resolves_and_performs_within_its_promises(first, tmp_path):
     for number in range(first, first + BATCH):
         path, content = edited(number)
