@@ -10,7 +10,7 @@ from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.phonology.g2p.registry import Rule
-from lipsync_lang.phonology.g2p.rules import never_fire, unknown_labels
+from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow, unknown_labels
 from lipsync_lang.phonology.labels import Notation, normalise
 
 if TYPE_CHECKING:
@@ -77,6 +77,9 @@ def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
         loc: Loc = ("g2p", "rules", number, "to")
         what = f"'{label}' is not in the notation '{written(language.model)}'"
         yield language.fault(loc, "P218", what, did_you_mean(label, labels))
+    for number in too_slow(rules):
+        what = f"the rule for '{rules[number].spelling}' {SLOW}"
+        yield language.fault(("g2p", "rules", number), "P118", what, QUICKER)
     for number, earlier in never_fire(rules):
         line = language.where(("g2p", "rules", earlier)).line
         what = f"the rule for '{rules[number].spelling}' never fires"

@@ -4,7 +4,6 @@ A validator here sees one file; what needs two files or two places is in `checks
 seconds.
 """
 
-import re
 from math import isclose
 from typing import Annotated, Literal, Self
 
@@ -25,6 +24,7 @@ from lipsync_lang.packs.models.fields import (
     Strict,
     Text,
 )
+from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 
 SoundClass = Literal[
     "vowel", "glide", "liquid", "nasal", "stop", "fricative", "affricate", "silence"
@@ -149,19 +149,22 @@ class Rewrite(Strict):
     to: Annotated[tuple[Label, ...], OrOne]
     """Labels of the notation; an empty list for mute letters."""
     before: str = ""
-    """A regular expression that must match what follows."""
+    """A regular expression that must match what follows, in small letters."""
     after: str = ""
-    """A regular expression that must match what precedes."""
+    """A regular expression that must match what precedes, in small letters."""
 
     @model_validator(mode="after")
-    def _contexts_are_regular(self) -> Self:
+    def _contexts_are_usable(self) -> Self:
         for field in ("before", "after"):
+            text = getattr(self, field)
             try:
-                re.compile(getattr(self, field))
-            except (re.error, RecursionError, OverflowError) as error:
-                what = "is not a regular expression: {why}"
+                if text:
+                    compile_context(text, precedes=field == "after")
+            except ContextError as error:
                 raise PydanticCustomError(
-                    "P117", what, {"why": str(error), "field": field}
+                    "P118" if error.slow else "P117",
+                    "`{field}` {what}",
+                    {"what": error.what, "hint": error.cure, "field": field},
                 ) from None
         return self
 

@@ -165,7 +165,8 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     if sort.startswith("P1"):
         must = report["msg"].startswith("must ")
         got = _got(context.get("got", value))
-        return sort, f"{subject} {report['msg']}, got {got}" if must else report["msg"], ""
+        what = f"{subject} {report['msg']}, got {got}" if must else report["msg"]
+        return sort, what, context.get("hint", "")
     return "P103", f"{subject}: {report['msg'][:1].lower()}{report['msg'][1:]}", ""
 
 

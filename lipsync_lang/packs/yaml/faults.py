@@ -46,6 +46,7 @@ CODES: dict[str, str] = {
     "P115": "Fields of one entry contradict each other.",
     "P116": "Text is empty.",
     "P117": "A context of a rule is not a regular expression.",
+    "P118": "A context of a rule could take too long to match.",
     # P2: what one part says of another
     "P201": "A pose is unknown to the pose set.",
     "P202": "A common phoneme is unknown.",

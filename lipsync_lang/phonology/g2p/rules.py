@@ -6,18 +6,27 @@ fits, the longest label of the notation that stands here is taken as it is, so t
 that are labels need no rule. What still is not read is left over, and named.
 
 Words are compared composed and in small letters. A context is a regular expression over the
-word's own letters: ``^`` in `after` is the start of the word, ``$`` in `before` its end.
+word's own letters (see `contexts`): ``^`` in `after` is the start of the word, ``$`` in `before`
+its end.
 """
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.contexts import (
+    MAX_STEPS_PER_LETTER,
+    Context,
+    ContextError,
+    compile_context,
+)
 from lipsync_lang.phonology.g2p.registry import Engine, Rule, Said, Settings, respeller
 from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
 from lipsync_lang.phonology.labels import normalise
+
+SLOW = "and those before it with the same first letter could take too long"
+QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
 KEPT = 20_000
 """Words of which the reading is remembered."""
@@ -27,15 +36,15 @@ class _Compiled(NamedTuple):
     number: int
     spelling: str
     to: tuple[str, ...]
-    before: re.Pattern[str] | None
-    after: re.Pattern[str] | None
+    before: Context | None
+    after: Context | None
 
     def fits(self, word: str, at: int) -> bool:
         """Tell whether the rule takes its letters at a place of a word."""
         return (
             word.startswith(self.spelling, at)
-            and (self.before is None or bool(self.before.match(word, at + len(self.spelling))))
-            and (self.after is None or bool(self.after.search(word[:at])))
+            and (self.before is None or self.before.fits(word, at + len(self.spelling)))
+            and (self.after is None or self.after.fits(word, at))
         )
 
 
@@ -45,12 +54,15 @@ class Rewriter:
     Raises
     ------
     SpeechError
-        A context is not a regular expression.
+        A context is not a regular expression, or the contexts could take too long.
     """
 
     def __init__(self, rules: Iterable[Rule], labels: Iterable[str] = ()) -> None:
         self._rules: dict[str, list[_Compiled]] = {}
         self._labels: dict[str, list[tuple[str, str]]] = {}
+        rules = tuple(rules)
+        for number in too_slow(rules):
+            raise SpeechError(f"rule {number + 1} ('{rules[number].spelling}') {SLOW}; {QUICKER}")
         for number, rule in enumerate(rules):
             made = _compile(number, rule)
             self._rules.setdefault(made.spelling[:1], []).append(made)
@@ -94,13 +106,10 @@ class Rewriter:
 
 def _compile(number: int, rule: Rule) -> _Compiled:
     try:
-        before = re.compile(plain(rule.before)) if rule.before else None
-        after = re.compile(rf"(?:{plain(rule.after)})\Z") if rule.after else None
-    except re.error as error:
-        raise SpeechError(
-            f"rule {number + 1} ('{rule.spelling}'): its context is not a regular expression: "
-            f"{error}"
-        ) from None
+        before = compile_context(rule.before, precedes=False) if rule.before else None
+        after = compile_context(rule.after, precedes=True) if rule.after else None
+    except ContextError as error:
+        raise SpeechError(f"rule {number + 1} ('{rule.spelling}'): its context {error}") from None
     return _Compiled(number, plain(rule.spelling), rule.to, before, after)
 
 
@@ -126,6 +135,18 @@ def engine(settings: Settings) -> Engine:
                 yield from (word._replace(text=piece) for word in words[:1])
 
     return read
+
+
+def too_slow(rules: Sequence[Rule]) -> Iterator[int]:
+    """Yield the rules with which the contexts of one first letter pass their steps, once each."""
+    steps: dict[str, int] = {}
+    for number, rule in enumerate(rules):
+        made = _compile(number, rule)
+        letter = made.spelling[:1]
+        before = steps.get(letter, 0)
+        steps[letter] = before + sum(side.steps for side in (made.before, made.after) if side)
+        if before <= MAX_STEPS_PER_LETTER < steps[letter]:
+            yield number
 
 
 def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:

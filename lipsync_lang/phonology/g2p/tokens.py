@@ -17,7 +17,7 @@ PAUSES = frozenset(".!?…,;:—–、。，！？；：।॥؟،؛።፣፤၊
 SIGNS = frozenset("၌၍၎၏")
 """Punctuation to Unicode, and words to their readers."""
 
-_APOSTROPHES = str.maketrans("’‘", "''")
+APOSTROPHES = str.maketrans("’‘", "''")
 
 JOINERS = frozenset("\u200c\u200d")
 
@@ -64,7 +64,7 @@ def pieces(text: str) -> Iterator[Piece]:
 
 def plain(word: str) -> str:
     """Return a word as rules and lexicons spell it: composed, in small letters."""
-    return normalize("NFC", normalize("NFC", word).casefold()).translate(_APOSTROPHES)
+    return normalize("NFC", normalize("NFC", word).casefold()).translate(APOSTROPHES)
 
 
 class Reading(NamedTuple):

@@ -1,0 +1,273 @@
+r"""Contexts of spelling rules: regular expressions of strangers, in a form that cannot run away.
+
+Two limits hold before a context is compiled, so that no clock is needed while it is matched:
+
+- a context sees at most ``SEEN_LETTERS`` letters on its side of the place,
+- ``MAX_STEPS`` bounds the steps of a backtracking engine over those letters.
+
+The bound is read off the expression. Alternatives add their ways to match, and parts in sequence
+multiply them, for each way of the earlier is tried with each of the later. Looks beside, atomic
+groups and possessive repeats match in one way: an engine never returns into them. A group of one
+way may repeat without end; a group of more would take exponential time, and is refused.
+
+The text is folded (composed, in small letters), so literals are folded too. Escapes, names of
+groups and sets are left as they are, and the expression ignores case.
+"""
+
+import re
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import NamedTuple
+from unicodedata import normalize
+
+from lipsync_lang.phonology.g2p.tokens import APOSTROPHES, plain
+
+SEEN_LETTERS = 50
+"""Letters of a word that a context sees."""
+
+MAX_STEPS = 2_000_000
+"""Steps that one look at a word may take at worst: some hundredths of a second."""
+
+MAX_STEPS_PER_LETTER = 50_000_000
+"""Steps of all rules that are tried at one letter of a word."""
+
+MAX_CONTEXT_CHARS = 1_000
+"""Characters of a context."""
+
+_TOO_MANY = MAX_STEPS + 1
+_WHOLE = ("(?=", "(?!", "(?<", "(?>")
+
+_TOKEN = re.compile(
+    r"(?P<escape>\\(?:.|\Z))"
+    r"|(?P<set>\[\^?\]?(?:\\.|[^\]\\])*+\])"
+    r"|(?P<named>\(\?P=\w+\))"
+    r"|(?P<opening>\((?:\?(?:[:=!>]|<[=!]|P<\w+>))?)"
+    r"|(?P<closing>\))"
+    r"|(?P<repeat>(?:[*+?]|\{(?:\d+|\d*,\d*)\})[?+]?)"
+    r"|(?P<either>\|)"
+    r"|(?P<mark>[$^.])"
+    r"|(?P<literal>(?:[^\\\[\](){}*+?|$^.]|\](?!\])|[{}])[\u0300-\u036f]*+|.)",
+    re.DOTALL,
+)
+"""The parts of a regular expression; a letter carries its combining marks."""
+
+_FLAG_LIKE = re.compile(r"\(\?[^)]{0,20}")
+_SET_ALGEBRA = re.compile(r"(?<!\\)\[|--|&&|~~|\|\|")
+
+
+class ContextError(ValueError):
+    """A context that cannot be used; says why, and how to mend it.
+
+    Parameters
+    ----------
+    what : the matter
+    cure : how to mend it, or empty
+    slow : whether it is sound but could take too long
+    """
+
+    def __init__(self, what: str, cure: str = "", *, slow: bool = False) -> None:
+        super().__init__(f"{what}; {cure}" if cure else what)
+        self.what = what
+        self.cure = cure
+        self.slow = slow
+
+
+class Context(NamedTuple):
+    """What must stand beside the letters of a rule.
+
+    Parameters
+    ----------
+    pattern : compiled
+    precedes : whether it is about what precedes, and must reach up to the letters
+    steps : of the engine for one look at a word, at worst
+    """
+
+    pattern: re.Pattern[str]
+    precedes: bool
+    steps: int
+
+    def fits(self, word: str, at: int) -> bool:
+        """Tell whether the context fits at a place of a folded word.
+
+        A context for what precedes sees the letters up to `at`, any other those from there on.
+        """
+        if self.precedes:
+            return bool(self.pattern.search(word, max(0, at - SEEN_LETTERS), at))
+        return bool(self.pattern.match(word, at, at + SEEN_LETTERS))
+
+
+@lru_cache(4096)
+def compile_context(text: str, *, precedes: bool) -> Context:
+    r"""Compile a context; what compiles here works on every word.
+
+    Raises
+    ------
+    ContextError
+        It is not a regular expression, uses what contexts do not have, or could take too long.
+
+    Examples
+    --------
+    >>> compile_context("[ei]|$", precedes=False).fits("cena", 1)
+    True
+    """
+    if len(text) > MAX_CONTEXT_CHARS:
+        raise ContextError(
+            f"has {len(text)} characters of at most {MAX_CONTEXT_CHARS}",
+            "state several rules",
+            slow=True,
+        )
+    parts = list(_parts(text))
+    folded = "".join(_folded(kind, part) for kind, part in parts)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            pattern = re.compile(folded, re.IGNORECASE)  # alone first: ")(" closes the group below
+            if precedes:
+                pattern = re.compile(rf"(?:{folded})\Z", re.IGNORECASE)
+    except (re.error, RecursionError, OverflowError, Warning) as error:
+        raise ContextError(f"is not a regular expression: {error}") from None
+    steps = _steps(parts) * (SEEN_LETTERS if precedes else 1)  # a search starts at each letter
+    if steps > MAX_STEPS:
+        raise ContextError(
+            "could take too long, for it may match the same letters in too many ways",
+            "use fewer repeats, or possessive ones that give nothing back, as in [ab]*+",
+            slow=True,
+        )
+    return Context(pattern, precedes, steps)
+
+
+def _parts(text: str) -> Iterator[tuple[str, str]]:
+    """Yield (kind, part) along a regular expression, where it keeps to what contexts have."""
+    for found in _TOKEN.finditer(text):
+        kind, part = str(found.lastgroup), found[0]
+        if kind == "opening" and part == "(" and text.startswith("(?", found.start()):
+            shown = _FLAG_LIKE.match(text, found.start())
+            raise ContextError(
+                f"'{shown[0] if shown else part}' is not available in contexts",
+                "groups are ( ), (?: ), (?= ), (?! ), (?<= ), (?<! ), (?> ) and (?P<name> )",
+            )
+        yield kind, part
+
+
+def _folded(kind: str, part: str) -> str:
+    """Return a part as it is compared with folded text."""
+    if kind == "literal":
+        return plain(part)
+    if kind != "set":
+        return part
+    if _SET_ALGEBRA.search(part[1:]):
+        raise ContextError(
+            f"the set '{part}' holds '[', '--', '&&', '~~' or '||'",
+            "put a backslash before the first of them",
+        )
+    composed = normalize("NFC", part).translate(APOSTROPHES)
+    for letter in composed:
+        if len(normalize("NFC", letter.casefold())) > 1:
+            raise ContextError(
+                f"'{letter}' in the set '{part}' is {len(letter.casefold())} letters, "
+                f"'{letter.casefold()}', once words are in small letters",
+                f"take it out of the set, and write (?:{letter}|[...])",
+            )
+    return composed
+
+
+class _Cost(NamedTuple):
+    """What a part of an expression may cost.
+
+    Parameters
+    ----------
+    ways : in which it may match, when what follows fails again and again
+    steps : to try all of them
+    group : whether it is a group
+    """
+
+    ways: int = 1
+    steps: int = 0
+    group: bool = False
+
+
+@dataclass
+class _Group:
+    """A group while its parts are read: alternatives so far, and the one at hand."""
+
+    opened: str = "("
+    ways: int = 0
+    steps: int = 0
+    here: _Cost = field(default_factory=_Cost)
+    last: _Cost = field(default_factory=_Cost)
+
+    def add(self, item: _Cost) -> None:
+        """Take an item; the one before is not repeated, then."""
+        ways = min(self.here.ways * self.last.ways, _TOO_MANY)
+        steps = min(self.here.steps + self.here.ways * self.last.steps, _TOO_MANY)
+        self.here, self.last = _Cost(ways, steps), item
+
+    def next_alternative(self) -> None:
+        """End the alternative at hand."""
+        self.add(_Cost())
+        self.ways, self.steps = self.ways + self.here.ways, self.steps + self.here.steps
+        self.here = _Cost()
+
+    def total(self) -> _Cost:
+        """Return what the group costs; a look beside, and an atomic group, match in one way."""
+        self.next_alternative()
+        whole = self.opened.startswith(_WHOLE)
+        return _Cost(1 if whole else self.ways, self.steps, group=True)
+
+
+def _steps(parts: list[tuple[str, str]]) -> int:
+    """Return the most steps that an expression takes from one start; it is well formed."""
+    groups = [_Group()]
+    for kind, part in parts:
+        here = groups[-1]
+        if kind == "opening":
+            groups.append(_Group(part))
+        elif kind == "closing":
+            groups.pop()
+            groups[-1].add(here.total())
+        elif kind == "either":
+            here.next_alternative()
+        elif kind == "repeat":
+            here.last = _repeated(here.last, part)
+        else:
+            here.add(_Cost(1, 1))
+    return groups[0].total().steps
+
+
+def _repeated(item: _Cost, repeat: str) -> _Cost:
+    """Return the cost of an item under a repeat."""
+    least, most = _counts(repeat)
+    if most is None and item.ways > 1:
+        raise ContextError(
+            f"repeats a group ('){repeat}') that may match the same letters in several ways, "
+            "which could take too long",
+            "make the group atomic, as in (?>...)*, or repeat a set of letters, as in [ab]*",
+            slow=True,
+        )
+    times = SEEN_LETTERS if most is None else most
+    if not item.group:  # letters run out
+        times, least = min(times, SEEN_LETTERS), min(least, SEEN_LETTERS)
+    if times > MAX_STEPS:
+        return _Cost(_TOO_MANY, _TOO_MANY, item.group)
+    steps = ways = 0
+    tried = 1
+    for count in range(times + 1):
+        ways = min(ways + tried, _TOO_MANY) if count >= least else ways
+        steps = min(steps + tried * item.steps, _TOO_MANY)
+        tried = min(tried * item.ways, _TOO_MANY)
+        if steps >= _TOO_MANY:
+            break
+    whole = repeat.endswith("+") and len(repeat) > 1
+    return _Cost(1 if whole else max(ways, 1), steps, item.group)
+
+
+def _counts(repeat: str) -> tuple[int, int | None]:
+    """Return the least and most times of a repeat; None is without end."""
+    if repeat[0] != "{":
+        return {"*": (0, None), "+": (1, None), "?": (0, 1)}[repeat[0]]
+    least, comma, most = repeat[1 : repeat.index("}")].partition(",")
+    if not comma:
+        return int(least), int(least)
+    return int(least or 0), int(most) if most else None
