@@ -1,6 +1,6 @@
 """A performer: a resolved language-character pair, ready for any schedule."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import compress
 from pathlib import Path
@@ -47,6 +47,10 @@ class Performer:
     motion: Motion
     unknown: str = "error"
     """What becomes of labels no notation maps: an `error`, `rest`, or, of IPA, the `nearest`."""
+
+    def __getstate__(self) -> dict[str, object]:
+        """Pickle what it was made of; what it worked out since is worked out again."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
     def language(self) -> str:

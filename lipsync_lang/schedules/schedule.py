@@ -1,7 +1,7 @@
 """The one form in which timed phonemes travel through the program."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from math import isfinite
 from typing import Any, Self
@@ -90,6 +90,10 @@ class Schedule:
         object.__setattr__(self, "words", tuple(self.words))
         _check(self.source, self.labels, times)
         _check_words(self.source, self.words, len(self.labels))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by its fields, so that its times are read-only again."""
+        return type(self), tuple(getattr(self, f.name) for f in fields(self))
 
     def place(self, index: int) -> str:
         """Return where phoneme `index` stands in the file, as messages say it."""
