@@ -155,16 +155,19 @@ def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
     It does where its spelling begins the later one's, or is it, and its contexts ask for no
     more than the later one's do.
     """
+    first: dict[tuple[str, str, str], int] = {}
     for number, rule in enumerate(rules):
-        for earlier, other in enumerate(rules[:number]):
-            begins = plain(rule.spelling).startswith(plain(other.spelling))
-            longer = plain(rule.spelling) != plain(other.spelling)
-            same = other.after in ("", rule.after) and (
-                not other.before or (other.before == rule.before and not longer)
-            )
-            if begins and same:
-                yield number, earlier
-                break
+        spelling = plain(rule.spelling)
+        wider = [(spelling[:end], "") for end in range(len(spelling) + 1)]
+        found = [
+            first[start, after, before]
+            for start, before in (*wider, (spelling, rule.before))
+            for after in ("", rule.after)
+            if (start, after, before) in first
+        ]
+        if found:
+            yield number, min(found)
+        first.setdefault((spelling, rule.after, rule.before), number)
 
 
 def unknown_labels(rules: Sequence[Rule], labels: Iterable[str]) -> Iterator[tuple[int, str]]:
