@@ -7,9 +7,11 @@ import pytest
 from packs_tree import BANK, POSESET, TREE, put
 
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.editing import edit_pack, edited_text, flow
+from lipsync_lang.packs import editing
+from lipsync_lang.packs.editing import add_entries, edit_pack, edited_text, flow
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.yaml.source import read_yaml
 
 FILES = sorted([*built_in().glob("languages/*.yaml"), *built_in().glob("posesets/*/**/*.yaml")])
 assert FILES, "a sweep over nothing passes"
@@ -150,3 +152,54 @@ def test_every_kind_of_pack_takes_a_title(name, tmp_path):
     edit_pack(path, entitle)
     rows = changed(TREE[name].encode(), path.read_bytes())
     assert [row for row in rows if row[0] == "+"] == ["+ title: 'A title: with a colon'"]
+
+
+# Entries put in as lines
+
+ENTRY = {"f-f": ["f-f:", "  status: edited", "  curves: {FV: [[0, 0.5], [1, 0]]}"]}
+
+
+def with_entry(text: str) -> bytes:
+    source = read_yaml(Path("odd.yaml"), text.encode())
+    return add_entries(source, text.encode(), "bigrams", ENTRY)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize("end", ["", "title: Odd\n", "# end\n\n\n# of it", "title: Odd"])
+def test_added_entries_leave_every_other_byte(newline, end, monkeypatch):
+    def refuse(*_):
+        raise AssertionError("no YAML library is to write the file")
+
+    monkeypatch.setattr(editing, "_dump", refuse)
+    text = (AUTHORED + end).replace("\n", newline)
+    after = with_entry(text)
+    rows = changed(text.encode(), after)
+    assert rows == [f"+     {line}" for line in ENTRY["f-f"]]
+    assert after.replace(newline.encode(), b"").count(b"\n") == 0
+    assert list(read_yaml(Path("odd.yaml"), after).data["bigrams"])[-2:] == ["p-a", "f-f"]
+
+
+HEAD = "kind: bank\nformat: 1\nname: odd\nposeset: face\n"
+
+
+@pytest.mark.parametrize(
+    "bigrams",
+    [
+        "bigrams: {}", "bigrams: {}\n", "bigrams: { } # none yet\n", "bigrams:\n", "bigrams:", "",
+        "bigrams: {}\ntitle: Odd\n", "bigrams: {f-a: {curves: {}}, a-f: {curves: {}}}\n",
+        "bigrams: {f-a: {curves: {}}}", "bigrams: {\n  f-a: {curves: {}},\n  }\n",
+        "bigrams:\n  f-a:\n    curves: {}\n    word: |\n      # no comment",
+    ],
+)  # fmt: skip
+def test_entries_are_added_however_a_mapping_is_written(bigrams):
+    before = read_yaml(Path("odd.yaml"), (HEAD + bigrams).encode()).data
+    after = read_yaml(Path("odd.yaml"), with_entry(HEAD + bigrams)).data
+    curves = {"FV": ((0, 0.5), (1, 0))}
+    there = before.get("bigrams") or {}
+    assert after == before | {"bigrams": there | {"f-f": {"status": "edited", "curves": curves}}}
+
+
+def test_entries_that_would_break_the_pack_are_refused():
+    source = read_yaml(Path("odd.yaml"), AUTHORED.encode())
+    with pytest.raises(PackFaults, match="P101"):
+        add_entries(source, AUTHORED.encode(), "bigrams", {"f-f": ["f-f: {curve: {}}"]})

@@ -51,15 +51,25 @@ def bigrams_yaml(bigrams: Mapping[str, Mapping[str, Points]], status: str) -> st
     """Return bigrams as the text of a bank's `bigrams`."""
     if not bigrams:
         return "bigrams: {}\n"
-    lines = ["bigrams:"]
-    for key, curves in bigrams.items():
-        lines += [f"  {key}:", f"    status: {status}", "    curves:" + ("" if curves else " {}")]
-        names = {pose: plain_or_quoted(pose) for pose in curves}
-        width = max(map(len, names.values()), default=0) + 1
-        lines += [
-            f"      {names[pose] + ':':<{width}} {_flow(points)}" for pose, points in curves.items()
-        ]
-    return "\n".join(lines) + "\n"
+    entries = [
+        line for key, curves in bigrams.items() for line in entry(key, {"status": status}, curves)
+    ]
+    return "\n".join(["bigrams:", *entries]) + "\n"
+
+
+def entry(
+    key: str, stated: Mapping[str, str], curves: Mapping[str, Points], indent: int = 2
+) -> list[str]:
+    """Return the lines that state a bigram in a bank, each level two spaces further in."""
+    names = {pose: plain_or_quoted(pose) for pose in curves}
+    width = max(map(len, names.values()), default=0) + 1
+    lines = [
+        f"{key}:",
+        *(f"  {field}: {value}" for field, value in stated.items()),
+        "  curves:" + ("" if curves else " {}"),
+        *(f"    {names[pose] + ':':<{width}} {_flow(points)}" for pose, points in curves.items()),
+    ]
+    return [" " * indent + line for line in lines]
 
 
 def plain_or_quoted(text: str) -> str:
@@ -102,26 +112,20 @@ def make_room(path: Path) -> None:
 
 def add_bigrams(path: Path, made: Made) -> list[str]:
     """Add bigrams to a bank file, making it where there is none; return those that are new."""
-    from ruamel.yaml.comments import CommentedMap
+    from lipsync_lang.packs.editing import add_entries, write_edited
+    from lipsync_lang.packs.yaml.source import read_bytes, read_yaml
 
-    from lipsync_lang.packs.editing import edit_pack, flow
-
-    new: list[str] = []
-
-    def add(bank: CommentedMap) -> None:
-        _refuse_other(path, bank, made)
-        there = bank.get("bigrams") or CommentedMap()
-        stated = _stated(bank, made)
-        for key, curves in made.bigrams.items():
-            if key not in there:
-                lines = CommentedMap((pose, flow(_plain(p))) for pose, p in curves.items())
-                there[key] = CommentedMap(**stated, curves=lines)
-                new.append(key)
-        there.fa.set_block_style()
-        bank["bigrams"] = there
-
-    edit_pack(path, add, create=_empty_bank(made.poseset, path))
-    return new
+    create = None if path.exists() else _empty_bank(made.poseset, path)
+    content = read_bytes(path) if create is None else create.encode()
+    source = read_yaml(path, content)
+    _refuse_other(path, source.data, made)
+    there = source.data.get("bigrams") or {}
+    stated = _stated(source.data, made)
+    new = {key: curves for key, curves in made.bigrams.items() if key not in there}
+    if new or create is not None:
+        lines = {key: entry(key, stated, curves, 0) for key, curves in new.items()}
+        write_edited(path, add_entries(source, content, "bigrams", lines))
+    return list(new)
 
 
 def _stated(bank: Mapping[str, Any], made: Made) -> dict[str, str]:
@@ -153,11 +157,6 @@ def _refuse_other(path: Path, bank: object, made: Made) -> None:
     if made.style not in {None, style}:
         what = f"is a bank of style '{style}', not '{made.style}'"
         raise PackError(f"{path}: {what}; name another file for the bigrams")
-
-
-def _plain(points: Points) -> list[list[float]]:
-    """Write 0 and 1 as people do."""
-    return [[int(n) if n == int(n) else n for n in point] for point in points]
 
 
 def _empty_bank(poseset: str, path: Path) -> str:

@@ -16,7 +16,7 @@ from lipsync_lang.errors import PackError
 from lipsync_lang.files import atomic
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import read_bytes, read_yaml, scan
+from lipsync_lang.packs.yaml.source import Data, Source, read_bytes, read_yaml, scan
 
 WIDTH = 4096
 """Characters; no line is ever folded."""
@@ -46,8 +46,92 @@ def edit_pack(path: Path, change: Callable[[Document], None], *, create: str | N
     content = create.encode() if create is not None and not path.exists() else read_bytes(path)
     edited = edited_text(path, content, change)
     if edited != content or not path.exists():
-        with atomic(path) as stream:
-            stream.write(edited)
+        write_edited(path, edited)
+
+
+def write_edited(path: Path, content: bytes) -> None:
+    """Write a pack whole; raise `OutputError` where that cannot be done."""
+    with atomic(path) as stream:
+        stream.write(content)
+
+
+def add_entries(
+    source: Source, content: bytes, field: str, entries: Mapping[str, Sequence[str]]
+) -> bytes:
+    """Add entries to a mapping at the top of a pack, behind those that are there.
+
+    They go into the text as lines, so that no YAML library needs to write the pack anew; a
+    mapping within braces, which has no lines of its own, is left to one.
+
+    Parameters
+    ----------
+    source : the pack as read from `content`
+    entries : the lines of each, not yet indented
+
+    Raises
+    ------
+    PackFaults
+        The pack would be unsound.
+    """
+    expected = [*(source.data.get(field) or {}), *entries]
+    merged = _with_lines(source, content.decode("utf-8"), field, entries).encode()
+    written = scan(source.path, merged)
+    if written.faults or not _extends(written.data, source.data, field, expected):
+
+        def change(document: Document) -> None:
+            there = document.get(field)
+            added = _load("".join(f"{line}\n" for lines in entries.values() for line in lines))
+            if there:
+                there.update(added)
+                there.fa.set_block_style()
+            else:
+                document[field] = added
+
+        return edited_text(source.path, content, change)
+    _, faults = validated(written, name=_name(source.path))
+    if faults:
+        raise PackFaults(faults)
+    return merged
+
+
+def _extends(data: Data, old: Data, field: str, expected: Sequence[str]) -> bool:
+    """Say whether data is the old with just the expected keys in one field."""
+    if not isinstance(data, dict) or not isinstance(data.get(field), dict):
+        return False
+    before = old.get(field) or {}
+    return (
+        list(data[field]) == expected
+        and {**data, field: None} == {**old, field: None}
+        and all(data[field][key] == value for key, value in before.items())
+    )
+
+
+def _with_lines(source: Source, text: str, field: str, entries: Mapping[str, Sequence[str]]) -> str:
+    """Put lines behind the last one of a field that is not blank or a comment."""
+    newline = "\r\n" if "\r\n" in text else "\n"
+    lines = text.split("\n")
+    inner = source.root.inner if isinstance(source.root.inner, dict) else {}
+    indent, end = 2, len(lines)
+    if field in inner:
+        key, value = inner[field]
+        if isinstance(value.inner, dict) and value.inner:
+            indent = value.column - 1
+        elif isinstance(value.inner, dict):  # `field: {}`
+            row = lines[value.line - 1]
+            lines[value.line - 1] = re.sub(r"[ \t]*\{[ \t]*\}", "", row, count=1)
+        end = min((at.line - 1 for at, _ in inner.values() if at > key), default=end)
+    else:
+        lines[end - 1 : end] = [*filter(None, lines[end - 1 : end]), f"{field}:", ""]
+        end = len(lines)
+    while end and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
+        end -= 1
+    made = [" " * indent + line for added in entries.values() for line in added]
+    if newline == "\r\n":
+        made = [f"{line}\r" for line in made]
+    if end == len(lines):  # the file ends without an end of line
+        lines[end - 1] += newline[:-1]
+        made[-1] = made[-1].rstrip("\r")
+    return "\n".join([*lines[:end], *made, *lines[end:]])
 
 
 def edited_text(path: Path, content: bytes, change: Callable[[Document], None]) -> bytes:
