@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
 from pathlib import Path
@@ -69,8 +70,9 @@ def _title(write: Callable[..., None]) -> str:
     return (write.__doc__ or "").strip().splitlines()[0]
 
 
+@cache
 def load_writers() -> dict[str, Writer]:
-    """Import every module of this folder and of the entry points, so that each registers itself."""
+    """Import every module of this folder and of the entry points, once: each registers itself."""
     from importlib.metadata import entry_points
 
     from lipsync_lang import animations

@@ -7,9 +7,9 @@ sound that is written beside is not known here.
 """
 
 import json
+from html import escape
 from pathlib import Path
 from typing import TextIO
-from xml.sax.saxutils import escape
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.held import Shape, held
@@ -39,7 +39,7 @@ def write_xml(animation: Animation, out: TextIO) -> None:
         '<?xml version="1.0" encoding="utf-8"?>\n'
         "<rhubarbResult>\n"
         "  <metadata>\n"
-        f"    <soundFile>{escape(_printable(animation.schedule.source))}</soundFile>\n"
+        f"    <soundFile>{escape(_printable(animation.schedule.source), quote=False)}</soundFile>\n"
         f"    <duration>{shapes[-1].end:.2f}</duration>\n"
         "  </metadata>\n"
         "  <mouthCues>\n"

@@ -9,8 +9,8 @@ asks for splines.
 """
 
 from collections.abc import Iterator
+from html import escape
 from typing import TextIO
-from xml.sax.saxutils import escape, quoteattr
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import boneless, shape_columns
@@ -30,7 +30,7 @@ def write_smartbody(animation: Animation, out: TextIO) -> None:
     out.write('<?xml version="1.0" encoding="utf-8"?>\n<bml>\n  <speech id="sp1">\n    <text>\n')
     out.writelines(
         f'      <sync id="T{2 * number}" time="{times[word.first]:.3f}"/>'
-        f"{escape(_known(word.text))}"
+        f"{escape(_known(word.text), quote=False)}"
         f'<sync id="T{2 * number + 1}" time="{times[word.stop]:.3f}"/>\n'
         for number, word in enumerate(animation.schedule.words)
     )
@@ -44,7 +44,7 @@ def write_smartbody(animation: Animation, out: TextIO) -> None:
 def _curve(curve: Curve, shift: float) -> str:
     points = zip((curve.times + shift).tolist(), curve.values.tolist(), strict=True)
     keys = " ".join(f"{time:.6f} {value:.6f} 0 0" for time, value in points)
-    name = quoteattr(_known(curve.name))
+    name = f'"{escape(_known(curve.name))}"'
     return f'    <curve name={name} num_keys="{len(curve.times)}" owner="analysis">{keys}</curve>\n'
 
 
