@@ -1,12 +1,14 @@
 """The cache of compiled pairs: exact when warm, and never believed when in doubt."""
 
 import ast
+import json
 import os
 import random
 import shutil
 import subprocess
 import sys
 from dataclasses import fields
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
@@ -141,15 +143,55 @@ def test_the_cache_can_be_turned_off(store, monkeypatch):
 
 
 def test_the_oldest_pairs_are_forgotten(store, monkeypatch):
-    monkeypatch.setattr(cache, "KEPT", 2)
     for number, (language, character) in enumerate([PAIR, ("child", "face"), ("parent", "face")]):
+        there = set(store.glob("*.pair"))
         ll.resolve(language, character)
-        for path in store.glob("*.pair"):
-            os.utime(path, (path.stat().st_mtime, path.stat().st_mtime - 10 + number))
+        (path,) = set(store.glob("*.pair")) - there
+        os.utime(path, (number, number))
+    monkeypatch.setattr(cache, "MAX_CACHE_BYTES", sum(p.stat().st_size for p in {*there, path}) - 1)
+    path.unlink()
+    ll.resolve("parent", "face")
     assert len(list(store.glob("*.pair"))) == 2
     assert not warm("child", "anna")
     assert warm("child", "face")
     assert warm("parent", "face")
+
+
+def test_a_pair_larger_than_the_cache_is_kept_alone(store, monkeypatch):
+    monkeypatch.setattr(cache, "MAX_CACHE_BYTES", 1)
+    fill()
+    fill("child", "face")
+    assert only(store)
+
+
+def arrays_of(tables):
+    stored = [vars(tables), *map(vars, tables.contacts), *(b._asdict() for b in tables.styles)]
+    return [a for one in stored for a in one.values() if isinstance(a, np.ndarray)]
+
+
+@pytest.mark.parametrize("pair", [PAIR, ("parent", "face")])
+def test_nobody_writes_into_tables_cold_or_warm(pair, store):
+    fill(*pair)
+    for compiled in (compile_pair(Library(), *pair), cache.load(*pair, ())):
+        found = arrays_of(compiled.tables)
+        assert len(found) >= 6
+        assert not any(array.flags.writeable for array in found)
+    assert only(store)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of folders are POSIX")
+def test_the_cache_is_its_owners_alone(tmp_path, monkeypatch):
+    monkeypatch.chdir(plant(tmp_path / "project"))
+    monkeypatch.delenv(cache.VARIABLE, raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(cache, "folder", lambda: tmp_path / "own")
+    (tmp_path / "own").mkdir(mode=0o755)
+    ll.resolve(*PAIR)
+    assert (tmp_path / "own").stat().st_mode & 0o777 == 0o700
+    monkeypatch.setenv(cache.VARIABLE, "named")
+    monkeypatch.setattr(cache, "folder", lambda: tmp_path / "made")
+    ll.resolve(*PAIR)
+    assert (tmp_path / "made").stat().st_mode & 0o777 == 0o700
 
 
 # Stale
@@ -266,18 +308,37 @@ def test_other_code_compiles_anew(store, tmp_path, monkeypatch):
         cache.compiler.cache_clear()
         assert warm(), "a copy of the same code is the same code"
         for folder in cache.COMPILERS:
-            module = max((copy / folder).glob("*.py"))
-            text = module.read_bytes()
-            module.write_bytes(text + b"# changed\n")
-            cache.compiler.cache_clear()
-            assert not warm(), folder
-            module.write_bytes(text)
+            depths = {len(path.parts): path for path in (copy / folder).rglob("*.py")}
+            for module in depths.values():
+                text = module.read_bytes()
+                module.write_bytes(text + b"# changed\n")
+                cache.compiler.cache_clear()
+                assert not warm(), module
+                module.write_bytes(text)
         cache.compiler.cache_clear()
         monkeypatch.setattr(cache, "__version__", "0.0.0")
         assert not warm()
     finally:
         cache.compiler.cache_clear()
     assert only(store)
+
+
+LOADED = """
+import sys
+from lipsync_lang.packs.library import Library
+from lipsync_lang.resolver.compile import compile_pair
+for pair in ("english", "facefx"), ("japanese", "crab"), ("espeak:sw", "arkit"):
+    compile_pair(Library(project=None), *pair)
+print(*(name for name in sys.modules if name.startswith("lipsync_lang.")))
+"""
+
+
+def test_the_digest_covers_all_that_compiling_loads():
+    command = [sys.executable, "-c", LOADED]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
+    parts = {name.split(".")[1] for name in done.stdout.split()}
+    assert "phonology" in parts
+    assert parts - {"errors", "files"} <= set(cache.COMPILERS)
 
 
 # Broken
@@ -305,6 +366,45 @@ def test_what_is_damaged_is_not_believed(store):
         damaged[place] ^= 1 << chance.randrange(8)
         only(store).write_bytes(damaged)
         assert not warm(), place
+
+
+def forged(whole, change):
+    """Return a cache file whose head is changed and whose digest fits again."""
+    rest = whole[len(cache.MARK) + cache.DIGEST :]
+    size = int.from_bytes(rest[:8], "little")
+    head = json.loads(rest[8 : 8 + size])
+    body = rest[8 + size + (-(8 + size) % 64) :]
+    change(head)
+    text = json.dumps(head).encode()
+    made = len(text).to_bytes(8, "little") + text
+    made += b"\0" * (-len(made) % 64) + body
+    return cache.MARK + blake2b(made, digest_size=cache.DIGEST).digest() + made
+
+
+FORGED = {
+    "a shape beyond all numbers": lambda head: head["arrays"]["curves"].__setitem__(1, [10**30]),
+    "an offset beyond all numbers": lambda head: head["arrays"]["curves"].__setitem__(2, 10**30),
+    "a negative offset": lambda head: head["arrays"]["free"].__setitem__(2, -8),
+    "another shape": lambda head: (
+        head["arrays"]["thresholds"][1].reverse()
+        or head["arrays"]["thresholds"].__setitem__(1, [1, head["arrays"]["thresholds"][1][0] ** 2])
+    ),
+    "another type": lambda head: head["arrays"]["boundary"].__setitem__(0, "<i8"),
+    "a phoneme that is not there": lambda head: head.update(silence=1000),
+    "a pose that is not there": lambda head: head.update(at_most=[[0, 99]]),
+    "a head too deep": lambda head: head.update(motion=[[[]]]),
+}
+
+
+@pytest.mark.parametrize("change", FORGED.values(), ids=FORGED)
+def test_what_is_forged_is_not_believed(change, store):
+    fill()
+    whole = only(store).read_bytes()
+    only(store).write_bytes(forged(whole, lambda _: None))
+    assert warm(), "the forger knows the format"
+    only(store).write_bytes(forged(whole, change))
+    assert not warm()
+    assert ll.resolve(*PAIR).perform(SCHEDULE).weights.any()
 
 
 FOREIGN = {

@@ -8,17 +8,19 @@ is compiled anew. Nothing in it is executed.
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import cache
 from hashlib import blake2b, sha256
+from itertools import accumulate
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import Bank, Contact, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Contact, Tables
 from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
@@ -30,13 +32,14 @@ DIGEST = 32
 """Bytes of the digest; with the mark a multiple of 64, so that arrays are aligned."""
 
 COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
-"""Folders of the code that turns packs into tables; if it changes, so must the tables."""
+"""Folders of the code that turns packs into tables, with all below them; if it changes, so must the
+tables."""
 
 ARRAYS = ("curves", "boundary", "free", "pairs", "thresholds", "priority")
 """Arrays of the tables."""
 
-KEPT = 100
-"""Pairs in the cache, some megabytes each; one more, and the oldest goes."""
+MAX_CACHE_BYTES = 2 * 2**30
+"""All pairs together; a pair of the built-in packs takes 1 to 9 MB. Beyond it the oldest go."""
 
 VARIABLE = "LIPSYNC_LANG_CACHE"
 """Environment variable: another folder for the cache, or `off`."""
@@ -80,8 +83,8 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | No
     try:
         content = path.read_bytes() if path else b""
         return _decode(content, key, paths) if content else None
-    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, UnicodeError):
-        return None  # whatever is wrong with it, it is not believed
+    except Exception:  # noqa: BLE001 a forged file can fail anywhere: it is not believed
+        return None
 
 
 def save(compiled: "Compiled", language: str, character: str, library: "Library") -> None:
@@ -94,7 +97,9 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
     if path is None:
         return
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if VARIABLE not in os.environ:  # a folder that the user named stays as open as it is
+            path.parent.chmod(0o700)
         with atomic(path) as stream:
             stream.write(_encode(compiled, key, library))
         _forget(path.parent)
@@ -103,10 +108,13 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
 
 
 def _forget(folder: Path) -> None:
-    """Delete the oldest pairs beyond those that are kept."""
-    made = sorted((path.stat().st_mtime, path) for path in folder.glob("*.pair"))
-    for _, path in made[:-KEPT]:
-        path.unlink(missing_ok=True)
+    """Delete the oldest pairs beyond what the cache may take."""
+    found = ((path.stat(), path) for path in folder.glob("*.pair"))
+    newest = sorted(((s.st_mtime, s.st_size, path) for s, path in found), reverse=True)
+    total = accumulate(size for _, size, _ in newest)
+    for (_, _, path), taken in zip(newest, total, strict=True):
+        if taken > MAX_CACHE_BYTES and path != newest[0][2]:
+            path.unlink(missing_ok=True)
 
 
 def _encode(compiled: "Compiled", key: str, library: "Library") -> bytes:
@@ -176,27 +184,36 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
 def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
     from lipsync_lang.resolver.compiled import Compiled, Report
 
-    def array(name: str) -> np.ndarray[Any, Any]:
-        dtype, shape, offset = head["arrays"][name]
-        count = int(np.prod(shape, dtype=np.int64))
-        return np.frombuffer(body, np.dtype(dtype), count, offset).reshape(shape)
-
     plain = head["plain"]
-    contacts = [
-        Contact(*(array(f"contact.{n}.{part}") for part in ("phonemes", "floor", "ceiling")))
-        for n in range(len(plain["contact_names"]))
-    ]
-    banks = [
-        Bank(*(array(f"style.{n}.{part}") for part in Bank._fields))
-        for n in range(len(plain["style_origins"]))
-    ]
+    rows, poses, phonemes = (len(plain[name]) for name in ("origins", "poses", "phonemes"))
+    array = _reader(head["arrays"], body)
     tables = Tables(
-        **{n: array(n) for n in ARRAYS},
+        curves=array("curves", np.float32, rows, RESOLUTION + 1, poses),
+        boundary=array("boundary", np.float64, rows),
+        free=array("free", np.bool_, rows),
+        pairs=array("pairs", np.intp, phonemes, phonemes),
+        thresholds=array("thresholds", np.float64, poses, poses),
+        priority=array("priority", np.float64, poses),
         silence=head["silence"],
-        contacts=tuple(contacts),
-        styles=tuple(banks),
+        contacts=tuple(
+            Contact(
+                array(f"contact.{n}.phonemes", np.bool_, phonemes),
+                array(f"contact.{n}.floor", np.float64, poses),
+                array(f"contact.{n}.ceiling", np.float64, poses),
+            )
+            for n in range(len(plain["contact_names"]))
+        ),
+        styles=tuple(
+            Bank(
+                array(f"style.{n}.curves", np.float32, rows, RESOLUTION + 1, poses),
+                array(f"style.{n}.boundary", np.float64, rows),
+                array(f"style.{n}.free", np.bool_, rows),
+            )
+            for n in range(len(plain["style_origins"]))
+        ),
         at_most=tuple((pose, other) for pose, other in head["at_most"]),
     )
+    _check_indices(tables)
     origins = [_origin(origin) for origin in plain.pop("origins")]
     styles = {
         style: {row: _origin(origin) for row, origin in rows.items()}
@@ -225,6 +242,31 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
         motion=Motion(**head["motion"]),
         report=Report(**report),
     )
+
+
+def _reader(places: dict[str, Any], body: memoryview) -> Callable[..., np.ndarray[Any, Any]]:
+    """Return what reads an array, which must have the type and shape that are asked for."""
+
+    def array(name: str, kind: type, *shape: int) -> np.ndarray[Any, Any]:
+        dtype, stated, offset = places[name]
+        if dtype != np.dtype(kind).str or tuple(stated) != shape:
+            raise ValueError(f"array {name} is {dtype} {stated}, not {np.dtype(kind).str} {shape}")
+        return np.frombuffer(body, kind, prod(shape), offset).reshape(shape)
+
+    return array
+
+
+def _check_indices(tables: Tables) -> None:
+    """Refuse numbers of rows, phonemes and poses that the tables do not have."""
+    poses = {pose for pair in tables.at_most for pose in pair}
+    sound = (
+        bool((tables.pairs >= 0).all())
+        and bool((tables.pairs < len(tables.boundary)).all())
+        and tables.silence in range(len(tables.pairs))
+        and poses <= set(range(len(tables.priority)))
+    )
+    if not sound:
+        raise ValueError("an index is out of range")
 
 
 def _origin(plain: Any) -> "Origin":

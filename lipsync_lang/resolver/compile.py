@@ -51,6 +51,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         at_most=tuple(shelf.at_most()),
         styles=tuple(_bank(changed, curves) for changed in styles.values()),
     )
+    _freeze(tables)
     model = spoken.model
     manner = manner_of(spoken, common.model, who.model)
     return Compiled(
@@ -93,6 +94,16 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
     )
+
+
+def _freeze(tables: Tables) -> None:
+    """Make every array read-only, as those of the cache are."""
+    stored = (tables, *tables.contacts)
+    arrays = [value for one in stored for value in vars(one).values()]
+    arrays += [value for bank in tables.styles for value in bank]
+    for array in arrays:
+        if isinstance(array, np.ndarray):
+            array.setflags(write=False)
 
 
 def _plain(data: Any) -> Any:
