@@ -12,6 +12,7 @@ HEAVY = {
     "numpy",
     "pydantic",
     "ruamel",
+    "yaml",
     "matplotlib",
     "praatio",
     "espeakng_loader",
@@ -76,3 +77,8 @@ def test_every_public_name_is_there(name):
 def test_a_name_that_is_not_there_is_told():
     with pytest.raises(AttributeError, match="module 'lipsync_lang' has no attribute 'perfrom'"):
         ll.perfrom  # noqa: B018 asking is the point
+
+
+def test_writers_load_nothing_of_the_network():
+    code = "from lipsync_lang.animations.registry import load_writers; load_writers()"
+    assert not {"xml.sax", "urllib.request", "http", "ssl"} & modules_after(code)
