@@ -1,29 +1,46 @@
 """The command line: what can be typed, and what becomes of errors.
 
-Data goes to stdout, words to stderr. Exit 0: sound; 1: faults were found; 2: misuse.
+Data goes to stdout, words to stderr. Exit 0: sound; 1: faults were found; 2: misuse; 130 and 143:
+interrupted and terminated, as shells count.
 """
 
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from io import TextIOWrapper
 
 from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND
 from lipsync_lang.commands.parser import Command, parser
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.signals import Terminated, terminating
+from lipsync_lang.terminal import safe_streams
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     _encode_all()
     try:
-        return _run(arguments)
-    except LipsyncError as error:
-        print(f"lipsync-lang: {error}", file=sys.stderr)
-        return FAULTS if hasattr(error, "faults") else MISUSE
+        with terminating(), safe_streams():
+            return _worded(arguments)
     except BrokenPipeError:  # the reader of our output has seen enough
         _discard_output()
         return SOUND
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except Terminated as ended:
+        return ended.code
+
+
+def _worded(arguments: Sequence[str] | None) -> int:
+    """Run one command; say what went wrong in words."""
+    try:
+        return _run(arguments)
+    except BrokenPipeError:
+        raise
+    except LipsyncError as error:
+        print(f"lipsync-lang: {error}", file=sys.stderr)
+        return FAULTS if hasattr(error, "faults") else MISUSE
     except OSError as error:
         _discard_output()
         print(f"lipsync-lang: {_os_words(error)}", file=sys.stderr)
@@ -31,8 +48,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         print("lipsync-lang: out of memory; give fewer --fps or a shorter line", file=sys.stderr)
         return MISUSE
-    except KeyboardInterrupt:
-        return INTERRUPTED
 
 
 def _run(arguments: Sequence[str] | None) -> int:
@@ -61,8 +76,9 @@ def _encode_all() -> None:
 
 def _discard_output() -> None:
     """Let Python close its output in peace."""
-    if isinstance(sys.stdout, TextIOWrapper):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if sys.stdout is not None:
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -112,12 +112,14 @@ class Animation:
 
         Parameters
         ----------
-        path : the file; its suffix names the format (``lipsync-lang formats`` lists them)
+        path : the file; its suffix names the format (``lipsync-lang formats`` lists them). ``-`` is
+            standard output
         writer : the name of the format, where the suffix is another's
         """
         from lipsync_lang.animations.registry import save
+        from lipsync_lang.files import argument_path
 
-        save(self, Path(path), writer)
+        save(self, argument_path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":
         """Say why each pose stands where it stands at a time."""

@@ -11,7 +11,7 @@ from typing import BinaryIO, TextIO
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError, did_you_mean
-from lipsync_lang.files import atomic
+from lipsync_lang.files import STANDARD_STREAM, argument_path, atomic
 
 GROUP = "lipsync_lang.writers"
 """Entry points of modules that register writers when they are imported."""
@@ -93,6 +93,8 @@ def find_writer(path: Path, name: str | None = None) -> Writer:
                 f"{path}: no format is called '{name}'; {did_you_mean(name, writers)}"
             )
         return writers[name]
+    if path == STANDARD_STREAM:
+        raise OutputError("-: standard output tells no format; name it, such as csv:-")
     found = [one for one in writers.values() if path.name.lower().endswith(one.suffix)]
     if not found:
         known = ", ".join(sorted(one.suffix for one in writers.values()))
@@ -102,15 +104,16 @@ def find_writer(path: Path, name: str | None = None) -> Writer:
 
 
 def parse_output(text: str) -> tuple[Path, Writer]:
-    """Read ``line.csv``, or ``live-link:line.csv`` with the name of a format before the file."""
+    """Read ``line.csv``, or ``csv:-`` with the name of a format before the file."""
     name, colon, rest = text.partition(":")
     if colon and rest and name in load_writers():
-        return Path(rest), WRITERS[name]
-    return Path(text), find_writer(Path(text))
+        return argument_path(rest), WRITERS[name]
+    path = argument_path(text)
+    return path, find_writer(path)
 
 
 def save(animation: Animation, path: Path, name: str | None = None) -> None:
-    """Write an animation to `path`, whole or not at all."""
+    """Write an animation to `path`, whole or not at all; ``-`` is standard output."""
     chosen = find_writer(path, name)
     with atomic(path) as stream:
         chosen.write(animation, stream)

@@ -245,6 +245,6 @@ def _write(path: Path, made: Made, header: str) -> list[str]:
         return add_bigrams(path, made)
     if not NAME.fullmatch(path.stem):
         raise OutputError(f"{path}: a bank is called by letters, digits, '-' and '_' only")
-    with atomic(path) as stream:
+    with atomic(path, durable=True) as stream:
         stream.write(f"{header}{bank_yaml(made, path.stem)}".encode())
     return list(made.bigrams)

@@ -65,7 +65,7 @@ class Draft:
         """
         for path in self.outputs:
             path.parent.mkdir(parents=True, exist_ok=True)
-        write_all(cast("Any", self.outputs))
+        write_all(self.outputs, durable=True)
 
     def __str__(self) -> str:
         return "\n".join(self._told())

@@ -4,10 +4,12 @@ import csv
 import gzip
 import zlib
 from collections.abc import Iterator, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.files.reading import MIB_BYTES, read_input
 
 NUMBER = ("InventoryID", "inventory_id")
 SEGMENT = ("Phoneme", "phoneme_raw", "phoneme", "segment")
@@ -17,6 +19,9 @@ SOURCE = ("Source", "source")
 """What the columns are called: in PHOIBLE's own file, and in tables made of it."""
 
 SHOWN = 12
+
+MAX_INVENTORY_BYTES = 128 * MIB_BYTES
+"""Bytes, unpacked; PHOIBLE's table has 24 million."""
 
 
 class Inventory(NamedTuple):
@@ -59,17 +64,27 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
 
 
 def _text(path: Path) -> str:
+    raw = read_input(path, MAX_INVENTORY_BYTES, mend="is it a table of phonemes?")
     try:
-        raw = path.read_bytes()
-        return (gzip.decompress(raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
-    except OSError as error:
-        raise LipsyncError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (EOFError, zlib.error):
+        return (_unpacked(path, raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
+    except (EOFError, OSError, zlib.error):
         raise LipsyncError(f"{path}: is a broken gzip file; get it anew") from None
     except UnicodeDecodeError as error:
         raise LipsyncError(
             f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
         ) from None
+
+
+def _unpacked(path: Path, raw: bytes) -> bytes:
+    """Unpack gzip as far as the limit: a small file may hold any amount."""
+    with gzip.open(BytesIO(raw)) as stream:
+        content = stream.read(MAX_INVENTORY_BYTES + 1)
+    if len(content) > MAX_INVENTORY_BYTES:
+        raise LipsyncError(
+            f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; is it a table of "
+            "phonemes?"
+        )
+    return content
 
 
 def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.inventories import Inventory, read_inventory
 from lipsync_lang.errors import LipsyncError, PackError
-from lipsync_lang.files import write_all
+from lipsync_lang.files import read_input, write_all
 from lipsync_lang.packs.finding import FOLDERS, IPA
 from lipsync_lang.phonology.g2p import Said, Settings, engine
-from lipsync_lang.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.phonology.g2p.lexicon import MAX_LEXICON_BYTES, read_lexicon
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.resolver.nearest_phonemes import among_all
 
@@ -89,11 +89,11 @@ class Draft:
         made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
         if self.lexicon is not None:
             copy = self.path.with_name(self.path.stem + self.lexicon.suffix)
-            content = self.lexicon.read_bytes()
+            content = read_input(self.lexicon, MAX_LEXICON_BYTES, mend="keep the words needed")
             if copy.resolve() != self.lexicon.resolve():
                 made[copy] = lambda stream: stream.write(content)
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_all(made)
+        write_all(made, durable=True)
         name = self.path.stem
         wrote = "\n".join(f"wrote {path}" for path in made)
         return (

@@ -88,7 +88,7 @@ class Draft:
         if self.model is not None and self.model.copy is not None:
             made[self.path.with_name(self.model.stated)] = self.model.write
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_all(made)
+        write_all(made, durable=True)
         name = self.path.parent.name
         copied = "".join(f"wrote {path}, a copy\n" for path in [*made][1:])
         return (

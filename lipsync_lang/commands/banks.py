@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND, as_json
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import STANDARD_STREAM
 
 if TYPE_CHECKING:
     from lipsync_lang.banks.smartbody import Remarks
@@ -81,13 +82,15 @@ def diff(options: Namespace) -> int:
         options.bigrams,
     )  # fmt: skip
     if options.plot:
+        from lipsync_lang.commands.performing import plot_kind
         from lipsync_lang.files import atomic
         from lipsync_lang.render.bank_diff_plot import plot_diff
 
         with atomic(options.plot) as stream:
-            plot_diff(found, stream, options.plot.suffix.lstrip("."))
+            plot_diff(found, stream, plot_kind(options.plot))
+    words = sys.stderr if options.plot == STANDARD_STREAM else sys.stdout
     if options.json:
-        print(as_json(found.to_dict()))
+        print(as_json(found.to_dict()), file=words)
     else:
-        print(told(found, None if options.all or options.bigrams else SHOWN))
+        print(told(found, None if options.all or options.bigrams else SHOWN), file=words)
     return SOUND

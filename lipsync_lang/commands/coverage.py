@@ -5,8 +5,10 @@ from argparse import Namespace
 from io import TextIOWrapper
 from typing import TYPE_CHECKING, BinaryIO
 
-from lipsync_lang.commands.output import FAULTS, SOUND
+from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.files import STANDARD_STREAM
+from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -24,7 +26,8 @@ def coverage(options: Namespace) -> int:
 
     if options.fail_under is not None and not 0 <= options.fail_under <= WHOLE:
         raise LipsyncError(f"--fail-under {options.fail_under:g}: give a percentage, 0 to 100")
-    if options.output and any(options.output.resolve() == p.resolve() for p in options.corpus):
+    named = options.output not in (None, STANDARD_STREAM)
+    if named and any(options.output.resolve() == p.resolve() for p in options.corpus):
         raise OutputError(f"{options.output}: is what is counted; name another file")
     old = read_document(options.against) if options.against else None
     found = _counted(options)
@@ -79,16 +82,13 @@ def _remark(remark: str) -> None:
 
 def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":
     """Yield lines, and say on a terminal how many there have been."""
-    shows = sys.stderr is not None and sys.stderr.isatty()
     try:
         for number, line in enumerate(lines):
-            if shows and number % every == 0:
-                told = f"{number:,} lines, {line.file}"
-                print(f"\x1b[2K{told}", end="\r", file=sys.stderr, flush=True)
+            if number % every == 0:
+                progress(f"{number:,} lines, {line.file}")
             yield line
     finally:
-        if shows:
-            print("\x1b[2K", end="\r", file=sys.stderr, flush=True)
+        wipe()
 
 
 def _write(options: Namespace, found: "Coverage") -> None:
@@ -109,7 +109,7 @@ def _write(options: Namespace, found: "Coverage") -> None:
         text.detach()
 
     write_all({options.output: encoded})
-    print(f"wrote {options.output}", file=sys.stderr)
+    tell_written(options.output)
 
 
 def _judged(found: "Coverage", fail_under: float | None) -> int:

@@ -9,6 +9,7 @@ from lipsync_lang.commands import banks, coverage, listing, packs, performing
 from lipsync_lang.commands import quality as check
 from lipsync_lang.commands import validation as checking
 from lipsync_lang.coverage.forms import FORMS
+from lipsync_lang.files import argument_path
 from lipsync_lang.version import __version__
 
 Command = Callable[[argparse.Namespace], int]
@@ -26,6 +27,7 @@ def parser() -> argparse.ArgumentParser:
         epilog="Try: lipsync-lang run 'Hello, world' -l english -c facefx -o hello.csv",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    top.color = False  # type: ignore[attr-defined] # Python 3.14 would colour what is spelled out
     top.add_argument("--version", action="version", version=f"lipsync-lang {__version__}")
     known = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
@@ -65,10 +67,15 @@ def _add_performing(add: Add) -> None:
     _add_line(run_)
     run_.add_argument(
         "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the animation; the suffix names the format, or FORMAT:FILE does; may be "
-        "repeated",
+        help="write the animation; the suffix names the format, or FORMAT:FILE does; csv:- is "
+        "standard output; may be repeated",
     )  # fmt: skip
-    run_.add_argument("--plot", metavar="FILE", type=Path, help="draw every stage to a picture")
+    run_.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=argument_path,
+        help="draw every stage to a picture; - is standard output, as PNG",
+    )
     run_.add_argument(
         "--model", metavar="GLB", type=Path,
         help="the model for -o line.glb, instead of the character's own",
@@ -102,7 +109,10 @@ def _add_performing(add: Add) -> None:
     )
     transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="what to read")
     transcribe_.add_argument(
-        "--file", metavar="FILE", type=Path, help="read its lines, instead of a TEXT"
+        "--file",
+        metavar="FILE",
+        type=argument_path,
+        help="read its lines, instead of a TEXT; - is standard input",
     )
     transcribe_.add_argument(
         "-l", "--language", metavar="LANGUAGE", required=True, help="name or tag of a language"
@@ -165,7 +175,11 @@ def _add_coverage(add: Add) -> None:
         "coverage script.txt -l english -c facefx",
     )
     coverage_.add_argument(
-        "corpus", metavar="CORPUS", type=Path, nargs="+", help="a file of lines, or a folder"
+        "corpus",
+        metavar="CORPUS",
+        type=argument_path,
+        nargs="+",
+        help="a file of lines, a folder, or - for standard input",
     )
     for short, name, what in (
         ("-l", "language", "name or tag of a language"),
@@ -179,7 +193,11 @@ def _add_coverage(add: Add) -> None:
         "--format", choices=tuple(FORMS), help="what to write [by the suffix of -o, else text]"
     )
     coverage_.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help="write to a file instead of the terminal"
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=argument_path,
+        help="write to a file; - is standard output [print it]",
     )
     coverage_.add_argument(
         "--column", metavar="NAME", action="append", default=[],
@@ -229,7 +247,11 @@ def _add_check(add: Add) -> None:
         "--format", choices=("text", "json", "junit"), default="text", help="how it is told [text]"
     )
     check_.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, help="write it to a file instead"
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=argument_path,
+        help="write it to a file; - is standard output [print it]",
     )
 
 
@@ -269,7 +291,10 @@ def _add_new_language(made: argparse.ArgumentParser) -> None:
         "--inventory-id", metavar="ID", help="PHOIBLE's number, or an ISO 639-3 code or name"
     )
     new.add_argument(
-        "--text", metavar="FILE", type=Path, help="sample lines, whose sounds are looked at"
+        "--text",
+        metavar="FILE",
+        type=argument_path,
+        help="sample lines, whose sounds are looked at; - is standard input",
     )
     new.add_argument("--tag", metavar="TAG", help="the language as BCP 47 writes it")
     new.add_argument("--title", metavar="TITLE", help="the language's name for people")
@@ -398,7 +423,10 @@ def _add_diff(made: argparse.ArgumentParser) -> None:
         help="another character of the pose set, or the bare pose set [what lies beneath]",
     )  # fmt: skip
     made.add_argument(
-        "--plot", metavar="FILE", type=Path, help="draw those that differ most to a picture"
+        "--plot",
+        metavar="FILE",
+        type=argument_path,
+        help="draw those that differ most to a picture; - is standard output, as PNG",
     )
     made.add_argument("--all", action="store_true", help="list every bigram that differs")
     _add_json(made)
@@ -435,7 +463,10 @@ def _add_line(made: argparse.ArgumentParser) -> None:
     made.add_argument("--aligner", metavar="NAME", help="another aligner than the language's")
     made.add_argument("--recogniser", metavar="NAME", help="another recogniser than the language's")
     made.add_argument(
-        "--schedule", metavar="FILE", type=Path, help="timed phonemes, instead of text"
+        "--schedule",
+        metavar="FILE",
+        type=argument_path,
+        help="timed phonemes, instead of text; - is standard input",
     )
     made.add_argument(
         "--read-as", metavar="FORMAT", help="the schedule's format, where the file does not tell"

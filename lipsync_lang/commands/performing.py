@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, working
 from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.files import STANDARD_STREAM
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -74,7 +75,7 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
     from lipsync_lang.render.beside import plot_beside
     from lipsync_lang.render.plot import plot
 
-    kind = options.plot.suffix.lstrip(".")
+    kind = plot_kind(options.plot)
     if not options.beside:
         return lambda stream: plot(animation, stream, kind)
     others = [_performer(options, name) for name in options.beside]
@@ -82,12 +83,21 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
     return lambda stream: plot_beside(faces, stream, kind)
 
 
+def plot_kind(path: Path) -> str:
+    """Return the format of a picture: that of its suffix, and PNG on standard output."""
+    return "png" if path == STANDARD_STREAM else path.suffix.lstrip(".")
+
+
 def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
     """Refuse to write a file twice, or over what is read."""
     given = {"the schedule": options.schedule, "the recording": options.audio}
-    taken = {os.path.realpath(path): what for what, path in given.items() if path}
+    taken = {
+        os.path.realpath(path): what
+        for what, path in given.items()
+        if path and path != STANDARD_STREAM  # what is read there is not what is written there
+    }
     for path in (*outputs, *([options.plot] if options.plot else [])):
-        real = os.path.realpath(path)
+        real = "-" if path == STANDARD_STREAM else os.path.realpath(path)
         if real in taken:
             raise OutputError(f"{path}: is {taken[real]} already; name another file")
         taken[real] = "an output"
@@ -248,7 +258,7 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
     told += "".join(f"\n{remark}" for remark in animation.schedule.remarks)
     if not written:
         return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
-    return told + "".join(f"\nwrote {path}" for path in written)
+    return told + "".join(f"\nwrote {path}" for path in written if path != STANDARD_STREAM)
 
 
 def explain(options: Namespace) -> int:

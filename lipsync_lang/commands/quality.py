@@ -4,7 +4,7 @@ import sys
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from lipsync_lang.commands.output import FAULTS, SOUND, count
+from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
 from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
 from lipsync_lang.errors import LipsyncError
 
@@ -28,7 +28,7 @@ def check(options: Namespace) -> int:
         print(told)
     else:
         write_all({options.output: _writing(told)})
-        print(f"wrote {options.output}", file=sys.stderr)
+        tell_written(options.output)
     first = next(iter(judged.values()))
     if options.format != "text" or options.output is not None:
         print(summary(first), file=sys.stderr)

@@ -6,6 +6,10 @@ from pydantic import ValidationError
 
 from lipsync_lang.coverage.report import FORMAT, Change, Coverage, Report, Since
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reading import MIB_BYTES, read_input
+
+MAX_DOCUMENT_BYTES = 256 * MIB_BYTES
+"""Bytes; a coverage of the largest corpora has a few."""
 
 
 def read_document(path: Path) -> Coverage:
@@ -16,11 +20,7 @@ def read_document(path: Path) -> Coverage:
     LipsyncError
         There is none, or it is of another form or version.
     """
-    try:
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise LipsyncError(f"{path}: cannot be read: {why}; check the path") from None
+    content = read_input(path, MAX_DOCUMENT_BYTES, mend="is it a coverage?")
     try:
         return Coverage.model_validate_json(content)
     except ValidationError as error:

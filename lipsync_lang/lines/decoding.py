@@ -5,9 +5,10 @@ Line ends may be mixed. Only so much is held at a time as one line is long.
 """
 
 import codecs
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from io import TextIOWrapper
 from pathlib import Path
-from typing import TextIO
+from typing import BinaryIO, TextIO
 
 from lipsync_lang.errors import LipsyncError
 
@@ -23,8 +24,14 @@ LONGEST = 1_000_000
 """Characters; a longer line is no line of a script."""
 
 
-def numbered(path: Path, encoding: str | None = None) -> Iterator[tuple[int, str]]:
+Open = Callable[[], BinaryIO]
+"""Opens a file from its start, as often as wanted."""
+
+
+def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[tuple[int, str]]:
     """Yield the lines of a file with their numbers from 1, without their ends.
+
+    `path` is the file as messages call it.
 
     Raises
     ------
@@ -32,13 +39,13 @@ def numbered(path: Path, encoding: str | None = None) -> Iterator[tuple[int, str
         The file cannot be read, is no text, or is in another encoding.
     """
     try:
-        with path.open("rb") as stream:
+        with opened() as stream:
             head = stream.read(4)
         chosen = encoding or _marked(head)
-        with path.open(encoding=chosen, newline=None) as text:
+        with opened() as stream, TextIOWrapper(stream, chosen, newline=None) as text:
             yield from _lines(path, text)
     except UnicodeError as error:
-        raise LipsyncError(_misread(path, encoding, chosen, error)) from None
+        raise LipsyncError(_misread(path, opened, encoding, chosen, error)) from None
     except LookupError:
         raise LipsyncError(
             f"--encoding {encoding}: no encoding has this name; try utf-8, utf-16, cp1252 or "
@@ -69,8 +76,8 @@ def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
         yield number, line.removesuffix("\n")
 
 
-def _misread(path: Path, asked: str | None, chosen: str, error: UnicodeError) -> str:
-    where = f"{path}:{_faulty(path)}" if chosen == "utf-8-sig" else str(path)
+def _misread(path: Path, opened: Open, asked: str | None, chosen: str, error: UnicodeError) -> str:
+    where = f"{path}:{_faulty(opened)}" if chosen == "utf-8-sig" else str(path)
     why = getattr(error, "reason", error)
     if asked:
         return f"{where}: is not {asked} ({why}); name another --encoding, or save it as UTF-8"
@@ -82,10 +89,10 @@ def _misread(path: Path, asked: str | None, chosen: str, error: UnicodeError) ->
     )
 
 
-def _faulty(path: Path) -> int:
+def _faulty(opened: Open) -> int:
     """Return the number of the first line that is not UTF-8."""
     number = 0
-    with path.open("rb") as stream:
+    with opened() as stream:
         for number, line in enumerate(stream, 1):  # noqa: B007 the last one, if none is faulty
             try:
                 line.decode()

@@ -59,7 +59,7 @@ def read(source: Source) -> Iterator[Line]:
 def _charset(source: Source) -> str | None:
     """Return what the header says of the encoding, where nothing else tells."""
     try:
-        with source.path.open("rb") as stream:
+        with source.open() as stream:
             head = stream.read(4096)
     except OSError:
         return None

@@ -6,13 +6,20 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from pkgutil import iter_modules
+from typing import BinaryIO, Self
 
 from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.files import STANDARD_STREAM, argument_path
+from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.lines.decoding import numbered
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.markup import spoken
+
+MAX_PIPED_BYTES = 64 * MIB_BYTES
+"""Bytes of a script that comes through a pipe, and so has to be held; files may be any size."""
 
 Remark = Callable[[str], None]
 """What is worth a word, but no fault."""
@@ -28,16 +35,30 @@ class Source:
     remark : where to say what is left out
     column : of a table, by name or number; None for the likeliest
     encoding : None to tell it by the file
+    content : of standard input or a pipe, which can be read only once; None for a file
     """
 
     path: Path
     remark: Remark
     column: str | None = None
     encoding: str | None = None
+    content: bytes | None = None
+
+    @classmethod
+    def of(cls, path: Path, remark: Remark, column: str | None, encoding: str | None) -> Self:
+        """Take up a file; read at once what can be read only once."""
+        piped = path == STANDARD_STREAM or not path.is_file()
+        mend = "put the script into a file"
+        content = read_input(path, MAX_PIPED_BYTES, mend=mend) if piped else None
+        return cls(path, remark, column, encoding, content)
+
+    def open(self) -> BinaryIO:
+        """Return its bytes from the start."""
+        return self.path.open("rb") if self.content is None else BytesIO(self.content)
 
     def numbered(self) -> Iterator[tuple[int, str]]:
         """Yield the lines of its text with their numbers."""
-        return numbered(self.path, self.encoding)
+        return numbered(self.path, self.open, self.encoding)
 
     def line(self, number: int, text: str, *, name: str = "", speaker: str = "") -> Line:
         """Return what is said there, markup removed."""
@@ -115,7 +136,8 @@ def read_lines(
 
     Parameters
     ----------
-    paths : files and folders, one or several; a file twice is read once
+    paths : files and folders, one or several; a file twice is read once. ``-`` is standard input:
+        plain text, or a table where a `column` is named
     column : of tables, the text's, by name or number from 1; None for the likeliest
     encoding : of all files; None for UTF-8, or what a file's own mark says
     remark : where to say what was left out; as warnings where nothing is given
@@ -127,7 +149,7 @@ def read_lines(
         its turn). Files of a folder that are of no known format are left out with a remark.
     """
     found: dict[str, tuple[Path, bool]] = {}
-    for path in map(Path, [paths] if isinstance(paths, (str, Path)) else paths):
+    for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
         files = _below(path, remark) if path.is_dir() else [_known(path)]
         for file in files:
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
@@ -138,6 +160,8 @@ def read_lines(
 
 def _known(path: Path) -> Path:
     """Return a file that was named, or say what is wrong with it."""
+    if path == STANDARD_STREAM:
+        return path
     suffixes = ", ".join(sorted(by_suffix()))
     if not path.exists():
         raise LipsyncError(f"{path}: no such file or folder; check the path")
@@ -148,7 +172,7 @@ def _known(path: Path) -> Path:
 
 
 def _has_columns(path: Path) -> bool:
-    return by_suffix()[path.suffix.lower()].name == "table"
+    return path == STANDARD_STREAM or by_suffix()[path.suffix.lower()].name == "table"
 
 
 def _below(folder: Path, remark: Remark) -> Iterator[Path]:
@@ -179,7 +203,9 @@ def _reader(source: Source) -> Reader:
     """Return what reads a file: that of its suffix, unless it begins like timed phonemes."""
     from lipsync_lang.lines.timings import NAME, is_timed
 
-    if source.column is None and is_timed(source.path):
+    if source.path == STANDARD_STREAM:
+        return load_readers()["text" if source.column is None else "table"]
+    if source.column is None and is_timed(source):
         return load_readers()[NAME]
     return by_suffix()[source.path.suffix.lower()]
 
@@ -188,7 +214,7 @@ def _read(
     files: Iterable[tuple[Path, bool]], column: str | None, encoding: str | None, remark: Remark
 ) -> Iterator[Line]:
     for path, among_others in files:
-        source = Source(path, remark, column, encoding)
+        source = Source.of(path, remark, column, encoding)
         try:
             yield from _reader(source).read(source)
         except ScheduleError as error:

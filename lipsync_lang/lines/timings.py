@@ -1,12 +1,11 @@
 """Timed phonemes: a file is a line, and its phonemes come as they are."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.registry import Source, reader
-from lipsync_lang.schedules.registry import load_readers, read_schedule
-from lipsync_lang.schedules.timing_file import HEAD
+from lipsync_lang.schedules.registry import load_readers, schedule_of
+from lipsync_lang.schedules.timing_file import HEAD, read_timings
 from lipsync_lang.schedules.timing_file import Source as Timings
 
 NAME = "schedule"
@@ -17,12 +16,12 @@ def suffixes() -> list[str]:
     return sorted({suffix for one in load_readers().values() for suffix in one.suffixes})
 
 
-def is_timed(path: Path) -> bool:
+def is_timed(source: Source) -> bool:
     """Tell whether a file begins like a format of timed phonemes that has its suffix."""
-    readers = [one for one in load_readers().values() if path.suffix.lower() in one.suffixes]
+    readers = [one for one in load_readers().values() if source.path.suffix.lower() in one.suffixes]
     try:
-        with path.open("rb") as stream:
-            begins = Timings(path, stream.read(HEAD))
+        with source.open() as stream:
+            begins = Timings(source.path, stream.read(HEAD))
     except OSError:
         return False
     return any(one.looks(begins) for one in readers)
@@ -31,7 +30,8 @@ def is_timed(path: Path) -> bool:
 @reader(NAME, suffixes=suffixes())
 def read(source: Source) -> Iterator[Line]:
     """Timed phonemes, in every format that schedules are read from; a file is a line."""
-    schedule = read_schedule(source.path, encoding=source.encoding)
+    content = read_timings(source.path) if source.content is None else source.content
+    schedule = schedule_of(Timings(source.path, content, encoding=source.encoding))
     for remark in schedule.remarks:
         source.remark(remark)
     text = " ".join(word.text for word in schedule.words)

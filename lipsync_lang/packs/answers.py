@@ -3,6 +3,9 @@
 import re
 from pathlib import Path
 
+from lipsync_lang.errors import PackError
+from lipsync_lang.packs.yaml.source import read_bytes
+
 _TAG = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
 _ALIASES = re.compile(
     rb"^aliases:[ \t]*(?P<listed>\[[^\]]*\]|(?:(?:[ \t]*#[^\n]*|[ \t\r]*)\n[ \t]*-[ \t][^\n]*)+)",
@@ -18,8 +21,8 @@ def answers_of(path: Path) -> list[str]:
     Without reading YAML: a list on one line or several, or an item on each line.
     """
     try:
-        content = path.read_bytes()
-    except OSError:
+        content = read_bytes(path)
+    except PackError:
         return []
     tag, aliases = _TAG.search(content), _ALIASES.search(content)
     listed = _COMMENT.sub(b"", aliases["listed"]) if aliases else b""

@@ -51,7 +51,7 @@ def edit_pack(path: Path, change: Callable[[Document], None], *, create: str | N
 
 def write_edited(path: Path, content: bytes) -> None:
     """Write a pack whole; raise `OutputError` where that cannot be done."""
-    with atomic(path) as stream:
+    with atomic(path, durable=True) as stream:
         stream.write(content)
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.packs.answers import answers_of, folded
+from lipsync_lang.packs.yaml.source import read_bytes
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -316,7 +317,7 @@ def _packs(folder: Path, kind: Kind) -> dict[str, Path]:
 def _stated(field: "re.Pattern[bytes]", path: Path) -> str:
     """Return what a file states in a plain field, without reading YAML."""
     try:
-        found = field.search(path.read_bytes())
-    except OSError:
+        found = field.search(read_bytes(path))
+    except PackError:
         return ""
     return found.group(1).decode("ascii") if found else ""

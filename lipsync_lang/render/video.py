@@ -2,7 +2,6 @@
 
 import math
 import subprocess
-import sys
 import time
 import wave
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,6 +20,7 @@ from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist, Pixels
 from lipsync_lang.render.staging import staged
 from lipsync_lang.schedules.schedule import Audio
+from lipsync_lang.terminal import progress, wipe
 
 SIZE = 720
 """Pixels of a side."""
@@ -140,14 +140,11 @@ def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
 
 def _told(items: Sequence[T]) -> Iterator[T]:
     """Yield what is worked on; where that takes a while, a terminal is told how far it is."""
-    shows, began = sys.stderr is not None and sys.stderr.isatty(), time.monotonic()
+    began = time.monotonic()
     try:
         for number, item in enumerate(items):
-            if shows and time.monotonic() - began > PATIENCE:
-                sys.stderr.write(f"frame {number} of {len(items)} ...\r")
-                sys.stderr.flush()
+            if time.monotonic() - began > PATIENCE:
+                progress(f"frame {number} of {len(items)} ...")
             yield item
     finally:
-        if shows:
-            sys.stderr.write("\x1b[2K\r")
-            sys.stderr.flush()
+        wipe()

@@ -11,14 +11,12 @@ from pathlib import Path
 from pkgutil import iter_modules
 
 from lipsync_lang.errors import ScheduleError, did_you_mean
+from lipsync_lang.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import Source, read_timings
 
 Read = Callable[[Source], Schedule]
 Looks = Callable[[Source], bool]
-
-LARGEST = 64 * 2**20
-"""Bytes; a larger file of timings is not one."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
 
     Parameters
     ----------
-    path : the file; its content and its suffix tell the format
+    path : the file; its content and its suffix tell the format. ``-`` is standard input
     notation : the labels' notation (`arpabet`, `ipa`, ...); None for what the format says, or
         else what the language pack can tell
     read_as : the name of the format, where neither content nor suffix tells
@@ -89,25 +87,20 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     """
     from dataclasses import replace
 
-    path = Path(path)
+    path = argument_path(path)
     if rate is not None and not 0 < rate < float("inf"):
         raise ScheduleError(f"{rate:g} units per second: give a number above 0")
-    source = Source(path, _content(path), tier, rate, encoding)
-    found = find_reader(source, read_as)
-    if tier is not None and not found.tiers:
-        raise source.fault(f"{found.name} files have no tiers; leave out --tier {tier}")
-    schedule = found.read(source)
+    source = Source(path, read_timings(path), tier, rate, encoding)
+    schedule = schedule_of(source, read_as)
     return replace(schedule, notation=notation) if notation else schedule
 
 
-def _content(path: Path) -> bytes:
-    try:
-        if path.stat().st_size > LARGEST:
-            raise ScheduleError(f"{path}: is larger than {LARGEST >> 20} MB; is it a schedule?")
-        return path.read_bytes()
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise ScheduleError(f"{path}: cannot be read: {why}; check the path") from None
+def schedule_of(source: Source, read_as: str | None = None) -> Schedule:
+    """Read timed phonemes from what a file holds; see `read_schedule`."""
+    found = find_reader(source, read_as)
+    if source.tier is not None and not found.tiers:
+        raise source.fault(f"{found.name} files have no tiers; leave out --tier {source.tier}")
+    return found.read(source)
 
 
 def find_reader(source: Source, name: str | None = None) -> Reader:

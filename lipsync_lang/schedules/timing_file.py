@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import ScheduleError
+from lipsync_lang.files.reading import MIB_BYTES, read_input
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -20,6 +21,9 @@ MARKS = {
     BOM_UTF16_BE: "utf-16",
 }
 """Marks at the start of a file, longer ones first, and what they are the mark of."""
+
+MAX_TIMINGS_BYTES = 64 * MIB_BYTES
+"""Bytes; a larger file of timings is not one."""
 
 HEAD = 4096
 """Bytes that a format is told by."""
@@ -180,11 +184,20 @@ class Source:
         """Return the file of the same name with another suffix, in small or capital letters."""
         for one in (suffix, suffix.upper()):
             path = self.path.with_suffix(one)
-            try:
-                return replace(self, path=path, content=path.read_bytes())
-            except OSError:
-                continue
+            if path.is_file():
+                return replace(self, path=path, content=read_timings(path))
         return None
+
+
+def read_timings(path: Path) -> bytes:
+    """Return what a file of timings holds.
+
+    Raises
+    ------
+    ScheduleError
+        It cannot be read, or is too large.
+    """
+    return read_input(path, MAX_TIMINGS_BYTES, error=ScheduleError, mend="is it a schedule?")
 
 
 def _encoding(content: bytes) -> str:

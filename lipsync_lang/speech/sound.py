@@ -40,8 +40,11 @@ def read_audio(path: str | Path) -> Audio:
     """
     soundfile = _soundfile()
     try:
-        with Path(path).open("rb") as stream, soundfile.SoundFile(stream) as sound:
-            return _read(path, sound)
+        with Path(path).open("rb") as stream:
+            if not stream.seekable():
+                raise SpeechError(f"{path}: is a pipe; put the recording into a file first")
+            with soundfile.SoundFile(stream) as sound:
+                return _read(path, sound)
     except OSError as error:
         raise SpeechError(
             f"{path}: cannot be read: {error.strerror or error}; check the path"

@@ -11,11 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import AnimationError
+from lipsync_lang.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
 
 Floats = npt.NDArray[np.float64]
 
-LARGEST = 2**30
+MAX_ANIMATION_BYTES = 2**30
 """Bytes; a larger file is no animation of a line."""
 
 LEAST = 2
@@ -125,13 +126,9 @@ def read_animation(path: str | Path) -> Recording:
     if not chosen:
         what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
         fail(path, what, f"known: {', '.join(sorted({one.suffix for one in known}))}")
-    try:
-        if path.stat().st_size > LARGEST:
-            fail(path, "is larger than 1 GB", "is it an animation?")
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        fail(path, f"cannot be read: {why}", "check the path")
+    content = read_input(
+        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="is it an animation?"
+    )
     fits = [one for one in chosen if one.fits is None or one.fits(content)]
     if not fits:
         fail(path, f"is no {' or '.join(one.name for one in chosen)}", "check what wrote it")

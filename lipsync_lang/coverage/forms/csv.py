@@ -1,16 +1,23 @@
-"""CSV: one row per bigram, for spreadsheets."""
+"""CSV: one row per bigram, for spreadsheets.
+
+Words and names of files come from the corpus. A spreadsheet would calculate one that begins like
+a formula, so an apostrophe stands before it, as OWASP advises.
+"""
 
 import csv
 from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.forms.registry import Asked
-    from lipsync_lang.coverage.report import Coverage
+    from lipsync_lang.coverage.report import Bigram, Coverage, Report
 
 HEAD = (
     "language", "character", "bigram", "count", "percent", "running", "silence", "layer", "status",
     "authored", "example", "places", "column",
 )  # fmt: skip
+
+FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
+"""Characters that a formula begins with in some spreadsheet."""
 
 
 def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
@@ -21,11 +28,18 @@ def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
     for report in coverage.reports:
         for silence, bigrams in (("no", report.bigrams), ("yes", report.silence)):
             for one in bigrams:
-                rows.writerow(
-                    (
-                        report.language, report.character, one.bigram, one.count, one.percent,
-                        one.running, silence, one.layer, one.status,
-                        "yes" if one.authored else "no", one.example, " ".join(one.places),
-                        report.column,
-                    )
-                )  # fmt: skip
+                rows.writerow(map(_cell, _row(report, one, silence)))
+
+
+def _row(report: "Report", one: "Bigram", silence: str) -> tuple[object, ...]:
+    return (
+        report.language, report.character, one.bigram, one.count, one.percent, one.running,
+        silence, one.layer, one.status, "yes" if one.authored else "no", one.example,
+        " ".join(one.places), report.column,
+    )  # fmt: skip
+
+
+def _cell(value: object) -> object:
+    """Mark text that a spreadsheet would calculate as text; numbers stay numbers."""
+    starts = isinstance(value, str) and value.startswith(FORMULA_STARTS)
+    return f"'{value}" if starts else value

@@ -11,11 +11,16 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
 
 COMMENTS = (";;;", "#")
+
+MAX_LEXICON_BYTES = 256 * MIB_BYTES
+"""Bytes; the largest of WikiPron has 30 million."""
+
 _VARIANT = re.compile(r"\(\d+\)$")
 _PARTS = re.compile(r"-|'")
 
@@ -60,10 +65,11 @@ def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
     SpeechError
         It cannot be read, is not UTF-8, or a line has no labels.
     """
+    content = read_input(
+        path, MAX_LEXICON_BYTES, error=SpeechError, mend="keep the words that are said"
+    )
     try:
-        text = path.read_text("utf-8-sig")
-    except OSError as error:
-        raise SpeechError(f"{path}: cannot be read: {error.strerror or error}") from None
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise SpeechError(
             f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"

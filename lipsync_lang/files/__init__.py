@@ -1,0 +1,7 @@
+"""Files of the user's: outputs that appear whole, and inputs read as far as a limit."""
+
+from lipsync_lang.files.reading import read_input
+from lipsync_lang.files.targets import STANDARD_STREAM, argument_path
+from lipsync_lang.files.writing import atomic, write_all
+
+__all__ = ["STANDARD_STREAM", "argument_path", "atomic", "read_input", "write_all"]

@@ -1,0 +1,55 @@
+"""Inputs read as far as a limit: files, standard input, pipes and devices without an end."""
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.targets import STANDARD_STREAM
+
+MIB_BYTES = 2**20
+
+
+def read_input(
+    path: Path, max_bytes: int, *, error: type[LipsyncError] = LipsyncError, mend: str
+) -> bytes:
+    """Return what a file holds, or standard input where `path` is ``-``.
+
+    Parameters
+    ----------
+    max_bytes : the most that is read, whatever size the file states
+    error : raised where it cannot be read, or is larger
+    mend : what to do about one that is larger
+    """
+    try:
+        content = _content(path, max_bytes + 1)
+    except (OSError, ValueError) as wrong:
+        why = getattr(wrong, "strerror", None) or wrong
+        raise error(f"{path}: cannot be read: {why}; check the path") from None
+    if len(content) > max_bytes:
+        raise error(f"{path}: is larger than {_size(max_bytes)}; {mend}")
+    return content
+
+
+def _content(path: Path, max_bytes: int) -> bytes:
+    if path != STANDARD_STREAM:
+        with path.open("rb") as stream:
+            return b"".join(_blocks(stream, max_bytes))
+    if sys.stdin is None:
+        raise ValueError("there is no standard input here")
+    return b"".join(_blocks(sys.stdin.buffer, max_bytes))
+
+
+def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
+    """Yield what there is, in pieces: asked for at once, the limit itself would be allocated."""
+    left = max_bytes
+    while block := stream.read(min(left, MIB_BYTES)):
+        yield block
+        left -= len(block)
+
+
+def _size(count: int) -> str:
+    """Return a number of bytes as people say it."""
+    gibibytes, rest = divmod(count, 2**10 * MIB_BYTES)
+    return f"{gibibytes} GB" if gibibytes and not rest else f"{count // MIB_BYTES} MB"

@@ -1,0 +1,84 @@
+"""Targets of outputs: the file behind a path's links, or none where bytes are written directly."""
+
+import os
+import re
+import stat
+from pathlib import Path
+
+from lipsync_lang.errors import OutputError
+
+STANDARD_STREAM = Path("-")
+"""The name of standard output, and of standard input where something is read."""
+
+MAX_LINKS = 40
+"""Links that are followed to one file, as the operating system does."""
+
+WRITE_BITS = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
+"""A file without any of these is read-only, for root too."""
+
+_DESCRIPTORS = re.compile(r"/dev/fd|/proc/(?P<process>\d+)(?:/task/\d+)?/fd")
+
+
+def argument_path(text: str | Path) -> Path:
+    """Read a path as people type it: ``-`` is the standard stream, ``./-`` a file of that name."""
+    path = Path(text)
+    return path if path != STANDARD_STREAM or str(text) == "-" else Path.cwd() / path
+
+
+def file_behind(path: Path) -> Path | None:
+    """Return the file that a path leads to; None for what is written directly.
+
+    Raises
+    ------
+    OutputError
+        It is a folder, a read-only file, a disk, a socket, or a circle of links.
+    OSError, ValueError
+        The path cannot be looked at.
+    """
+    if path == STANDARD_STREAM or descriptor(path) is not None:
+        return None
+    target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise OutputError(f"{path}: is a link that leads in a circle; name another place")
+    if not path.exists():
+        return target
+    there = path.stat()
+    if stat.S_ISDIR(there.st_mode):
+        raise OutputError(f"{path}: is a folder; name a file in it")
+    if stat.S_ISBLK(there.st_mode):
+        raise OutputError(f"{path}: is a disk; name a file on it")
+    if stat.S_ISSOCK(there.st_mode):
+        raise OutputError(f"{path}: is a socket; write to - and pipe it into a program")
+    if not stat.S_ISREG(there.st_mode):
+        return None
+    _refuse_read_only(path, there)
+    return target
+
+
+def _refuse_read_only(path: Path, there: os.stat_result) -> None:
+    """Refuse by the permission bits, which hold for root too: version control relies on them."""
+    if not there.st_mode & WRITE_BITS:
+        raise OutputError(
+            f"{path}: is read-only; open it in your version control or make it writable "
+            "(chmod u+w), or name another file"
+        )
+    if not may_write(path):
+        raise OutputError(f"{path}: is not yours to write; ask its owner, or name another file")
+
+
+def may_write(path: Path) -> bool:
+    """Tell whether whom the program acts for may write a file, or into a folder."""
+    return os.access(path, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
+
+
+def descriptor(path: Path) -> int | None:
+    """Return the number of the open descriptor that a path such as `/dev/stdout` names."""
+    for _ in range(MAX_LINKS):
+        folder = os.path.realpath(path.parent)
+        found = _DESCRIPTORS.fullmatch(folder)
+        if found and path.name.isdecimal():
+            return int(path.name) if found["process"] in (None, str(os.getpid())) else None
+        if not path.is_symlink():
+            return None
+        path = Path(folder, path.readlink())
+    return None

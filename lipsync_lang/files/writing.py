@@ -1,0 +1,238 @@
+"""Outputs: regular files appear whole or not at all; devices and pipes are written directly.
+
+Every writer gets a seekable stream. Its bytes first go beside the target, or into memory where
+the target is a device, a pipe or standard output. Only when everything is written are the files
+put in place, one rename each, and the streams fed.
+"""
+
+import os
+import stat
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import SpooledTemporaryFile
+from typing import IO, Any, BinaryIO, cast
+
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files.signals import undisturbed
+from lipsync_lang.files.targets import STANDARD_STREAM, descriptor, file_behind, may_write
+from lipsync_lang.files.temporary import sweep, temporary_name
+
+MAX_SPOOLED_BYTES = 16 * 2**20
+"""Bytes that wait in memory for a device or a pipe; more wait on the disk."""
+
+
+@contextmanager
+def atomic(path: Path, *, durable: bool = False) -> Iterator[BinaryIO]:
+    """Open a stream whose bytes appear at `path` only if the block ends well.
+
+    Parameters
+    ----------
+    path : a file, a link to one, a device, a pipe, or ``-`` for standard output
+    durable : wait until the disk holds the file, so that a power loss leaves the old or the new
+
+    Raises
+    ------
+    OutputError
+        The folder is missing or read-only, the file is read-only, the disk is full, or `path` is a
+        folder.
+    """
+    with _prepared(durable=durable) as outputs, _worded(path):
+        yield outputs.open(path)
+
+
+def write_all(
+    outputs: Mapping[Path, Callable[[BinaryIO], object]], *, durable: bool = False
+) -> None:
+    """Write several outputs: all are prepared first, then put in place together.
+
+    Files come first and streams last, so that a reader who closes a pipe early costs no file.
+    Parameters and errors are those of `atomic`.
+    """
+    with _prepared(durable=durable) as prepared:
+        for path, write in outputs.items():
+            with _worded(path):
+                stream = prepared.open(path)
+                write(stream)
+                stream.flush()  # a full disk is noticed while nothing is in its place yet
+
+
+@contextmanager
+def _worded(path: Path) -> Iterator[None]:
+    """Say in words why a path cannot be written; a closed pipe stays what it is."""
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise _cannot_write(path, error) from None
+
+
+@contextmanager
+def _prepared(*, durable: bool) -> Iterator["_Outputs"]:
+    outputs = _Outputs(durable)
+    try:
+        yield outputs
+        outputs.commit()
+    finally:
+        outputs.discard()
+
+
+@dataclass
+class _Outputs:
+    """Outputs that wait for each other."""
+
+    durable: bool
+    files: list["_Waiting"] = field(default_factory=list)
+    streams: list[tuple[Path, IO[bytes]]] = field(default_factory=list)
+
+    def open(self, path: Path) -> BinaryIO:
+        """Return a seekable stream for what `path` is to hold."""
+        try:
+            target = file_behind(path)
+            if target is None:
+                spooled = SpooledTemporaryFile(MAX_SPOOLED_BYTES)  # noqa: SIM115 closed by discard
+                self.streams.append((path, spooled))
+                return cast("BinaryIO", spooled)
+            waiting = _Waiting(path, target, target.with_name(temporary_name(target.name)))
+            self.files.append(waiting)  # before it is made: a signal may come at any time
+            return waiting.open()
+        except (OSError, ValueError) as error:
+            raise _cannot_write(path, error) from None
+
+    def commit(self) -> None:
+        """Put the files in place, then feed the streams."""
+        for file in self.files:
+            with _worded(file.path):
+                file.close(durable=self.durable)
+        with undisturbed():
+            for file in self.files:
+                with _worded(file.path):
+                    file.temporary.replace(file.target)
+        if self.durable:
+            for folder in {file.target.parent for file in self.files}:
+                _sync_folder(folder)
+        for path, spooled in self.streams:
+            spooled.seek(0)
+            with _worded(path):
+                _feed(path, spooled)
+
+    def discard(self) -> None:
+        """Leave nothing behind."""
+        with undisturbed():
+            for file in self.files:
+                file.discard()
+            for _, spooled in self.streams:
+                spooled.close()
+
+
+@dataclass
+class _Waiting:
+    """A file that waits beside its target under a name of its own."""
+
+    path: Path
+    """The target as it was named, for messages."""
+    target: Path
+    temporary: Path
+    stream: BinaryIO | None = None
+
+    def open(self) -> BinaryIO:
+        """Make the file; the kernel gives a new one the usual mode, so no umask is touched."""
+        sweep(self.target.parent)
+        there = self.target.stat() if self.target.exists() else None
+        mode = 0o666 if there is None else stat.S_IMODE(there.st_mode) & 0o666
+        flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+        self.stream = os.fdopen(os.open(self.temporary, flags, mode), "w+b")
+        if there is not None:
+            _copy_owner(self.temporary, there)
+            self.temporary.chmod(stat.S_IMODE(there.st_mode) & 0o777)
+        return self.stream
+
+    def close(self, *, durable: bool) -> None:
+        """Write everything out."""
+        if self.stream is not None:
+            self.stream.flush()
+            if durable:
+                os.fsync(self.stream.fileno())
+            self.stream.close()
+
+    def discard(self) -> None:
+        """Delete the file, if it is not in its place already."""
+        with suppress(OSError, ValueError):
+            if self.stream is not None:
+                self.stream.close()
+        with suppress(OSError):
+            self.temporary.unlink(missing_ok=True)
+
+
+def _copy_owner(path: Path, there: os.stat_result) -> None:
+    """Keep the owner of a file that root replaces; others cannot give files away."""
+    mine = path.stat()
+    if hasattr(os, "chown") and (mine.st_uid, mine.st_gid) != (there.st_uid, there.st_gid):
+        with suppress(PermissionError):
+            os.chown(path, there.st_uid, there.st_gid)
+
+
+# Streams
+
+
+def _feed(path: Path, source: IO[bytes]) -> None:
+    if path == STANDARD_STREAM:
+        _feed_standard(source)
+        return
+    number = descriptor(path)
+    if number is not None:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        handle = os.dup(number)
+    else:
+        handle = os.open(path, os.O_WRONLY | getattr(os, "O_NOCTTY", 0))
+    with os.fdopen(handle, "wb") as out:
+        _copy(source, out)
+
+
+def _copy(source: IO[bytes], out: Any) -> None:
+    while block := source.read(MAX_SPOOLED_BYTES):
+        out.write(block)
+
+
+def _feed_standard(source: IO[bytes]) -> None:
+    """Write bytes to standard output; a terminal gets text only."""
+    out = sys.stdout
+    if out is None:
+        raise OutputError("-: there is no standard output here; name a file")
+    out.flush()
+    binary = getattr(out, "buffer", None)
+    if binary is not None and not out.isatty():
+        _copy(source, binary)
+        binary.flush()
+        return
+    try:
+        text = source.read().decode("utf-8")
+    except UnicodeDecodeError:
+        text = "\0"
+    if "\0" in text:
+        raise OutputError("-: a terminal cannot show these bytes; name a file, or pipe them on")
+    out.write(text.replace("\r\n", "\n"))
+    out.flush()
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make a rename last; file systems that cannot do without."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def _cannot_write(path: Path, error: OSError | ValueError) -> OutputError:
+    if isinstance(error, FileNotFoundError):
+        return OutputError(f"{path}: the folder {path.parent} does not exist; make it first")
+    why = getattr(error, "strerror", None) or error
+    if isinstance(error, PermissionError) and not may_write(path.parent):
+        why = f"the folder {path.parent} is read-only"
+    return OutputError(f"{path}: cannot be written: {why}; name another place")
