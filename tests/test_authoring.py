@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.authoring.language_draft import Wanted, draft
+from lipsync_lang.authoring.language_draft import Wanted, _entry, draft
 from lipsync_lang.authoring.trial import languages_in, try_out
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.library import Library
+from lipsync_lang.phonology.nearest import Nearest
 from lipsync_lang.text_table import columns, width
 
 PHOIBLE = """\
@@ -250,3 +251,8 @@ def test_a_language_is_shown_as_table_1(folder, cli):
 def test_columns_stand_below_each_other_in_every_script():
     rows = list(columns([("ab", "x"), ("日本", "y"), ("e\u0301", "z")]))
     assert [width(row.partition(last)[0]) for row, last in zip(rows, "xyz", strict=True)] == [6] * 3
+
+
+def test_a_remark_beside_a_long_label_has_its_space():
+    found = Nearest((("aa", 0.5), ("ih", 0.5)), ("length",), 0.2, ())
+    assert _entry("a long label", found) == '    "a long label": [aa, ih] # loses length'

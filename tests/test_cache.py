@@ -274,10 +274,10 @@ def test_a_bank_that_is_added_or_deleted_counts(store):
 
 def test_a_character_named_like_its_pose_set_counts(store):
     fill("child", "face")
-    text = "kind: character\nformat: 1\nname: face\nposeset: face\nmotion: {speed_limit: 3}\n"
+    text = "kind: character\nformat: 1\nname: face\nposeset: face\nmotion: {speed_limit: 5}\n"
     put(Path(), "characters/face.yaml", text)
     assert not warm("child", "face")
-    assert ll.resolve("child", "face").motion.speed_limit == 3
+    assert ll.resolve("child", "face").motion.speed_limit == 5
     assert only(store)
 
 

@@ -313,7 +313,7 @@ def test_text_is_spoken_and_its_sound_written(cli, folder):
         (["motion.window=0.01"], True),
         (["motion.window=0.1"], False),
         (["motion=paper", "motion.window=0.01"], True),
-        (["motion.speed_limit=3"], True),
+        (["motion.speed_limit=5"], True),
         (["motion.warp=linear"], True),
     ],
     ids=str,
@@ -341,7 +341,7 @@ def test_motion_is_set(settings_, changes, animate, folder):
         ("motion.window=nan", "motion.window is 'nan'; it is a number"),
         ("motion.window=1e9", "motion.window is '1e9'; it is a number from 0 to 10"),
         ("motion.silence_reach=inf", "motion.silence_reach is 'inf'; it is a number"),
-        ("motion.speed_limit=0", "motion.speed_limit is '0'; it is a number from 0.001 to 1e.06"),
+        ("motion.speed_limit=0", "motion.speed_limit is '0'; it is a number from 4 to 1e.06"),
         ("motion.smooth=fully", "motion.smooth is 'fully'; it is one of closing, chord, none"),
     ],
 )

@@ -260,7 +260,7 @@ def _entry(label: str, near: "Nearest") -> str:
     told = [f"loses {', '.join(near.losses)}"] if near.losses else []
     told += [f"not IPA: {' '.join(near.unknown)}"] if near.unknown else []
     entry = f"    {_scalar(label)}: {value}"
-    return f"{entry:<20}# {'; '.join(told)}" if told else entry
+    return f"{entry:<19} # {'; '.join(told)}" if told else entry
 
 
 def _inventory(inventory: Inventory | None, found: Mapping[str, "Nearest"]) -> Iterator[str]:

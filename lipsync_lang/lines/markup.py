@@ -18,7 +18,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-RUBY = r"<(?P<r>rt|rp)\b[^<>]*>.*?</(?P=r)>|\{(?P<s>rt)\}.*?\{/(?P=s)\}"
+RUBY = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
 TAG = r"</?[A-Za-z][^<>]*>|<\d\d[\d:.,]*>"
 BRACES = r"\{\{|\}\}|\{[^{}]*\}"
 BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"

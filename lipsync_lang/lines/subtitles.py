@@ -8,7 +8,7 @@ from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.registry import Source, reader
 
 TIMES = re.compile(r"\s*(?:\d+:)?\d\d?:\d\d[.,]\d+\s*-->\s*(?:\d+:)?\d\d?:\d\d[.,]\d+")
-VOICE = re.compile(r"<v(?:\.[^\s>]*)?\s+([^>]+)>")
+VOICE = re.compile(r"<v(?:\.[^\s<>]*+)?\s++([^<>]++)>")
 ASIDE = re.compile(r"(WEBVTT|NOTE|STYLE|REGION)\b")
 
 Part = list[tuple[int, str]]

@@ -15,7 +15,6 @@ What the tables lack has no value, unless the notation was given what finds the 
 `Notation.suggest` names the nearest label.
 """
 
-import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -42,7 +41,7 @@ STRESS = "ˈˌ'\"%"
 """Marks before a stressed sound: IPA's, ASCII's, and SAMPA's two."""
 
 LENGTH = ":ˑ"
-TONE = re.compile(r"(?<=.)[0-9⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩]+$", re.DOTALL)
+TONE = "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩"
 """Stress digits of ARPAbet, tone digits and IPA tone letters; never the whole label."""
 
 
@@ -51,13 +50,17 @@ def normalise(label: str) -> str:
     return normalize("NFC", normalize("NFC", label).translate(SAME).strip())
 
 
+def _toneless(label: str) -> str:
+    return label[:1] + label[1:].rstrip(TONE)
+
+
 def looser(label: str) -> Iterator[str]:
     """Yield ever looser spellings of a normalised label, itself first."""
     plain = label.lstrip(STRESS) or label
-    toneless = TONE.sub("", plain)
+    toneless = _toneless(plain)
     yield from (label, plain, toneless)
     yield plain.rstrip(LENGTH) or plain
-    yield TONE.sub("", toneless.rstrip(LENGTH) or toneless)
+    yield _toneless(toneless.rstrip(LENGTH) or toneless)
 
 
 def bare(label: str, unseen: Mapping[str, str]) -> tuple[str, Counter[str]]:

@@ -5,10 +5,11 @@ from dataclasses import fields, replace
 from typing import Any, get_args, get_type_hints
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.packs.models.pose_models import LEAST_SPEED
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 
 RANGES = {
-    "speed_limit": (1e-3, 1e6),
+    "speed_limit": (LEAST_SPEED, 1e6),
     "window": (0.0, 10.0),
     "silence_reach": (0.0, 10.0),
     "hold": (0.0, 10.0),

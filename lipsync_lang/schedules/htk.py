@@ -25,7 +25,9 @@ OTHER = "///"
 
 NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 TIMED = re.compile(rf"\s*({NUMBER})[ \t]+({NUMBER})[ \t]+(\S+)([^\n]*)", re.ASCII)
-CONTEXT = re.compile(r"[^-]*\^[^-]*-(?P<phone>.+?)\+[^=]*=.*?(?P<state>\[\d+\])?", re.DOTALL)
+CONTEXT = re.compile(
+    r"[^-^]*+\^[^-]*+-(?P<phone>.[^+]*+)\+[^=]*+=.*?(?P<state>\[\d+\])?", re.DOTALL
+)
 """A full context: two phones before, the phone, and two after."""
 
 Lines = list[tuple[int, str]]

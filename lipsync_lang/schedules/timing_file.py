@@ -31,7 +31,7 @@ HEAD = 4096
 FAR = 1e15
 """No time is as large, in any unit."""
 
-TAG = re.compile(r"\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<([A-Za-z_][\w.:-]*)", re.DOTALL)
+TAG = re.compile(r"\s*+(?:(?><\?.*?\?>|<!--.*?-->)\s*+)*+<([A-Za-z_][\w.:-]*)", re.DOTALL)
 """The first element of an XML file."""
 
 

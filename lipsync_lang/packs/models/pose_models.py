@@ -23,7 +23,6 @@ from lipsync_lang.packs.models.fields import (
     OrOne,
     Pack,
     PoseName,
-    Positive,
     Short,
     Sound,
     Strict,
@@ -98,6 +97,10 @@ class Contact(Strict):
     """How far these poses may rise."""
 
 
+LEAST_SPEED = 4.0
+"""Weight per second; a slower mouth would start to move over 0.3 s before the first sound."""
+
+
 class Motion(Strict):
     """How curves are joined and kept from moving too fast; what is not stated is the usual."""
 
@@ -111,7 +114,7 @@ class Motion(Strict):
     """How valleys between peaks are filled."""
     window: NotNegative | None = None
     """Seconds; valleys narrower than this are filled."""
-    speed_limit: Positive | None = None
+    speed_limit: Annotated[float, Field(ge=LEAST_SPEED)] | None = None
     """Weight per second that no pose passes."""
     silence_reach: NotNegative | None = None
     """Seconds of a pause in which the mouth still moves."""

@@ -151,7 +151,8 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
         return "P103", f"{subject} must be {_MUST[sort]}, got {_got(value)}", _mend(sort, value)
     if sort in _RANGE:
         bound, word = _RANGE[sort]
-        return "P104", f"{subject} must be {word} {context[bound]:g}, got {value:g}", ""
+        hint = f"write a number that is {word} {context[bound]:g}"
+        return "P104", f"{subject} must be {word} {context[bound]:g}, got {value:g}", hint
     if sort == "finite_number":
         return "P105", f"{subject} must be a finite number, got {value}", ""
     if sort in ("string_pattern_mismatch", "string_too_long"):
