@@ -17,7 +17,7 @@ from lipsync_lang.speech.speaking import Speaker
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import RATE, STEP, features
 from lipsync_lang.speech.sphinx.folder import find_models
-from lipsync_lang.speech.sphinx.forced import Heard
+from lipsync_lang.speech.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.sphinx.scheduling import Saying, laid
 from lipsync_lang.speech.sphinx.trellis import START, likeliest_way
 
@@ -91,7 +91,7 @@ def test_most_boundaries_are_where_the_voice_says_they_are(english, spoken, text
 def test_a_frame_is_heard_in_the_middle_of_its_window(english):
     models = find_models(english.manner.audio.model)
     hello = models.ways("hello")[0]
-    heard = [Heard(0, phone, 10 * at, 10 * at + 10, 0.0) for at, phone in enumerate(hello)]
+    heard = [HeardPhoneme(0, phone, 10 * at, 10 * at + 10, 0.0) for at, phone in enumerate(hello)]
     labels, times, words = laid(models, heard, [Saying("hello", (hello,))], 0.5)
     assert labels == tuple(models.model.names[phone] for phone in hello)
     assert (times[0], times[-1]) == (0, 0.5)
@@ -106,9 +106,9 @@ def test_a_short_silence_is_the_start_of_what_follows(english, frames, kept):
     way = models.ways("hi")[0]
     quiet = models.model.silence
     heard = [
-        Heard(0, way[0], 0, 10, 0.0),
-        Heard(OUTSIDE, quiet, 10, 10 + frames, 0.0),
-        Heard(0, way[1], 10 + frames, 30, 0.0),
+        HeardPhoneme(0, way[0], 0, 10, 0.0),
+        HeardPhoneme(OUTSIDE, quiet, 10, 10 + frames, 0.0),
+        HeardPhoneme(0, way[1], 10 + frames, 30, 0.0),
     ]
     labels, times, words = laid(models, heard, [Saying("hi", (way,))], 0.3)
     said = tuple(models.model.names[phone] for phone in way)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from lipsync_lang.authoring.inventories import read_inventory
-from lipsync_lang.authoring.language_draft import Wanted, _entry, draft
+from lipsync_lang.authoring.language_draft import LanguageWish, _entry, draft
 from lipsync_lang.authoring.trial import languages_in, try_out
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.library import Library
@@ -117,7 +117,7 @@ def test_a_draft_of_an_inventory_runs_and_names_its_doubts(folder, cli):
 def test_a_draft_of_a_lexicon_takes_it_along(folder, cli):
     lexicon = folder / "words.txt"
     lexicon.write_text("hus\th ʉː s\nøl\tø l\nkylling\tç y l ɪ ŋ\n", "utf-8")
-    made = draft(Library(), Wanted("nordic", tag="qaa", lexicon=lexicon))
+    made = draft(Library(), LanguageWish("nordic", tag="qaa", lexicon=lexicon))
     assert not (folder / "languages").exists(), "drafting alone writes nothing"
     assert "nordic.txt" in made.write()
     assert (folder / "languages" / "nordic.txt").read_bytes() == lexicon.read_bytes()
@@ -173,7 +173,7 @@ def test_what_cannot_be_drafted_is_a_message_and_writes_nothing(folder, cli, arg
 def test_an_existing_pack_is_never_written_over(folder):
     put(folder, "taken", "kept")
     with pytest.raises(PackError, match="is there already"):
-        draft(Library(), Wanted("taken", inventory=Path("x")))
+        draft(Library(), LanguageWish("taken", inventory=Path("x")))
 
 
 # Trials

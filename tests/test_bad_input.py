@@ -12,7 +12,7 @@ import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError, OutputError, PackError, ScheduleError, SpeechError
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.textgrid import read_textgrid
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 try:
     import espeakng_loader
@@ -98,7 +98,7 @@ def test_an_unknown_label_of_a_textgrid_is_told_likewise(tmp_path, performer):
     with pytest.raises(ScheduleError, match=message):
         performer.perform(ll.read_schedule(path))
     with pytest.raises(ScheduleError, match=r"line.TextGrid: no tier looks like phones"):
-        read_textgrid(Source(path, path.read_bytes().replace(b"phones", b"tones")))
+        read_textgrid(TimingFile(path, path.read_bytes().replace(b"phones", b"tones")))
 
 
 def test_many_unknown_labels_are_a_screenful(performer):

@@ -15,7 +15,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.drafts import draft_bigrams
-from lipsync_lang.resolver.layers import Shelf
+from lipsync_lang.resolver.layers import PairPacks
 
 AT = np.linspace(0, 1, RESOLUTION + 1)
 HALF, FIRST, SECOND = RESOLUTION // 2, RESOLUTION // 4, 3 * RESOLUTION // 4
@@ -41,7 +41,7 @@ def library():
 
 
 def shelf(library):
-    return Shelf.open(library, "english", "facefx")
+    return PairPacks.open(library, "english", "facefx")
 
 
 def test_every_bigram_and_every_passage_from_and_to_silence_is_drafted(library):
@@ -243,7 +243,7 @@ def drafted(tmp_path, targets, *, constrained=True):
         f"constraints: {{pairs: {pairs}}}\npriority: [jaw, shut]\n"
         "targets:\n" + "".join(f"  {label}: {target}\n" for label, target in targets.items())
     )
-    shelf = Shelf.open(Library([folder.parents[1]], project=None), "english", "small")
+    shelf = PairPacks.open(Library([folder.parents[1]], project=None), "english", "small")
     values = {}
     for pair, row in shelf.drafts([(a, b) for a in targets for b in targets]).items():
         for pose, points in row.curves.items():
@@ -278,7 +278,7 @@ def test_a_draft_starts_and_ends_at_rest():
     drafts = draft([target(1.0), target(0.2, 5.0)], [target(0.3), target(1.0, 0.01)])
     assert not drafts[..., 0].any()
     assert not drafts[..., -1].any()
-    shelf = Shelf.open(Library(project=None), "english", "facefx")
+    shelf = PairPacks.open(Library(project=None), "english", "facefx")
     for row in shelf.drafts(shelf.pairs()).values():
         for points in row.curves.values():
             assert points[0, 1] == points[-1, 1] == 0

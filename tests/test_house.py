@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import defaultdict
 from functools import cache
 from pathlib import Path
 
@@ -253,6 +254,15 @@ def test_no_module_knows_the_name_of_a_language_a_phoneme_or_a_pose():
 
 
 # Habits
+
+
+def test_no_two_classes_share_a_name():
+    places = defaultdict(list)
+    for name, tree in MODULES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef):
+                places[node.name].append(f"{name}:{node.lineno}")
+    assert not {name: found for name, found in places.items() if len(found) > 1}
 
 
 def public(tree):

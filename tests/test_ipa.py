@@ -26,7 +26,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, recognise
-from lipsync_lang.phonology.nearest import Among
+from lipsync_lang.phonology.nearest import NearestPhonemes
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.nearest_phonemes import among, candidates, disagreements
@@ -44,7 +44,7 @@ assert len(MARKS) > 100
 def near(*adds, **rest):
     """The common phonemes of a language with some beyond the base."""
     names = (*COMMON.base, *adds)
-    return Among(FEATURES, {name: COMMON.phonemes[name].ipa for name in names}, **rest)
+    return NearestPhonemes(FEATURES, {name: COMMON.phonemes[name].ipa for name in names}, **rest)
 
 
 BASE, ROUND = near(), near("yu")
@@ -289,7 +289,7 @@ def test_nothing_fails(label):
 
 
 def test_without_candidates_nothing_answers():
-    nobody = Among(FEATURES, {"ah": ()})
+    nobody = NearestPhonemes(FEATURES, {"ah": ()})
     assert nobody.nearest("a").value == ()
     assert nobody.value("a") is None
     assert nobody.value("˥") == ()

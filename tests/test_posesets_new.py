@@ -8,7 +8,7 @@ import pytest
 from packs_tree import TREE, plant, put
 from shipped import POSESETS
 
-from lipsync_lang.authoring.poseset_draft import Wanted, draft, guessed
+from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft, guessed
 from lipsync_lang.authoring.poseset_text import LINES
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.checking.validate import validate
@@ -112,7 +112,7 @@ def test_each_pose_nobody_knows_is_for_a_kind_of_sounds():
 
 def test_sounds_that_shut_come_from_the_pose_sets_there_are(folder):
     plant(folder)
-    made = draft(Library([folder], project=None), Wanted("thing", ["zz"], like="face"))
+    made = draft(Library([folder], project=None), PoseSetWish("thing", ["zz"], like="face"))
     assert "closure: {phonemes: [p], ceiling: {zz: 0.1}}" in made.text
     assert "p:   {zz: 0}" in made.text
     assert not (folder / "posesets/thing").exists(), "drafting alone writes nothing"
@@ -194,7 +194,7 @@ def test_the_pose_set_that_knows_most_is_asked(folder):
     plant(folder)
     put(folder, "posesets/other/poseset.yaml", "kind: poseset\n")
     library = Library([folder], project=None)
-    assert "'face'" in draft(library, Wanted("mine", ["open", "PBM", "FV", "x"])).text
+    assert "'face'" in draft(library, PoseSetWish("mine", ["open", "PBM", "FV", "x"])).text
 
 
 # Models
@@ -256,11 +256,11 @@ def test_files_that_are_there_are_never_written_over(folder, tmp_path_factory):
     far = glb(tmp_path_factory.mktemp("far") / "robo.glb", "zza")
     put(folder, "posesets/robo/robo.glb", "kept")
     with pytest.raises(PackError, match="is there already"):
-        draft(Library(), Wanted("robo", model=far))
+        draft(Library(), PoseSetWish("robo", model=far))
     loose = far.with_suffix(".gltf")
     far.rename(loose)
     with pytest.raises(LipsyncError, match="GLB"):
-        draft(Library(), Wanted("robo", model=loose))
+        draft(Library(), PoseSetWish("robo", model=loose))
 
 
 @pytest.mark.parametrize("arguments", [["show", "facefx", "zz"], ["list", "zz", "zy"]])
@@ -369,5 +369,5 @@ def test_a_character_is_shown_whole(folder, cli):
 
 def test_drafts_of_all_that_is_built_in_have_no_warning(folder):
     for name in POSESETS:
-        draft(Library(), Wanted(f"my-{name}", like=name)).write()
+        draft(Library(), PoseSetWish(f"my-{name}", like=name)).write()
     assert validate(Library(), [folder / "posesets"]) == []

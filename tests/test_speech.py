@@ -13,7 +13,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules import SILENCE, Schedule
 from lipsync_lang.speech import ENGINES, speak
 from lipsync_lang.speech.espeak import FASTEST, LONGEST, SLOWEST, Espeak
-from lipsync_lang.speech.espeak_events import Sound, intervals, read_events
+from lipsync_lang.speech.espeak_events import SpokenSound, intervals, read_events
 from lipsync_lang.speech.word_spans import find_words
 
 try:
@@ -232,7 +232,8 @@ def test_words_of_any_marks_are_in_order_and_never_overlap(text, marks, labels):
 def test_intervals_are_contiguous_and_each_has_some_length(rows, pause):
     ends = list(itertools.accumulate(length for _, length in rows))
     sounds = [
-        Sound(label, end - length, end) for (label, length), end in zip(rows, ends, strict=True)
+        SpokenSound(label, end - length, end)
+        for (label, length), end in zip(rows, ends, strict=True)
     ]
     labels, bounds, index = intervals(sounds, pause)
     assert len(bounds) == len(labels) + 1
@@ -248,7 +249,8 @@ def test_intervals_are_contiguous_and_each_has_some_length(rows, pause):
 def of(*rows):
     ends = list(itertools.accumulate(length for _, length in rows))
     sounds = [
-        Sound(label, end - length, end) for (label, length), end in zip(rows, ends, strict=True)
+        SpokenSound(label, end - length, end)
+        for (label, length), end in zip(rows, ends, strict=True)
     ]
     labels, bounds, _ = intervals(sounds, 50)
     return list(zip(labels, np.diff(bounds).tolist(), strict=True))

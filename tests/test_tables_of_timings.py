@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
 from lipsync_lang.schedules.registry import find_reader
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 ROWS = [("HH", 0, 0.1), ("AY", 0.1, 0.3), ("M", 0.3, 0.4)]
 
 
 def read(text, name="line.csv", **asked):
     """Read a text by what it holds and what it is called."""
-    source = Source(Path(name), text.encode(), **asked)
+    source = TimingFile(Path(name), text.encode(), **asked)
     return find_reader(source).read(source)
 
 
@@ -307,7 +307,7 @@ def test_what_is_wrong_with_json_of_tiers_is_told(document, told):
 
 @given(st.sampled_from(["table", "audacity", "ctm", "mfa-json"]), st.text(max_size=200))
 def test_any_text_is_read_or_refused_in_words(name, text):
-    source = Source(Path("line.x"), text.encode("utf-8", "replace"))
+    source = TimingFile(Path("line.x"), text.encode("utf-8", "replace"))
     try:
         assert isinstance(find_reader(source, name).read(source), Schedule)
     except ScheduleError as error:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
 from lipsync_lang.schedules.textgrid import read_textgrid
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 PHONES = [("", 0, 0.1), ("HH", 0.1, 0.2), ("AY1", 0.2, 0.45), ("", 0.45, 0.6)]
 WORDS = [("", 0, 0.1), ("hi", 0.1, 0.45), ("", 0.45, 0.6)]
@@ -41,7 +41,7 @@ def short_form(tiers, end=0.6):
 
 
 def read(text, **rest):
-    return read_textgrid(Source(PATH, text.encode(), **rest))
+    return read_textgrid(TimingFile(PATH, text.encode(), **rest))
 
 
 TIERS = [("words", WORDS), ("phones", PHONES)]
@@ -52,7 +52,7 @@ TIERS = [("words", WORDS), ("phones", PHONES)]
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
 def test_every_text_form_reads_alike(form, newline, encoding):
     text = form(TIERS).replace("\n", newline).replace("AY1", "ˈaɪ")
-    schedule = read_textgrid(Source(PATH, text.encode(encoding)))
+    schedule = read_textgrid(TimingFile(PATH, text.encode(encoding)))
     assert schedule.labels == (SILENCE, "HH", "ˈaɪ", SILENCE)
     np.testing.assert_allclose(schedule.times, [0, 0.1, 0.2, 0.45, 0.6])
     assert [(w.text, w.first, w.stop) for w in schedule.words] == [("hi", 1, 3)]
@@ -241,7 +241,7 @@ def test_tiers_of_one_name_are_told_with_both_lines():
 )
 def test_what_is_no_text_grid_is_refused(content, message):
     with pytest.raises(ScheduleError, match=rf"^line\.TextGrid.*{message}"):
-        read_textgrid(Source(PATH, content))
+        read_textgrid(TimingFile(PATH, content))
 
 
 @pytest.mark.parametrize(
@@ -283,10 +283,10 @@ def test_a_damaged_file_is_told_with_the_line(old, new, message):
 
 def test_an_encoding_can_be_named():
     content = long_form([("phones", [("\xe9", 0, 0.6)])]).encode("latin-1")
-    assert read_textgrid(Source(PATH, content, encoding="latin-1")).labels == ("\xe9",)
+    assert read_textgrid(TimingFile(PATH, content, encoding="latin-1")).labels == ("\xe9",)
     for none in ("klingon", "base64", "undefined", "latin\0", ""):
         with pytest.raises(ScheduleError, match=r"^line\.TextGrid:.*(no encod|is not|no TextGrid)"):
-            read_textgrid(Source(PATH, content, encoding=none))
+            read_textgrid(TimingFile(PATH, content, encoding=none))
 
 
 @pytest.mark.parametrize("form", [long_form, short_form])
@@ -305,7 +305,7 @@ def test_a_file_cut_off_anywhere_is_refused_or_loses_nothing(form):
 @example(b"\xff\xfe")
 def test_any_bytes_are_refused_in_words(content):
     with pytest.raises(ScheduleError):
-        read_textgrid(Source(PATH, content))
+        read_textgrid(TimingFile(PATH, content))
 
 
 @given(

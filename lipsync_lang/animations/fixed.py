@@ -21,7 +21,7 @@ from lipsync_lang.rigs.names import places
 Floats = npt.NDArray[np.float64]
 
 
-class Names(NamedTuple):
+class FormatNames(NamedTuple):
     """What a format holds."""
 
     shapes: tuple[str, ...]
@@ -29,14 +29,14 @@ class Names(NamedTuple):
 
 
 @cache
-def names(file: str) -> Names:
+def names(file: str) -> FormatNames:
     """Read a list of `names/`."""
     text = (Path(__file__).parent / "names" / file).read_text(encoding="utf-8")
     shapes, _, turns = text.partition("\n\n")
-    return Names(tuple(shapes.split()), tuple(turns.split()))
+    return FormatNames(tuple(shapes.split()), tuple(turns.split()))
 
 
-def laid_out(animation: Animation, held: Names, program: str) -> Floats:
+def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
     """Return (T, N) what a format holds: weights from 0 to 1, and 0 for what nothing moves.
 
     Of two columns for one shape, the larger counts.
@@ -61,7 +61,7 @@ def laid_out(animation: Animation, held: Names, program: str) -> Floats:
     return table.clip(0.0, 1.0)
 
 
-def doubts(animation: Animation, held: Names, program: str) -> Iterator[str]:
+def doubts(animation: Animation, held: FormatNames, program: str) -> Iterator[str]:
     """Yield, in words, what moves and is not held, and when the sound begins."""
     found = places(animation.columns, held.shapes)
     yield from _lost(animation, [n for n in range(len(animation.poses)) if n not in found], program)

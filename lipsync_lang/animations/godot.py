@@ -15,7 +15,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.glb import unplaced
 from lipsync_lang.animations.keys import ERROR
-from lipsync_lang.animations.moving_shapes import Shape, keys, shapes
+from lipsync_lang.animations.moving_shapes import MovingShape, keys, shapes
 from lipsync_lang.animations.registry import writer
 
 PROGRAM = "Godot"
@@ -62,7 +62,7 @@ def write_godot(animation: Animation, out: TextIO) -> None:
     out.write(f"metadata/audio_start = {_number(animation.begins)}\n")
 
 
-def _path(shape: Shape) -> str:
+def _path(shape: MovingShape) -> str:
     """Return the property of a shape, as a text between quotes."""
     node = shape.mesh.translate(IN_NODES) or "."
     path = f"{node}:blend_shapes/{shape.name.translate(IN_SHAPES)}"

@@ -32,7 +32,7 @@ NEAR = 1e-6
 """Frames; closer times are the same."""
 
 
-class Shape(NamedTuple):
+class HeldShape(NamedTuple):
     """What is shown from one time to another, in seconds of the file's timeline."""
 
     name: str
@@ -40,7 +40,7 @@ class Shape(NamedTuple):
     end: float
 
 
-def held(animation: Animation, rest: str) -> list[Shape]:
+def held(animation: Animation, rest: str) -> list[HeldShape]:
     """Return what is shown from 0 to the end of the sound.
 
     The shapes follow each other without a gap, and no two neighbours are alike. What moves before
@@ -62,7 +62,7 @@ def held(animation: Animation, rest: str) -> list[Shape]:
     starts = [0, *(np.flatnonzero(np.diff(shown)) + 1).tolist()]
     times = [0.0, *(begin + start / animation.fps for start in starts[1:]), end]
     return [
-        Shape(names[shown[start]], *span)
+        HeldShape(names[shown[start]], *span)
         for start, span in zip(starts, pairwise(times), strict=True)
     ]
 

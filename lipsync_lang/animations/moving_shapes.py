@@ -14,7 +14,7 @@ from lipsync_lang.animations.keys import Curve
 Floats = npt.NDArray[np.float64]
 
 
-class Shape(NamedTuple):
+class MovingShape(NamedTuple):
     """A shape, and how it moves."""
 
     mesh: str
@@ -24,7 +24,7 @@ class Shape(NamedTuple):
     """(T,)"""
 
 
-def shapes(animation: Animation) -> list[Shape]:
+def shapes(animation: Animation) -> list[MovingShape]:
     """Return the shapes that move; bones are left out.
 
     Where the model is known, they are its own, in its own spelling, mesh by mesh. Else each column
@@ -34,10 +34,10 @@ def shapes(animation: Animation) -> list[Shape]:
     for mesh, name, column in on_model(animation) or _by_name(animation):
         columns[mesh, name].append(column)
     weights = animation.weights
-    return [Shape(*key, weights[:, own].max(axis=1)) for key, own in columns.items()]
+    return [MovingShape(*key, weights[:, own].max(axis=1)) for key, own in columns.items()]
 
 
-def keys(animation: Animation, found: list[Shape], tolerance: float) -> list[Curve]:
+def keys(animation: Animation, found: list[MovingShape], tolerance: float) -> list[Curve]:
     """Return the keyframes of each shape; see `Animation.keys`."""
     names = tuple(shape.name for shape in found)
     values = np.column_stack([shape.values for shape in found])

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.held import Shape, held
+from lipsync_lang.animations.held import HeldShape, held
 from lipsync_lang.animations.registry import writer
 from lipsync_lang.errors import OutputError
 
@@ -75,7 +75,7 @@ def _known() -> list[str]:
     return NAMES.read_text("utf-8").split()
 
 
-def _shapes(animation: Animation) -> list[Shape]:
+def _shapes(animation: Animation) -> list[HeldShape]:
     """Return what is shown, by Rhubarb's names, however the animation capitalises them."""
     known = {name.casefold(): name for name in _known()}
     others = [pose for pose in animation.poses if pose.casefold() not in known]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.banks.fit import Curves, Fitting, Names
+from lipsync_lang.banks.fit import BankNames, Curves, Fitting
 from lipsync_lang.banks.smartbody import Remarks, Sets, read_smartbody, visible
 from lipsync_lang.banks.write import (
     NEUTRAL,
@@ -158,7 +158,7 @@ def _reach(found: Mapping[str, Curves], interpolation: Interpolation) -> float:
 
 def _names(
     common: "models.Phonemes", poseset: "models.PoseSet", mapped: Mapping[str, str]
-) -> Names:
+) -> BankNames:
     """Return what labels and shapes are called here; what the caller says comes first."""
     sounds = {label.casefold(): common.silence for label in common.silence_labels}
     for name, phoneme in common.phonemes.items():
@@ -176,7 +176,7 @@ def _names(
             sounds[theirs.casefold()] = our
         if our in poseset.poses:
             poses[theirs] = our
-    return Names(sounds, poses, common.silence)
+    return BankNames(sounds, poses, common.silence)
 
 
 def _merged(files: Sequence[Sets], remarks: Remarks) -> Sets:
@@ -206,7 +206,7 @@ def _chosen(sets: Sets, style: str | None, remarks: Remarks) -> str:
     return fit[0]
 
 
-def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: Names) -> None:
+def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: BankNames) -> None:
     """Raise where the bank moves nothing that the pose set has."""
     shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
     if shapes and not any(shape in names.poses for shape in shapes):

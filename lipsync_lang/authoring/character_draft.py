@@ -18,7 +18,7 @@ from lipsync_lang.rigs.recognise import Match, recognise
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.models import Rig
+    from lipsync_lang.packs.models import RigPack
 
 ENOUGH = 4
 """A pose set is taken unasked if one in so many of its poses is shown."""
@@ -30,7 +30,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 @dataclass(frozen=True)
-class Wanted:
+class CharacterWish:
     """What a new character is to be made from."""
 
     name: str
@@ -43,7 +43,7 @@ class Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Draft:
+class CharacterDraft:
     """A drafted character: what goes where, and what to say of it."""
 
     path: Path
@@ -109,7 +109,7 @@ def _lost(match: Match) -> Iterator[str]:
         yield f"rig {match.rig} would move these too, which the model lacks: {some(match.missing)}"
 
 
-def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
+def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> CharacterDraft:
     """Draft a character.
 
     Parameters
@@ -132,7 +132,7 @@ def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
     placed = place_model(wanted.model, path)
     fits = match.complete
     rig = match.rig if fits else wanted.name
-    made = Draft(path, match, tuple(_others(match, matches)), rig, model)
+    made = CharacterDraft(path, match, tuple(_others(match, matches)), rig, model)
     text = "\n".join(_lines(made, title, placed.stated)) + "\n"
     _add(made, path, text, f"the poses of {match.poseset}" + (f", rig {rig}" if rig else ""))
     if not fits:
@@ -144,7 +144,7 @@ def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
     return made
 
 
-def _refuse(library: "Library", wanted: Wanted, path: Path) -> None:
+def _refuse(library: "Library", wanted: CharacterWish, path: Path) -> None:
     if not _NAME.fullmatch(wanted.name):
         raise LipsyncError(
             f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
@@ -154,7 +154,9 @@ def _refuse(library: "Library", wanted: Wanted, path: Path) -> None:
         raise PackError(f"{shown(Path(one))}: is there already; choose another name")
 
 
-def _chosen(library: "Library", wanted: Wanted, model: Model, matches: Sequence[Match]) -> Match:
+def _chosen(
+    library: "Library", wanted: CharacterWish, model: Model, matches: Sequence[Match]
+) -> Match:
     """Return the match that is asked for, or else the best."""
     if wanted.poseset is not None:
         library.find("poseset", wanted.poseset)
@@ -209,12 +211,12 @@ def _running(name: str, model: Path) -> str:
     return f"lipsync-lang run 'Hello' -l LANGUAGE -c {name} -o {name}{'-line' * same}.glb"
 
 
-def _add(made: Draft, path: Path, text: str, said: str) -> None:
+def _add(made: CharacterDraft, path: Path, text: str, said: str) -> None:
     made.outputs[path] = lambda stream: stream.write(text.encode("utf-8"))
     made.said[path] = said
 
 
-def _add_rig(library: "Library", made: Draft, title: str, folder: Path) -> None:
+def _add_rig(library: "Library", made: CharacterDraft, title: str, folder: Path) -> None:
     """Add a rig of the model's own names."""
     match, name = made.match, made.path.stem
     path = folder / FOLDERS["poseset"] / match.poseset / "rigs" / f"{name}.yaml"
@@ -225,7 +227,7 @@ def _add_rig(library: "Library", made: Draft, title: str, folder: Path) -> None:
     poseset = library.poseset(match.poseset).model
     base = None
     if match.rig is not None:
-        base = cast("Rig", library.load(known[match.rig], "rig", match.rig).model)
+        base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
     rig = drafted(name, title, match, poseset, base)
     count = sum(len(places) for places in match.found.places.values())
     said = f"{count} channel{'s' * (count != 1)} of the model's own"
@@ -244,7 +246,7 @@ def _refuse_hidden(library: "Library", poseset: str, folder: Path) -> None:
         )
 
 
-def _lines(made: Draft, title: str, model: str) -> Iterator[str]:
+def _lines(made: CharacterDraft, title: str, model: str) -> Iterator[str]:
     name, poseset = made.path.stem, made.match.poseset
     yield f"# {title}: the poses of {poseset} on {made.model.path.name}. See it speak:"
     yield f"#   {_running(name, made.model.path)}"

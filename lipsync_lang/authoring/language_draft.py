@@ -34,7 +34,7 @@ _WORDS = {"true", "false", "null"}
 
 
 @dataclass(frozen=True)
-class Wanted:
+class LanguageWish:
     """What a new language is to be made from; at least one of the four."""
 
     name: str
@@ -54,7 +54,7 @@ class Wanted:
 
 
 @dataclass
-class Sounds:
+class FoundSounds:
     """The labels found, and a word for each that has one."""
 
     words: dict[str, str] = field(default_factory=dict)
@@ -69,7 +69,7 @@ class Sounds:
 
 
 @dataclass(frozen=True)
-class Draft:
+class LanguageDraft:
     """A drafted pack: what goes where, and what to say of it."""
 
     path: Path
@@ -104,7 +104,7 @@ class Draft:
         )
 
 
-def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
+def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> LanguageDraft:
     """Draft a language pack.
 
     Parameters
@@ -120,7 +120,7 @@ def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
     """
     path = folder / FOLDERS["language"] / f"{wanted.name}.yaml"
     _refuse(wanted, path)
-    sounds, inventory = Sounds(), None
+    sounds, inventory = FoundSounds(), None
     if wanted.inventory is not None:
         inventory = read_inventory(wanted.inventory, wanted.inventory_id)
         sounds.add(inventory.segments)
@@ -139,10 +139,10 @@ def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
     )
     text += "\n" + "\n".join([*_inventory(inventory, found), *_tests()]) + "\n"
     doubtful = sum(map(_doubtful, found.values()))
-    return Draft(path, text, wanted.lexicon, doubtful, len(found))
+    return LanguageDraft(path, text, wanted.lexicon, doubtful, len(found))
 
 
-def _refuse(wanted: Wanted, path: Path) -> None:
+def _refuse(wanted: LanguageWish, path: Path) -> None:
     if not _NAME.fullmatch(wanted.name):
         raise LipsyncError(
             f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
@@ -161,7 +161,7 @@ def _refuse(wanted: Wanted, path: Path) -> None:
         raise LipsyncError("--epitran and --lexicon both read text; give one of them")
 
 
-def _readers(wanted: Wanted) -> Iterator[tuple[Settings, str]]:
+def _readers(wanted: LanguageWish) -> Iterator[tuple[Settings, str]]:
     """Yield the engines that read text into IPA."""
     if wanted.voice and not wanted.lexicon and not wanted.epitran:
         yield Settings(wanted.name, voice=wanted.voice), "espeak"
@@ -169,7 +169,7 @@ def _readers(wanted: Wanted) -> Iterator[tuple[Settings, str]]:
         yield Settings(wanted.name, code=wanted.epitran), "epitran"
 
 
-def _note(sounds: Sounds, said: Sequence[Said]) -> None:
+def _note(sounds: FoundSounds, said: Sequence[Said]) -> None:
     for word in said:
         single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
         sounds.add(word.labels, word.text if single else "")
@@ -179,7 +179,7 @@ def _doubtful(near: "Nearest") -> bool:
     return near.distance > 0 or not near.value or bool(near.unknown)
 
 
-def _head(wanted: Wanted, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
+def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
     title = wanted.title or wanted.name.replace("-", " ").replace("_", " ").title()
     yield f"# {title}: a draft. It runs as it is, and is as good as its first lines are right."
     yield "#"
@@ -202,7 +202,7 @@ def _head(wanted: Wanted, inventory: Inventory | None, added: Sequence[str]) -> 
     yield ""
 
 
-def _reading(wanted: Wanted) -> Iterator[str]:
+def _reading(wanted: LanguageWish) -> Iterator[str]:
     if wanted.lexicon:
         file = f"{wanted.name}{wanted.lexicon.suffix}"
         yield f"g2p: {{engine: lexicon, file: {_scalar(file)}, notation: {IPA}}}"
@@ -218,7 +218,9 @@ def _reading(wanted: Wanted) -> Iterator[str]:
         yield f"tts: {{engine: espeak, voice: {_scalar(wanted.voice)}}}"
 
 
-def _body(sounds: Sounds, found: Mapping[str, "Nearest"], order: Sequence[str]) -> Iterator[str]:
+def _body(
+    sounds: FoundSounds, found: Mapping[str, "Nearest"], order: Sequence[str]
+) -> Iterator[str]:
     """Write the map, the doubtful labels first, and an example for each."""
     seen = [label for label, near in found.items() if near.value]
     doubtful = sorted(

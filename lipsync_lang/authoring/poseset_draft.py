@@ -19,11 +19,11 @@ from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.models import (
     AtMost,
     Constraints,
-    Contact,
-    Motion,
+    ContactRule,
+    MotionFields,
+    PhonemeTarget,
     Pose,
     PoseSet,
-    Target,
     Threshold,
 )
 from lipsync_lang.packs.models.rig_channels import pose_names
@@ -54,7 +54,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 @dataclass(frozen=True)
-class Wanted:
+class PoseSetWish:
     """What a new pose set is to be made from; at least one of the three."""
 
     name: str
@@ -67,7 +67,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Draft:
+class PoseSetDraft:
     """A drafted pose set: what goes where, and what to say of it."""
 
     path: Path
@@ -99,7 +99,7 @@ class Draft:
         )
 
 
-def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
+def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> PoseSetDraft:
     """Draft a pose set.
 
     Parameters
@@ -140,10 +140,10 @@ def draft(library: "Library", wanted: Wanted, folder: Path = Path()) -> Draft:
         *([f"not moved yet, in a comment: {len(left)}"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
-    return Draft(path, laid_out(made, common, why, left), "; ".join(said), placed)
+    return PoseSetDraft(path, laid_out(made, common, why, left), "; ".join(said), placed)
 
 
-def _refuse(wanted: Wanted, path: Path) -> None:
+def _refuse(wanted: PoseSetWish, path: Path) -> None:
     if not _NAME.fullmatch(wanted.name):
         raise LipsyncError(
             f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
@@ -227,7 +227,7 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
         return {name: value for pose, value in values.items() for name in new.get(pose, ())}
 
     contacts = {
-        name: Contact(
+        name: ContactRule(
             phonemes=contact.phonemes,
             floor=renamed(contact.floor),
             ceiling=renamed(contact.ceiling),
@@ -244,13 +244,13 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
         for label, steps in known.targets.items()
     }
     measures = {name: renamed(gains) for name, gains in known.measures.items()}
-    rest = (Target(),)
+    rest = (PhonemeTarget(),)
     return _bare({name: _untitled(known.poses[pose]) for name, pose in called.items()}).model_copy(
         update={
             "constraints": _constraints(known.constraints, new),
             "priority": tuple(name for pose in known.priority for name in new.get(pose, ())),
             "contacts": {name: c for name, c in contacts.items() if c.floor or c.ceiling},
-            "motion": Motion(**_unusual(known.motion)),
+            "motion": MotionFields(**_unusual(known.motion)),
             "targets": {
                 label: steps if any(step.weights for step in steps) else steps[:1]
                 for label, steps in {**dict.fromkeys(common.base, rest), **targets}.items()
@@ -260,7 +260,7 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
     )
 
 
-def _unusual(motion: Motion) -> dict[str, Any]:
+def _unusual(motion: MotionFields) -> dict[str, Any]:
     """Return what a pose set says of its motion, but for what is usual; its speed in any case."""
     usual = {**asdict(PRESETS["default"]), "speed_limit": None}
     stated = {"speed_limit": PRESETS["default"].speed_limit, **motion.model_dump(exclude_none=True)}
@@ -301,12 +301,12 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
         pose = dealt.get(label)
         weights = {first: WEAK} if pose is None else {pose: STRONG}
         shut = {first: 0.0} if label in shutting else {}
-        targets[label] = (Target(weights={**weights, **shut}),)
-    contacts = {"closure": Contact(phonemes=tuple(shutting), ceiling={first: SHUT})}
+        targets[label] = (PhonemeTarget(weights={**weights, **shut}),)
+    contacts = {"closure": ContactRule(phonemes=tuple(shutting), ceiling={first: SHUT})}
     return _bare(dict.fromkeys(poses, Pose())).model_copy(
         update={
             "contacts": contacts if shutting else {},
-            "motion": Motion(speed_limit=PRESETS["default"].speed_limit),
+            "motion": MotionFields(speed_limit=PRESETS["default"].speed_limit),
             "targets": targets,
         }
     )

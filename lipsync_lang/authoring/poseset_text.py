@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
-from lipsync_lang.packs.models import Contact, Phonemes, PoseSet, Target
+from lipsync_lang.packs.models import ContactRule, Phonemes, PhonemeTarget, PoseSet
 from lipsync_lang.packs.models.pose_models import FREE
 
 LINES = 60
@@ -132,7 +132,7 @@ def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
         yield from _wrapped("priority: [", map(scalar, model.priority), "]")
 
 
-def _contacts(contacts: Mapping[str, Contact]) -> Iterator[str]:
+def _contacts(contacts: Mapping[str, ContactRule]) -> Iterator[str]:
     yield "contacts:" if contacts else "contacts: {}"
     for name, contact in contacts.items():
         parts = {"floor": contact.floor, "ceiling": contact.ceiling}
@@ -140,12 +140,12 @@ def _contacts(contacts: Mapping[str, Contact]) -> Iterator[str]:
         yield f"  {scalar(name)}: {{phonemes: {_list(contact.phonemes)}{held}}}"
 
 
-def _steps(steps: Sequence[Target]) -> str:
+def _steps(steps: Sequence[PhonemeTarget]) -> str:
     told = [_target(step) for step in steps]
     return told[0] if len(told) == 1 else f"[{', '.join(told)}]"
 
 
-def _target(target: Target) -> str:
+def _target(target: PhonemeTarget) -> str:
     insisting = target.dominance or target.overall
     dominance = {} if insisting in ({}, None) else {"dominance": insisting}
     return _flow({**target.weights, **dominance})

@@ -5,7 +5,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from lipsync_lang.authoring.poseset_text import WIDTH, scalar
-from lipsync_lang.packs.models import Channel, PoseSet, Rig
+from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded
 from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.rigs.names import folded
@@ -23,7 +23,9 @@ TURN = 15
 _SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), ("l", "r"))
 
 
-def drafted(name: str, title: str, match: "Match", poseset: PoseSet, rig: Rig | None) -> Rig:
+def drafted(
+    name: str, title: str, match: "Match", poseset: PoseSet, rig: RigPack | None
+) -> RigPack:
     """Draft a rig of the channels that a model has.
 
     Parameters
@@ -31,13 +33,13 @@ def drafted(name: str, title: str, match: "Match", poseset: PoseSet, rig: Rig | 
     match : what was found, of the poses themselves or of a rig's channels
     rig : that rig
     """
-    own = {pose: Channel(gains={pose: 1}) for pose in poseset.poses}
+    own = {pose: RigChannel(gains={pose: 1}) for pose in poseset.poses}
     channels = own if rig is None else channels_of(rig)
     found = dict(_channels(match, channels))
     shown = {pose for one in found.values() for pose, gain in one.gains.items() if gain}
     known = rig.lost if rig is not None else {}
     lost = {pose: known.get(pose, ABSENT) for pose in poseset.poses if pose not in shown}
-    return Rig(
+    return RigPack(
         kind="rig",
         format=1,
         name=name,
@@ -48,7 +50,9 @@ def drafted(name: str, title: str, match: "Match", poseset: PoseSet, rig: Rig | 
     )
 
 
-def _channels(match: "Match", channels: Mapping[str, Channel]) -> Iterator[tuple[str, Channel]]:
+def _channels(
+    match: "Match", channels: Mapping[str, RigChannel]
+) -> Iterator[tuple[str, RigChannel]]:
     """Yield every shape that is driven, and each bone under its channel's name."""
     found = match.found.places
     places = {n: (n,) if channels[n].node is not None else own for n, own in found.items()}
@@ -72,9 +76,9 @@ def _limit(places: Mapping[str, Sequence[str]], name: str | None, number: int) -
     return shapes[min(number, len(shapes) - 1)] if shapes else None
 
 
-def _paired(channels: Mapping[str, Channel]) -> dict[str, Channel]:
+def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
     """State the two sides of what is driven alike at once."""
-    made: dict[str, Channel] = {}
+    made: dict[str, RigChannel] = {}
     done: set[str] = set()
     for name, channel in channels.items():
         if name not in done:
@@ -85,7 +89,7 @@ def _paired(channels: Mapping[str, Channel]) -> dict[str, Channel]:
     return made
 
 
-def _same(channels: Mapping[str, Channel], braced: str) -> bool:
+def _same(channels: Mapping[str, RigChannel], braced: str) -> bool:
     one, other = map(channels.get, expanded(braced))
     return one is not None and one == other
 
@@ -103,12 +107,12 @@ def _braced(name: str) -> Iterator[str]:
 # The text
 
 
-def laid_out(rig: Rig, model: "Model", match: "Match", poseset: PoseSet) -> str:
+def laid_out(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> str:
     """Write a drafted rig out, with what is left to a person in comments."""
     return "\n".join(_lines(rig, model, match, poseset)) + "\n"
 
 
-def _lines(rig: Rig, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
+def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
     yield "# A gain is how much of a shape a pose moves; a shape may have several, below zero too."
     yield "kind: rig"
@@ -128,7 +132,7 @@ def _lines(rig: Rig, model: "Model", match: "Match", poseset: PoseSet) -> Iterat
         yield from (f"#   {line}" for line in wrap(", ".join(match.left), WIDTH - 4))
 
 
-def _channel(channel: Channel) -> str:
+def _channel(channel: RigChannel) -> str:
     """Write a channel on one line."""
     gains = ", ".join(f"{scalar(pose)}: {gain:g}" for pose, gain in channel.gains.items())
     parts = [f"gains: {{{gains}}}"]
@@ -147,13 +151,13 @@ def _free(model: "Model") -> list[str]:
     return [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
 
 
-def _bones(rig: Rig, model: "Model", poseset: PoseSet) -> Iterator[str]:
+def _bones(rig: RigPack, model: "Model", poseset: PoseSet) -> Iterator[str]:
     """Show how a bone that is called like a region moves a pose of it that is lost."""
     for pose in rig.lost:
         region = folded(poseset.poses[pose].region)
         node = next((node for node in _free(model) if region and region in folded(node)), None)
         if node is not None:
-            turned = Channel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
+            turned = RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
             yield f"# '{pose}' may be a bone. Degrees, about x; try which axis and sign are right:"
             yield f"#   {scalar(node)}: {_channel(turned)}"
             return

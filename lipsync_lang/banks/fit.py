@@ -27,7 +27,7 @@ Curves = dict[str, Points]
 
 
 @dataclass(frozen=True)
-class Names:
+class BankNames:
     """What their labels and shapes are called here."""
 
     sounds: Mapping[str, str]
@@ -50,7 +50,7 @@ class _Stray:
 class Fitting:
     """One bank on its way into ours."""
 
-    def __init__(self, names: Names, remarks: Remarks) -> None:
+    def __init__(self, names: BankNames, remarks: Remarks) -> None:
         self.names, self.remarks = names, remarks
         self.bigrams: dict[str, Curves] = {}
         self.strays: list[_Stray] = []

@@ -9,7 +9,7 @@ from lipsync_lang.commands.output import SOUND, as_json, lines_of, working
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.describe import Told
+    from lipsync_lang.packs.describe import Description
     from lipsync_lang.packs.library import Library
 
 
@@ -37,9 +37,9 @@ def packs(options: Namespace) -> int:
     return SOUND
 
 
-def _with_losses(library: "Library", options: Namespace, told: "Told") -> "Told":
+def _with_losses(library: "Library", options: Namespace, told: "Description") -> "Description":
     """Add what each rig of a pose set, or the rig of a character, cannot show."""
-    from lipsync_lang.packs.describe import Told
+    from lipsync_lang.packs.describe import Description
     from lipsync_lang.resolver.rigging import load_rig
     from lipsync_lang.rigs.loss import loss_table, losses
 
@@ -58,15 +58,15 @@ def _with_losses(library: "Library", options: Namespace, told: "Told") -> "Told"
         **told.data,
         "losses": {n: [one.to_dict() for one in lost] for n, lost in found.items()},
     }
-    return Told("\n".join([told.text, *lines]), data)
+    return Description("\n".join([told.text, *lines]), data)
 
 
 def _new_language(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.language_draft import Wanted, draft
+    from lipsync_lang.authoring.language_draft import LanguageWish, draft
 
     if options.name is None:
         raise LipsyncError("name the new language: languages new NAME --voice sw")
-    wanted = Wanted(
+    wanted = LanguageWish(
         options.name,
         tag=options.tag,
         title=options.title,
@@ -84,11 +84,11 @@ def _new_language(library: "Library", options: Namespace) -> int:
 
 
 def _new_poseset(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.poseset_draft import Wanted, draft
+    from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft
 
     if options.name is None:
         raise LipsyncError("name the new pose set, and its poses: posesets new NAME POSE ...")
-    wanted = Wanted(
+    wanted = PoseSetWish(
         options.name,
         poses=options.poses,
         model=options.model,
@@ -100,13 +100,13 @@ def _new_poseset(library: "Library", options: Namespace) -> int:
 
 
 def _new_character(library: "Library", options: Namespace) -> int:
-    from lipsync_lang.authoring.character_draft import Wanted, draft
+    from lipsync_lang.authoring.character_draft import CharacterWish, draft
 
     if options.name is None or options.model is None:
         raise LipsyncError(
             "name the new character, and its model: characters new NAME --model FILE"
         )
-    wanted = Wanted(options.name, options.model, options.poseset, options.rig, options.title)
+    wanted = CharacterWish(options.name, options.model, options.poseset, options.rig, options.title)
     with working(f"trying pose sets on {options.model}"):
         made = draft(library, wanted)
     made.write()

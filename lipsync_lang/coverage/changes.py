@@ -4,7 +4,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from lipsync_lang.coverage.report import FORMAT, Change, Coverage, Report, Since
+from lipsync_lang.coverage.report import FORMAT, Coverage, CoverageReport, ReportChange, Since
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 
@@ -51,14 +51,14 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
     )
 
 
-def _by_pair(document: Coverage) -> dict[tuple[str, str], Report]:
+def _by_pair(document: Coverage) -> dict[tuple[str, str], CoverageReport]:
     return {(report.label, report.character): report for report in document.reports}
 
 
-def _change(old: Report, new: Report) -> Change:
+def _change(old: CoverageReport, new: CoverageReport) -> ReportChange:
     was, has = _authored(old), _authored(new)
     needed, needs = ([one.bigram for one in report.bigrams] for report in (old, new))
-    return Change(
+    return ReportChange(
         language=new.language,
         character=new.character,
         percent=(old.authored.percent, new.authored.percent),
@@ -71,5 +71,5 @@ def _change(old: Report, new: Report) -> Change:
     )
 
 
-def _authored(report: Report) -> set[str]:
+def _authored(report: CoverageReport) -> set[str]:
     return {one.bigram for one in report.bigrams if one.authored}

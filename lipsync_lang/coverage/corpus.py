@@ -111,7 +111,7 @@ class Facts:
         )
 
 
-class Said(NamedTuple):
+class SaidLine(NamedTuple):
     """What a language makes of a line: numbers of common phonemes and breaks, and words."""
 
     ids: list[int]
@@ -164,7 +164,7 @@ class Count:
             if is_first and line.schedule is None:
                 self._words.update(dict.fromkeys(w for w in said.words if len(w) <= WORD))
 
-    def _count(self, number: int, said: Said) -> bool:
+    def _count(self, number: int, said: SaidLine) -> bool:
         """Count a line, and tell whether it is the first for any bigram."""
         ids = np.array(said.ids, np.int64)
         codes = ids[:-1] * self.size + ids[1:]
@@ -189,7 +189,9 @@ class Count:
         """Tell which bigrams are without silence."""
         return (codes >= self.size) & (codes % self.size > 0)
 
-    def _joined(self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str) -> Said:
+    def _joined(
+        self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str
+    ) -> SaidLine:
         """Take the parts of a line together, with breaks between them."""
         ids: list[int] = [SILENT]
         words: list[str] = []
@@ -202,9 +204,9 @@ class Count:
                 words += said.words
             if number + 1 < len(parts) and part[-1:] in PAUSES:
                 ids.append(SILENT)
-        return Said([*ids, SILENT], words)
+        return SaidLine([*ids, SILENT], words)
 
-    def _transcribed(self, transcript: "Transcript", place: str) -> Said:
+    def _transcribed(self, transcript: "Transcript", place: str) -> SaidLine:
         words = [word for word in transcript.words if word.labels]
         for word in transcript.words if transcript.unread else ():
             if word.unread:
@@ -215,7 +217,9 @@ class Count:
             for label in (label for word in words for label in word.labels):
                 if label in missing:
                     self.unmapped.add(label, place)
-        return Said(self._ids(transcript), [text for word in words for text in word.text.split()])
+        return SaidLine(
+            self._ids(transcript), [text for word in words for text in word.text.split()]
+        )
 
     def _ids(self, transcript: "Transcript") -> list[int]:
         ids = [self._numbers[name] for name in transcript.phonemes]
@@ -223,7 +227,7 @@ class Count:
             ids.insert(gap, BREAK)
         return ids
 
-    def _scheduled(self, line: "Line") -> Said:
+    def _scheduled(self, line: "Line") -> SaidLine:
         schedule = line.schedule
         assert schedule is not None  # noqa: S101 only lines with one come here
         notation = self._performer.notation(schedule)
@@ -235,7 +239,7 @@ class Count:
             BREAK if number == SILENT and label in missing else number
             for number, label in zip(ids.tolist(), source.tolist(), strict=True)
         ]
-        return Said([SILENT, *said, SILENT], [word.text for word in schedule.words])
+        return SaidLine([SILENT, *said, SILENT], [word.text for word in schedule.words])
 
     def examples(self) -> dict[int, str]:
         """Return, for bigrams that lie within a word of the first lines, such a word."""

@@ -11,12 +11,12 @@ from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.corpus import Count, Pages, count
 from lipsync_lang.coverage.report import (
     Authored,
-    Bigram,
+    BigramNeed,
     Corpus,
     Coverage,
+    CoverageReport,
     Left,
     NextHour,
-    Report,
     Sentence,
     Shared,
     Tally,
@@ -66,7 +66,7 @@ def coverage(
             raise LipsyncError(
                 "there are no lines to count; give files, or folders, that hold some text"
             )
-        told = [Told(one, pages) for one in counts]
+        told = [CountRemark(one, pages) for one in counts]
         reports = tuple(
             _report(performer, told[at], minutes, packs[performer.language].title)
             for performer, at in zip(pairs, reads, strict=True)
@@ -104,7 +104,7 @@ def joined(documents: Mapping[str | None, Coverage]) -> Coverage:
     )
 
 
-def _told_apart(documents: Mapping[str | None, Coverage]) -> Iterator[Report]:
+def _told_apart(documents: Mapping[str | None, Coverage]) -> Iterator[CoverageReport]:
     """Yield all reports; where a language has several columns, each says which is its own."""
     languages = [{report.language for report in d.reports} for d in documents.values()]
     columns = Counter(language for found in languages for language in found)
@@ -114,7 +114,9 @@ def _told_apart(documents: Mapping[str | None, Coverage]) -> Iterator[Report]:
             yield report.model_copy(update={"column": column or ""}) if several else report
 
 
-def _used_by_any(documents: Iterable[Coverage], reports: Sequence[Report]) -> Iterator[Shared]:
+def _used_by_any(
+    documents: Iterable[Coverage], reports: Sequence[CoverageReport]
+) -> Iterator[Shared]:
     """Yield what each language adds, once, and how much of it any of its columns needs."""
     found = {one.language: one for document in documents for one in document.shared}
     for one in found.values():
@@ -160,7 +162,7 @@ def _pack(performer: "Performer", paths: Sequence[str | Path]) -> "Language":
     return Library(paths).language(performer.language).model
 
 
-class Told:
+class CountRemark:
     """A count, with what is told of it whoever the character is."""
 
     def __init__(self, counted: Count, pages: Pages) -> None:
@@ -175,7 +177,7 @@ class Told:
 
     def bigrams(
         self, counts: plan.Ints, origins: "dict[int, Origin]", names: Sequence[str]
-    ) -> tuple[Bigram, ...]:
+    ) -> tuple[BigramNeed, ...]:
         """Return ranked bigrams with where each comes from."""
         total, running = int(counts.sum()), 0
         found = []
@@ -183,7 +185,7 @@ class Told:
             number = int(counts[code])
             running += number
             found.append(
-                Bigram(
+                BigramNeed(
                     bigram=names[code],
                     count=number,
                     percent=plan.percent(number, total),
@@ -209,7 +211,9 @@ class Told:
         )
 
 
-def _report(performer: "Performer", told: Told, minutes: float, title: str) -> Report:
+def _report(
+    performer: "Performer", told: CountRemark, minutes: float, title: str
+) -> CoverageReport:
     counted, phonemes = told.count, performer.compiled.phonemes
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
     codes = {name: code for code, name in enumerate(names)}
@@ -219,7 +223,7 @@ def _report(performer: "Performer", told: Told, minutes: float, title: str) -> R
     missing = [row for row in rows if not row.authored]
     done = [row for row in rows if row.authored]
     soon = missing[: plan.affordable(minutes)]
-    return Report(
+    return CoverageReport(
         language=performer.language,
         language_title=title or performer.language,
         character=performer.character,
@@ -242,7 +246,7 @@ def _report(performer: "Performer", told: Told, minutes: float, title: str) -> R
     )
 
 
-def _share(rows: Sequence[Bigram], total: int) -> float:
+def _share(rows: Sequence[BigramNeed], total: int) -> float:
     return plan.percent(sum(row.count for row in rows), total)
 
 

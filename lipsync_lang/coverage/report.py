@@ -49,7 +49,7 @@ class Corpus(Fact):
     """Markup and placeholders that are not spoken, most frequent first."""
 
 
-class Bigram(Fact):
+class BigramNeed(Fact):
     """A bigram that the corpus needs."""
 
     bigram: str
@@ -102,7 +102,7 @@ class Sentence(Fact):
     """Those that no sentence before it has."""
 
 
-class Report(Fact):
+class CoverageReport(Fact):
     """A corpus in one language on one character."""
 
     language: str
@@ -115,9 +115,9 @@ class Report(Fact):
     """How often each common phoneme occurs, all of the language's."""
     occurrences: int
     """Of bigrams, silence apart."""
-    bigrams: tuple[Bigram, ...]
+    bigrams: tuple[BigramNeed, ...]
     """Those that occur, most frequent first."""
-    silence: tuple[Bigram, ...]
+    silence: tuple[BigramNeed, ...]
     """Those into and out of silence; their percentages are of each other."""
     unused: tuple[str, ...]
     """Bigrams of the language that never occur."""
@@ -154,7 +154,7 @@ class Shared(Fact):
     """How many of them the corpus needs."""
 
 
-class Change(Fact):
+class ReportChange(Fact):
     """What changed of one report since an older document."""
 
     language: str
@@ -184,7 +184,7 @@ class Since(Fact):
     """What changed since an older document."""
 
     file: str
-    reports: tuple[Change, ...]
+    reports: tuple[ReportChange, ...]
     unmatched: tuple[str, ...]
     """Language and character of reports that only one of the two documents has."""
 
@@ -196,7 +196,7 @@ class Coverage(Fact):
     corpus: Corpus
     minutes: float
     """Minutes it takes to author a bigram."""
-    reports: tuple[Report, ...]
+    reports: tuple[CoverageReport, ...]
     shared: tuple[Shared, ...]
     since: Since | None = None
     """Only where the document is compared with an older one."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import Source, reader
+from lipsync_lang.lines.registry import LineFile, reader
 
 STATED = re.compile(r'\s*(?:(msgctxt|msgid_plural|msgid|msgstr)(?:\[(\d+)\])?\s*)?"(.*)"\s*$')
 ESCAPED = re.compile(r"\\(.)", re.DOTALL)
@@ -39,7 +39,7 @@ class Entry:
 
 
 @reader("gettext", suffixes=[".po", ".pot"])
-def read(source: Source) -> Iterator[Line]:
+def read(source: LineFile) -> Iterator[Line]:
     """Translations of gettext: what is translated, or the originals where nothing is."""
     source = replace(source, encoding=source.encoding or _charset(source))
     translated = any(any(entry.translations()) for entry in _sound(source))
@@ -56,7 +56,7 @@ def read(source: Source) -> Iterator[Line]:
         source.remark(f"{source.path}: left out {left} entries that are fuzzy or not translated")
 
 
-def _charset(source: Source) -> str | None:
+def _charset(source: LineFile) -> str | None:
     """Return what the header says of the encoding, where nothing else tells."""
     try:
         with source.open() as stream:
@@ -68,11 +68,11 @@ def _charset(source: Source) -> str | None:
     return None if name in ("", "charset", "utf-8", "utf8") else name
 
 
-def _sound(source: Source) -> Iterator[Entry]:
+def _sound(source: LineFile) -> Iterator[Entry]:
     return (e for e in _entries(source) if e.texts.get("msgid") and not e.fuzzy)
 
 
-def _entries(source: Source) -> Iterator[Entry]:
+def _entries(source: LineFile) -> Iterator[Entry]:
     entry, key = Entry(), ""
     for number, text in source.numbered():
         if text.lstrip().startswith("#") or not text.strip():

@@ -38,7 +38,7 @@ SOUNDLESS = re.compile(r"[<♩♪♫♬]|\{(?:[/\\]|rt\}|\w+=)")
 """What markup begins with in whose place nothing is heard."""
 
 
-class Spoken(NamedTuple):
+class SpokenText(NamedTuple):
     """What of a text is spoken, what was dropped in order, and where in the former the gaps are."""
 
     text: str
@@ -46,10 +46,10 @@ class Spoken(NamedTuple):
     gaps: tuple[int, ...] = ()
 
 
-def spoken(text: str) -> Spoken:
+def spoken(text: str) -> SpokenText:
     """Tell what of a text is spoken."""
     if MARKS.isdisjoint(text):
-        return Spoken(" ".join(text.split()))
+        return SpokenText(" ".join(text.split()))
     closed = {f"{{{name}}}" for name in CLOSING.findall(text)}
     left: list[str] = []
     dropped: list[str] = []
@@ -65,7 +65,7 @@ def spoken(text: str) -> Spoken:
             if whole not in closed and not SOUNDLESS.match(whole):
                 gaps.append(solid)
     said = LOOSE.sub(r"\1", " ".join("".join([*left, text[done:]]).split()))
-    return Spoken(said, tuple(dropped), _places(said, gaps))
+    return SpokenText(said, tuple(dropped), _places(said, gaps))
 
 
 def _said(found: re.Match[str]) -> str:

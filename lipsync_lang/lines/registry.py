@@ -26,7 +26,7 @@ Remark = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Source:
+class LineFile:
     """A file on its way to lines.
 
     Parameters
@@ -70,11 +70,11 @@ class Source:
         return LipsyncError(f"{self.path}:{number}: {what}")
 
 
-Read = Callable[[Source], Iterable[Line]]
+Read = Callable[[LineFile], Iterable[Line]]
 
 
 @dataclass(frozen=True)
-class Reader:
+class LineReader:
     """One format: its name, the suffixes it is known by, and what reads it."""
 
     name: str
@@ -83,7 +83,7 @@ class Reader:
     read: Read
 
 
-READERS: dict[str, Reader] = {}
+READERS: dict[str, LineReader] = {}
 
 
 def reader(name: str, *, suffixes: Sequence[str]) -> Callable[[Read], Read]:
@@ -91,14 +91,14 @@ def reader(name: str, *, suffixes: Sequence[str]) -> Callable[[Read], Read]:
 
     def register(read: Read) -> Read:
         title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = Reader(name, tuple(suffixes), title, read)
+        READERS[name] = LineReader(name, tuple(suffixes), title, read)
         return read
 
     return register
 
 
 @cache
-def load_readers() -> dict[str, Reader]:
+def load_readers() -> dict[str, LineReader]:
     """Import every module of this folder, so that each has registered itself."""
     from lipsync_lang import lines
 
@@ -108,13 +108,13 @@ def load_readers() -> dict[str, Reader]:
 
 
 @cache
-def by_suffix() -> dict[str, Reader]:
+def by_suffix() -> dict[str, LineReader]:
     """Return the reader of each suffix; of timed phonemes, those that no text claims."""
     from lipsync_lang.lines.timings import NAME
 
     readers = load_readers()
     last = sorted(readers.values(), key=lambda reader: reader.name == NAME)
-    known: dict[str, Reader] = {}
+    known: dict[str, LineReader] = {}
     for one in last:
         for suffix in one.suffixes:
             known.setdefault(suffix, one)
@@ -199,7 +199,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
         remark(f"{left[0]}{more}: left out: nothing reads lines from {what}")
 
 
-def _reader(source: Source) -> Reader:
+def _reader(source: LineFile) -> LineReader:
     """Return what reads a file: that of its suffix, unless it begins like timed phonemes."""
     from lipsync_lang.lines.timings import NAME, is_timed
 
@@ -214,7 +214,7 @@ def _read(
     files: Iterable[tuple[Path, bool]], column: str | None, encoding: str | None, remark: Remark
 ) -> Iterator[Line]:
     for path, among_others in files:
-        source = Source.of(path, remark, column, encoding)
+        source = LineFile.of(path, remark, column, encoding)
         try:
             yield from _reader(source).read(source)
         except ScheduleError as error:

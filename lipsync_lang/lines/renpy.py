@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import Source, reader
+from lipsync_lang.lines.registry import LineFile, reader
 
 STRING = r"""(?:\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|`(?:\\.|[^`\\])*`)"""
 TRIPLE = r"(?:\"\"\"(?:\\.|[^\\])*?\"\"\"|'''(?:\\.|[^\\])*?''')"
@@ -49,7 +49,7 @@ QUOTES = {'"""': 3, "'''": 3}
 
 
 @reader("renpy", suffixes=[".rpy"])
-def read(source: Source) -> Iterator[Line]:
+def read(source: LineFile) -> Iterator[Line]:
     """Ren'Py scripts: what is said, choices of menus, and translations."""
     passed, name = -1, ""
     for number, statement in _statements(source):
@@ -65,7 +65,7 @@ def read(source: Source) -> Iterator[Line]:
             yield from _said(source, number, text, name)
 
 
-def _said(source: Source, number: int, text: str, name: str) -> Iterator[Line]:
+def _said(source: LineFile, number: int, text: str, name: str) -> Iterator[Line]:
     found = SAYS.fullmatch(text)
     if found is None or OTHER.fullmatch(found["who"] or ""):
         return
@@ -85,7 +85,7 @@ def _inner(string: str) -> str:
     return string[1:-1]
 
 
-def _statements(source: Source) -> Iterator[tuple[int, str]]:
+def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
     """Yield statements without comments; one goes on while a text in it is open."""
     ahead: deque[tuple[int, str]] = deque()
     lines = source.numbered()

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from html import unescape
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import Source, reader
+from lipsync_lang.lines.registry import LineFile, reader
 
 TIMES = re.compile(r"\s*(?:\d+:)?\d\d?:\d\d[.,]\d+\s*-->\s*(?:\d+:)?\d\d?:\d\d[.,]\d+")
 VOICE = re.compile(r"<v(?:\.[^\s<>]*+)?\s++([^<>]++)>")
@@ -15,7 +15,7 @@ Part = list[tuple[int, str]]
 
 
 @reader("subtitles", suffixes=[".srt", ".vtt"])
-def read(source: Source) -> Iterator[Line]:
+def read(source: LineFile) -> Iterator[Line]:
     """Subtitles, SubRip and WebVTT: a cue is a line, its rows joined."""
     found = False
     for part in _parts(source):
@@ -31,7 +31,7 @@ def read(source: Source) -> Iterator[Line]:
         raise source.fault(1, "has no times (00:00:01,000 --> 00:00:02,500); is it a subtitle?")
 
 
-def _parts(source: Source) -> Iterator[Part]:
+def _parts(source: LineFile) -> Iterator[Part]:
     """Yield what stands between empty lines."""
     part: Part = []
     for number, text in source.numbered():
@@ -44,7 +44,7 @@ def _parts(source: Source) -> Iterator[Part]:
         yield part
 
 
-def _line(source: Source, rows: Part, name: str) -> Line:
+def _line(source: LineFile, rows: Part, name: str) -> Line:
     whole = " ".join(re.sub(r"^\s*[-–]\s*", "", text) for _, text in rows)
     voice = VOICE.search(whole)
     speaker = voice[1].strip() if voice else ""

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import Source, reader
+from lipsync_lang.lines.registry import LineFile, reader
 
 DELIMITERS = "\t,;|"
 
@@ -23,7 +23,7 @@ OPEN = 100
 
 
 @reader("table", suffixes=[".csv", ".tsv"])
-def read(source: Source) -> Iterator[Line]:
+def read(source: LineFile) -> Iterator[Line]:
     """Tables, whose first row names the columns; `--column` says which of them is the text."""
     lines = source.numbered()
     _, first = next(lines, (1, ""))
@@ -47,7 +47,7 @@ def _cell(row: Sequence[str], at: int) -> str:
 
 
 def _rows(
-    source: Source, lines: Iterator[tuple[int, str]], delimiter: str
+    source: LineFile, lines: Iterator[tuple[int, str]], delimiter: str
 ) -> Iterator[tuple[int, list[str]]]:
     """Yield rows with the number of the line where each starts."""
     last = start = 1
@@ -70,7 +70,7 @@ def _rows(
         raise source.fault(start + 1, f'{error}; is a " left open?') from None
 
 
-def _text_column(source: Source, head: Sequence[str]) -> int:
+def _text_column(source: LineFile, head: Sequence[str]) -> int:
     """Return which column is the text."""
     asked = source.column
     if asked is None:
@@ -85,7 +85,7 @@ def _text_column(source: Source, head: Sequence[str]) -> int:
     raise _lacking(source, head, f"has no column '{asked}'; {did_you_mean(asked, head)}")
 
 
-def _likeliest(source: Source, head: Sequence[str]) -> int:
+def _likeliest(source: LineFile, head: Sequence[str]) -> int:
     known = _first(head, TEXTS)
     if known >= 0:
         return known
@@ -95,7 +95,7 @@ def _likeliest(source: Source, head: Sequence[str]) -> int:
     raise _lacking(source, head, "which column is the text? Say --column NAME")
 
 
-def _lacking(source: Source, head: Sequence[str], what: str) -> LipsyncError:
+def _lacking(source: LineFile, head: Sequence[str], what: str) -> LipsyncError:
     return source.fault(1, f"{what}. Its columns: {', '.join(head)}")
 
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import Source, reader
+from lipsync_lang.lines.registry import LineFile, reader
 
 
 @reader("text", suffixes=[".txt"])
-def read(source: Source) -> Iterator[Line]:
+def read(source: LineFile) -> Iterator[Line]:
     """Plain text, a line each; empty ones are passed over."""
     for number, text in source.numbered():
         if text.strip():

@@ -3,10 +3,9 @@
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import Source, reader
+from lipsync_lang.lines.registry import LineFile, reader
 from lipsync_lang.schedules.registry import load_readers, schedule_of
-from lipsync_lang.schedules.timing_file import HEAD, read_timings
-from lipsync_lang.schedules.timing_file import Source as Timings
+from lipsync_lang.schedules.timing_file import HEAD, TimingFile, read_timings
 
 NAME = "schedule"
 
@@ -16,22 +15,22 @@ def suffixes() -> list[str]:
     return sorted({suffix for one in load_readers().values() for suffix in one.suffixes})
 
 
-def is_timed(source: Source) -> bool:
+def is_timed(source: LineFile) -> bool:
     """Tell whether a file begins like a format of timed phonemes that has its suffix."""
     readers = [one for one in load_readers().values() if source.path.suffix.lower() in one.suffixes]
     try:
         with source.open() as stream:
-            begins = Timings(source.path, stream.read(HEAD))
+            begins = TimingFile(source.path, stream.read(HEAD))
     except OSError:
         return False
     return any(one.looks(begins) for one in readers)
 
 
 @reader(NAME, suffixes=suffixes())
-def read(source: Source) -> Iterator[Line]:
+def read(source: LineFile) -> Iterator[Line]:
     """Timed phonemes, in every format that schedules are read from; a file is a line."""
     content = read_timings(source.path) if source.content is None else source.content
-    schedule = schedule_of(Timings(source.path, content, encoding=source.encoding))
+    schedule = schedule_of(TimingFile(source.path, content, encoding=source.encoding))
     for remark in schedule.remarks:
         source.remark(remark)
     text = " ".join(word.text for word in schedule.words)

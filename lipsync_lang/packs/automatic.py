@@ -9,24 +9,24 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.packs.yaml.source import Source
+from lipsync_lang.packs.yaml.source import YamlSource
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
 
 
-class Reader(NamedTuple):
+class IpaEngine(NamedTuple):
     """What gives IPA: the field of `g2p` with its code, if it reads text, and whether it speaks."""
 
     field: str | None = None
     speaks: bool = False
 
 
-READERS: dict[str, Reader] = {
-    "espeak": Reader("voice", speaks=True),
-    "epitran": Reader("code"),
-    IPA: Reader(),
+READERS: dict[str, IpaEngine] = {
+    "espeak": IpaEngine("voice", speaks=True),
+    "epitran": IpaEngine("code"),
+    IPA: IpaEngine(),
 }
 """What gives IPA, by name; add an engine to make its languages known."""
 
@@ -63,4 +63,4 @@ def automatic(library: "Library", name: str) -> "Pack[Language] | None":
         "caveats": ("nobody who speaks it has checked it",),
     }
     model = Language.model_validate(data).model_copy(update={"name": name})
-    return Pack(model, (Source(Path(name), {**data, "name": name}),))
+    return Pack(model, (YamlSource(Path(name), {**data, "name": name}),))

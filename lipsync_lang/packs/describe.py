@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
 
 
-class Told(NamedTuple):
+class Description(NamedTuple):
     """The same thing twice: to read, and to compute with."""
 
     text: str
     data: Any
 
 
-def listing(library: "Library", kind: "Kind") -> Told:
+def listing(library: "Library", kind: "Kind") -> Description:
     """List every pack of a kind and where it lies; what is shadowed is said to be."""
     rows = [
         {
@@ -42,17 +42,17 @@ def listing(library: "Library", kind: "Kind") -> Told:
     if kind == "character":
         sets = ", ".join(sorted({found.name for found in library.names("poseset")}))
         lines.append(f"pose sets that are characters by themselves: {sets}")
-    return Told("\n".join(lines), rows)
+    return Description("\n".join(lines), rows)
 
 
-def show(library: "Library", kind: "Kind", name: str) -> Told:
+def show(library: "Library", kind: "Kind", name: str) -> Description:
     """Show one pose set or character; a language is `authoring.language`'s to describe."""
     if kind == "poseset":
         return _poseset(library, library.poseset(name))
     return _character(library, library.character(name))
 
 
-def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Told:
+def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
     model = pack.model
     lines = [f"{model.title or model.name}, {shown(pack.path)}", "poses"]
     width = max(12, *(len(pose) + 2 for pose in model.poses))
@@ -78,7 +78,7 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Told:
     lines += _checks(model.checks)
     lines += _parts(library, model.name)
     lines += _model(pack, model.model)
-    return Told("\n".join(lines), model.model_dump(mode="json", by_alias=True))
+    return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
 
 
 def _rules(model: "models.PoseSet") -> "Iterator[str]":
@@ -125,7 +125,7 @@ def _sum(gains: "Mapping[str, float]") -> str:
     return " ".join(terms).removeprefix("+ ")
 
 
-def _character(library: "Library", pack: "Pack[models.Character]") -> Told:
+def _character(library: "Library", pack: "Pack[models.Character]") -> Description:
     model = pack.model
     lines = [f"{model.title or model.name}, {shown(pack.path)}", f"pose set: {model.poseset}"]
     counts = {
@@ -149,7 +149,7 @@ def _character(library: "Library", pack: "Pack[models.Character]") -> Told:
         else [f"rigs to choose from: {' '.join(rigs)}"] * bool(rigs)
     )
     lines += _model(pack, model.model)
-    return Told("\n".join(lines), model.model_dump(mode="json", by_alias=True))
+    return Description("\n".join(lines), model.model_dump(mode="json", by_alias=True))
 
 
 def _level(value: object) -> str:

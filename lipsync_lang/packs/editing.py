@@ -16,7 +16,7 @@ from lipsync_lang.errors import PackError
 from lipsync_lang.files import atomic
 from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import Data, Source, read_bytes, read_yaml, scan
+from lipsync_lang.packs.yaml.source import Data, YamlSource, read_bytes, read_yaml, scan
 
 WIDTH = 4096
 """Characters; no line is ever folded."""
@@ -56,7 +56,7 @@ def write_edited(path: Path, content: bytes) -> None:
 
 
 def add_entries(
-    source: Source, content: bytes, field: str, entries: Mapping[str, Sequence[str]]
+    source: YamlSource, content: bytes, field: str, entries: Mapping[str, Sequence[str]]
 ) -> bytes:
     """Add entries to a mapping at the top of a pack, behind those that are there.
 
@@ -106,7 +106,9 @@ def _extends(data: Data, old: Data, field: str, expected: Sequence[str]) -> bool
     )
 
 
-def _with_lines(source: Source, text: str, field: str, entries: Mapping[str, Sequence[str]]) -> str:
+def _with_lines(
+    source: YamlSource, text: str, field: str, entries: Mapping[str, Sequence[str]]
+) -> str:
     """Put lines behind the last one of a field that is not blank or a comment."""
     newline = "\r\n" if "\r\n" in text else "\n"
     lines = text.split("\n")

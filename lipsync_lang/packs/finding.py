@@ -66,7 +66,7 @@ class Root(NamedTuple):
     origin: str
 
 
-class Found(NamedTuple):
+class FoundPack(NamedTuple):
     """A pack that exists, and the one that is found in its place, if any."""
 
     name: str
@@ -96,13 +96,13 @@ class Finder:
         self._listed: dict[tuple[Path, Kind], dict[str, Path]] = {}
         self.roots = tuple(self._search())
 
-    def names(self, kind: Kind) -> list[Found]:
+    def names(self, kind: Kind) -> list[FoundPack]:
         """List every pack of a kind, shadowed ones included, by name and then by order."""
-        found: list[Found] = []
+        found: list[FoundPack] = []
         first: dict[str, Path] = {}
         for root in self.roots:
             for name, path in self._list(root.path, kind).items():
-                found.append(Found(name, path, root, first.get(name)))
+                found.append(FoundPack(name, path, root, first.get(name)))
                 first.setdefault(name, path)
         return sorted(found, key=lambda f: f.name)
 

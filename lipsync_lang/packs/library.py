@@ -18,24 +18,24 @@ from lipsync_lang.packs.finding import (
     IPA,
     SHARED,
     Finder,
-    Found,
+    FoundPack,
     Kind,
     Root,
     beside,
     distribution,
 )
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
-from lipsync_lang.packs.yaml.source import Loc, Source, read_bytes, scan
+from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, scan
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from lipsync_lang.packs import models
 
-M = TypeVar("M", bound="models.Pack")
+M = TypeVar("M", bound="models.PackModel")
 
 
-class Place(NamedTuple):
+class FilePlace(NamedTuple):
     """A place in a file; prints itself."""
 
     file: Path
@@ -55,7 +55,7 @@ class Pack(Generic[M]):
     """
 
     model: M
-    sources: tuple[Source, ...]
+    sources: tuple[YamlSource, ...]
 
     @property
     def path(self) -> Path:
@@ -63,7 +63,7 @@ class Pack(Generic[M]):
         return self.sources[0].path
 
     @property
-    def source(self) -> Source:
+    def source(self) -> YamlSource:
         """The pack's own file as data."""
         return self.sources[0]
 
@@ -72,10 +72,10 @@ class Pack(Generic[M]):
         """The pack's own name and, for a language, those it extends."""
         return tuple(source.data["name"] for source in self.sources)
 
-    def where(self, loc: Loc, *, key: bool = False) -> Place:
+    def where(self, loc: Loc, *, key: bool = False) -> FilePlace:
         """Return the place that states the value at `loc`, or its key."""
         source = max(self.sources, key=lambda s: s.known(loc))
-        return Place(source.path, *source.where(loc, key=key))
+        return FilePlace(source.path, *source.where(loc, key=key))
 
     def fault(self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False) -> Fault:
         """Return a fault at the place that states the value at `loc`."""
@@ -117,7 +117,7 @@ class Library:
         """The folders searched, in order."""
         return self.finder.roots
 
-    def names(self, kind: Kind) -> list[Found]:
+    def names(self, kind: Kind) -> list[FoundPack]:
         """List every pack of a kind, shadowed ones included, by name and then by order."""
         return self.finder.names(kind)
 
@@ -179,13 +179,13 @@ class Library:
         path = self.find("poseset", name)
         return cast("Pack[models.PoseSet]", self.load(path, "poseset", path.parent.name))
 
-    def banks(self, poseset: str) -> "list[Pack[models.Bank]]":
+    def banks(self, poseset: str) -> "list[Pack[models.BankPack]]":
         """Load every bank of a pose set, in the order of their file names."""
-        return cast("list[Pack[models.Bank]]", self._load_all(self.banks_of(poseset), "bank"))
+        return cast("list[Pack[models.BankPack]]", self._load_all(self.banks_of(poseset), "bank"))
 
-    def rigs(self, poseset: str) -> "list[Pack[models.Rig]]":
+    def rigs(self, poseset: str) -> "list[Pack[models.RigPack]]":
         """Load every rig of a pose set, in the order of their file names."""
-        return cast("list[Pack[models.Rig]]", self._load_all(self.rigs_of(poseset), "rig"))
+        return cast("list[Pack[models.RigPack]]", self._load_all(self.rigs_of(poseset), "rig"))
 
     def banks_of(self, poseset: str) -> list[Path]:
         """List the bank files of a pose set."""
@@ -211,7 +211,7 @@ class Library:
         bare = Character(kind="character", format=1, name=name, poseset=name, title=title)
         return Pack(bare, poseset.sources)
 
-    def character_banks(self, character: "Pack[models.Character]") -> "list[Pack[models.Bank]]":
+    def character_banks(self, character: "Pack[models.Character]") -> "list[Pack[models.BankPack]]":
         """Load the bank files that a character names, in its order."""
         paths = []
         for number, name in enumerate(character.model.banks):
@@ -224,11 +224,11 @@ class Library:
                 fault = character.fault(("banks", number), "P213", what, hint)
                 raise self.failing(fault)
             paths.append(path)
-        return cast("list[Pack[models.Bank]]", self._load_all(paths, "bank"))
+        return cast("list[Pack[models.BankPack]]", self._load_all(paths, "bank"))
 
     def load(
         self, path: Path, kind: str | None = None, name: str | None = None
-    ) -> "Pack[models.Pack]":
+    ) -> "Pack[models.PackModel]":
         """Load one file, of any kind and name unless these are given.
 
         Raises
@@ -264,8 +264,8 @@ class Library:
         found = self.lookups[kind, name] = self.finder.lookup(kind, name)
         return [Path(path) for path in found]
 
-    def _load_all(self, paths: Sequence[Path], kind: str) -> "list[Pack[models.Pack]]":
-        packs: list[Pack[models.Pack]] = []
+    def _load_all(self, paths: Sequence[Path], kind: str) -> "list[Pack[models.PackModel]]":
+        packs: list[Pack[models.PackModel]] = []
         faults: list[Fault] = []
         for path in paths:
             try:
@@ -280,8 +280,8 @@ class Library:
 class _Inspected(NamedTuple):
     """One file as it was read."""
 
-    model: "models.Pack | None"
-    source: Source
+    model: "models.PackModel | None"
+    source: YamlSource
     faults: tuple[Fault, ...]
 
 

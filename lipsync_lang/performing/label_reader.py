@@ -17,7 +17,7 @@ from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from lipsync_lang.phonology.nearest import Among, Nearest
+    from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import Compiled
 
 
@@ -137,15 +137,15 @@ class LabelReader:
         return ready(tables, silences, silence, IPA, spelling, near)
 
     @cached_property
-    def near(self) -> "Among | None":
+    def near(self) -> "NearestPhonemes | None":
         """The nearest phonemes by features; None for a language that maps its labels itself."""
-        from lipsync_lang.phonology.nearest import Among
+        from lipsync_lang.phonology.nearest import NearestPhonemes
 
         data = self.compiled.nearest
-        return None if data is None else Among.from_plain(data)
+        return None if data is None else NearestPhonemes.from_plain(data)
 
     @cached_property
-    def _hints(self) -> "Among | None":
+    def _hints(self) -> "NearestPhonemes | None":
         """What finds the nearest for messages alone: it is read only once something is wrong."""
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 

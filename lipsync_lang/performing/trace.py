@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.track import Track
-    from lipsync_lang.pipeline.warp import Place
+    from lipsync_lang.pipeline.warp import FramePlace
 
 VISIBLE = 5e-4
 """A change of weight that is worth a word."""
@@ -103,7 +103,10 @@ def _heard(performer: "Performer", performance: Performance, now: Floats) -> dic
 
 
 def _bigrams(
-    performer: "Performer", performance: Performance, place: "Place", heard: Mapping[str, float]
+    performer: "Performer",
+    performance: Performance,
+    place: "FramePlace",
+    heard: Mapping[str, float],
 ) -> tuple[BigramAt | None, BigramAt | None]:
     """Return the bigram that ends with the frame's phoneme, and the one that begins with it."""
     at, track = int(place.phoneme[0]), performance.track

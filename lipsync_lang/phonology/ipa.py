@@ -28,7 +28,7 @@ Words = frozenset[str]
 """The words that describe a letter."""
 
 
-class Sound(NamedTuple):
+class LetterSound(NamedTuple):
     """One letter of a label, as its marks leave it."""
 
     letter: str
@@ -37,10 +37,10 @@ class Sound(NamedTuple):
     time: float = 1.0
 
 
-class Reading(NamedTuple):
+class LabelReading(NamedTuple):
     """A label taken apart: what sounds in order, what of it does not show, what nobody knows."""
 
-    sounds: tuple[Sound, ...]
+    sounds: tuple[LetterSound, ...]
     losses: tuple[str, ...]
     unknown: tuple[str, ...]
 
@@ -55,14 +55,14 @@ class Case(NamedTuple):
     time: float
     lost: str
 
-    def fits(self, sound: Sound) -> bool:
+    def fits(self, sound: LetterSound) -> bool:
         """Say whether the case is for a letter: it is described so, and has what is changed."""
         changed = [number for number, _ in (*self.set, *self.add)]
         return _described(sound.words, self.on) and (
             not changed or any(sound.features[number] is not None for number in changed)
         )
 
-    def change(self, sound: Sound) -> Sound:
+    def change(self, sound: LetterSound) -> LetterSound:
         """Return a letter as the mark leaves it."""
         values = list(sound.features)
         for number, value in self.set:
@@ -115,7 +115,7 @@ class Features:
     beside: Mapping[str, Mapping[str, str]]
     joins: tuple[Join, ...]
     alone: Mapping[str, str]
-    _letters: dict[str, Sound] = field(repr=False)
+    _letters: dict[str, LetterSound] = field(repr=False)
     _spellings: dict[str, str] = field(repr=False)
     _marks: dict[str, tuple[Case, ...]] = field(repr=False)
     _ignored: frozenset[str] = field(repr=False)
@@ -131,11 +131,11 @@ class Features:
         names = tuple(data["features"])
         otherwise = tuple(f.get("otherwise") for f in data["features"].values())
 
-        def sound(letter: str, description: str) -> Sound:
+        def sound(letter: str, description: str) -> LetterSound:
             words = description.split()
             stated = {name: v for word in words for name, v in data["terms"][word].items()}
             values = (stated.get(n, o) for n, o in zip(names, otherwise, strict=True))
-            return Sound(letter, frozenset(words), tuple(values))
+            return LetterSound(letter, frozenset(words), tuple(values))
 
         return cls(
             names=names,
@@ -168,7 +168,7 @@ class Features:
             _ignored=frozenset(key(sign) or sign for sign in data.get("ignored", ())),
         )
 
-    def read(self, label: str, own: Iterable[str] = ()) -> Reading:
+    def read(self, label: str, own: Iterable[str] = ()) -> LabelReading:
         """Take a label apart.
 
         Parameters
@@ -178,7 +178,7 @@ class Features:
         """
         tokens, unknown = self._tokens(key(label))
         kept = frozenset(own)
-        sounds: list[Sound] = []
+        sounds: list[LetterSound] = []
         losses: list[str] = []
         alone = [token for token in tokens if token in self.alone]
         for letter, before, after in self._groups(tokens):
@@ -191,7 +191,7 @@ class Features:
             losses += (self._marks[mark][-1].lost for mark in silent)
         shown = tuple(self._joined(sounds, losses))
         lost = tuple(dict.fromkeys(filter(None, losses)))
-        return Reading(shown, lost, tuple(dict.fromkeys(unknown)))
+        return LabelReading(shown, lost, tuple(dict.fromkeys(unknown)))
 
     def unseen(self) -> dict[str, str]:
         """Return the marks that hardly show, each with the letters on which it shows.
@@ -211,7 +211,7 @@ class Features:
                     seen[mark] += letter
         return {mark: letters for mark, letters in seen.items() if letters != every}
 
-    def _shows(self, sound: Sound, cases: Sequence[Case]) -> bool:
+    def _shows(self, sound: LetterSound, cases: Sequence[Case]) -> bool:
         """Say whether a mark adds a letter, or changes a feature by as much as is told as lost."""
         case = next((case for case in cases if case.fits(sound)), None)
         return case is not None and (
@@ -236,11 +236,11 @@ class Features:
         return groups
 
     def _marked(
-        self, sound: Sound, before: Sequence[str], after: Sequence[str], losses: list[str]
-    ) -> list[Sound]:
+        self, sound: LetterSound, before: Sequence[str], after: Sequence[str], losses: list[str]
+    ) -> list[LetterSound]:
         """Return a letter as its marks leave it, among the letters that come with them."""
-        follow: list[Sound] = []
-        lead: list[Sound] = []
+        follow: list[LetterSound] = []
+        lead: list[LetterSound] = []
         for mark, beside in (*((m, lead) for m in before), *((m, follow) for m in after)):
             case = next((case for case in self._marks[mark] if case.fits(sound)), None)
             if case is None:
@@ -276,9 +276,9 @@ class Features:
             start = stop
         return tokens, unknown
 
-    def _joined(self, sounds: Sequence[Sound], losses: list[str]) -> list[Sound]:
+    def _joined(self, sounds: Sequence[LetterSound], losses: list[str]) -> list[LetterSound]:
         """Drop what is not seen beside its neighbour; a letter written twice is a long one."""
-        left: list[Sound] = []
+        left: list[LetterSound] = []
         for sound in sounds:
             left.append(sound)
             while len(left) > 1:
@@ -292,7 +292,7 @@ class Features:
                 del left[-1 if join.keep == "first" else -2]
         return left
 
-    def _join(self, first: Sound, second: Sound) -> Join | None:
+    def _join(self, first: LetterSound, second: LetterSound) -> Join | None:
         fits = (
             join
             for join in self.joins

@@ -19,7 +19,7 @@ from itertools import pairwise
 from math import inf
 from typing import Any, NamedTuple, Self
 
-from lipsync_lang.phonology.ipa import Features, Numbers, Reading, key
+from lipsync_lang.phonology.ipa import Features, LabelReading, Numbers, key
 from lipsync_lang.phonology.labels import Value
 
 CLEAR = 0.9
@@ -46,7 +46,7 @@ class Exemplar(NamedTuple):
     run: tuple[Numbers, ...]
 
 
-class Piece(NamedTuple):
+class LabelPiece(NamedTuple):
     """Letters of a label that become one common phoneme."""
 
     distance: float
@@ -60,15 +60,15 @@ class _Cut(NamedTuple):
 
     cost: float
     size: int
-    pieces: tuple[Piece, ...]
+    pieces: tuple[LabelPiece, ...]
 
-    def longer(self, piece: Piece, another: float) -> "_Cut":
+    def longer(self, piece: LabelPiece, another: float) -> "_Cut":
         cost = round(self.cost + piece.distance + another, 9)
         return _Cut(cost, self.size + 1, (*self.pieces, piece))
 
 
 @dataclass(frozen=True, eq=False)
-class Among:
+class NearestPhonemes:
     """Finds the nearest among the common phonemes of one language.
 
     Parameters
@@ -155,7 +155,7 @@ class Among:
                 typical.setdefault(exemplar.phoneme, exemplar.run)
         return typical
 
-    def _nearest(self, reading: Reading) -> Nearest:
+    def _nearest(self, reading: LabelReading) -> Nearest:
         runs = tuple(sound.features for sound in reading.sounds)
         pieces = self._cut(runs)
         if pieces is None:
@@ -174,7 +174,7 @@ class Among:
         far = sum((piece.distance for piece in pieces), 0.0)
         return Nearest(value, losses, far, reading.unknown)
 
-    def _cut(self, runs: tuple[Numbers, ...]) -> tuple[Piece, ...] | None:
+    def _cut(self, runs: tuple[Numbers, ...]) -> tuple[LabelPiece, ...] | None:
         """Cut a label into pieces at the least cost; None where nothing answers."""
         best: list[dict[str, _Cut]] = [{"": _Cut(0.0, 0, ())}]
         for stop in range(1, len(runs) + 1):
@@ -183,7 +183,7 @@ class Among:
                 found = self._exemplar(runs[stop - length : stop])
                 if found is None:
                     continue
-                piece = Piece(*found, stop - length, stop)
+                piece = LabelPiece(*found, stop - length, stop)
                 name = piece.exemplar.phoneme
                 for last, before in best[stop - length].items():
                     cut = before.longer(piece, 0.0 if last == name else self.features.another)
@@ -213,7 +213,7 @@ class Among:
             if a is not None and b is not None
         )
 
-    def _losses(self, piece: Piece, runs: tuple[Numbers, ...]) -> Iterator[str]:
+    def _losses(self, piece: LabelPiece, runs: tuple[Numbers, ...]) -> Iterator[str]:
         """Yield the features in which a piece is shown as something else."""
         here = runs[piece.start : piece.stop]
         for sound, shown in zip(here, piece.exemplar.run, strict=True):

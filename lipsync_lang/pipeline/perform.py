@@ -19,7 +19,7 @@ from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
 from lipsync_lang.pipeline.track import Track
-from lipsync_lang.pipeline.warp import Place, locate, warp
+from lipsync_lang.pipeline.warp import FramePlace, locate, warp
 
 BLOCK = 8192
 """Frames worked on at once; the arrays of a block stay near the processor."""
@@ -95,7 +95,7 @@ class Performance:
         ending, beginning = self.bigrams(place, times)
         return list(self._run(ending, beginning, place, begin, stop))
 
-    def bigrams(self, place: Place, times: Floats) -> tuple[Floats, Floats]:
+    def bigrams(self, place: FramePlace, times: Floats) -> tuple[Floats, Floats]:
         """Read the two bigrams that cover each frame, styles blended in: (T, P) each."""
         neutral = warp(self.tables.neutral, self.track, place)
         if not self.blends:
@@ -128,7 +128,7 @@ class Performance:
         return times, out
 
     def _run(
-        self, ending: Floats, beginning: Floats, place: Place, begin: int, stop: int
+        self, ending: Floats, beginning: Floats, place: FramePlace, begin: int, stop: int
     ) -> Iterator[Stage]:
         tables, motion = self.tables, self.motion
         step = motion.speed_limit / self.frames.fps
@@ -163,7 +163,7 @@ class Performance:
             curves = constrain(curves, tables.caps, tables.at_most)
             yield Stage("constrain", curves)
 
-    def _smooth(self, curves: Floats, place: Place) -> Floats:
+    def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
         frames = self.motion.window * self.frames.fps
         if self.motion.smooth == "none":
             return curves

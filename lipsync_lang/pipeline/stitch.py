@@ -3,10 +3,10 @@
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Floats
-from lipsync_lang.pipeline.warp import Place
+from lipsync_lang.pipeline.warp import FramePlace
 
 
-def stitch(ending: Floats, beginning: Floats, place: Place, how: str) -> Floats:
+def stitch(ending: Floats, beginning: Floats, place: FramePlace, how: str) -> Floats:
     """Join the two bigrams that cover each frame.
 
     ``max`` keeps the larger, so that peaks survive: c(t) = max(c_i(t), c_i+1(t)).

@@ -74,7 +74,7 @@ def _widen(best: Ints, held: Bools, frames: int) -> tuple[Ints, Bools]:
 
 
 @dataclass
-class _Run:
+class _PoseRun:
     """Some frames of one pose, between two others."""
 
     number: int
@@ -82,15 +82,15 @@ class _Run:
     stop: int
     pose: int
     held: bool
-    before: "_Run | None" = None
-    after: "_Run | None" = None
+    before: "_PoseRun | None" = None
+    after: "_PoseRun | None" = None
     gone: bool = False
 
     @property
     def frames(self) -> int:
         return self.stop - self.start
 
-    def take(self, other: "_Run") -> None:
+    def take(self, other: "_PoseRun") -> None:
         """Take over the run that follows, which is alike."""
         self.stop, self.held = other.stop, self.held or other.held
         self.after, other.gone = other.after, True
@@ -101,7 +101,7 @@ class _Run:
 def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
     """Let the shortest runs go, one after the other, until the others last."""
     runs = [
-        _Run(number, int(a), int(b), int(best[a]), bool(held[a:b].any()))
+        _PoseRun(number, int(a), int(b), int(best[a]), bool(held[a:b].any()))
         for number, (a, b) in enumerate(pairwise(_runs(best)))
     ]
     for one, other in pairwise(runs):
@@ -124,14 +124,14 @@ def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
     return out
 
 
-def _between(run: _Run, held: Bools, frames: int) -> bool:
+def _between(run: _PoseRun, held: Bools, frames: int) -> bool:
     """Tell whether a run is all that parts two contacts alike: a vowel between two of a kind."""
     alike = run.before and run.after and run.before.pose == run.after.pose
     early, late = held[max(0, run.start - frames) : run.start], held[run.stop : run.stop + frames]
     return bool(alike and early.any() and late.any())
 
 
-def _let_go(run: _Run, shown: Floats) -> list[_Run]:
+def _let_go(run: _PoseRun, shown: Floats) -> list[_PoseRun]:
     """Give a run's frames to those around it; return the ones that are longer now."""
     before, after = run.before, run.after
     if before is None or after is None:  # at the ends the face is at rest

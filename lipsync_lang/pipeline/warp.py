@@ -13,7 +13,7 @@ TOUCH = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class FramePlace:
     """Each frame's phoneme, and how far it is through it."""
 
     phoneme: Ints
@@ -24,7 +24,7 @@ class Place:
     """(T,) share passed as the first of the next bigram; below 0 that has not begun."""
 
 
-def locate(track: Track, times: Floats) -> Place:
+def locate(track: Track, times: Floats) -> FramePlace:
     """Find each frame's phoneme. A sound has one share; a silence is left, then entered anew."""
     phoneme = np.searchsorted(track.bounds, times + TOUCH, side="right") - 1
     phoneme = np.minimum(np.maximum(phoneme, 0), len(track.ids) - 1)
@@ -32,10 +32,10 @@ def locate(track: Track, times: Floats) -> Place:
     passed, left = times - track.bounds[phoneme], track.bounds[phoneme + 1] - times
     coming = np.where(np.abs(passed - reach) <= TOUCH, 1.0, np.maximum(passed, 0) / reach)
     going = np.where(np.abs(left - reach) <= TOUCH, 0.0, 1 - left / reach)
-    return Place(phoneme, coming, going)
+    return FramePlace(phoneme, coming, going)
 
 
-def warp(bank: Bank, track: Track, place: Place) -> tuple[Floats, Floats]:
+def warp(bank: Bank, track: Track, place: FramePlace) -> tuple[Floats, Floats]:
     """Read the two bigrams that cover each frame.
 
     The bank's boundary is pinned onto the spoken one, so time is stretched by one factor

@@ -15,7 +15,7 @@ from lipsync_lang.quality.figures import Quality
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.models.pose_models import Target
+    from lipsync_lang.packs.models.pose_models import PhonemeTarget
 
 FALL = 50.0
 """Per second: how fast a target's say falls away in `dominance`; of 10 to 80, what follows three
@@ -94,7 +94,7 @@ def dominance(
     return Animation(frames, performer.poses, weights, fps, schedule)
 
 
-def _insisting(steps: "tuple[Target, ...]", performer: Performer) -> tuple[Floats, Floats]:
+def _insisting(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:
     """Return the poses at each step of a phoneme, (m, P), and the dominance of each pose, (P,).
 
     As in drafts: a pose that is not named yields, unless a constraint sets it against one that is.
@@ -146,7 +146,7 @@ def held(
     return Animation(frames, performer.poses, np.array(shapes)[shown], fps, schedule)
 
 
-def _strongest(steps: "tuple[Target, ...]", performer: Performer) -> Floats:
+def _strongest(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
     """Return the strongest pose of each target alone: (m, P)."""
     rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
     weights = np.array(rows or [[0.0] * len(performer.poses)])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.quality.figures import Figure, Quality
 from lipsync_lang.quality.measures import Measure, load_measures
-from lipsync_lang.quality.take import Scene, scene_of
+from lipsync_lang.quality.take import Take, scene_of
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -62,7 +62,7 @@ def _sound(limits: Limits, measures: Mapping[str, Measure]) -> Limits:
     return limits
 
 
-def _figures(measure: Measure, scene: Scene, limit: float | None) -> Iterator[Figure]:
+def _figures(measure: Measure, scene: Take, limit: float | None) -> Iterator[Figure]:
     for found in measure.find(scene):
         yield Figure(
             f"{measure.name} {found.of}".rstrip(),

@@ -7,8 +7,8 @@ import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
-from lipsync_lang.quality.measures import Found, measure, one, places, runs, share, unjudged
-from lipsync_lang.quality.take import Scene, Touch
+from lipsync_lang.quality.measures import Measured, measure, one, places, runs, share, unjudged
+from lipsync_lang.quality.take import Take, Touch
 
 SEARCHED = 0.25
 """Seconds around a sound in which a closure may be meant for it."""
@@ -23,7 +23,7 @@ NO_CONTACT = "the pose set has no contacts"
 
 
 @measure("contacts", "of sounds", limit=0)
-def contacts(scene: Scene) -> Iterable[Found]:
+def contacts(scene: Take) -> Iterable[Measured]:
     """Sounds that demand a contact and do not get it, for each contact.
 
     A sound gets it if at one frame, within half a frame of the sound, all poses that the contact
@@ -42,7 +42,7 @@ def contacts(scene: Scene) -> Iterable[Found]:
             continue
         best = scene.over(wanted, scene.margin(touch), np.maximum)
         missed = wanted[~(best >= 0)]
-        yield Found(
+        yield Measured(
             len(missed) / len(wanted),
             {"made": len(wanted) - len(missed), "missed": len(missed)},
             tuple(_missed(scene, touch, missed)),
@@ -52,7 +52,7 @@ def contacts(scene: Scene) -> Iterable[Found]:
         yield from unjudged(NO_CONTACT)
 
 
-def _missed(scene: Scene, touch: Touch, missed: Ints) -> Iterator[Finding]:
+def _missed(scene: Take, touch: Touch, missed: Ints) -> Iterator[Finding]:
     """Say of each sound which pose comes closest to a contact, and how close."""
     margins = scene.margins(touch)
     least = margins.min(axis=0, initial=np.inf)
@@ -64,7 +64,7 @@ def _missed(scene: Scene, touch: Touch, missed: Ints) -> Iterator[Finding]:
     return places(scene, told)
 
 
-def _short(scene: Scene, touch: Touch, margins: Floats, frame: int) -> str:
+def _short(scene: Take, touch: Touch, margins: Floats, frame: int) -> str:
     """Say which pose keeps a frame from making a contact."""
     pose = int(margins[:, frame].argmin())
     value, low, high = scene.curves[pose, frame], touch.low[pose], touch.high[pose]
@@ -73,7 +73,7 @@ def _short(scene: Scene, touch: Touch, margins: Floats, frame: int) -> str:
 
 
 @measure("false_contacts", "of sounds", limit=0)
-def false_contacts(scene: Scene) -> Iterable[Found]:
+def false_contacts(scene: Take) -> Iterable[Measured]:
     """Sounds in whose middle a contact is made that they do not demand, for each contact.
 
     Only contacts that hold something up: any other is made by a face at rest, too::
@@ -88,7 +88,7 @@ def false_contacts(scene: Scene) -> Iterable[Found]:
         middle = (scene.track.bounds[others] + scene.track.bounds[others + 1]) / 2
         frame = np.searchsorted(scene.times, middle - scene.frame / 2).clip(0, len(scene.times) - 1)
         made = others[scene.margin(touch)[frame] >= 0]
-        yield Found(
+        yield Measured(
             len(made) / max(1, len(others)),
             {"made": len(made)} if len(made) else {},
             tuple(places(scene, dict.fromkeys(made.tolist(), f"makes '{touch.name}'"))),
@@ -107,12 +107,12 @@ class Offset(NamedTuple):
     touch: str
 
 
-def offsets(scene: Scene) -> tuple[Offset, ...]:
+def offsets(scene: Take) -> tuple[Offset, ...]:
     """Return by how much each closure of an animation is off."""
     return tuple(offset for touch in scene.face.touches for offset in _offsets(scene, touch))
 
 
-def _offsets(scene: Scene, touch: Touch) -> Iterator[Offset]:
+def _offsets(scene: Take, touch: Touch) -> Iterator[Offset]:
     bounds = scene.track.bounds
     begin, past = runs(scene.demanded(touch))  # neighbours that demand it close once
     first, stop = runs(scene.margin(touch) >= 0)
@@ -155,7 +155,7 @@ def _nearest(places: Floats, to: Floats) -> Ints:
     return np.where(nearer, after - 1, after)
 
 
-def _off(scene: Scene, sign: int) -> Iterable[Found]:
+def _off(scene: Take, sign: int) -> Iterable[Measured]:
     """Return the closure that is off the most one way."""
     every = offsets(scene)
     if not every:
@@ -169,7 +169,7 @@ def _off(scene: Scene, sign: int) -> Iterable[Found]:
 
 
 @measure("closure_late", "s", limit=0.045)
-def closure_late(scene: Scene) -> Iterable[Found]:
+def closure_late(scene: Take) -> Iterable[Measured]:
     """How late the latest closure is.
 
     A closure is a run of frames that make a contact; the one whose middle is nearest to that of the
@@ -183,7 +183,7 @@ def closure_late(scene: Scene) -> Iterable[Found]:
 
 
 @measure("closure_early", "s", limit=0.125)
-def closure_early(scene: Scene) -> Iterable[Found]:
+def closure_early(scene: Take) -> Iterable[Measured]:
     """How early the earliest closure is; viewers notice it beyond 0.125 s.
 
     It is::
@@ -194,7 +194,7 @@ def closure_early(scene: Scene) -> Iterable[Found]:
 
 
 @measure("closure_offset", "s", limit=0.045)
-def closure_offset(scene: Scene) -> Iterable[Found]:
+def closure_offset(scene: Take) -> Iterable[Measured]:
     """How far the median closure is off; `median` says which way: above 0, it comes late.
 
     It is::
@@ -209,7 +209,7 @@ def closure_offset(scene: Scene) -> Iterable[Found]:
 
 
 @measure("rules", "of sounds", limit=0)
-def rules(scene: Scene) -> Iterable[Found]:
+def rules(scene: Take) -> Iterable[Measured]:
     """Phonemes that never show what a rule of the pose set asks of them, for each rule.
 
     A rule names phonemes, a measure of the pose set, and what that must reach (`at_least`) or come
@@ -224,7 +224,7 @@ def rules(scene: Scene) -> Iterable[Found]:
         yield from _rule(scene, name, rule)
 
 
-def _rule(scene: Scene, name: str, rule: dict[str, Any]) -> Iterable[Found]:
+def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     gains = scene.face.measures.get(rule["measure"])
     about = [n for n, label in enumerate(scene.phonemes) if label in rule["phonemes"]]
     which = np.flatnonzero(np.isin(scene.track.ids, about))
@@ -242,4 +242,4 @@ def _rule(scene: Scene, name: str, rule: dict[str, Any]) -> Iterable[Found]:
     }
     parts = {"kept": int((~missed).sum()), "missed": int(missed.sum())}
     found = tuple(places(scene, told))
-    return [Found(share(missed), parts, found, of=name, limit=rule["missed"])]
+    return [Measured(share(missed), parts, found, of=name, limit=rule["missed"])]

@@ -13,7 +13,7 @@ import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Ints
 from lipsync_lang.quality.figures import Finding
-from lipsync_lang.quality.take import Scene
+from lipsync_lang.quality.take import Take
 
 VISIBLE = 0.05
 """The least change of a pose that a viewer sees."""
@@ -35,7 +35,7 @@ FULL = 1e-3
 
 
 @dataclass(frozen=True)
-class Found:
+class Measured:
     """What a measure found.
 
     Parameters
@@ -53,7 +53,7 @@ class Found:
     limit: float | None = None
 
 
-Find = Callable[[Scene], Iterable[Found]]
+Find = Callable[[Take], Iterable[Measured]]
 
 
 @dataclass(frozen=True)
@@ -90,15 +90,15 @@ def load_measures() -> dict[str, Measure]:
 
 def one(
     value: float, parts: Mapping[str, float] | None = None, findings: Iterable[Finding] = ()
-) -> list[Found]:
+) -> list[Measured]:
     """Return the only figure of a measure."""
     ordered = tuple(sorted(findings))
-    return [Found(float(value), parts or {}, ordered)]
+    return [Measured(float(value), parts or {}, ordered)]
 
 
-def unjudged(why: str, of: str = "") -> list[Found]:
+def unjudged(why: str, of: str = "") -> list[Measured]:
     """Return a figure that could not be judged."""
-    return [Found(None, of=of, why=why)]
+    return [Measured(None, of=of, why=why)]
 
 
 def share(part: Bools) -> float:
@@ -112,7 +112,7 @@ def runs(mask: Bools) -> tuple[Ints, Ints]:
     return edges[::2], edges[1::2]
 
 
-def places(scene: Scene, told: Mapping[int, str]) -> Iterator[Finding]:
+def places(scene: Take, told: Mapping[int, str]) -> Iterator[Finding]:
     """Yield a finding for each phoneme of the track, by its number."""
     for number, what in told.items():
         at = round(float(scene.track.bounds[number]), 4)

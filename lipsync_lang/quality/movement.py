@@ -13,7 +13,7 @@ from lipsync_lang.quality.measures import (
     SHORT,
     STIRRING,
     VISIBLE,
-    Found,
+    Measured,
     measure,
     named,
     one,
@@ -21,13 +21,13 @@ from lipsync_lang.quality.measures import (
     share,
     unjudged,
 )
-from lipsync_lang.quality.take import Scene
+from lipsync_lang.quality.take import Take
 
 SILENT = "nothing is said"
 
 
 @measure("constraints", "of frames", limit=0)
-def constraints(scene: Scene) -> Iterable[Found]:
+def constraints(scene: Take) -> Iterable[Measured]:
     """Frames in which poses break a constraint by more than 0.01.
 
     Pose b yields to pose a, which is higher in priority. The parts are how far the worst pairs go::
@@ -50,7 +50,7 @@ def constraints(scene: Scene) -> Iterable[Found]:
     return one(share(broken), parts, findings)
 
 
-def _over(scene: Scene) -> Iterator[tuple[str, Floats]]:
+def _over(scene: Take) -> Iterator[tuple[str, Floats]]:
     """Yield, for each constraint, how far each frame goes past it: (T,)."""
     names, curves = scene.face.names, scene.curves
     for low, high, threshold in scene.face.caps:
@@ -61,7 +61,7 @@ def _over(scene: Scene) -> Iterator[tuple[str, Floats]]:
 
 
 @measure("speed", "per second")
-def speed(scene: Scene) -> Iterable[Found]:
+def speed(scene: Take) -> Iterable[Measured]:
     """The top speed of the fastest pose.
 
     It is::
@@ -79,7 +79,7 @@ def speed(scene: Scene) -> Iterable[Found]:
 
 
 @measure("jitter", "per second", limit=2)
-def jitter(scene: Scene) -> Iterable[Found]:
+def jitter(scene: Take) -> Iterable[Measured]:
     """Flickers of the pose that has most of them, in a second of speech.
 
     A flicker is a move of 0.05 or more and one back of as much, both over within 0.07 s: a frame
@@ -112,7 +112,7 @@ def _flickers(curve: Floats, times: Floats) -> Ints:
     return found
 
 
-def _shapes(scene: Scene) -> tuple[Ints, Ints, Ints]:
+def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
     """Return the runs of the strongest pose while a line is said: pose, first frame, past last.
 
     The pose is -1 where none is visible.
@@ -126,7 +126,7 @@ def _shapes(scene: Scene) -> tuple[Ints, Ints, Ints]:
 
 
 @measure("changes", "per second")
-def changes(scene: Scene) -> Iterable[Found]:
+def changes(scene: Take) -> Iterable[Measured]:
     """Changes of the strongest pose, in a second of speech. Limited only where a pose set says so.
 
     It is::
@@ -139,7 +139,7 @@ def changes(scene: Scene) -> Iterable[Found]:
 
 
 @measure("short_holds", "of stays")
-def short_holds(scene: Scene) -> Iterable[Found]:
+def short_holds(scene: Take) -> Iterable[Measured]:
     """Stays of the strongest pose that are shorter than 0.1 s, the first and the last left out.
 
     Limited only where a pose set says so: poses that blend change places all the time, drawings
@@ -167,12 +167,12 @@ def short_holds(scene: Scene) -> Iterable[Found]:
     )
 
 
-def _called(scene: Scene, pose: int) -> str:
+def _called(scene: Take, pose: int) -> str:
     return scene.face.names[pose] if pose >= 0 else "rest"
 
 
 @measure("silence", "of its range", limit=VISIBLE)
-def silence(scene: Scene) -> Iterable[Found]:
+def silence(scene: Take) -> Iterable[Measured]:
     """How far a pose moves while nothing is said.
 
     Beside a sound the mouth may move for `silence_reach` and the time a pose takes at its top
@@ -197,7 +197,7 @@ def silence(scene: Scene) -> Iterable[Found]:
     )
 
 
-def _quiet(scene: Scene, room: float) -> Bools:
+def _quiet(scene: Take, room: float) -> Bools:
     """Tell which frames lie in silence, and farther from any sound than `room`: (T,)."""
     bounds, sounds = scene.track.bounds, np.flatnonzero(scene.sounds)
     if not sounds.size:
@@ -210,7 +210,7 @@ def _quiet(scene: Scene, room: float) -> Bools:
 
 
 @measure("saturation", "of frames")
-def saturation(scene: Scene) -> Iterable[Found]:
+def saturation(scene: Take) -> Iterable[Measured]:
     """Frames of speech in which some pose stands at its most. Limited only where a set says so.
 
     A curve that is cut off at 1 for long has lost its shape::
@@ -226,7 +226,7 @@ def saturation(scene: Scene) -> Iterable[Found]:
 
 
 @measure("still", "of frames")
-def still(scene: Scene) -> Iterable[Found]:
+def still(scene: Take) -> Iterable[Measured]:
     """Frames of speech in which no pose moves. Limited only where a pose set says so.
 
     Slower than 0.1 per second is still. A long sound holds still; a mouth that does so for most of

@@ -138,7 +138,7 @@ def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Take:
     """An animation, what was said, and the face that says it."""
 
     times: Floats
@@ -231,7 +231,7 @@ class Scene:
         return touch.phonemes[self.track.ids] & ~self.track.waived
 
 
-def scene_of(animation: "Animation", performer: "Performer") -> Scene:
+def scene_of(animation: "Animation", performer: "Performer") -> Take:
     """Lay an animation beside what was said.
 
     Raises
@@ -249,7 +249,7 @@ def scene_of(animation: "Animation", performer: "Performer") -> Scene:
     track = performer.performance(animation.schedule, 60, **asked).track
     labels = animation.schedule.labels
     compiled = performer.compiled
-    return Scene(
+    return Take(
         times,
         np.ascontiguousarray(weights.T),
         face,

@@ -11,7 +11,7 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.render.plot import BIGRAMS, FINAL, INK, STAGES, THIN, draw
 from lipsync_lang.render.view import VISIBLE, WIDTH
-from lipsync_lang.resolver.bank_diff import TIMES, Change, Diff
+from lipsync_lang.resolver.bank_diff import TIMES, BigramChange, Diff
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +35,7 @@ AFTER: dict[str, Any] = {"color": FINAL, "lw": 1.7, "zorder": 4}
 class Panel(NamedTuple):
     """A bigram and the poses that it moves on either side."""
 
-    change: Change
+    change: BigramChange
     poses: list[int]
 
     @property
@@ -85,7 +85,7 @@ def _page(diff: Diff) -> "Figure":
     return figure
 
 
-def _moved(change: Change) -> list[int]:
+def _moved(change: BigramChange) -> list[int]:
     """Return the poses that move on either side."""
     tops = np.maximum(change.before.curves, change.after.curves).max(axis=0)
     return [int(pose) for pose in np.flatnonzero(tops > VISIBLE)]

@@ -18,7 +18,7 @@ from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.compiled import Origin
-from lipsync_lang.resolver.layers import Row, Shelf
+from lipsync_lang.resolver.layers import BigramRow, PairPacks
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -62,7 +62,7 @@ class PoseChange:
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class BigramChange:
     """One bigram on both sides, and the poses that differ, those that differ most first."""
 
     before: Side
@@ -113,11 +113,11 @@ class Diff:
     poses: tuple[str, ...]
     total: int
     """Bigrams compared."""
-    named: tuple[Change, ...]
+    named: tuple[BigramChange, ...]
     """The bigrams asked for, or else all that differ; the largest difference first."""
 
     @cached_property
-    def changes(self) -> tuple[Change, ...]:
+    def changes(self) -> tuple[BigramChange, ...]:
         """Those that differ."""
         return tuple(change for change in self.named if change.changed)
 
@@ -154,7 +154,7 @@ def diff_banks(
     LipsyncError
         A pack is unsound, the two have different poses, or a wanted bigram is unknown.
     """
-    shelf = Shelf.open(library, language, character)
+    shelf = PairPacks.open(library, language, character)
     other, words = _beneath(shelf) if against is None else _other(library, shelf, against)
     rows = zip(other.rows(), shelf.rows(), strict=True)
     pairs = {"-".join(after.origin.pair): (before, after) for before, after in rows}
@@ -177,7 +177,7 @@ def diff_banks(
     )
 
 
-def _beneath(shelf: Shelf) -> tuple[Shelf, str]:
+def _beneath(shelf: PairPacks) -> tuple[PairPacks, str]:
     """Return what a shelf lies on: the bare pose set, or its drafts."""
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Character
@@ -189,9 +189,9 @@ def _beneath(shelf: Shelf) -> tuple[Shelf, str]:
     return replace(shelf, character=Pack(bare, shelf.poseset.sources), own_banks=()), name
 
 
-def _other(library: "Library", shelf: Shelf, against: str) -> tuple[Shelf, str]:
+def _other(library: "Library", shelf: PairPacks, against: str) -> tuple[PairPacks, str]:
     """Open another character of the same pose set."""
-    other = Shelf.open(library, shelf.language.model.name, against)
+    other = PairPacks.open(library, shelf.language.model.name, against)
     mine, its = shelf.poseset.model.name, other.poseset.model.name
     if mine != its:
         raise LipsyncError(
@@ -201,7 +201,7 @@ def _other(library: "Library", shelf: Shelf, against: str) -> tuple[Shelf, str]:
     return other, other.character.model.name
 
 
-def _sampled(rows: Sequence[Row], poses: int) -> Floats:
+def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
     """Sample bigrams' curves, as tables hold them: (B, K, P)."""
     out = np.zeros((len(rows), RESOLUTION + 1, poses))
     alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
@@ -215,16 +215,16 @@ def _sampled(rows: Sequence[Row], poses: int) -> Floats:
     return out
 
 
-def _side(row: Row, curves: Floats) -> Side:
+def _side(row: BigramRow, curves: Floats) -> Side:
     return Side(row.origin, curves, row.boundary, row.free)
 
 
-def _change(before: Side, after: Side, poses: Sequence[str]) -> Change:
+def _change(before: Side, after: Side, poses: Sequence[str]) -> BigramChange:
     gained = after.curves - before.curves
     differs = np.flatnonzero(np.abs(gained).max(axis=0) > SLACK).tolist()
     changes = [_pose(poses[pose], gained[:, pose]) for pose in differs]
     changes.sort(key=lambda change: -abs(change.largest))
-    return Change(before, after, tuple(changes))
+    return BigramChange(before, after, tuple(changes))
 
 
 def _pose(pose: str, gained: Floats) -> PoseChange:
@@ -260,7 +260,7 @@ def told(diff: Diff, most: int | None = None) -> str:
     return "\n".join(lines)
 
 
-def _told_change(change: Change) -> Iterable[str]:
+def _told_change(change: BigramChange) -> Iterable[str]:
     before, after = change.before, change.after
     word = f", as in {change.word}" if change.word else ""
     if not change.changed:

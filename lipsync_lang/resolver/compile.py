@@ -17,7 +17,7 @@ from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
-from lipsync_lang.resolver.layers import NEUTRAL, Row, Shelf
+from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, PairPacks
 from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
 from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 def compile_pair(library: "Library", language: str, character: str) -> Compiled:
     """Read the packs of a pair and compile them; the package says which layers there are."""
-    shelf = Shelf.open(library, language, character)
+    shelf = PairPacks.open(library, language, character)
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
     rows = list(shelf.rows())
     pairs = np.zeros((len(shelf.phonemes), len(shelf.phonemes)), np.intp)
@@ -113,7 +113,7 @@ def _plain(data: Any) -> Any:
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
 
 
-def _motion(*layers: "models.Motion") -> Motion:
+def _motion(*layers: "models.MotionFields") -> Motion:
     motion = Motion()
     for layer in layers:
         motion = motion_with(motion, layer.model_dump(exclude_none=True))
@@ -131,7 +131,7 @@ def _checks(*layers: "models.Checks") -> dict[str, Any]:
     return {"limits": limits, "rules": rules}
 
 
-def _tabulate(rows: list[Row], poses: int) -> Singles:
+def _tabulate(rows: list[BigramRow], poses: int) -> Singles:
     """Sample every bigram's curves: (B, RESOLUTION + 1, P), row 0 at rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
@@ -154,7 +154,7 @@ def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -
     out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled.clip(0, 1)
 
 
-def _styled(shelf: Shelf, rows: list[Row], style: str) -> list[Row]:
+def _styled(shelf: PairPacks, rows: list[BigramRow], style: str) -> list[BigramRow]:
     """Return the rows of a style: those that no bank of it changes are neutral's own."""
     found = (shelf.authored(row.origin.pair, style) for row in rows)
     return [
@@ -163,7 +163,7 @@ def _styled(shelf: Shelf, rows: list[Row], style: str) -> list[Row]:
     ]
 
 
-def _bank(rows: list[Row], neutral: Singles) -> Bank:
+def _bank(rows: list[BigramRow], neutral: Singles) -> Bank:
     """Tabulate the rows of a style over those of neutral."""
     own = [number for number, row in enumerate(rows, 1) if row.style != NEUTRAL]
     curves = neutral.copy()
@@ -171,12 +171,12 @@ def _bank(rows: list[Row], neutral: Singles) -> Bank:
     return Bank(curves, *_marks(rows))
 
 
-def _statuses(rows: list[Row]) -> dict[str, int]:
+def _statuses(rows: list[BigramRow]) -> dict[str, int]:
     """Count the bigrams that banks of a style state."""
     return dict(sorted(Counter(r.origin.status for r in rows if r.style != NEUTRAL).items()))
 
 
-def _marks(rows: list[Row]) -> tuple[Floats, Bools]:
+def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
     """Return every row's boundary and waiver, row 0 at rest."""
     boundary = np.array([0.5, *(row.boundary for row in rows)])
     return boundary, np.array([False, *(row.free for row in rows)])
@@ -201,7 +201,7 @@ ENOUGH = 0.9
 """Share of a contact's floor that a curve should reach by itself."""
 
 
-def _warnings(shelf: Shelf, rows: list[Row], tables: Tables) -> list[Fault]:
+def _warnings(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> list[Fault]:
     """List what is sound but probably not meant: weak contacts, and words nobody performs."""
     found = [f for f in shelf.library.faults if f.severity == "warning"]
     names = list(shelf.poseset.model.contacts)
@@ -221,7 +221,9 @@ def _warnings(shelf: Shelf, rows: list[Row], tables: Tables) -> list[Fault]:
     return found
 
 
-def _short(row: Row, phoneme: str, contact: str, pose: str, top: float, floor: float) -> Fault:  # noqa: PLR0913, PLR0917 what the message says
+def _short(  # noqa: PLR0913, PLR0917 the words of the message
+    row: BigramRow, phoneme: str, contact: str, pose: str, top: float, floor: float
+) -> Fault:
     file, line, column = row.place or ("", 0, 0)
     what = (
         f"{'-'.join(row.origin.pair)} brings {pose} to {top:.2f} at {phoneme}, where contact "
@@ -231,7 +233,7 @@ def _short(row: Row, phoneme: str, contact: str, pose: str, top: float, floor: f
     return Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
 
 
-def _report(shelf: Shelf, origins: list[Origin], warnings: list[Fault]) -> Report:
+def _report(shelf: PairPacks, origins: list[Origin], warnings: list[Fault]) -> Report:
     silence = shelf.common.model.silence
     base = set(shelf.common.model.base)
     spoken = [o for o in origins if silence not in o.pair]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.banks.write import Drafts
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.resolver.layers import Shelf
+from lipsync_lang.resolver.layers import PairPacks
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -25,7 +25,7 @@ def draft_bigrams(
     LipsyncError
         A wanted bigram is not one of this language, or its phonemes have no targets.
     """
-    shelf = Shelf.open(library, language, character)
+    shelf = PairPacks.open(library, language, character)
     pairs = {"-".join(pair): pair for pair in shelf.pairs()}
     for key in wanted:
         if key not in pairs:

@@ -22,7 +22,7 @@ from lipsync_lang.resolver.compiled import Origin, Pair
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library, Pack, Place
+    from lipsync_lang.packs.library import FilePlace, Library, Pack
 
 
 NEUTRAL = "neutral"
@@ -30,7 +30,7 @@ NEUTRAL = "neutral"
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class BigramRow:
     """One bigram on its way into the tables."""
 
     origin: Origin
@@ -39,7 +39,7 @@ class Row:
     linear: bool = False
     boundary: float = 0.5
     free: bool = False
-    place: "Place | None" = None
+    place: "FilePlace | None" = None
     """Where a bank states it."""
     style: str = NEUTRAL
     drafted: bool = False
@@ -47,15 +47,15 @@ class Row:
 
 
 @dataclass(frozen=True, eq=False)
-class Shelf:
+class PairPacks:
     """The packs of one pair, side by side."""
 
     common: "Pack[models.Phonemes]"
     language: "Pack[models.Language]"
     character: "Pack[models.Character]"
     poseset: "Pack[models.PoseSet]"
-    banks: "tuple[Pack[models.Bank], ...]"
-    own_banks: "tuple[Pack[models.Bank], ...]"
+    banks: "tuple[Pack[models.BankPack], ...]"
+    own_banks: "tuple[Pack[models.BankPack], ...]"
     """Those that the character names."""
     library: "Library"
 
@@ -134,11 +134,11 @@ class Shelf:
         return found
 
     @cached_property
-    def layers(self) -> dict[str, dict[str, dict[Pair, Row]]]:
+    def layers(self) -> dict[str, dict[str, dict[Pair, BigramRow]]]:
         """Bigrams of the first three layers, by style; within both the earlier file wins."""
         own = self.character
         rows = self._bank_rows("character", own, own.model.bigrams, linear=False)
-        layers: dict[str, dict[str, dict[Pair, Row]]] = {
+        layers: dict[str, dict[str, dict[Pair, BigramRow]]] = {
             "character": {NEUTRAL: dict(rows)},
             "language": {},
             "shared": {},
@@ -160,7 +160,9 @@ class Shelf:
         found = {style for layer in self.layers.values() for style in layer}
         return tuple(sorted(found - {NEUTRAL}))
 
-    def _pack_rows(self, layer: str, bank: "Pack[models.Bank]") -> Iterator[tuple[Pair, Row]]:
+    def _pack_rows(
+        self, layer: str, bank: "Pack[models.BankPack]"
+    ) -> Iterator[tuple[Pair, BigramRow]]:
         linear = bank.model.interpolation == "linear"
         bigrams, style = bank.model.bigrams, bank.model.style
         return self._bank_rows(layer, bank, bigrams, linear=linear, style=style)
@@ -169,11 +171,11 @@ class Shelf:
         self,
         layer: str,
         pack: "Pack[Any]",
-        bigrams: "Mapping[str, models.Bigram]",
+        bigrams: "Mapping[str, models.BigramCurves]",
         *,
         linear: bool,
         style: str = NEUTRAL,
-    ) -> Iterator[tuple[Pair, Row]]:
+    ) -> Iterator[tuple[Pair, BigramRow]]:
         for key, bigram in bigrams.items():
             first, second = key.split("-")
             place = pack.where(("bigrams", key), key=True)
@@ -184,16 +186,16 @@ class Shelf:
             }
             straight = bigram.interpolation == "linear" or (linear and not bigram.interpolation)
             free = bigram.contact == "free"
-            row = Row(origin, curves, straight, bigram.boundary, free, place, style)
+            row = BigramRow(origin, curves, straight, bigram.boundary, free, place, style)
             yield (first, second), row
 
-    def rows(self) -> Iterator[Row]:
+    def rows(self) -> Iterator[BigramRow]:
         """Answer every ordered pair, in the order of the phonemes."""
         everyone = self.pairs()
         found = {pair: self.authored(pair) for pair in everyone}
         drafts = self.drafts([pair for pair in everyone if found[pair] is None])
         for pair in everyone:
-            gap = Row(Origin(pair, "gap", "", ()), {})
+            gap = BigramRow(Origin(pair, "gap", "", ()), {})
             yield found[pair] or drafts.get(pair, gap)
 
     def pairs(self) -> list[Pair]:
@@ -201,7 +203,7 @@ class Shelf:
         silence = self.common.model.silence
         return [(a, b) for a in self.phonemes for b in self.phonemes if {a, b} != {silence}]
 
-    def authored(self, pair: Pair, style: str = NEUTRAL) -> Row | None:
+    def authored(self, pair: Pair, style: str = NEUTRAL) -> BigramRow | None:
         """Return what a bank says of a pair, or of the pair it is like.
 
         Within a layer the style comes first, then neutral.
@@ -214,14 +216,14 @@ class Shelf:
         row = self._stated(alike, style) if alike != pair else None
         return row and replace(row, origin=row.origin._replace(pair=pair, layer="like"))
 
-    def _stated(self, pair: Pair, style: str) -> Row | None:
+    def _stated(self, pair: Pair, style: str) -> BigramRow | None:
         for layer in self.layers.values():
             for manner in dict.fromkeys((style, NEUTRAL)):
                 if pair in layer.get(manner, ()):
                     return layer[manner][pair]
         return None
 
-    def drafts(self, pairs: list[Pair]) -> dict[Pair, Row]:
+    def drafts(self, pairs: list[Pair]) -> dict[Pair, BigramRow]:
         """Draft the pairs whose two phonemes have targets."""
         targets = self._targets()
         able = [pair for pair in pairs if pair[0] in targets and pair[1] in targets]
@@ -233,7 +235,7 @@ class Shelf:
             places = tuple(targets[p][1] for p in pair if targets[p][1])
             moving = np.flatnonzero(poses.any(axis=1))
             curves = {int(pose): np.column_stack((TIMES, poses[pose])) for pose in moving}
-            drafts[pair] = Row(Origin(pair, "draft", "drafted", places), curves, drafted=True)
+            drafts[pair] = BigramRow(Origin(pair, "draft", "drafted", places), curves, drafted=True)
         return drafts
 
     def _targets(self) -> dict[str, tuple[Target, str]]:
@@ -252,7 +254,7 @@ class Shelf:
             found[silence] = (Target(still, np.ones(len(self.poses))), "")
         return found
 
-    def _target(self, steps: "Iterable[models.Target]") -> Target:
+    def _target(self, steps: "Iterable[models.PhonemeTarget]") -> Target:
         """Return a target as arrays.
 
         A pose that is not named yields to the neighbours, unless a constraint sets it against one

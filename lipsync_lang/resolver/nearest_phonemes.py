@@ -10,7 +10,7 @@ from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Value
-from lipsync_lang.phonology.nearest import Among
+from lipsync_lang.phonology.nearest import NearestPhonemes
 from lipsync_lang.resolver.language_tables import value_of
 
 if TYPE_CHECKING:
@@ -70,12 +70,12 @@ def _features(library: "Library") -> dict[str, Any]:
     return ipa.model.model_dump(mode="json", by_alias=True)
 
 
-def among(library: "Library", language: "Pack[models.Language]") -> Among:
+def among(library: "Library", language: "Pack[models.Language]") -> NearestPhonemes:
     """Return what finds the phonemes of a language nearest to a label."""
-    return Among.from_plain(plain_among(library, language))
+    return NearestPhonemes.from_plain(plain_among(library, language))
 
 
-def among_shared(names: Sequence[str]) -> Among | None:
+def among_shared(names: Sequence[str]) -> NearestPhonemes | None:
     """Return what finds the nearest of some common phonemes, as the packs found from here have it.
 
     For hints: where those packs are unsound or missing, there is none.
@@ -87,12 +87,12 @@ def among_shared(names: Sequence[str]) -> Among | None:
         common = library.common().model
         known = {n: list(common.phonemes[n].ipa) for n in names if n in common.phonemes}
         plain = {"features": _features(library), "candidates": known, "labels": ()}
-        return Among.from_plain(plain)
+        return NearestPhonemes.from_plain(plain)
     except PackError:
         return None
 
 
-def among_all(library: "Library", labels: Sequence[str] = ()) -> Among:
+def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes:
     """Return what finds the nearest of all common phonemes, for a language of some labels.
 
     Raises
@@ -103,7 +103,7 @@ def among_all(library: "Library", labels: Sequence[str] = ()) -> Among:
     common = library.common().model
     added = [name for name in common.phonemes if name not in (*common.base, common.silence)]
     known = {name: list(common.phonemes[name].ipa) for name in (*added, *common.base)}
-    return Among.from_plain(
+    return NearestPhonemes.from_plain(
         {"features": _features(library), "candidates": known, "labels": list(labels)}
     )
 
@@ -118,7 +118,7 @@ def candidates(language: "models.Language", common: "models.Phonemes") -> dict[s
     return {name: list(phoneme.ipa) for name, phoneme in stated.items() if phoneme is not None}
 
 
-def disagreements(language: "models.Language", near: Among) -> list[Disagreement]:
+def disagreements(language: "models.Language", near: NearestPhonemes) -> list[Disagreement]:
     """List the IPA labels that a language maps otherwise than their features would."""
     rows = []
     for label, sounds in language.notations.get(IPA, {}).items():
@@ -129,7 +129,7 @@ def disagreements(language: "models.Language", near: Among) -> list[Disagreement
     return rows
 
 
-def fights(language: "models.Language", near: Among) -> list[tuple[str, list[str]]]:
+def fights(language: "models.Language", near: NearestPhonemes) -> list[tuple[str, list[str]]]:
     """List the IPA labels mapped to mouths that their features forbid, without a reason given."""
     rows = []
     for label, sounds in language.notations.get(IPA, {}).items():

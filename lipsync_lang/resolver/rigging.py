@@ -29,7 +29,7 @@ def plain_rig(
     return {"name": model.name, "channels": plain_channels(model, to), "lost": dict(model.lost)}
 
 
-def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.Rig]":
+def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.RigPack]":
     """Load a rig of a pose set, sound in itself and with it.
 
     Raises

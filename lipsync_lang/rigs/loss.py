@@ -56,7 +56,7 @@ class Loss:
         return {**asdict(self), "what": self.what}
 
 
-def losses(library: "Library", rig: "Pack[models.Rig]") -> tuple[Loss, ...]:
+def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
     """List the poses that a rig loses something of, in the order of its pose set."""
     poses = tuple(library.poseset(rig.model.poseset).model.poses)
     data = {"channels": plain_channels(rig.model, None)}

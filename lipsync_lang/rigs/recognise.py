@@ -27,7 +27,7 @@ SHOWN = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class ChannelPlaces:
     """Where channels are on a model."""
 
     places: dict[str, tuple[str, ...]] = field(default_factory=dict)
@@ -47,7 +47,7 @@ class Match:
     """The rig that drives the model; None where the poses themselves are its shapes."""
     poses: tuple[str, ...]
     """Every pose of the set."""
-    found: Found
+    found: ChannelPlaces
     missing: tuple[str, ...]
     """Channels that the model does not have."""
     left: tuple[str, ...]
@@ -116,7 +116,7 @@ def recognise(library: "Library", model: "Model") -> tuple[Match, ...]:
     return tuple(sorted(found, key=lambda match: match.rank))
 
 
-def find(channels: "Sequence[Channel]", model: "Model") -> Found:
+def find(channels: "Sequence[Channel]", model: "Model") -> ChannelPlaces:
     """Find channels among the shapes of every mesh, and among the bones."""
     places: dict[str, dict[str, None]] = {}
     shared: dict[str, tuple[str, ...]] = {}
@@ -131,10 +131,10 @@ def find(channels: "Sequence[Channel]", model: "Model") -> Found:
     for channel in channels:
         if channel.node in model.nodes:
             places[channel.name] = {str(channel.node): None}
-    return Found({name: (*own,) for name, own in places.items()}, shared, (*doubts,))
+    return ChannelPlaces({name: (*own,) for name, own in places.items()}, shared, (*doubts,))
 
 
-def reduced(rig: "models.Rig", found: Found) -> "models.Rig":
+def reduced(rig: "models.RigPack", found: ChannelPlaces) -> "models.RigPack":
     """Return a rig with those of its channels that are found, one by one."""
     kept = {name: one for name, one in channels_of(rig).items() if name in found.places}
     plain = {
@@ -162,12 +162,12 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> I
             yield Match(poseset.name, rig.model.name, poses, found, missing, left, lost)
 
 
-def _sound(library: "Library", poseset: "models.PoseSet") -> "Iterator[Pack[models.Rig]]":
+def _sound(library: "Library", poseset: "models.PoseSet") -> "Iterator[Pack[models.RigPack]]":
     """Yield the rigs of a pose set that nothing is wrong with."""
     known = {found.name for found in library.names("poseset")}
     for path in library.rigs_of(poseset.name):
         try:
-            rig = cast("Pack[models.Rig]", library.load(path, "rig", path.stem))
+            rig = cast("Pack[models.RigPack]", library.load(path, "rig", path.stem))
             to = library.poseset(rig.model.to).model if rig.model.to in known else None
         except PackError:
             continue
@@ -175,14 +175,14 @@ def _sound(library: "Library", poseset: "models.PoseSet") -> "Iterator[Pack[mode
             yield rig
 
 
-def _channels(library: "Library", rig: "models.Rig") -> "tuple[Channel, ...]":
+def _channels(library: "Library", rig: "models.RigPack") -> "tuple[Channel, ...]":
     to = library.poseset(rig.to).model if rig.to is not None else None
     poses = tuple(library.poseset(rig.poseset).model.poses)
     plain = {"channels": plain_channels(rig, to)}
     return Driver.from_plain(plain, poses, np.zeros(len(poses))).channels
 
 
-def _left(model: "Model", found: Found) -> tuple[str, ...]:
+def _left(model: "Model", found: ChannelPlaces) -> tuple[str, ...]:
     """Return the shapes that nothing drives."""
     driven = {shape for shapes in found.places.values() for shape in shapes}
     shapes = dict.fromkeys(shape for mesh in model.meshes for shape in mesh.shapes)

@@ -6,29 +6,29 @@ Lines that begin with a backslash hold the frequencies of the label above, and a
 import re
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether the first line is a label, with fractions of seconds as Audacity writes them."""
     found = LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0])
     return bool(found and not found[1].isdecimal() and not found[2].isdecimal())
 
 
 @reader("audacity", ".txt", looks=looks)
-def read_audacity(source: Source) -> Schedule:
+def read_audacity(source: TimingFile) -> Schedule:
     """Audacity label tracks of phonemes, exported as text."""
     rows = [_row(source, n, line) for n, line in source.lines if line[0] != "\\"]
     return schedule_of(source, rows, guess=True)
 
 
-def _row(source: Source, number: int, line: str) -> Row:
+def _row(source: TimingFile, number: int, line: str) -> LabelRow:
     found = LABEL.fullmatch(line)
     if not found:
         raise source.fault("is no label; it is START, END and TEXT with tabs between", number)
     start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
-    return Row(found[3] or "", start, end, number)
+    return LabelRow(found[3] or "", start, end, number)

@@ -14,9 +14,9 @@ from typing import Any
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 NOTATION = "azure"
 
@@ -31,16 +31,16 @@ VISEME = re.compile(r'"(priv)?viseme_?id"\s*:', re.IGNORECASE)
 Event = dict[str, Any]
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it starts with an object or a list, and has viseme numbers."""
     return source.head.lstrip()[:1] in ("{", "[") and VISEME.search(source.head) is not None
 
 
 @reader(NOTATION, ".json", ".jsonl", looks=looks)
-def read_azure(source: Source) -> Schedule:
+def read_azure(source: TimingFile) -> Schedule:
     """Viseme events of Azure speech, in a JSON list or one on each line."""
     starts: list[Start] = []
-    words: list[Row] = []
+    words: list[LabelRow] = []
     end = None
     for line, event in _events(source):
         at = source.number(event.get("offset"), line)
@@ -50,12 +50,12 @@ def read_azure(source: Source) -> Schedule:
             end = at
         elif isinstance(event.get("text"), dict) and event["text"].get("BoundaryType") == "Word":
             length = source.number(event.get("duration"), line)
-            words.append(Row(str(event["text"].get("Text")), at, at + length, line))
+            words.append(LabelRow(str(event["text"].get("Text")), at, at + length, line))
     rows, told = until_next(source, starts, rest="0", end=end, rate=TICKS)
     return shapes_of(source, rows, notation=NOTATION, words=words, rate=TICKS, remarks=told)
 
 
-def _events(source: Source) -> Iterator[tuple[int | None, Event]]:
+def _events(source: TimingFile) -> Iterator[tuple[int | None, Event]]:
     """Yield events under one spelling of their names, and the line of each."""
     for line, value in source.events:
         inner = value.get("Metadata") if isinstance(value, dict) else None
@@ -72,7 +72,7 @@ def _plain(name: str) -> str:
     return re.sub(r"^(priv)?(audio)?", "", name.replace("_", "").lower())
 
 
-def _number(source: Source, value: object, line: int | None) -> str:
+def _number(source: TimingFile, value: object, line: int | None) -> str:
     """Return the label of a viseme."""
     if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST:
         return str(value)

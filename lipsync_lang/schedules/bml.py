@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.schedules.mouth_shapes import shapes_of, until_next
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 NOTATION = "smartbody"
 
 
-class Shape(NamedTuple):
+class LipShape(NamedTuple):
     """A shape, how strongly it is articulated, and its times; no end in replies."""
 
     label: str
@@ -31,18 +31,18 @@ class Shape(NamedTuple):
     weight: float
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it is XML with lips or visemes."""
     return source.root is not None and ("<lips " in source.head or "<viseme " in source.head)
 
 
 @reader("bml", ".bml", ".xml", looks=looks)
-def read_bml(source: Source) -> Schedule:
+def read_bml(source: TimingFile) -> Schedule:
     """SmartBody's BML with lips, and the replies of its speech relays with visemes."""
     shapes = list(_shapes(source))
     if not shapes and source.xml.find(".//curve") is not None:
         raise source.fault("holds finished curves, not visemes; there is nothing to time here")
-    strongest: dict[float, Shape] = {}
+    strongest: dict[float, LipShape] = {}
     for shape in shapes:
         before = strongest.setdefault(shape.start, shape)
         if shape.weight > before.weight:
@@ -51,7 +51,7 @@ def read_bml(source: Source) -> Schedule:
     if len(strongest) < len(shapes):
         weaker = len(shapes) - len(strongest)
         told.append(f"{source.path}: {weaker} weaker shapes start with a stronger one; left out")
-    stated = [Row(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
+    stated = [LabelRow(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
     words = list(_words(source))
     ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
     open_ended = [(s.label, s.start, None) for s in strongest.values() if s.end is None]
@@ -60,13 +60,13 @@ def read_bml(source: Source) -> Schedule:
     return shapes_of(source, stated + rows, words=words, notation=NOTATION, remarks=remarks)
 
 
-def _shapes(source: Source) -> Iterator[Shape]:
+def _shapes(source: TimingFile) -> Iterator[LipShape]:
     for element in source.xml.iter():
         if element.tag not in ("lips", "viseme"):
             continue
         name = "viseme" if element.tag == "lips" else "type"
         weight = element.get("articulation")
-        yield Shape(
+        yield LipShape(
             _text(source, element, name),
             source.time(element.get("start")),
             source.time(element.get("end")) if element.tag == "lips" else None,
@@ -74,18 +74,18 @@ def _shapes(source: Source) -> Iterator[Shape]:
         )
 
 
-def _text(source: Source, element: "Element", name: str) -> str:
+def _text(source: TimingFile, element: "Element", name: str) -> str:
     text = element.get(name)
     if text is None:
         raise source.fault(f"a <{element.tag}> has no `{name}`; export it anew")
     return text
 
 
-def _words(source: Source) -> Iterator[Row]:
+def _words(source: TimingFile) -> Iterator[LabelRow]:
     """Yield words between marks of time."""
     marks = [mark for mark in source.xml.iter("sync") if mark.get("time") is not None]
     times = [source.time(mark.get("time")) for mark in marks]
     for number, mark in enumerate(marks[:-1]):
         text = (mark.tail or "").strip()
         if text and times[number] < times[number + 1]:
-            yield Row(text, times[number], times[number + 1])
+            yield LabelRow(text, times[number], times[number + 1])

@@ -8,25 +8,25 @@ import re
 from collections import defaultdict
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, only
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 COMMENT = ";;"
 SOUND = re.compile(r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIES])?(?:\s.*)?")
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether the first line that is no comment is a sound."""
     lines = [line for line in source.head.split("\n") if line.strip()]
     return bool(SOUND.fullmatch(next((x for x in lines if not x.startswith(COMMENT)), "")))
 
 
 @reader("ctm", ".ctm", looks=looks, tiers=True)
-def read_ctm(source: Source) -> Schedule:
+def read_ctm(source: TimingFile) -> Schedule:
     """CTM of phones, as Kaldi writes it; of several files or channels, one is named."""
-    tiers: dict[tuple[str, str], list[Row]] = defaultdict(list)
+    tiers: dict[tuple[str, str], list[LabelRow]] = defaultdict(list)
     for number, line in source.lines:
         if line.startswith(COMMENT):
             continue
@@ -34,11 +34,11 @@ def read_ctm(source: Source) -> Schedule:
         if not found:
             raise source.fault("is no sound; it is FILE CHANNEL START DURATION LABEL", number)
         start, length = source.time(found[3], number), source.time(found[4], number)
-        tiers[found[1], found[2]].append(Row(found[5], start, start + length, number))
+        tiers[found[1], found[2]].append(LabelRow(found[5], start, start + length, number))
     return schedule_of(source, only(source, _named(tiers), "files or channels").rows)
 
 
-def _named(tiers: dict[tuple[str, str], list[Row]]) -> list[Tier]:
+def _named(tiers: dict[tuple[str, str], list[LabelRow]]) -> list[Tier]:
     """Name them after the file, the channel or both, as far as these tell them apart."""
     telling = [at for at in (0, 1) if len({key[at] for key in tiers}) > 1] or [0]
     return [Tier(" ".join(key[at] for at in telling), tuple(rows)) for key, rows in tiers.items()]

@@ -8,9 +8,9 @@ have a file of the same name with `.words` beside them. After `;` a line has fur
 import re
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 START = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
 """The end of the header, and the first label."""
@@ -21,13 +21,13 @@ MARKED = ("<", "{")
 """How what is no word starts."""
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether the header ends, and a time, a number and a label follow."""
     return START.search(source.head) is not None
 
 
 @reader("esps", ".phones", ".lab", ".segs", ".seg", looks=looks)
-def read_esps(source: Source) -> Schedule:
+def read_esps(source: TimingFile) -> Schedule:
     """Labels of Festival (segments), xwaves and the Buckeye corpus, with its .words beside it."""
     if source.path.suffix.lower() == ".words":
         raise source.fault("holds words, not phones; give the .phones beside it")
@@ -37,17 +37,17 @@ def read_esps(source: Source) -> Schedule:
     return schedule_of(source, _rows(source), words=spoken)
 
 
-def _rows(source: Source) -> list[Row]:
+def _rows(source: TimingFile) -> list[LabelRow]:
     at = next((n for n, (_, line) in enumerate(source.lines) if line.strip() == "#"), None)
     if at is None:
         raise source.fault("has no line with `#` alone, which ends the header")
-    rows: list[Row] = []
+    rows: list[LabelRow] = []
     start = 0.0
     for number, line in source.lines[at + 1 :]:
         found = LINE.fullmatch(line)
         if found is None:
             raise source.fault(f"{line.strip()[:40]!r} is not a time, a colour and a label", number)
         end = source.time(found[1], number)
-        rows.append(Row((found[2] or "").strip(), start, end, number))
+        rows.append(LabelRow((found[2] or "").strip(), start, end, number))
         start = end
     return rows

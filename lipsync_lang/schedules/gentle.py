@@ -7,9 +7,9 @@ Words that were not found in the sound have no times, and are told of; the mouth
 import re
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 PLACE = re.compile(r"_[BEIS]$")
 """Begins, ends, is inside, or is all of a word."""
@@ -17,7 +17,7 @@ PLACE = re.compile(r"_[BEIS]$")
 FORM = '{"words": [{"word": "a", "start": 0.1, "phones": [{"phone": "ah_S", "duration": 0.1}]}]}'
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether its words say whether they were found, or have phones."""
     words = source.document.get("words") if source.holds("words") else None
     first = words[0] if isinstance(words, list) and words else None
@@ -25,13 +25,13 @@ def looks(source: Source) -> bool:
 
 
 @reader("gentle", ".json", looks=looks)
-def read_gentle(source: Source) -> Schedule:
+def read_gentle(source: TimingFile) -> Schedule:
     """Words and phones of the aligner Gentle."""
     words = source.json.get("words") if isinstance(source.json, dict) else None
     if not isinstance(words, list) or not all(isinstance(word, dict) for word in words):
         raise source.fault(f"has no list of words; the form is {FORM}")
-    rows: list[Row] = []
-    spans: list[Row] = []
+    rows: list[LabelRow] = []
+    spans: list[LabelRow] = []
     lost: list[str] = []
     for word in words:
         text = str(word.get("word") or word.get("alignedWord") or "")
@@ -41,9 +41,9 @@ def read_gentle(source: Source) -> Schedule:
         start = at = source.number(word["start"])
         for phone in _phones(source, word):
             end = at + source.number(phone.get("duration"))
-            rows.append(Row(PLACE.sub("", str(phone.get("phone", ""))), at, end))
+            rows.append(LabelRow(PLACE.sub("", str(phone.get("phone", ""))), at, end))
             at = end
-        spans.append(Row(text, start, at))
+        spans.append(LabelRow(text, start, at))
     if lost and not rows:
         raise source.fault("none of its words was found in the sound; align it anew")
     shown = ", ".join(lost[:8]) + (f" and {len(lost) - 8} more" if len(lost) > 8 else "")  # noqa: PLR2004
@@ -51,7 +51,7 @@ def read_gentle(source: Source) -> Schedule:
     return schedule_of(source, rows, words=spans, remarks=told if lost else ())
 
 
-def _phones(source: Source, word: dict[str, object]) -> list[dict[str, object]]:
+def _phones(source: TimingFile, word: dict[str, object]) -> list[dict[str, object]]:
     phones = word.get("phones")
     if not isinstance(phones, list) or not all(isinstance(phone, dict) for phone in phones):
         raise source.fault(f"a word has no list of phones; the form is {FORM}")

@@ -11,9 +11,9 @@ from pathlib import PureWindowsPath
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 UNITS = 1e7
 """Units of 100 ns per second."""
@@ -33,7 +33,7 @@ CONTEXT = re.compile(
 Lines = list[tuple[int, str]]
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it starts with two times and a label, or is a master file.
 
     So is a `.lab` of words without any number: it is taken for a transcript, and told so.
@@ -52,11 +52,11 @@ def _is_prose(text: str) -> bool:
 
 
 @reader("htk", ".lab", ".mlf", looks=looks, tiers=True)
-def read_htk(source: Source) -> Schedule:
+def read_htk(source: TimingFile) -> Schedule:
     """HTK and HTS labels, full-context ones included, and one utterance of a master label file."""
     lines, told = _first(source, _utterance(source))
-    rows: list[Row] = []
-    words: list[Row] = []
+    rows: list[LabelRow] = []
+    words: list[LabelRow] = []
     state, rate = "", UNITS
     for number, line in lines:
         found = TIMED.fullmatch(line)
@@ -71,9 +71,9 @@ def read_htk(source: Source) -> Schedule:
             rows[-1] = rows[-1]._replace(end=end)
             continue
         state = whole
-        rows.append(Row(context["phone"] if context else found[3], start, end, number))
+        rows.append(LabelRow(context["phone"] if context else found[3], start, end, number))
         if word := _word(found[4]):
-            words.append(Row(word, start, end, number))
+            words.append(LabelRow(word, start, end, number))
     stops = [*(word.start for word in words[1:]), rows[-1].end if rows else 0.0]
     words = [
         word._replace(end=max(stop, word.end)) for word, stop in zip(words, stops, strict=False)
@@ -86,7 +86,7 @@ def _word(rest: str) -> str:
     return next((part for part in rest.split() if not re.fullmatch(NUMBER, part)), "")
 
 
-def _utterance(source: Source) -> Lines:
+def _utterance(source: TimingFile) -> Lines:
     """Return the lines of the utterance asked for, or of the only one."""
     lines = source.lines
     if not lines or not lines[0][1].startswith(MASTER):
@@ -113,7 +113,7 @@ def _utterance(source: Source) -> Lines:
     return parts[source.tier or names[0]]
 
 
-def _first(source: Source, lines: Lines) -> tuple[Lines, list[str]]:
+def _first(source: TimingFile, lines: Lines) -> tuple[Lines, list[str]]:
     """Return the first of several transcriptions of one utterance, and a word about it."""
     cuts = [at for at, (_, line) in enumerate(lines) if line.strip() == OTHER]
     if not cuts:
@@ -122,7 +122,7 @@ def _first(source: Source, lines: Lines) -> tuple[Lines, list[str]]:
     return lines[: cuts[0]], [told]
 
 
-def _untimed(source: Source, number: int, line: str) -> Exception:
+def _untimed(source: TimingFile, number: int, line: str) -> Exception:
     if re.match(r"\s*[-+]?\d", line):
         return source.fault(f"{line.strip()[:40]!r} is not a start, an end and a label", number)
     return source.fault(

@@ -5,12 +5,12 @@ from typing import Any
 
 from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.schedule import Schedule, words_from_spans
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 SHAPE = '{"phonemes": [{"label": "HH", "start": 0.0, "end": 0.08}, ...], "words": [{"text": ...}]}'
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether there are phonemes, or rows with a label, a start and an end."""
     if isinstance(source.document, list):
         first = source.document[0] if source.document else None
@@ -19,7 +19,7 @@ def looks(source: Source) -> bool:
 
 
 @reader("json", ".json", looks=looks)
-def read_json(source: Source) -> Schedule:
+def read_json(source: TimingFile) -> Schedule:
     """Phonemes and words with their label or text, start and end in seconds."""
     document = source.json
     rows = document.get("phonemes") if isinstance(document, dict) else document
@@ -41,19 +41,19 @@ def _text(document: object, key: str) -> str | None:
 
 
 def _row(
-    source: Source, what: str, name: str, number: int, row: object
+    source: TimingFile, what: str, name: str, number: int, row: object
 ) -> tuple[str, float, float]:
     if isinstance(row, dict) and isinstance(row.get(name), str) and {"start", "end"} <= row.keys():
         return row[name], _seconds(source, row["start"]), _seconds(source, row["end"])
     raise source.fault(f"{what} {number} needs {name}, start and end; the form is {SHAPE}")
 
 
-def _seconds(source: Source, value: Any) -> Any:
+def _seconds(source: TimingFile, value: Any) -> Any:
     """Return a time in seconds; what is none is refused where it stands in the schedule."""
     return source.number(value) / source.rate if source.rate else value
 
 
-def _with_words(source: Source, schedule: Schedule, rows: object) -> Schedule:
+def _with_words(source: TimingFile, schedule: Schedule, rows: object) -> Schedule:
     if not isinstance(rows, list):
         raise source.fault(f"words must be a list; the form is {SHAPE}")
     spans = [_row(source, "word", "text", n, row) for n, row in enumerate(rows)]

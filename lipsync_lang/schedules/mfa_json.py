@@ -7,21 +7,21 @@ Tiers are a mapping from names, or a list in which each has its name. Entries of
 from typing import Any
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, read_tiers
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 SHAPE = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether there are tiers."""
     return source.holds("tiers")
 
 
 @reader("mfa-json", ".json", looks=looks, tiers=True)
-def read_mfa_json(source: Source) -> Schedule:
+def read_mfa_json(source: TimingFile) -> Schedule:
     """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
     document = source.json
     tiers = document.get("tiers") if isinstance(document, dict) else None
@@ -32,7 +32,7 @@ def read_mfa_json(source: Source) -> Schedule:
     raise source.fault(f"has no tiers; the form is {SHAPE}")
 
 
-def _intervals(source: Source, tiers: list[tuple[Any, Any]]) -> list[Tier]:
+def _intervals(source: TimingFile, tiers: list[tuple[Any, Any]]) -> list[Tier]:
     """Return the tiers whose type, or class, is intervals."""
     found = []
     for name, tier in tiers:
@@ -45,8 +45,8 @@ def _intervals(source: Source, tiers: list[tuple[Any, Any]]) -> list[Tier]:
     return found
 
 
-def _row(source: Source, name: object, entry: object) -> Row:
+def _row(source: TimingFile, name: object, entry: object) -> LabelRow:
     match entry:
         case [start, end, str(label)]:
-            return Row(label, source.number(start), source.number(end))
+            return LabelRow(label, source.number(start), source.number(end))
     raise source.fault(f"tier {name!r}: an entry is [start, end, label], not {str(entry)[:80]}")

@@ -8,20 +8,20 @@ apart is lost, and the schedule says so.
 from collections.abc import Iterable
 from operator import itemgetter
 
-from lipsync_lang.schedules.rows import SOUND, Row, schedule_of
+from lipsync_lang.schedules.rows import SOUND, LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 Start = tuple[str, float, int | None]
 """A label, when it starts, and the line it stands in."""
 
 
 def shapes_of(  # noqa: PLR0913 each says one thing that a format may
-    source: Source,
-    rows: Iterable[Row],
+    source: TimingFile,
+    rows: Iterable[LabelRow],
     *,
     notation: str,
-    words: Iterable[Row] = (),
+    words: Iterable[LabelRow] = (),
     rate: float | None = None,
     remarks: Iterable[str] = (),
 ) -> Schedule:
@@ -35,13 +35,13 @@ def shapes_of(  # noqa: PLR0913 each says one thing that a format may
 
 
 def until_next(
-    source: Source,
+    source: TimingFile,
     starts: Iterable[Start],
     *,
     rest: str,
     end: float | None = None,
     rate: float = 1.0,
-) -> tuple[list[Row], list[str]]:
+) -> tuple[list[LabelRow], list[str]]:
     """Let each label last until the next one starts.
 
     Parameters
@@ -68,5 +68,5 @@ def until_next(
             last_one = f"{source.path}: does not say when its last label, {label!r}, ends"
             told = [f"{last_one}; it is given {SOUND:g} s"]
     ends = [start for _, start, _ in ordered[1:]] + [end]
-    rows = [Row(one[0], one[1], stop, one[2]) for one, stop in zip(ordered, ends, strict=True)]
+    rows = [LabelRow(one[0], one[1], stop, one[2]) for one, stop in zip(ordered, ends, strict=True)]
     return [row for row in rows if row.end > row.start], told

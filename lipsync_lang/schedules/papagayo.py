@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 NOTATION = "preston-blair"
 
@@ -24,7 +24,7 @@ SOUNDS = "cmu"
 HEADER = "lipsync version 1"
 
 
-class Spoken(NamedTuple):
+class PapagayoWord(NamedTuple):
     """A word: its first and last frame, and the frames at which its mouths start."""
 
     text: str
@@ -34,16 +34,16 @@ class Spoken(NamedTuple):
     line: int | None
 
 
-Voices = dict[str, list[Spoken]]
+Voices = dict[str, list[PapagayoWord]]
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it has the program's header, or voices and a frame rate."""
     return source.head.startswith(HEADER) or source.holds("voices", "fps")
 
 
 @reader("papagayo", ".pgo", ".pg2", looks=looks, tiers=True)
-def read_papagayo(source: Source) -> Schedule:
+def read_papagayo(source: TimingFile) -> Schedule:
     """Papagayo's .pgo and .pg2: mouth shapes or sounds by frames, with words; one voice."""
     written = source.holds("voices", "fps")
     fps, notation, voices = _of_json(source) if written else _of_text(source)
@@ -52,15 +52,17 @@ def read_papagayo(source: Source) -> Schedule:
     for number, word in enumerate(words):
         following = words[number + 1].first if number + 1 < len(words) else float("inf")
         end = min(word.last + 1, max(following, word.last))
-        spans.append(Row(word.text, word.first, end, word.line))
+        spans.append(LabelRow(word.text, word.first, end, word.line))
         stops = [*(start for _, start, _ in word.starts[1:]), end]
-        rows += [Row(s[0], s[1], stop, s[2]) for s, stop in zip(word.starts, stops, strict=True)]
+        rows += [
+            LabelRow(s[0], s[1], stop, s[2]) for s, stop in zip(word.starts, stops, strict=True)
+        ]
     if notation is None:
         return schedule_of(source, rows, words=spans, rate=fps)
     return shapes_of(source, rows, words=spans, notation=notation, rate=fps)
 
 
-def _voice(source: Source, voices: Voices) -> list[Spoken]:
+def _voice(source: TimingFile, voices: Voices) -> list[PapagayoWord]:
     """Return the words of the voice that is asked for, or of the only one that speaks."""
     speaking = [name for name, words in voices.items() if words]
     names = ", ".join(map(repr, voices))
@@ -77,7 +79,7 @@ def _voice(source: Source, voices: Voices) -> list[Spoken]:
 class _Lines:
     """Lines of a `.pgo`, taken one after the other."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: TimingFile) -> None:
         self.source = source
         self.rows = source.text.split("\n")
         self.number = 0
@@ -104,7 +106,7 @@ class _Lines:
         return found
 
 
-def _of_text(source: Source) -> tuple[float, str, Voices]:
+def _of_text(source: TimingFile) -> tuple[float, str, Voices]:
     lines = _Lines(source)
     if lines.next() != HEADER:
         raise source.fault(f"does not start with '{HEADER}'", 1)
@@ -124,17 +126,17 @@ def _of_text(source: Source) -> tuple[float, str, Voices]:
     return fps, NOTATION, voices
 
 
-def _word(lines: _Lines) -> Spoken:
+def _word(lines: _Lines) -> PapagayoWord:
     text, first, last, count = lines.fields(4)
     at, start, end = lines.number, lines.count(first), lines.count(last)
     starts: list[Start] = []
     for _ in range(lines.count(count)):
         frame, label = lines.fields(2)
         starts.append((label, lines.count(frame), lines.number))
-    return Spoken(text, start, end, starts, at)
+    return PapagayoWord(text, start, end, starts, at)
 
 
-def _of_json(source: Source) -> tuple[float, str | None, Voices]:
+def _of_json(source: TimingFile) -> tuple[float, str | None, Voices]:
     whole = source.json
     fps = source.number(whole["fps"])
     if fps <= 0:
@@ -152,11 +154,11 @@ def _of_json(source: Source) -> tuple[float, str | None, Voices]:
                 ]
                 first = source.number(word.get("start_frame"))
                 last = source.number(word.get("end_frame"))
-                words.append(Spoken(str(word.get("text", "")), first, last, starts, None))
+                words.append(PapagayoWord(str(word.get("text", "")), first, last, starts, None))
     return fps, notation, voices
 
 
-def _parts(source: Source, whole: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
+def _parts(source: TimingFile, whole: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
     parts = whole.get(name)
     if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
         raise source.fault(f"`{name}` must be a list of objects")

@@ -8,24 +8,24 @@ spelled.
 import re
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 PHONES, WORDS, RATE = "MAU", "ORT", "SAM"
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it starts with the header."""
     return re.match(r"\s*LHD:", source.head) is not None
 
 
 @reader("partitur", ".par", looks=looks)
-def read_partitur(source: Source) -> Schedule:
+def read_partitur(source: TimingFile) -> Schedule:
     """BAS Partitur with a tier of MAUS, and the words of its text."""
-    rows: list[Row] = []
+    rows: list[LabelRow] = []
     words: dict[str, str] = {}
-    spans: dict[str, Row] = {}
+    spans: dict[str, LabelRow] = {}
     rate = None
     for number, line in source.lines:
         tier, _, rest = line.strip().partition(":")
@@ -46,11 +46,11 @@ def read_partitur(source: Source) -> Schedule:
     return schedule_of(source, rows, words=spoken, rate=rate)
 
 
-def _phone(source: Source, number: int, rest: str) -> tuple[Row, str]:
+def _phone(source: TimingFile, number: int, rest: str) -> tuple[LabelRow, str]:
     """Return a phone with its samples, and the number of its word."""
     parts = rest.split(None, 3)
     if len(parts) != 4:  # noqa: PLR2004 start, duration, link, label
         raise source.fault("a phone needs a start, a duration, a link and a label", number)
     start = source.time(parts[0], number)
     length = source.time(parts[1], number) + 1
-    return Row(parts[3], start, start + length, number), re.split("[,;]", parts[2])[0]
+    return LabelRow(parts[3], start, start + length, number), re.split("[,;]", parts[2])[0]

@@ -9,9 +9,9 @@ import re
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 NOTATION = "polly"
 
@@ -23,14 +23,14 @@ MARK = re.compile(r"""\s*\[?\s*\{[^{}]*"type"\s*:\s*"(viseme|word|sentence|ssml)
 """The first mark, with its time before or after its type."""
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it starts with a speech mark."""
     found = MARK.match(source.head)
     return found is not None and '"time"' in found[0]
 
 
 @reader(NOTATION, ".marks", ".jsonl", looks=looks)
-def read_polly(source: Source) -> Schedule:
+def read_polly(source: TimingFile) -> Schedule:
     """Speech marks of Amazon Polly with visemes; words where they were asked for."""
     marks: dict[str, list[Start]] = {"viseme": [], "word": []}
     for line, mark in source.events:
@@ -53,11 +53,11 @@ def read_polly(source: Source) -> Schedule:
     )
 
 
-def _words(words: list[Start], rows: list[Row]) -> list[Row]:
+def _words(words: list[Start], rows: list[LabelRow]) -> list[LabelRow]:
     """End each word where the next one, or a rest, starts."""
     stops = sorted([w[1] for w in words] + [row.start for row in rows if row.label == REST])
     last = max((row.end for row in rows), default=0.0)
     return [
-        Row(text, start, next((stop for stop in stops if stop > start), last), line)
+        LabelRow(text, start, next((stop for stop in stops if stop > start), last), line)
         for text, start, line in words
     ]

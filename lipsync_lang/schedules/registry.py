@@ -13,14 +13,14 @@ from pkgutil import iter_modules
 from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source, read_timings
+from lipsync_lang.schedules.timing_file import TimingFile, read_timings
 
-Read = Callable[[Source], Schedule]
-Looks = Callable[[Source], bool]
+Read = Callable[[TimingFile], Schedule]
+Looks = Callable[[TimingFile], bool]
 
 
 @dataclass(frozen=True)
-class Reader:
+class ScheduleReader:
     """One input format: its name, the suffixes it is known by, what tells it, and what reads it."""
 
     name: str
@@ -32,7 +32,7 @@ class Reader:
     """Whether a file may hold several of what it is, of which `tier` names one."""
 
 
-READERS: dict[str, Reader] = {}
+READERS: dict[str, ScheduleReader] = {}
 
 
 def reader(name: str, *suffixes: str, looks: Looks, tiers: bool = False) -> Callable[[Read], Read]:
@@ -44,13 +44,13 @@ def reader(name: str, *suffixes: str, looks: Looks, tiers: bool = False) -> Call
 
     def register(read: Read) -> Read:
         title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = Reader(name, suffixes, title, looks, read, tiers)
+        READERS[name] = ScheduleReader(name, suffixes, title, looks, read, tiers)
         return read
 
     return register
 
 
-def load_readers() -> dict[str, Reader]:
+def load_readers() -> dict[str, ScheduleReader]:
     """Import every module of this folder, so that each has registered itself."""
     from lipsync_lang import schedules
 
@@ -90,12 +90,12 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     path = argument_path(path)
     if rate is not None and not 0 < rate < float("inf"):
         raise ScheduleError(f"{rate:g} units per second: give a number above 0")
-    source = Source(path, read_timings(path), tier, rate, encoding)
+    source = TimingFile(path, read_timings(path), tier, rate, encoding)
     schedule = schedule_of(source, read_as)
     return replace(schedule, notation=notation) if notation else schedule
 
 
-def schedule_of(source: Source, read_as: str | None = None) -> Schedule:
+def schedule_of(source: TimingFile, read_as: str | None = None) -> Schedule:
     """Read timed phonemes from what a file holds; see `read_schedule`."""
     found = find_reader(source, read_as)
     if source.tier is not None and not found.tiers:
@@ -103,7 +103,7 @@ def schedule_of(source: Source, read_as: str | None = None) -> Schedule:
     return found.read(source)
 
 
-def find_reader(source: Source, name: str | None = None) -> Reader:
+def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     """Return the reader of a file: the one named, or the one its content and suffix tell."""
     readers = load_readers()
     if name is not None:
@@ -129,7 +129,7 @@ def find_reader(source: Source, name: str | None = None) -> Reader:
     )
 
 
-def _check_form(source: Source) -> None:
+def _check_form(source: TimingFile) -> None:
     """Refuse what is neither text nor, where it starts like them, JSON or XML."""
     start = source.text.lstrip()[:1]
     if start in ("{", "["):

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 NOTATION = "rhubarb"
 
@@ -21,7 +21,7 @@ LINE = re.compile(r"(\d+(?:\.\d*)?)\t([A-Z])", re.ASCII)
 FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether there are mouth cues, or lines of a time and one capital letter."""
     if source.root == "rhubarbResult" or source.holds("mouthCues"):
         return True
@@ -30,7 +30,7 @@ def looks(source: Source) -> bool:
 
 
 @reader(NOTATION, ".tsv", ".xml", ".json", looks=looks)
-def read_rhubarb(source: Source) -> Schedule:
+def read_rhubarb(source: TimingFile) -> Schedule:
     """Mouth shapes of Rhubarb Lip Sync, as TSV, XML or JSON."""
     if source.head.lstrip().startswith("<"):
         return shapes_of(source, _of_xml(source), notation=NOTATION)
@@ -42,7 +42,7 @@ def read_rhubarb(source: Source) -> Schedule:
     return shapes_of(source, rows, notation=NOTATION, remarks=told)
 
 
-def _of_tsv(source: Source) -> Iterator[Start]:
+def _of_tsv(source: TimingFile) -> Iterator[Start]:
     for number, line in source.lines:
         found = LINE.fullmatch(line.rstrip())
         if found is None:
@@ -50,16 +50,16 @@ def _of_tsv(source: Source) -> Iterator[Start]:
         yield found[2], source.time(found[1], number), number
 
 
-def _of_xml(source: Source) -> Iterator[Row]:
+def _of_xml(source: TimingFile) -> Iterator[LabelRow]:
     for cue in source.xml.iter("mouthCue"):
-        yield Row(
+        yield LabelRow(
             (cue.text or "").strip(), source.time(cue.get("start")), source.time(cue.get("end"))
         )
 
 
-def _of_json(source: Source) -> Iterator[Row]:
+def _of_json(source: TimingFile) -> Iterator[LabelRow]:
     cues = source.json["mouthCues"]
     for cue in cues if isinstance(cues, list) else [cues]:
         if not isinstance(cue, dict) or not isinstance(cue.get("value"), str):
             raise source.fault(f"a cue has no value; the form is {FORM}")
-        yield Row(cue["value"], source.number(cue.get("start")), source.number(cue.get("end")))
+        yield LabelRow(cue["value"], source.number(cue.get("start")), source.number(cue.get("end")))

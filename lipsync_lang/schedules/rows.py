@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.schedules.schedule import SILENCE, SNAP, Schedule, words_from_spans
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 SOUND = 0.08
 """Seconds that a phoneme lasts, about."""
@@ -24,7 +24,7 @@ RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second that files count in where they should count seconds."""
 
 
-class Row(NamedTuple):
+class LabelRow(NamedTuple):
     """A label from `start` to `end`, in seconds, and the line of the file it stands in."""
 
     label: str
@@ -34,10 +34,10 @@ class Row(NamedTuple):
 
 
 def schedule_of(  # noqa: PLR0913 each says one thing that a format may
-    source: Source,
-    rows: Iterable[Row],
+    source: TimingFile,
+    rows: Iterable[LabelRow],
     *,
-    words: Iterable[Row] = (),
+    words: Iterable[LabelRow] = (),
     notation: str | None = None,
     rate: float | None = None,
     guess: bool = False,
@@ -93,11 +93,11 @@ def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) ->
     return replace(schedule, words=tuple(heard))
 
 
-def _order(row: Row) -> tuple[float, float]:
+def _order(row: LabelRow) -> tuple[float, float]:
     return row.start, row.end
 
 
-def _lines(rows: Sequence[Row]) -> tuple[int, ...]:
+def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
     """Return the line of every row; of silence that was filled in, that of what follows it."""
     if any(row.line is None for row in rows if row.label != SILENCE):
         return ()
@@ -109,7 +109,7 @@ def _lines(rows: Sequence[Row]) -> tuple[int, ...]:
     return tuple(lines[::-1])
 
 
-def _guessed(source: Source, rows: Sequence[Row]) -> tuple[float | None, tuple[str, ...]]:
+def _guessed(source: TimingFile, rows: Sequence[LabelRow]) -> tuple[float | None, tuple[str, ...]]:
     """Return the units per second that times are likely to be in, and a word about it."""
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
     typical = median(lengths) if lengths else 0.0
@@ -124,13 +124,13 @@ def _guessed(source: Source, rows: Sequence[Row]) -> tuple[float | None, tuple[s
     return rate, (told,)
 
 
-def _seconds(rows: Sequence[Row], rate: float) -> list[Row]:
+def _seconds(rows: Sequence[LabelRow], rate: float) -> list[LabelRow]:
     return [row._replace(start=row.start / rate, end=row.end / rate) for row in rows]
 
 
-def _without_gaps(source: Source, rows: Sequence[Row]) -> list[Row]:
+def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow]:
     """Fill gaps with silence, join what is only rounding apart, and refuse all else."""
-    filled: list[Row] = []
+    filled: list[LabelRow] = []
     end = 0.0
     for row in rows:
         label = row.label.strip() or SILENCE
@@ -154,23 +154,23 @@ def _without_gaps(source: Source, rows: Sequence[Row]) -> list[Row]:
                 f"{_told(row)}, has no length; give it some time, or leave it out", row.line
             )
         if row.start > end + SNAP:
-            _append(filled, Row(SILENCE, end, row.start, None))
+            _append(filled, LabelRow(SILENCE, end, row.start, None))
             end = row.start
-        _append(filled, Row(label, end, row.end, row.line))
+        _append(filled, LabelRow(label, end, row.end, row.line))
         end = row.end
     return filled
 
 
-def _check_order(source: Source, row: Row) -> None:
+def _check_order(source: TimingFile, row: LabelRow) -> None:
     if row.end < row.start:
         raise source.fault(f"{_told(row)}, ends before it starts; swap its times", row.line)
 
 
-def _told(row: Row) -> str:
+def _told(row: LabelRow) -> str:
     return f"{row.label.strip() or SILENCE!r}, {row.start:g} to {row.end:g} s"
 
 
-def _append(rows: list[Row], row: Row) -> None:
+def _append(rows: list[LabelRow], row: LabelRow) -> None:
     if rows and rows[-1].label == row.label == SILENCE:
         row = row._replace(start=rows.pop().start)
     rows.append(row)

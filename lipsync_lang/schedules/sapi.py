@@ -11,9 +11,9 @@ import re
 from lipsync_lang.schedules.azure import LAST, TICKS
 from lipsync_lang.schedules.mouth_shapes import shapes_of
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 NOTATION = "sapi-visemes"
 
@@ -21,7 +21,7 @@ SPAN = re.compile(r"(?:(\d{1,4})\.)?(\d\d):(\d\d):(\d\d(?:\.\d{1,9})?)", re.ASCI
 """Days, hours, minutes and seconds."""
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it starts with an object or a list, and has visemes at audio positions."""
     return source.head.lstrip()[:1] in ("{", "[") and all(
         f'"{name}"' in source.head for name in ("AudioPosition", "Viseme")
@@ -29,9 +29,9 @@ def looks(source: Source) -> bool:
 
 
 @reader("sapi", ".json", ".jsonl", looks=looks)
-def read_sapi(source: Source) -> Schedule:
+def read_sapi(source: TimingFile) -> Schedule:
     """Viseme events of Windows speech (SAPI), in a JSON list or one on each line."""
-    rows: list[Row] = []
+    rows: list[LabelRow] = []
     for line, event in source.events:
         if not isinstance(event, dict) or event.get("Viseme") not in range(LAST + 1):
             raise source.fault(
@@ -39,11 +39,11 @@ def read_sapi(source: Source) -> Schedule:
             )
         start = _seconds(source, event.get("AudioPosition"), line)
         length = _seconds(source, event.get("Duration"), line)
-        rows.append(Row(str(int(event["Viseme"])), start, start + length, line))
+        rows.append(LabelRow(str(int(event["Viseme"])), start, start + length, line))
     return shapes_of(source, [row for row in rows if row.end > row.start], notation=NOTATION)
 
 
-def _seconds(source: Source, value: object, line: int | None) -> float:
+def _seconds(source: TimingFile, value: object, line: int | None) -> float:
     if isinstance(value, dict):
         return source.number(value.get("Ticks"), line) / TICKS
     found = SPAN.fullmatch(value) if isinstance(value, str) else None

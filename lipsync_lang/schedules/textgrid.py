@@ -12,10 +12,10 @@ from collections.abc import Iterator
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, read_tiers
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 TOKEN = re.compile(
     r"""
@@ -39,13 +39,13 @@ DIGITS = 9
 """No file holds as many intervals as take more."""
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it says that it is Praat's."""
     return "ooTextFile" in source.head[:300] or source.content.startswith(BINARY)
 
 
 @reader("textgrid", ".textgrid", looks=looks, tiers=True)
-def read_textgrid(source: Source) -> Schedule:
+def read_textgrid(source: TimingFile) -> Schedule:
     """Praat TextGrid with a tier of phones; words are taken along where there is a tier of them."""
     if not looks(source) or source.content.startswith(BINARY):
         raise source.fault("is no TextGrid in text; in Praat, use Save as text file")
@@ -81,7 +81,7 @@ def _tiers(tokens: "_Tokens") -> Iterator[Tier]:
 class _Tokens:
     """What stands free in a file, to be taken one by one."""
 
-    def __init__(self, source: Source) -> None:
+    def __init__(self, source: TimingFile) -> None:
         self.source = source
         self.left = (one for one in TOKEN.finditer(source.text) if one.lastgroup)
         self.ends = [one.start() for one in re.finditer(r"\n", source.text)]
@@ -119,12 +119,12 @@ class _Tokens:
             raise self.fault(f"here should be {what}, not {text[:40]}; save it anew in Praat")
         return int(text)
 
-    def row(self, what: str) -> Row:
+    def row(self, what: str) -> LabelRow:
         """Return an interval."""
         start = self.take("number", what)
         line = self.line
         end, label = self.take("number", what), self.take("text", what)
-        return Row(label, self.source.time(start, line), self.source.time(end, line), line)
+        return LabelRow(label, self.source.time(start, line), self.source.time(end, line), line)
 
     def end(self) -> None:
         """Refuse to leave anything."""

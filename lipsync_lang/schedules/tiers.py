@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from statistics import median
 
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 PHONES = re.compile(r"(phon(e(me)?)?s?|segments?|mau|phonalign)", re.IGNORECASE)
 """Names of phone tiers: MFA, FAVE, Praat users; MAUS; SPPAS."""
@@ -30,7 +30,7 @@ class Tier:
     """One tier: its name, its rows, and the line of the file its name stands in."""
 
     name: str
-    rows: tuple[Row, ...]
+    rows: tuple[LabelRow, ...]
     line: int | None = None
 
     @property
@@ -44,7 +44,7 @@ class Tier:
         return self._part("role")
 
     @property
-    def spoken(self) -> list[Row]:
+    def spoken(self) -> list[LabelRow]:
         """The rows that have a label."""
         return [row for row in self.rows if row.label.strip()]
 
@@ -64,7 +64,7 @@ class Tier:
         return ((match and match[group]) or "").strip()
 
 
-def read_tiers(source: Source, tiers: Sequence[Tier], *, guess: bool = False) -> Schedule:
+def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False) -> Schedule:
     """Make a schedule of the tier that holds the phones, with its speaker's words.
 
     `guess` is as in `schedule_of`. ``source.tier`` names the tier, or a speaker; without it
@@ -77,7 +77,7 @@ def read_tiers(source: Source, tiers: Sequence[Tier], *, guess: bool = False) ->
     return schedule_of(source, phones.rows, words=spans, guess=guess, remarks=remarks)
 
 
-def only(source: Source, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
+def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
     """Return the tier that is asked for, by name or by speaker, or else the only one there is.
 
     A fault lists them and, where they are too many, says `what`.
@@ -107,7 +107,7 @@ def only(source: Source, tiers: Sequence[Tier], what: str = "tiers look like pho
     return first
 
 
-def _phones(source: Source, tiers: Sequence[Tier]) -> list[Tier]:
+def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     """Return the tiers that hold phones, or none where there are no tiers."""
     named = [tier for tier in tiers if PHONES.fullmatch(tier.role)]
     found = [tier for tier in named if tier.spoken] or named

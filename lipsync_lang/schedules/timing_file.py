@@ -36,7 +36,7 @@ TAG = re.compile(r"\s*+(?:(?><\?.*?\?>|<!--.*?-->)\s*+)*+<([A-Za-z_][\w.:-]*)", 
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class TimingFile:
     """A file of timings, and what is asked of it.
 
     Parameters
@@ -180,7 +180,7 @@ class Source:
             return self.number(text, line)
         return self.number(number, line)
 
-    def beside(self, suffix: str) -> "Source | None":
+    def beside(self, suffix: str) -> "TimingFile | None":
         """Return the file of the same name with another suffix, in small or capital letters."""
         for one in (suffix, suffix.upper()):
             path = self.path.with_suffix(one)

@@ -18,10 +18,10 @@ from io import StringIO
 from itertools import chain
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import WORDS, Tier, read_tiers
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 COLUMNS = {
     "label": ("phoneme", "phone", "label"),
@@ -45,7 +45,7 @@ DELIMITERS = "\t,;|"
 NUMBER = re.compile(r"\s*-?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?\s*")
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether the first row names a label and times, or has them."""
     first = source.head.lstrip().split("\n", 1)[0]
     try:
@@ -55,12 +55,12 @@ def looks(source: Source) -> bool:
 
 
 @reader("table", ".csv", ".tsv", looks=looks, tiers=True)
-def read_table(source: Source) -> Schedule:
+def read_table(source: TimingFile) -> Schedule:
     """Tables (CSV, TSV) of phonemes with start and end, and maybe words, types and speakers."""
     return read_tiers(source, _tiers(source), guess=True)
 
 
-def _tiers(source: Source) -> list[Tier]:
+def _tiers(source: TimingFile) -> list[Tier]:
     """Return a tier of phones, and maybe one of words, of every speaker."""
     rows = _rows(source)
     line, first = next(rows, (1, []))
@@ -69,7 +69,7 @@ def _tiers(source: Source) -> list[Tier]:
         raise source.fault("the first row names the columns; let it be: label,start,end", line)
     if NUMBER.fullmatch(first[columns["start"]]):
         rows = chain([(line, first)], rows)
-    tiers: dict[str, list[Row]] = defaultdict(list)
+    tiers: dict[str, list[LabelRow]] = defaultdict(list)
     for line, cells in rows:
         row = _row(source, columns, line, cells)
         kind = _cell(cells, columns, "type") or "phones"
@@ -81,21 +81,25 @@ def _tiers(source: Source) -> list[Tier]:
     return [Tier(name, tuple(found)) for name, found in tiers.items()]
 
 
-def _join(words: list[Row], row: Row) -> None:
+def _join(words: list[LabelRow], row: LabelRow) -> None:
     """Add a phoneme to the word it goes on with, or as the first of another."""
     if words and words[-1].label == row.label:
         row = row._replace(start=words.pop().start)
     words.append(row)
 
 
-def _row(source: Source, columns: Mapping[str, int], line: int, cells: Sequence[str]) -> Row:
+def _row(
+    source: TimingFile, columns: Mapping[str, int], line: int, cells: Sequence[str]
+) -> LabelRow:
     if len(cells) <= max(columns[what] for what in columns.keys() & {"label", "start", "end"}):
         raise source.fault(f"has {len(cells)} cells, too few for the columns; add the others", line)
     start, end, length = (
         source.time(_cell(cells, columns, what).replace(",", "."), line) if what in columns else 0.0
         for what in ("start", "end", "duration")
     )
-    return Row(cells[columns["label"]], start, end if "end" in columns else start + length, line)
+    return LabelRow(
+        cells[columns["label"]], start, end if "end" in columns else start + length, line
+    )
 
 
 def _cell(cells: Sequence[str], columns: Mapping[str, int], what: str) -> str:
@@ -103,7 +107,7 @@ def _cell(cells: Sequence[str], columns: Mapping[str, int], what: str) -> str:
     return cells[at].strip() if at < len(cells) else ""
 
 
-def _rows(source: Source) -> Iterator[tuple[int, list[str]]]:
+def _rows(source: TimingFile) -> Iterator[tuple[int, list[str]]]:
     """Yield rows that are not blank with the number of the line where each starts."""
     first = source.lines[0][1] if source.lines else ""
     rows = csv.reader(StringIO(source.text), delimiter=_delimiter(first), strict=True)

@@ -6,34 +6,34 @@ The words are in a file of the same name with `.wrd` beside it.
 import re
 
 from lipsync_lang.schedules.registry import reader
-from lipsync_lang.schedules.rows import Row, schedule_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import Source
+from lipsync_lang.schedules.timing_file import TimingFile
 
 HERTZ = 16_000.0
 
 LINE = re.compile(r"\s*(\d+)\s+(\d+)\s+(\S+)\s*", re.ASCII)
 
 
-def looks(source: Source) -> bool:
+def looks(source: TimingFile) -> bool:
     """Tell whether it starts with two whole numbers and a label."""
     return LINE.fullmatch(source.head.lstrip().split("\n", 1)[0]) is not None
 
 
 @reader("timit", ".phn", looks=looks)
-def read_timit(source: Source) -> Schedule:
+def read_timit(source: TimingFile) -> Schedule:
     """TIMIT's .PHN, in samples at 16 kHz unless a rate is given; words from .WRD beside it."""
     beside = source.beside(".wrd") if source.path.suffix.lower() == ".phn" else None
     words = _rows(beside) if beside is not None else []
     return schedule_of(source, _rows(source), words=words, rate=HERTZ)
 
 
-def _rows(source: Source) -> list[Row]:
-    rows: list[Row] = []
+def _rows(source: TimingFile) -> list[LabelRow]:
+    rows: list[LabelRow] = []
     for number, line in source.lines:
         found = LINE.fullmatch(line)
         if found is None:
             raise source.fault(f"{line.strip()[:40]!r} is not two samples and a label", number)
         start, end = source.time(found[1], number), source.time(found[2], number)
-        rows.append(Row(found[3], start, end, number))
+        rows.append(LabelRow(found[3], start, end, number))
     return rows

@@ -23,7 +23,7 @@ _NAME_BYTES = 8
 
 
 @dataclass
-class Sound:
+class SpokenSound:
     """A label from one sample to another."""
 
     label: str
@@ -38,7 +38,7 @@ class Sound:
 
 def read_events(
     events: Iterable[Sequence[Any]], spelled: Sequence[str], end: int
-) -> tuple[list[Sound], list[tuple[int, int]]]:
+) -> tuple[list[SpokenSound], list[tuple[int, int]]]:
     """Return the sounds, and for each word mark its text position and its first sound's number.
 
     `spelled` are the same phonemes by their whole names; `end` is the length in samples.
@@ -54,13 +54,13 @@ def read_events(
             times.append(min(max(sample, times[-1] if times else 0), end))
     labels = [label_of(name) or SILENCE for name in _completed(names, spelled)]
     spans = pairwise([*times, end])
-    sounds = [Sound(label, *span) for label, span in zip(labels, spans, strict=True)]
+    sounds = [SpokenSound(label, *span) for label, span in zip(labels, spans, strict=True)]
     lead = times[0] if times else end
     marks = [(position, number + 1) for position, number in marks]
-    return [Sound(SILENCE, 0, lead), *sounds], marks
+    return [SpokenSound(SILENCE, 0, lead), *sounds], marks
 
 
-def intervals(sounds: Sequence[Sound], pause: int) -> tuple[list[str], list[int], list[int]]:
+def intervals(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[str], list[int], list[int]]:
     """Make contiguous intervals, each of some length, of sounds that may have none.
 
     Parameters
@@ -94,9 +94,9 @@ def _completed(names: Sequence[bytes], spelled: Sequence[str]) -> list[str]:
     ]
 
 
-def _joined(sounds: Iterable[Sound]) -> tuple[list[Sound], list[int]]:
+def _joined(sounds: Iterable[SpokenSound]) -> tuple[list[SpokenSound], list[int]]:
     """Join modifiers to the sound before, and silences to each other."""
-    joined: list[Sound] = []
+    joined: list[SpokenSound] = []
     index: list[int] = []
     for sound in sounds:
         index.append(len(joined))
@@ -107,13 +107,13 @@ def _joined(sounds: Iterable[Sound]) -> tuple[list[Sound], list[int]]:
             last.label += sound.label
             last.end = sound.end
         else:
-            joined.append(Sound(sound.label, sound.start, sound.end))
+            joined.append(SpokenSound(sound.label, sound.start, sound.end))
     return joined, [*index, len(joined)]
 
 
-def _settled(sounds: Sequence[Sound], pause: int) -> tuple[list[Sound], list[int]]:
+def _settled(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[SpokenSound], list[int]]:
     """Give short silences to neighbours, and length to sounds that have none."""
-    kept: list[Sound] = []
+    kept: list[SpokenSound] = []
     index: list[int] = []
     for n, sound in enumerate(sounds):
         index.append(len(kept))
@@ -132,7 +132,7 @@ def _settled(sounds: Sequence[Sound], pause: int) -> tuple[list[Sound], list[int
     return kept, [*index, len(kept)]
 
 
-def _lend(last: Sound | None, sound: Sound, following: Sound | None) -> bool:
+def _lend(last: SpokenSound | None, sound: SpokenSound, following: SpokenSound | None) -> bool:
     """Give a sound without length a part of its neighbour; tell whether it got one.
 
     Preferably the end of the one before, for such sounds mostly close a syllable.

@@ -19,7 +19,7 @@ from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
 if TYPE_CHECKING:
-    from lipsync_lang.phonology.nearest import Among
+    from lipsync_lang.phonology.nearest import NearestPhonemes
 
 SILENT = "none"
 """The name to ask for no speech engine by: times are estimated, and nothing sounds."""
@@ -67,7 +67,10 @@ class Speaker:
     """
 
     def __init__(
-        self, manner: Manner, notations: Mapping[str, Notation], near: "Among | None" = None
+        self,
+        manner: Manner,
+        notations: Mapping[str, Notation],
+        near: "NearestPhonemes | None" = None,
     ) -> None:
         self.manner = manner
         self.notations = notations

@@ -75,7 +75,7 @@ Guess = Callable[[bytes], bool]
 
 
 @dataclass(frozen=True)
-class Reader:
+class AnimationReader:
     """One format: its name and suffix, what reads it, and what tells it from others alike."""
 
     name: str
@@ -85,7 +85,7 @@ class Reader:
     fits: Guess | None
 
 
-READERS: dict[str, Reader] = {}
+READERS: dict[str, AnimationReader] = {}
 
 
 def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Read], Read]:
@@ -97,13 +97,13 @@ def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Re
 
     def register(read: Read) -> Read:
         title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = Reader(name, suffix, title, read, fits)
+        READERS[name] = AnimationReader(name, suffix, title, read, fits)
         return read
 
     return register
 
 
-def load_animation_readers() -> dict[str, Reader]:
+def load_animation_readers() -> dict[str, AnimationReader]:
     """Import every module of this folder, so that each has registered itself."""
     from lipsync_lang.animations import readers
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.forms.registry import Asked
-    from lipsync_lang.coverage.report import Bigram, Coverage, Report
+    from lipsync_lang.coverage.report import BigramNeed, Coverage, CoverageReport
 
 HEAD = (
     "language", "character", "bigram", "count", "percent", "running", "silence", "layer", "status",
@@ -31,7 +31,7 @@ def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
                 rows.writerow(map(_cell, _row(report, one, silence)))
 
 
-def _row(report: "Report", one: "Bigram", silence: str) -> tuple[object, ...]:
+def _row(report: "CoverageReport", one: "BigramNeed", silence: str) -> tuple[object, ...]:
     return (
         report.language, report.character, one.bigram, one.count, one.percent, one.running,
         silence, one.layer, one.status, "yes" if one.authored else "no", one.example,

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as ET
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.forms.registry import Asked
-    from lipsync_lang.coverage.report import Coverage, Report
+    from lipsync_lang.coverage.report import Coverage, CoverageReport
 
 FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML cannot hold."""
@@ -26,7 +26,7 @@ def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
     out.write(ET.tostring(top, encoding="unicode") + "\n")
 
 
-def _suite(report: "Report", fail_under: float | None) -> ET.Element:
+def _suite(report: "CoverageReport", fail_under: float | None) -> ET.Element:
     name = f"{report.label} on {report.character}"
     failed = fail_under is not None and report.authored.percent < fail_under
     suite = ET.Element(

@@ -8,7 +8,14 @@ from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.forms.registry import Asked
-    from lipsync_lang.coverage.report import Change, Corpus, Coverage, Report, Since, Tally
+    from lipsync_lang.coverage.report import (
+        Corpus,
+        Coverage,
+        CoverageReport,
+        ReportChange,
+        Since,
+        Tally,
+    )
 
 TOP = 20
 """Bigrams that are listed unless all are asked for."""
@@ -40,7 +47,7 @@ def _read(corpus: "Corpus") -> list[str]:
     return lines
 
 
-def _matrix(reports: "Sequence[Report]") -> list[str]:
+def _matrix(reports: "Sequence[CoverageReport]") -> list[str]:
     rows = [("language", "character", "authored", "left", "hours")]
     rows += [
         (
@@ -55,7 +62,7 @@ def _matrix(reports: "Sequence[Report]") -> list[str]:
     return list(columns(rows))
 
 
-def _report(report: "Report", minutes: float, *, everything: bool) -> list[str]:
+def _report(report: "CoverageReport", minutes: float, *, everything: bool) -> list[str]:
     met = f"{_count(report.occurrences, 'bigram')} of {_count(len(report.bigrams), 'kind')}"
     return [
         f"{report.label} on {report.character}: {met}",
@@ -68,7 +75,7 @@ def _report(report: "Report", minutes: float, *, everything: bool) -> list[str]:
     ]
 
 
-def _next(report: "Report", minutes: float) -> Iterator[str]:
+def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
     if not report.bigrams:
         yield "these lines hold nothing that the language reads"
         return
@@ -96,7 +103,7 @@ def _next(report: "Report", minutes: float) -> Iterator[str]:
     )
 
 
-def _table(report: "Report", *, everything: bool) -> Iterator[str]:
+def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     shown = report.bigrams if everything else report.bigrams[:TOP]
     rows = [("rank", "bigram", "count", "%", "running", "from", "status", "in", "first at")]
     rows += [
@@ -118,7 +125,7 @@ def _table(report: "Report", *, everything: bool) -> Iterator[str]:
         yield f"... and {len(report.bigrams) - len(shown)} more; --all lists them"
 
 
-def _facts(report: "Report") -> Iterator[str]:
+def _facts(report: "CoverageReport") -> Iterator[str]:
     shares = ", ".join(f"{share} % in {number}" for share, number in report.needed.items())
     yield f"most frequent bigrams: {shares}"
     kinds = len(report.bigrams) + len(report.unused)
@@ -137,7 +144,7 @@ def _facts(report: "Report") -> Iterator[str]:
         yield f"in another script, not counted: {_tallies(spelled)}"
 
 
-def _sentences(report: "Report", *, everything: bool) -> Iterator[str]:
+def _sentences(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     if not report.sentences:
         return
     shown = report.sentences if everything else report.sentences[:3]
@@ -169,7 +176,7 @@ def _since(since: "Since") -> list[str]:
     return lines
 
 
-def _change(change: "Change") -> Iterator[str]:
+def _change(change: "ReportChange") -> Iterator[str]:
     before, now = change.percent
     yield (
         f"{change.label} on {change.character}: {before:.1f} % to {now:.1f} % authored, "

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 
 from lipsync_lang.coverage.page.markup import Child, Markup, join, tags
-from lipsync_lang.coverage.page.report_view import Report
+from lipsync_lang.coverage.page.report_view import ReportView
 from lipsync_lang.coverage.page.states import CODES, LAYERS, STATUSES, Row, States
 
 COLUMNS = {
@@ -24,7 +24,7 @@ COLUMNS = {
 class Chosen:
     """The first report, filled in, and the parts that others put in its place."""
 
-    def __init__(self, reports: Sequence[Report], states: States) -> None:
+    def __init__(self, reports: Sequence[ReportView], states: States) -> None:
         self.reports = reports
         self.states = states
         self.first = reports[0].parts(painted=True)
@@ -32,7 +32,7 @@ class Chosen:
         """Every different part, and the key it is stored by."""
         self.keys = [self._keys(one) for one in reports]
 
-    def _keys(self, report: Report) -> dict[str, int]:
+    def _keys(self, report: ReportView) -> dict[str, int]:
         parts = report.parts(painted=False)
         return {
             name: self.numbers.setdefault(part, len(self.numbers)) for name, part in parts.items()

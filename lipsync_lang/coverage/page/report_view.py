@@ -18,7 +18,7 @@ PLACES = 3  # of a bigram, named in its row
 
 
 @dataclass(frozen=True)
-class Report:
+class ReportView:
     """A report of the document, and what the page says of it."""
 
     document: Mapping[str, Any]

@@ -9,7 +9,7 @@ from typing import Any
 
 from lipsync_lang.coverage.page.chosen import Chosen, scroll
 from lipsync_lang.coverage.page.markup import Markup, join, tags
-from lipsync_lang.coverage.page.report_view import Report, bigrams
+from lipsync_lang.coverage.page.report_view import ReportView, bigrams
 from lipsync_lang.coverage.page.states import States
 from lipsync_lang.coverage.page.wording import count, folder, hours, listed, percent
 
@@ -29,7 +29,7 @@ def page(document: Mapping[str, Any]) -> str:
     ]
     states = States.of(rows)
     root = folder(document["corpus"]["files"])
-    reports = [Report(one, states, document["minutes"], root) for one in document["reports"]]
+    reports = [ReportView(one, states, document["minutes"], root) for one in document["reports"]]
     body = join(
         tags.main(
             _top(document, reports),
@@ -49,7 +49,7 @@ def _file(name: str) -> str:
     return (files(__package__) / name).read_text("utf-8")
 
 
-def _top(document: Mapping[str, Any], reports: Sequence[Report]) -> Markup:
+def _top(document: Mapping[str, Any], reports: Sequence[ReportView]) -> Markup:
     """Say in plain words what to do next: for the pair where an hour is heard the most."""
     corpus = document["corpus"]
     read = f"{count(corpus['lines'], 'line')}, {count(corpus['words'], 'word')}"
@@ -69,12 +69,12 @@ def _top(document: Mapping[str, Any], reports: Sequence[Report]) -> Markup:
     )
 
 
-def _gain(report: Report) -> float:
+def _gain(report: ReportView) -> float:
     following = report.document["next_hour"]
     return float(following["percent"] * report.document["occurrences"])
 
 
-def _shared(document: Mapping[str, Any], reports: Sequence[Report]) -> str:
+def _shared(document: Mapping[str, Any], reports: Sequence[ReportView]) -> str:
     """Say which languages add nothing to draw, and what the others add."""
     titles = {one.document["language"]: one.language for one in reports}
     groups: dict[str, list[str]] = {}
@@ -87,7 +87,7 @@ def _shared(document: Mapping[str, Any], reports: Sequence[Report]) -> str:
     return f"What languages share is drawn once: {'; '.join(said)}."
 
 
-def _matrix(document: Mapping[str, Any], reports: Sequence[Report]) -> Markup:
+def _matrix(document: Mapping[str, Any], reports: Sequence[ReportView]) -> Markup:
     """Set languages beside characters, with what is drawn, what is left, and what is added."""
     adds = {one["language"]: one for one in document["shared"]}
     characters = dict.fromkeys(one.document["character"] for one in reports)
@@ -112,7 +112,7 @@ def _matrix(document: Mapping[str, Any], reports: Sequence[Report]) -> Markup:
     )  # fmt: skip
 
 
-def _rows(reports: Sequence[Report]) -> list[tuple[str, str, dict[str, Markup]]]:
+def _rows(reports: Sequence[ReportView]) -> list[tuple[str, str, dict[str, Markup]]]:
     """Return name and title of languages with a cell for each character; none hides another."""
     rows: list[tuple[str, str, dict[str, Markup]]] = []
     for number, one in enumerate(reports):
@@ -137,7 +137,7 @@ def _foot(document: Mapping[str, Any]) -> Markup:
     )
 
 
-def _cell(number: int, report: Report) -> Markup:
+def _cell(number: int, report: ReportView) -> Markup:
     drawn, left = report.document["authored"], report.document["left"]
     return tags.td(
         tags.b(percent(drawn["percent"])),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from lipsync_lang.packs.models import AtMost, Bank, PoseSet, Threshold
+from lipsync_lang.packs.models import AtMost, BankPack, PoseSet, Threshold
 from lipsync_lang.packs.models.pose_models import FREE
 from lipsync_lang.packs.yaml.faults import Fault
 
@@ -17,7 +17,7 @@ ROUNDING = 1e-9
 """0.9 and 0.8 come to no more than 1.7."""
 
 
-def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[Bank] | None = None) -> Iterator[Fault]:
+def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None) -> Iterator[Fault]:
     """Yield what keeps constraints from being met, or contacts from being seen.
 
     `banks` are those of the pose set; None where nobody knows how far their curves reach.
@@ -231,7 +231,7 @@ def _unprepared(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
                 yield poseset.warning(("targets", phoneme), "W314", what, hint, key=True)
 
 
-def _reach(model: PoseSet, banks: Iterable[Bank]) -> dict[str, float]:
+def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:
     """Map each pose that targets or banks move to its greatest weight, contacts included."""
     stated = [
         *(pair for steps in model.targets.values() for t in steps for pair in t.weights.items()),

@@ -12,15 +12,15 @@ from lipsync_lang.packs.checking.conflicts import conflicts
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models import (
-    Bank,
-    Bigram,
+    BankPack,
+    BigramCurves,
     Character,
     Checks,
     Delivery,
     Language,
     Phonemes,
     PoseSet,
-    Rig,
+    RigPack,
     Threshold,
 )
 from lipsync_lang.packs.models.braces import expanded
@@ -122,7 +122,7 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
 
 
 def check_poseset(
-    poseset: "Pack[PoseSet]", phonemes: Collection[str], banks: Iterable[Bank] | None = None
+    poseset: "Pack[PoseSet]", phonemes: Collection[str], banks: Iterable[BankPack] | None = None
 ) -> Iterator[Fault]:
     """A pose set speaks of its own poses and of phonemes that exist, and its rules agree.
 
@@ -203,7 +203,7 @@ def _without_target(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def check_bank(
-    bank: "Pack[Bank]",
+    bank: "Pack[BankPack]",
     poseset: PoseSet,
     phonemes: Collection[str] | None,
     languages: Collection[str],
@@ -305,7 +305,7 @@ def _delivery(
     """Dials are of regions of the pose set, and styles have a bank."""
     for region in stated.dials:
         yield from _region(character, (*at, "dials", region), region, poseset, key=True)
-    known = set(styles) - {Bank.model_fields["style"].default}
+    known = set(styles) - {BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:
             what = f"no bank has the style '{style}', so that nothing of it is heard"
@@ -332,8 +332,8 @@ def phonemes_of(language: Language, common: Phonemes) -> set[str]:
 
 
 def _bigrams(
-    pack: "Pack[Bank] | Pack[Character]",
-    bigrams: Mapping[str, Bigram],
+    pack: "Pack[BankPack] | Pack[Character]",
+    bigrams: Mapping[str, BigramCurves],
     poseset: PoseSet,
     phonemes: Collection[str] | None,
 ) -> Iterator[Fault]:
@@ -345,7 +345,9 @@ def _bigrams(
             yield from check_pose(pack, ("bigrams", key, "curves", pose), pose, poseset.poses)
 
 
-def check_home(pack: "Pack[Bank] | Pack[Rig]", stated: str, poseset: PoseSet) -> Iterator[Fault]:
+def check_home(
+    pack: "Pack[BankPack] | Pack[RigPack]", stated: str, poseset: PoseSet
+) -> Iterator[Fault]:
     """A bank or rig belongs to the pose set that it lies in."""
     if stated != poseset.name:
         what = f"the pack is for pose set '{stated}', but lies in that of '{poseset.name}'"

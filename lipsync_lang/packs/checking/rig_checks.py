@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.checking.conflicts import path_between
 from lipsync_lang.packs.checking.pack_checks import check_home, check_pose
-from lipsync_lang.packs.models import PoseSet, Rig
+from lipsync_lang.packs.models import PoseSet, RigPack
 from lipsync_lang.packs.models.braces import expanded, paired
 from lipsync_lang.packs.models.rig_channels import Stated, channels_of, stated
 from lipsync_lang.packs.yaml.faults import Fault
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def check_rig(
-    rig: "Pack[Rig]", poseset: PoseSet, posesets: Collection[str], to: PoseSet | None = None
+    rig: "Pack[RigPack]", poseset: PoseSet, posesets: Collection[str], to: PoseSet | None = None
 ) -> Iterator[Fault]:
     """A rig belongs to its pose set, and speaks of its poses and its own channels.
 
@@ -46,7 +46,7 @@ def check_rig(
     yield from _unseen(rig, poseset)
 
 
-def _twice(rig: "Pack[Rig]") -> Iterator[Fault]:
+def _twice(rig: "Pack[RigPack]") -> Iterator[Fault]:
     """Braces written out, every channel stands once, in `channels` and in `names`."""
     for field, keys in (("channels", rig.model.channels), ("names", rig.model.names)):
         first: dict[str, str] = {}
@@ -59,7 +59,7 @@ def _twice(rig: "Pack[Rig]") -> Iterator[Fault]:
                 first.setdefault(name, key)
 
 
-def _limits(rig: "Pack[Rig]") -> Iterator[Fault]:
+def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
     """What a channel never passes is another one, and does not wait for it."""
     channels = channels_of(rig.model)
     waits = {name: {c.at_most} if c.at_most else set() for name, c in channels.items()}
@@ -83,14 +83,14 @@ def _limits(rig: "Pack[Rig]") -> Iterator[Fault]:
                 break
 
 
-def _by_key(model: Rig) -> dict[str, list[Stated]]:
+def _by_key(model: RigPack) -> dict[str, list[Stated]]:
     keys: dict[str, list[Stated]] = {}
     for one in stated(model):
         keys.setdefault(one.key, []).append(one)
     return keys
 
 
-def _names(rig: "Pack[Rig]") -> Iterator[Fault]:
+def _names(rig: "Pack[RigPack]") -> Iterator[Fault]:
     channels = channels_of(rig.model)
     for key, spellings in rig.model.names.items():
         meant = expanded(key)
@@ -106,7 +106,7 @@ def _names(rig: "Pack[Rig]") -> Iterator[Fault]:
                 yield rig.fault(loc, "P115", f"{what} {len(meant)} channels", hint)
 
 
-def _driven(rig: "Pack[Rig]", to: PoseSet) -> Iterator[Fault]:
+def _driven(rig: "Pack[RigPack]", to: PoseSet) -> Iterator[Fault]:
     """A channel that is no bone is a pose of the set that the rig drives."""
     for key, ones in _by_key(rig.model).items():
         for name in dict.fromkeys(one.name for one in ones if one.channel.node is None):
@@ -115,7 +115,7 @@ def _driven(rig: "Pack[Rig]", to: PoseSet) -> Iterator[Fault]:
                 yield rig.fault(("channels", key), "P201", what, hint, key=True)
 
 
-def _unseen(rig: "Pack[Rig]", poseset: PoseSet) -> Iterator[Fault]:
+def _unseen(rig: "Pack[RigPack]", poseset: PoseSet) -> Iterator[Fault]:
     """Every pose is shown, or said to be lost; a misspelt one may be any of them."""
     gains = [channel.gains for channel in rig.model.channels.values()]
     named = {pose for some in gains for pose in some} | {*rig.model.lost}

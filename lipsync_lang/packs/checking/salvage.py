@@ -4,8 +4,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from lipsync_lang.packs.models import MODELS, Pack
-from lipsync_lang.packs.yaml.source import Loc, Source
+from lipsync_lang.packs.models import MODELS, PackModel
+from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 DEFINING = {"poses", "phonemes", "base", "adds", "channels", "features", "terms", "letters"}
 """Fields that others speak of: without one of their entries, sound ones would look faulty."""
@@ -14,7 +14,7 @@ ROUNDS = 5
 """Times that faulty entries are left out before giving up."""
 
 
-def salvaged(source: Source, kind: str | None = None) -> Pack | None:
+def salvaged(source: YamlSource, kind: str | None = None) -> PackModel | None:
     """Return a file's pack without its faulty entries; None where too little is left."""
     data = source.data
     stated = data.get("kind") if isinstance(data, dict) else None

@@ -20,7 +20,7 @@ from lipsync_lang.packs.finding import (
     PARTS,
     POSESET,
     SHARED,
-    Found,
+    FoundPack,
     beside,
     entries,
     yaml_files,
@@ -29,7 +29,7 @@ from lipsync_lang.packs.known import added_by, known
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import Language
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
-from lipsync_lang.packs.yaml.source import Loc, Source
+from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -53,7 +53,7 @@ def validate(library: Library, paths: Sequence[str | Path] | None = None) -> lis
 
     What the given files speak of is looked up in the library.
     """
-    run = _Run(library)
+    run = _Validation(library)
     if paths is None:
         run.check_library()
     else:
@@ -62,7 +62,7 @@ def validate(library: Library, paths: Sequence[str | Path] | None = None) -> lis
     return sorted(run.faults)
 
 
-class _Run:
+class _Validation:
     """One validation: what it has loaded, and what was wrong."""
 
     def __init__(self, library: Library) -> None:
@@ -117,7 +117,7 @@ class _Run:
         elif source.data is not None:
             self._rest(source, file.kind)
 
-    def _rest(self, source: Source, kind: str | None) -> None:
+    def _rest(self, source: YamlSource, kind: str | None) -> None:
         """Check what is sound of an unsound file, so that its other faults come at once."""
         model = salvaged(source, kind)
         if model is None:
@@ -159,13 +159,13 @@ class _Run:
         if phonemes is not None:
             self.faults.update(checks.check_poseset(pack, phonemes, self._banks(pack)))
 
-    def _bank(self, pack: "Pack[models.Bank]") -> None:
+    def _bank(self, pack: "Pack[models.BankPack]") -> None:
         poseset = self._poseset_of(pack)
         phonemes = self._phonemes(pack.model.language)
         if poseset is not None and phonemes is not None:
             self.faults.update(checks.check_bank(pack, poseset, phonemes, self.languages))
 
-    def _rig(self, pack: "Pack[models.Rig]") -> None:
+    def _rig(self, pack: "Pack[models.RigPack]") -> None:
         poseset = self._poseset_of(pack)
         if poseset is not None:
             sets = {found.name for found in self.library.names("poseset")}
@@ -190,14 +190,14 @@ class _Run:
             if path is not None:
                 self.check_file(File(path, "bank", path.stem))
 
-    def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.Bank] | None":
+    def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those that join it; None where one is unsound."""
         name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
         found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
         if self.library.finder.lookup("poseset", name):
             joined = _quietly(lambda: self.library.banks(name))
             found += [bank.model for bank in joined] if joined is not None else [None]
-        return None if None in found else cast("list[models.Bank]", found)
+        return None if None in found else cast("list[models.BankPack]", found)
 
     def _styles(self, character: "Pack[models.Character]") -> set[str]:
         """Return the styles of a character's banks and of those of its pose set."""
@@ -240,7 +240,7 @@ class _Run:
                 if first.setdefault(answer, one.name) != one.name:
                     self._taken(one, answer, first[answer])
 
-    def _taken(self, found: Found, answer: str, other: str) -> None:
+    def _taken(self, found: FoundPack, answer: str, other: str) -> None:
         model, source, _ = self.library.inspect(found.path, "language", found.name)
         if not isinstance(model, Language):
             return

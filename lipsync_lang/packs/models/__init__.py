@@ -3,12 +3,12 @@
 from typing import get_args
 
 from lipsync_lang.packs.models.check_models import Checks
-from lipsync_lang.packs.models.fields import Pack
+from lipsync_lang.packs.models.fields import PackModel
 from lipsync_lang.packs.models.ipa_models import Ipa
 from lipsync_lang.packs.models.language_models import (
     G2P,
     TTS,
-    Hearing,
+    AudioFields,
     Language,
     Phoneme,
     Phonemes,
@@ -19,20 +19,20 @@ from lipsync_lang.packs.models.language_models import (
 )
 from lipsync_lang.packs.models.pose_models import (
     AtMost,
-    Bank,
-    Bigram,
-    Channel,
+    BankPack,
+    BigramCurves,
     Character,
     Constraints,
-    Contact,
+    ContactRule,
     Delivery,
     Edit,
-    Line,
-    Motion,
+    LineEdits,
+    MotionFields,
+    PhonemeTarget,
     Pose,
     PoseSet,
-    Rig,
-    Target,
+    RigChannel,
+    RigPack,
     Threshold,
     WordCurves,
 )
@@ -42,37 +42,37 @@ __all__ = [
     "MODELS",
     "TTS",
     "AtMost",
-    "Bank",
-    "Bigram",
-    "Channel",
+    "AudioFields",
+    "BankPack",
+    "BigramCurves",
     "Character",
     "Checks",
     "Constraints",
-    "Contact",
+    "ContactRule",
     "Delivery",
     "Edit",
-    "Hearing",
     "Ipa",
     "Language",
-    "Line",
-    "Motion",
-    "Pack",
+    "LineEdits",
+    "MotionFields",
+    "PackModel",
     "Phoneme",
+    "PhonemeTarget",
     "Phonemes",
     "Pose",
     "PoseSet",
     "Rewrite",
-    "Rig",
+    "RigChannel",
+    "RigPack",
     "Sounds",
-    "Target",
     "Test",
     "Threshold",
     "Visemes",
     "WordCurves",
 ]
 
-MODELS: dict[str, type[Pack]] = {
+MODELS: dict[str, type[PackModel]] = {
     get_args(model.model_fields["kind"].annotation)[0]: model
-    for model in (Phonemes, Language, PoseSet, Bank, Character, Rig, Ipa)
+    for model in (Phonemes, Language, PoseSet, BankPack, Character, RigPack, Ipa)
 }
 """The model of each kind of pack, by the one value that its `kind` may have."""

@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 from lipsync_lang.packs.models.fields import NotNegative, Positive, Sound, Strict, Text, Unit
 
 
-class Rule(Strict):
+class MeasureRule(Strict):
     """What a measure of the pose set must show at some frame of each of certain phonemes."""
 
     phonemes: tuple[Sound, ...] = Field(min_length=1)
@@ -36,7 +36,7 @@ class Rule(Strict):
 class Checks(Strict):
     """Limits of a finished animation's quality; what is not stated is the usual."""
 
-    rules: dict[Text, Rule] = Field(default={})
+    rules: dict[Text, MeasureRule] = Field(default={})
     """What measures of the pose set must show at certain phonemes, by a name of its own."""
     contacts: Unit | None = None
     """Share of the phonemes that demand a contact that may miss it."""

@@ -176,7 +176,7 @@ OrNames = Short(_names, forms=lambda full: [full, {"type": "array", "items": {"t
 """A list of names is a mapping to nothing."""
 
 
-class Pack(Strict):
+class PackModel(Strict):
     """What every pack starts with."""
 
     format: Format

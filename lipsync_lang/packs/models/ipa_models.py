@@ -14,7 +14,7 @@ from lipsync_lang.packs.models.fields import (
     Label,
     NotNegative,
     OrOne,
-    Pack,
+    PackModel,
     Positive,
     Short,
     Strict,
@@ -58,7 +58,7 @@ class Neighbour(Strict):
     """The reason."""
 
 
-class Join(Strict):
+class JoinFields(Strict):
     """Which of two letters side by side are seen."""
 
     first: Phrases = ()
@@ -83,7 +83,7 @@ def _cases(value: Data) -> Data:
     return value if isinstance(value, (tuple, list)) else (value,)
 
 
-class Mark(Strict):
+class MarkFields(Strict):
     """What a mark does to a letter that fits."""
 
     on: Phrases = ()
@@ -102,14 +102,14 @@ class Mark(Strict):
 
 ShortMark = Short(_mark, forms=lambda full: [full, {"type": "string"}])
 Cases = Annotated[
-    tuple[Annotated[Mark, ShortMark], ...],
+    tuple[Annotated[MarkFields, ShortMark], ...],
     Field(min_length=1),
     Short(_cases, forms=lambda full: [full, full["items"]]),
 ]
 """What a mark does; of several cases, the first that fits the letter holds."""
 
 
-class Ipa(Pack):
+class Ipa(PackModel):
     """What every letter and mark of the IPA does to lips, jaw and tongue."""
 
     kind: Literal["ipa"]
@@ -136,7 +136,7 @@ class Ipa(Pack):
     """For a common phoneme, letters it names that are not for other languages, and why."""
     beside: dict[Common, dict[Label, Neighbour]] = Field(default={})
     """For a common phoneme, letters that count as it where the language has their neighbour."""
-    joins: tuple[Join, ...] = ()
+    joins: tuple[JoinFields, ...] = ()
     """Which letters are seen beside which; the first rule that fits holds."""
     marks: dict[Label, Cases] = Field(default={})
     """What each mark does, a word alone being what is lost."""

@@ -17,7 +17,7 @@ from lipsync_lang.packs.models.fields import (
     OrEmpty,
     OrNames,
     OrOne,
-    Pack,
+    PackModel,
     Parent,
     Positive,
     Short,
@@ -110,7 +110,7 @@ class Visemes(Strict):
     """What each shape becomes: of the sounds that look so, the most typical."""
 
 
-class Phonemes(Pack):
+class Phonemes(PackModel):
     """The common phonemes that all languages and pose sets speak of."""
 
     kind: Literal["phonemes"]
@@ -199,7 +199,7 @@ class TTS(Strict):
     """Voices of other speech engines, by engine."""
 
 
-class Hearing(Strict):
+class AudioFields(Strict):
     """How recordings of the language become phonemes."""
 
     align: Text | None = None
@@ -229,7 +229,7 @@ class Test(Strict):
     """Who says so."""
 
 
-class Inventory(Strict):
+class StatedInventory(Strict):
     """The phonemes that the language is said to have, by somebody else."""
 
     source: Text
@@ -242,7 +242,7 @@ class Inventory(Strict):
     """Segments the pack does not map, and why."""
 
 
-class Language(Pack):
+class Language(PackModel):
     """How one language is spoken with the common phonemes."""
 
     kind: Literal["language"]
@@ -260,7 +260,7 @@ class Language(Pack):
     """How text becomes phonemes."""
     tts: TTS | None = None
     """Which voice speaks text."""
-    audio: Hearing | None = None
+    audio: AudioFields | None = None
     """How recordings become phonemes."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Seconds by class, where no voice gives timings."""
@@ -276,7 +276,7 @@ class Language(Pack):
     """Why a label becomes what it does, where that is not obvious."""
     automatic: bool = False
     """Whether IPA that no notation maps goes to the nearest common phonemes by its features."""
-    inventory: Inventory | None = None
+    inventory: StatedInventory | None = None
     """The phonemes of the language, each of which the pack maps or lists as absent."""
     caveats: tuple[str, ...] = ()
     """What the pack is known to get wrong."""

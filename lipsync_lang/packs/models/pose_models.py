@@ -21,7 +21,7 @@ from lipsync_lang.packs.models.fields import (
     NotNegative,
     OrEmpty,
     OrOne,
-    Pack,
+    PackModel,
     PoseName,
     Short,
     Sound,
@@ -86,7 +86,7 @@ class Constraints(Strict):
     """Pairs with a threshold of their own, and poses that never pass another."""
 
 
-class Contact(Strict):
+class ContactRule(Strict):
     """What must be seen whenever certain phonemes are heard."""
 
     phonemes: tuple[Sound, ...] = Field(min_length=1)
@@ -101,7 +101,7 @@ LEAST_SPEED = 4.0
 """Weight per second; a slower mouth would start to move over 0.3 s before the first sound."""
 
 
-class Motion(Strict):
+class MotionFields(Strict):
     """How curves are joined and kept from moving too fast; what is not stated is the usual."""
 
     preset: Text | None = None
@@ -137,7 +137,7 @@ class Intensity(Strict):
     """How far they move where it is much louder."""
 
 
-class Target(Strict):
+class PhonemeTarget(Strict):
     """How poses stand at a phoneme, and how strongly they insist."""
 
     weights: dict[PoseName, Unit] = Field(default={})
@@ -169,10 +169,10 @@ FlatTarget = Short(
     forms=lambda _: [
         {
             "type": "object",
-            "description": Target.__doc__,
+            "description": PhonemeTarget.__doc__,
             "properties": {
                 "dominance": {
-                    "description": Target.model_fields["dominance"].description,
+                    "description": PhonemeTarget.model_fields["dominance"].description,
                     "anyOf": [
                         {
                             "type": "object",
@@ -187,10 +187,10 @@ FlatTarget = Short(
     ],
 )
 
-Targets = Annotated[tuple[Annotated[Target, FlatTarget], ...], Field(min_length=1), OrOne]
+Targets = Annotated[tuple[Annotated[PhonemeTarget, FlatTarget], ...], Field(min_length=1), OrOne]
 
 
-class PoseSet(Pack):
+class PoseSet(PackModel):
     """The poses of a family of faces, how they get along, and where they stand in speech."""
 
     kind: Literal["poseset"]
@@ -203,9 +203,9 @@ class PoseSet(Pack):
     """Which poses make way for which."""
     priority: tuple[PoseName, ...] = ()
     """Poses that yield, lowest first; poses not named never yield."""
-    contacts: dict[Text, Contact] = Field(default={})
+    contacts: dict[Text, ContactRule] = Field(default={})
     """What must be seen, at any speed and frame rate."""
-    motion: Motion = Motion()
+    motion: MotionFields = MotionFields()
     """How curves are joined and kept from moving too fast."""
     intensity: Intensity | None = None
     """What loudness moves, and how far."""
@@ -219,7 +219,7 @@ class PoseSet(Pack):
     """A model file to show the poses on."""
 
 
-class Bigram(Strict):
+class BigramCurves(Strict):
     """The curves of one phone bigram, in normalised time."""
 
     word: str | None = None
@@ -238,7 +238,7 @@ class Bigram(Strict):
     """A curve for each pose that moves."""
 
 
-class Bank(Pack):
+class BankPack(PackModel):
     """Curves for bigrams over the poses of one pose set."""
 
     kind: Literal["bank"]
@@ -251,7 +251,7 @@ class Bank(Pack):
     """The manner of speaking."""
     interpolation: Literal["bspline", "linear"] = "bspline"
     """The kind of curve."""
-    bigrams: dict[BigramKey, Bigram] = Field(default={})
+    bigrams: dict[BigramKey, BigramCurves] = Field(default={})
     """Curves by bigram."""
 
 
@@ -323,21 +323,21 @@ class Delivery(Strict):
     level] points."""
 
 
-class Line(Delivery):
+class LineEdits(Delivery):
     """What is particular to one recorded line, and survives a new recording."""
 
     edits: tuple[Edit, ...] = ()
     """Edits in order; a later one wins."""
 
 
-class Character(Pack, Delivery):
+class Character(PackModel, Delivery):
     """A face that speaks: a pose set, a bank layer of its own, and a rig."""
 
     kind: Literal["character"]
     """The kind of pack."""
     poseset: Name
     """The pose set whose poses move."""
-    bigrams: dict[BigramKey, Bigram] = Field(default={})
+    bigrams: dict[BigramKey, BigramCurves] = Field(default={})
     """The character's own bigrams."""
     banks: tuple[Text, ...] = ()
     """Files of more of them, beside the character."""
@@ -347,9 +347,9 @@ class Character(Pack, Delivery):
         Field(default={})
     )
     """Words it pronounces in its own way, by language, as common phonemes."""
-    lines: dict[Text, Line] = Field(default={})
+    lines: dict[Text, LineEdits] = Field(default={})
     """Lines with edits of their own."""
-    motion: Motion = Motion()
+    motion: MotionFields = MotionFields()
     """What differs from the pose set's motion."""
     checks: Checks = Checks()
     """What differs from the pose set's checks."""
@@ -362,7 +362,7 @@ class Character(Pack, Delivery):
 Vector = tuple[float, float, float]
 
 
-class Channel(Strict):
+class RigChannel(Strict):
     """A shape or bone of a model, driven by a sum of gain times pose."""
 
     gains: dict[PoseName, float]
@@ -395,7 +395,7 @@ class Channel(Strict):
         return self
 
 
-class Rig(Pack):
+class RigPack(PackModel):
     """How poses drive the shapes and bones of a real model, and how those are called."""
 
     kind: Literal["rig"]
@@ -404,7 +404,7 @@ class Rig(Pack):
     """The pose set whose poses drive it."""
     to: Name | None = None
     """The pose set whose poses the channels are, where it is one."""
-    channels: dict[Text, Channel] = Field(min_length=1)
+    channels: dict[Text, RigChannel] = Field(min_length=1)
     """What is driven, by name; `{Left,Right}` in a name stands for two channels alike."""
     names: dict[Text, tuple[Text, ...]] = Field(default={})
     """How models spell a channel otherwise; `{Left,Right}` as in the channel, `*` for anything."""

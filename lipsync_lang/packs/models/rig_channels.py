@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from lipsync_lang.packs.models import Channel, PoseSet, Rig
+from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded, paired
 
 
@@ -12,11 +12,11 @@ class Stated(NamedTuple):
 
     key: str
     name: str
-    channel: Channel
+    channel: RigChannel
     """Its `at_most` written out too."""
 
 
-def stated(rig: Rig) -> Iterator[Stated]:
+def stated(rig: RigPack) -> Iterator[Stated]:
     """Yield every channel in the rig's order; one that is stated twice comes twice."""
     for key, channel in rig.channels.items():
         names = expanded(key)
@@ -27,15 +27,15 @@ def stated(rig: Rig) -> Iterator[Stated]:
             yield Stated(key, name, one)
 
 
-def channels_of(rig: Rig) -> dict[str, Channel]:
+def channels_of(rig: RigPack) -> dict[str, RigChannel]:
     """Return each channel by name; the first of two alike."""
-    found: dict[str, Channel] = {}
+    found: dict[str, RigChannel] = {}
     for one in stated(rig):
         found.setdefault(one.name, one.channel)
     return found
 
 
-def names_of(rig: Rig) -> dict[str, tuple[str, ...]]:
+def names_of(rig: RigPack) -> dict[str, tuple[str, ...]]:
     """Return how models spell each channel that the rig has spellings of."""
     found: dict[str, dict[str, None]] = {}
     for key, spellings in rig.names.items():
@@ -47,7 +47,7 @@ def names_of(rig: Rig) -> dict[str, tuple[str, ...]]:
     return {channel: tuple(own) for channel, own in found.items()}
 
 
-def plain_channels(rig: Rig, to: PoseSet | None) -> list[dict[str, Any]]:
+def plain_channels(rig: RigPack, to: PoseSet | None) -> list[dict[str, Any]]:
     """Return every channel as plain data, spelled as the pose set it belongs to is too."""
     known = pose_names(to) if to is not None else {}
     own = names_of(rig)

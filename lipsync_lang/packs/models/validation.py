@@ -8,10 +8,10 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.packs.models import MODELS, Pack
+from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.models.fields import FORMAT
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.packs.yaml.source import Loc, Source
+from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 Data = Any
 """A value as YAML holds it, or a type as `typing` holds it."""
@@ -54,8 +54,8 @@ _PATTERN = "write a BCP 47 tag such as 'pt-BR'"
 
 
 def validated(
-    source: Source, *, kind: str | None = None, name: str | None = None
-) -> tuple[Pack | None, tuple[Fault, ...]]:
+    source: YamlSource, *, kind: str | None = None, name: str | None = None
+) -> tuple[PackModel | None, tuple[Fault, ...]]:
     """Return the pack that a file states, or None, and every fault of the file.
 
     `kind` and `name` are those that belong where the file lies; None lets the file say.
@@ -72,7 +72,7 @@ def validated(
     return (None if faults else pack), tuple(faults)
 
 
-def _kind(source: Source, kind: str | None) -> tuple[type[Pack] | None, list[Fault]]:
+def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None, list[Fault]]:
     """Find the model of a file; without one, nothing more can be said of it."""
     data = source.data
     start = "start it with `kind: ...`, `format: 1` and `name: ...`"
@@ -97,7 +97,7 @@ def _kind(source: Source, kind: str | None) -> tuple[type[Pack] | None, list[Fau
     return MODELS[stated], []
 
 
-def _name(source: Source, name: str | None) -> list[Fault]:
+def _name(source: YamlSource, name: str | None) -> list[Fault]:
     stated = source.data.get("name")
     if name is None or not isinstance(stated, str) or stated == name:
         return []
@@ -105,7 +105,7 @@ def _name(source: Source, name: str | None) -> list[Fault]:
     return [source.fault(("name",), "P111", what, "rename one of the two")]
 
 
-def _translate(source: Source, model: type[Pack], error: ValidationError) -> list[Fault]:
+def _translate(source: YamlSource, model: type[PackModel], error: ValidationError) -> list[Fault]:
     """Turn pydantic's errors into faults, one for each place and matter."""
     return [
         _fault(source, model, report)
@@ -124,7 +124,7 @@ def _echo(report: Report) -> bool:
     )
 
 
-def _fault(source: Source, model: type[Pack], report: Report) -> Fault:
+def _fault(source: YamlSource, model: type[PackModel], report: Report) -> Fault:
     loc: Loc = tuple(report["loc"])
     key = bool(loc) and loc[-1] == KEY
     loc = loc[:-1] if key else loc
@@ -135,7 +135,7 @@ def _fault(source: Source, model: type[Pack], report: Report) -> Fault:
 
 
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
-    source: Source, model: type[Pack], loc: Loc, report: Report
+    source: YamlSource, model: type[PackModel], loc: Loc, report: Report
 ) -> tuple[str, str, str]:
     """Return the code, the matter and the hint of one error."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
@@ -180,7 +180,7 @@ def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
     return "P107", what, hint if hint.startswith("did") else ""
 
 
-def _length(source: Source, loc: Loc, report: Report) -> tuple[str, str, str]:
+def _length(source: YamlSource, loc: Loc, report: Report) -> tuple[str, str, str]:
     """Say how many items a list or mapping needs, and how many it has."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     if sort == "missing":
@@ -201,7 +201,7 @@ def _mend(sort: str, value: Data) -> str:
     return ""
 
 
-def _subject(source: Source, loc: Sequence[str | int]) -> str:
+def _subject(source: YamlSource, loc: Sequence[str | int]) -> str:
     """Name the value at `loc` as the file does: the nearest key, and items from 1."""
     steps = [s for n, s in enumerate(loc) if _there(source, loc[:n], s) or n == len(loc) - 1]
     steps = [s for s in steps if not str(s).startswith("<")]
@@ -212,7 +212,7 @@ def _subject(source: Source, loc: Sequence[str | int]) -> str:
     return f"{items}`{steps[-1]}`" if steps else "the pack"
 
 
-def _there(source: Source, before: Sequence[str | int], step: str | int) -> bool:
+def _there(source: YamlSource, before: Sequence[str | int], step: str | int) -> bool:
     """Say whether the file has the step, which pydantic may have put in itself."""
     value = source.at(before)
     if isinstance(value, dict):

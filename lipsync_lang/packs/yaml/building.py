@@ -13,7 +13,7 @@ from typing import Any, Final, NamedTuple
 
 from lipsync_lang.packs.yaml.events import Event, Parser, YamlError, parsers
 from lipsync_lang.packs.yaml.faults import Fault, shown
-from lipsync_lang.packs.yaml.source import LARGEST, TOP, Data, Mark, Position, Source
+from lipsync_lang.packs.yaml.source import LARGEST, TOP, Data, Position, SourceMark, YamlSource
 
 DEEPEST = 40
 """Levels of nesting; packs use about eight."""
@@ -39,15 +39,15 @@ _SPECIAL: Final = {
 _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udfff\ufffe\uffff]")
 
 
-def build(path: Path, content: bytes) -> Source:
+def build(path: Path, content: bytes) -> YamlSource:
     """Read YAML as far as it goes; see `source.scan`."""
     try:
         return _built(path, _text(path, content))
     except _StopError as stop:
-        return Source(path, None, faults=tuple(sorted(stop.faults)))
+        return YamlSource(path, None, faults=tuple(sorted(stop.faults)))
 
 
-def _built(path: Path, text: str) -> Source:
+def _built(path: Path, text: str) -> YamlSource:
     """Build from the events of the first parser that can read the text."""
     try:
         asked = parsers(text)
@@ -158,7 +158,7 @@ class _Anchored(NamedTuple):
     """A value that aliases may repeat, and how many characters state it."""
 
     data: Data
-    mark: Mark
+    mark: SourceMark
     chars: int
 
 
@@ -173,9 +173,9 @@ class _Builder:
         self.chars = 0
         """Characters of the text, and of what its aliases stand for so far."""
         self.last: Event = None
-        self.root: tuple[Any, Mark] | None = None
+        self.root: tuple[Any, SourceMark] | None = None
 
-    def build(self, text: str, parse: Parser) -> Source:
+    def build(self, text: str, parse: Parser) -> YamlSource:
         """Read the whole text."""
         self.chars = len(text)
         with _no_collection():
@@ -183,7 +183,7 @@ class _Builder:
         if self.root is None:
             raise self._stop(1, 1, "P006", "the file holds nothing but comments", "state the pack")
         data, mark = self.root
-        return Source(self.path, data, mark, tuple(sorted(self.faults)))
+        return YamlSource(self.path, data, mark, tuple(sorted(self.faults)))
 
     def _read(self, text: str, parse: Parser) -> None:
         """Take every event; what the parser cannot read is raised with its place."""
@@ -239,10 +239,10 @@ class _Builder:
             value: Data = text
         else:
             value = _scalar(text) if plain else text
-            self._add(value, Mark(line, column))
+            self._add(value, SourceMark(line, column))
         if event.anchor:
             chars = event.end_mark.index - mark.index
-            self.anchors[event.anchor] = _Anchored(value, Mark(line, column), chars)
+            self.anchors[event.anchor] = _Anchored(value, SourceMark(line, column), chars)
 
     def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
         """Take the text as the key of the value that comes next."""
@@ -271,7 +271,7 @@ class _Builder:
     def _on_end(self, event: Event) -> None:
         frame = self.frames.pop()
         data = tuple(frame.data) if frame.data.__class__ is list else frame.data
-        mark = Mark(frame.start.line + 1, frame.start.column + 1, frame.inner)
+        mark = SourceMark(frame.start.line + 1, frame.start.column + 1, frame.inner)
         if frame.anchor:
             chars = event.end_mark.index - frame.start.index
             self.anchors[frame.anchor] = _Anchored(data, mark, chars)
@@ -316,7 +316,7 @@ class _Builder:
         self._note(line, column, "P016", what, hint)
         return False
 
-    def _add(self, data: Data, mark: Mark) -> None:
+    def _add(self, data: Data, mark: SourceMark) -> None:
         """Put a finished value where it belongs."""
         if not self.frames:
             self.root = data, mark

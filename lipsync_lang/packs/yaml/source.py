@@ -34,7 +34,7 @@ class Position(NamedTuple):
 TOP = Position(1, 1)
 
 
-class Mark(NamedTuple):
+class SourceMark(NamedTuple):
     """Where a value starts, and the marks of what it holds.
 
     `inner` maps a mapping's keys to (line and column of the key, mark of the value), and
@@ -43,11 +43,11 @@ class Mark(NamedTuple):
 
     line: int
     column: int
-    inner: "dict[str, tuple[Position, Mark]] | list[Mark] | None" = None
+    inner: "dict[str, tuple[Position, SourceMark]] | list[SourceMark] | None" = None
 
 
 @dataclass(frozen=True, eq=False)
-class Source:
+class YamlSource:
     """A YAML file as plain data, with the place of every value.
 
     Parameters
@@ -59,7 +59,7 @@ class Source:
 
     path: Path
     data: Data
-    root: Mark = field(default=Mark(1, 1), repr=False)
+    root: SourceMark = field(default=SourceMark(1, 1), repr=False)
     faults: tuple[Fault, ...] = ()
 
     def where(self, loc: Sequence[str | int], *, key: bool = False) -> Position:
@@ -103,7 +103,7 @@ class Source:
         return Fault(shown(self.path), *self.where(loc, key=key), code, what, hint)
 
 
-def read_yaml(path: Path, content: bytes | None = None) -> Source:
+def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
     """Read a YAML file, or `content` in its place.
 
     Raises
@@ -130,7 +130,7 @@ def read_bytes(path: Path) -> bytes:
         raise PackError(f"{shown(path)}: cannot be read: {error.strerror or error}") from None
 
 
-def scan(path: Path, content: bytes) -> Source:
+def scan(path: Path, content: bytes) -> YamlSource:
     """Read YAML as far as it goes, keeping what is wrong in ``Source.faults``.
 
     `Source.data` is None after a fault that leaves no data to trust.
@@ -140,7 +140,9 @@ def scan(path: Path, content: bytes) -> Source:
     return build(path, content)
 
 
-def _step(mark: Mark, data: Data, step: str | int) -> tuple[Position, Mark, Data] | None:
+def _step(
+    mark: SourceMark, data: Data, step: str | int
+) -> tuple[Position, SourceMark, Data] | None:
     """Go one step down from a value: (place of the key or item, its mark, its data)."""
     inner = mark.inner
     if isinstance(inner, dict):

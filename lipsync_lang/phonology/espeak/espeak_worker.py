@@ -47,7 +47,7 @@ class _Event(ctypes.Structure):
     )
 
 
-class Voice(ctypes.Structure):
+class VoiceRecord(ctypes.Structure):
     """A voice, as the library lists it."""
 
     _fields_ = (
@@ -77,12 +77,12 @@ def _languages(address: int) -> list[tuple[int, str]]:
 
 def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, str]]]]:
     """Return each voice's identifier, title and (priority, language) pairs."""
-    library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(Voice))
+    library.espeak_ListVoices.restype = ctypes.POINTER(ctypes.POINTER(VoiceRecord))
     return read_voices(library.espeak_ListVoices(None))
 
 
 def read_voices(
-    listed: Iterable["ctypes._Pointer[Voice]"],
+    listed: Iterable["ctypes._Pointer[VoiceRecord]"],
 ) -> list[tuple[str, str, list[tuple[int, str]]]]:
     """Return what `list_voices` does, of the library's own list."""
     rows, voices = [], []

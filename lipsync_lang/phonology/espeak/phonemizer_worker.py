@@ -33,7 +33,7 @@ def select(api: Any, voice: str, data: str) -> dict[str, Any]:
     """Choose a voice as speech does; return what went wrong, or nothing."""
     import espeak_worker as speech  # type: ignore[import-not-found]  # it lies beside
 
-    listed = ctypes.cast(api.list_voices(None), ctypes.POINTER(ctypes.POINTER(speech.Voice)))
+    listed = ctypes.cast(api.list_voices(None), ctypes.POINTER(ctypes.POINTER(speech.VoiceRecord)))
     voices = speech.read_voices(listed)
     base, plus, variant = voice.partition("+")
     identifier = speech.find_voice(voices, base)

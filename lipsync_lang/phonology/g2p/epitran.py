@@ -8,7 +8,7 @@ from unicodedata import category
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import KEPT
-from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
+from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import LENGTH, normalise
 
 _JOINED = {"Mn", "Lm", "Sk"}
@@ -27,10 +27,10 @@ def engine(settings: Settings) -> Engine:
     known = frozenset(map(normalise, settings.labels))
 
     @lru_cache(KEPT)
-    def read_word(word: str) -> Reading:
+    def read_word(word: str) -> WordReading:
         labels = segments(transliterate(plain(word)), known)
         read = tuple(label for label in labels if not label.isdigit())
-        return Reading(read, "".join(label for label in labels if label.isdigit()))
+        return WordReading(read, "".join(label for label in labels if label.isdigit()))
 
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         for text in texts:

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.registry import Engine, Respeller, Said, Settings, respeller
 from lipsync_lang.phonology.g2p.rules import KEPT
-from lipsync_lang.phonology.g2p.tokens import Piece, counts, pieces
+from lipsync_lang.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.phonology.labels import looser, normalise
 
 Words = Sequence[tuple[str, ...]]
@@ -102,9 +102,9 @@ def paired(
             yield Said(_between(text, part), tuple(label for word in words for label in word))
 
 
-def _clauses(text: str) -> list[list[Piece]]:
+def _clauses(text: str) -> list[list[TextPiece]]:
     """Return the words of each clause of a text."""
-    clauses: list[list[Piece]] = [[]]
+    clauses: list[list[TextPiece]] = [[]]
     for piece in pieces(text):
         if piece.kind == "pause":
             clauses.append([])
@@ -114,7 +114,7 @@ def _clauses(text: str) -> list[list[Piece]]:
 
 
 def _matched(
-    tokens: Sequence[Piece], words: Words, lengths: Mapping[str, int]
+    tokens: Sequence[TextPiece], words: Words, lengths: Mapping[str, int]
 ) -> list[Said] | None:
     """Give each token its words where it is sure which they are.
 
@@ -134,7 +134,7 @@ def _matched(
     return said
 
 
-def _surely(token: Piece) -> bool:
+def _surely(token: TextPiece) -> bool:
     """Tell whether a token is one word: no number, no abbreviation, no compound."""
     return (
         token.kind == "word"
@@ -143,7 +143,7 @@ def _surely(token: Piece) -> bool:
     )
 
 
-def _between(text: str, tokens: Sequence[Piece]) -> str:
+def _between(text: str, tokens: Sequence[TextPiece]) -> str:
     if not tokens:
         return text.strip()
     return text[tokens[0].start : tokens[-1].start + len(tokens[-1].text)]

@@ -14,7 +14,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import Rewriter
-from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
+from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 
 COMMENTS = (";;;", "#")
 
@@ -41,14 +41,14 @@ def engine(settings: Settings) -> Engine:
     words = read_lexicon(settings.file)
     rewriter = Rewriter(settings.rules, settings.labels) if settings.rules else None
 
-    def look_up(word: str) -> Reading:
+    def look_up(word: str) -> WordReading:
         spelled = plain(word)
         if spelled in words:
-            return Reading(words[spelled])
+            return WordReading(words[spelled])
         parts = [part for part in _PARTS.split(spelled) if part]
         if len(parts) > 1 and all(part in words for part in parts):
-            return Reading(tuple(label for part in parts for label in words[part]))
-        return rewriter.read(word) if rewriter else Reading((), word)
+            return WordReading(tuple(label for part in parts for label in words[part]))
+        return rewriter.read(word) if rewriter else WordReading((), word)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         for text in texts:

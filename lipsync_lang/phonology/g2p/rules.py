@@ -22,7 +22,7 @@ from lipsync_lang.phonology.g2p.contexts import (
     compile_context,
 )
 from lipsync_lang.phonology.g2p.registry import Engine, Rule, Said, Settings, respeller
-from lipsync_lang.phonology.g2p.tokens import Reading, plain, read_words
+from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import normalise
 
 SLOW = "and those before it with the same first letter could take too long"
@@ -74,7 +74,7 @@ class Rewriter:
             known.sort(key=lambda pair: -len(pair[0]))
         self.read = lru_cache(KEPT)(self._read)
 
-    def _read(self, word: str) -> Reading:
+    def _read(self, word: str) -> WordReading:
         """Return the labels of a word, and the characters left over."""
         labels: list[str] = []
         unread: list[str] = []
@@ -83,7 +83,7 @@ class Rewriter:
                 unread += [c for c in letters if c.isalnum()]
             else:
                 labels += made
-        return Reading(tuple(labels), "".join(unread))
+        return WordReading(tuple(labels), "".join(unread))
 
     def steps(self, word: str) -> Iterator[tuple[int | None, tuple[str, ...] | None, str]]:
         """Yield (number of the rule or None, labels or None, letters) along a word."""

@@ -46,7 +46,7 @@ def counts(character: str) -> bool:
     return _class(character) in "wn"
 
 
-class Piece(NamedTuple):
+class TextPiece(NamedTuple):
     """A part of a text: a `word`, a `pause`, or a `symbol`."""
 
     text: str
@@ -54,12 +54,12 @@ class Piece(NamedTuple):
     start: int
 
 
-def pieces(text: str) -> Iterator[Piece]:
+def pieces(text: str) -> Iterator[TextPiece]:
     """Yield the words, pauses and symbols of a text in order; spaces and brackets are none."""
     shape = "".join(map(_class, text))
     for found in _SHAPE.finditer(shape):
         start, end = found.span()
-        yield Piece(text[start:end], found.lastgroup or "symbol", start)
+        yield TextPiece(text[start:end], found.lastgroup or "symbol", start)
 
 
 def plain(word: str) -> str:
@@ -67,14 +67,14 @@ def plain(word: str) -> str:
     return normalize("NFC", normalize("NFC", word).casefold()).translate(APOSTROPHES)
 
 
-class Reading(NamedTuple):
+class WordReading(NamedTuple):
     """What became of a word: its labels, and the characters that nothing read."""
 
     labels: tuple[str, ...]
     unread: str = ""
 
 
-def read_words(text: str, read: Callable[[str], Reading]) -> tuple[Said, ...]:
+def read_words(text: str, read: Callable[[str], WordReading]) -> tuple[Said, ...]:
     """Read a text word by word; what is not read is kept, to be named."""
     out: list[Said] = []
     for piece in pieces(text):

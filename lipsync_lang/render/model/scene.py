@@ -34,7 +34,7 @@ MOMENTS = 24
 """Moments at which is looked for what moves."""
 
 
-class Track(NamedTuple):
+class KeyTrack(NamedTuple):
     """Values at some times, with straight lines between them."""
 
     times: Floats
@@ -71,7 +71,7 @@ class Part:
     """(K, N, 3) of the morph targets that ever count."""
     active: Ints
     """(K,) their numbers."""
-    weights: Track
+    weights: KeyTrack
     skin: Skin | None
 
 
@@ -176,10 +176,10 @@ class Scene:
         """How many points there are."""
         return self._parts[-1].points.stop if self._parts else 0
 
-    def _weights(self, number: int, node: Json, mesh: Json, primitive: Json) -> Track:
+    def _weights(self, number: int, node: Json, mesh: Json, primitive: Json) -> KeyTrack:
         count = len(primitive.get("targets", ()))
         rest = node.get("weights", mesh.get("weights", [0.0] * count))
-        still = Track(np.array([0.0, 1.0]), np.tile(np.array(rest, float), (2, 1)))
+        still = KeyTrack(np.array([0.0, 1.0]), np.tile(np.array(rest, float), (2, 1)))
         found = self._tracks.get((number, "weights"), still)
         return found._replace(values=found.values.reshape(len(found.times), count))
 
@@ -311,7 +311,7 @@ def _check_below(numbers: Array, count: int, otherwise: str) -> None:
         raise ValueError(otherwise)
 
 
-def _tracks(gltf: Gltf, animation: Json) -> Iterator[tuple[tuple[int, str], Track]]:
+def _tracks(gltf: Gltf, animation: Json) -> Iterator[tuple[tuple[int, str], KeyTrack]]:
     """Yield what the animation drives: a node's property, and its values."""
     for channel in animation["channels"]:
         sampler = animation["samplers"][channel["sampler"]]
@@ -321,7 +321,7 @@ def _tracks(gltf: Gltf, animation: Json) -> Iterator[tuple[tuple[int, str], Trac
         if len(times) == 1:
             times, values = times + np.array([0.0, 1.0]), np.vstack([values, values])
         target = channel["target"]
-        yield (target["node"], target["path"]), Track(times, values)
+        yield (target["node"], target["path"]), KeyTrack(times, values)
 
 
 def _triangles(corners: Ints, mode: int) -> Ints:

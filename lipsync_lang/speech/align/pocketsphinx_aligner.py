@@ -28,7 +28,7 @@ DOUBTFUL = 0.5
 """A confidence below this is remarked upon."""
 
 
-class Pocketsphinx:
+class PocketsphinxAligner:
     """The aligner for languages that pocketsphinx has a model of."""
 
     def align(

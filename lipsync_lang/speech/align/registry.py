@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Protocol
 
-from lipsync_lang.speech.align.pocketsphinx_aligner import Pocketsphinx
+from lipsync_lang.speech.align.pocketsphinx_aligner import PocketsphinxAligner
 from lipsync_lang.speech.align.warping import Warp
 
 if TYPE_CHECKING:
@@ -23,5 +23,5 @@ class Aligner(Protocol):
         ...
 
 
-ALIGNERS: dict[str, Aligner] = {"pocketsphinx": Pocketsphinx(), "warp": Warp()}
+ALIGNERS: dict[str, Aligner] = {"pocketsphinx": PocketsphinxAligner(), "warp": Warp()}
 """Aligners by name; add to it to make one known."""

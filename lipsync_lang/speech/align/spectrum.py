@@ -46,7 +46,7 @@ _AROUND = 2
 _TINY = 1e-10
 
 
-class Heard(NamedTuple):
+class SpeechSpectrum(NamedTuple):
     """A recording, and what is speech in it."""
 
     power: Floats
@@ -104,7 +104,7 @@ def _mel(hertz: float) -> float:
     return float(2595 * np.log10(1 + hertz / 700))
 
 
-def listen(samples: Floats) -> Heard:
+def listen(samples: Floats) -> SpeechSpectrum:
     """Find the speech in a recording.
 
     Raises
@@ -124,7 +124,7 @@ def listen(samples: Floats) -> Heard:
             "the recording has no speech that stands out from what else is heard; "
             "give one that is louder, or with less noise"
         )
-    return Heard(power, noise, floor, above > quiet + SPOKEN * (top - quiet))
+    return SpeechSpectrum(power, noise, floor, above > quiet + SPOKEN * (top - quiet))
 
 
 def _smooth(values: Floats) -> Floats:
@@ -132,7 +132,7 @@ def _smooth(values: Floats) -> Floats:
     return np.convolve(np.pad(values, 2, mode="edge"), np.full(5, 0.2), "valid")
 
 
-def alike(heard: Heard, voice: Floats, sounding: Bools) -> tuple[Floats, Floats]:
+def alike(heard: SpeechSpectrum, voice: Floats, sounding: Bools) -> tuple[Floats, Floats]:
     """Make a voice sound as if recorded with the recording, and return what compares the two.
 
     Parameters

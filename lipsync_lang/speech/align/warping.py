@@ -16,8 +16,8 @@ from lipsync_lang.speech.align.spectrum import (
     HOP,
     Bools,
     Floats,
-    Heard,
     Ints,
+    SpeechSpectrum,
     alike,
     listen,
     mel_power,
@@ -61,7 +61,7 @@ DOUBTFUL = 0.5
 """A confidence below this is remarked upon."""
 
 
-class Voice(NamedTuple):
+class SpokenVoice(NamedTuple):
     """What the voice says: its phonemes without pauses, and the sound."""
 
     labels: tuple[str, ...]
@@ -142,7 +142,7 @@ class Warp:
                 f"warping needs no model, but '{model}' is given: leave it out, or choose another "
                 "aligner"
             )
-        voice = Voice.of(speaker, text)
+        voice = SpokenVoice.of(speaker, text)
         heard = listen(samples_of(audio))
         kept = _speech(heard.spoken)
         if len(kept) * HOP < len(voice.labels) * SHORTEST:
@@ -182,7 +182,7 @@ def _runs(frames: Ints) -> list[Ints]:
     return [np.arange(run[0], run[-1] + 1) for run in np.split(frames, cuts)]
 
 
-def _fit(heard: Heard, kept: Ints, voice: Voice) -> Fit:
+def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
     """Lay the voice on the recording, at its tempo and with the tract that is likest."""
     tempo = float((voice.ends - voice.starts).sum()) / (len(kept) * HOP)
     hop = HOP * float(np.clip(tempo, *TEMPO))
@@ -197,7 +197,7 @@ def _fit(heard: Heard, kept: Ints, voice: Voice) -> Fit:
 
 
 def _compared(
-    heard: Heard, kept: Ints, voice: Voice, hop: float, tract: float
+    heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice, hop: float, tract: float
 ) -> tuple[Floats, Floats, Ints]:
     """Return the frames of recording and voice, and where among these phonemes start."""
     power = mel_power(voice.samples, hop, tract)
@@ -271,7 +271,7 @@ def _edges(a: Floats, b: Floats) -> Floats:
 
 
 def _laid(
-    edges: Floats, kept: Ints, voice: Voice, seconds: float
+    edges: Floats, kept: Ints, voice: SpokenVoice, seconds: float
 ) -> tuple[tuple[str, ...], Floats, tuple[Word, ...]]:
     """Lay phonemes and pauses on the whole recording: labels, boundaries and words."""
     starts = np.interp(edges, np.arange(len(kept)), kept) * HOP
@@ -303,7 +303,7 @@ def _laid(
     return tuple(labels), _spaced(np.array(times), seconds), words
 
 
-def _pauses(edges: Floats, kept: Ints, voice: Voice) -> dict[int, tuple[float, float]]:
+def _pauses(edges: Floats, kept: Ints, voice: SpokenVoice) -> dict[int, tuple[float, float]]:
     """Return the recording's pauses by the phoneme that each stands before: start and end.
 
     A pause stands before a word; a long one, where no word starts near, before a phoneme.

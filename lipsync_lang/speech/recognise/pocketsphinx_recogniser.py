@@ -13,7 +13,7 @@ from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import RATE, STEP, Floats, features
 from lipsync_lang.speech.sphinx.folder import Models, find_models, without_variant
-from lipsync_lang.speech.sphinx.forced import Heard, lay
+from lipsync_lang.speech.sphinx.forced import HeardPhoneme, lay
 from lipsync_lang.speech.sphinx.scheduling import Saying, confidence, laid, prepared
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ SHOWN = 200
 """Letters of what was heard that the remark repeats."""
 
 
-class Pocketsphinx:
+class PocketsphinxRecogniser:
     """The recogniser for languages that pocketsphinx has a model of."""
 
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
@@ -49,7 +49,7 @@ class Pocketsphinx:
         models = find_models(model)
         sound = prepared(audio)
         decoder = _decoder(models)
-        heard: list[Heard] = []
+        heard: list[HeardPhoneme] = []
         sayings: list[Saying] = []
         for start, stop in parts(sound):
             part = sound[start:stop]
@@ -111,19 +111,19 @@ def _words(decoder: Any, models: Models, sound: Floats) -> list[str]:
     return [name for name in names if models.ways(name)]
 
 
-def _phones(decoder: Any, models: Models, sound: Floats) -> list[Heard]:
+def _phones(decoder: Any, models: Models, sound: Floats) -> list[HeardPhoneme]:
     """Return the phonemes of a sound that has no words."""
     decoder.add_allphone_file("phones", str(models.phones))
     decoder.activate_search("phones")
     names = _segments(decoder, sound) or [("", 0)]
     stops = [first for _, first in names[1:]] + [-(-len(sound) // STEP)]
     return [
-        Heard(OUTSIDE, models.numbers.get(name, OUTSIDE), first, stop, 0.0)
+        HeardPhoneme(OUTSIDE, models.numbers.get(name, OUTSIDE), first, stop, 0.0)
         for (name, first), stop in zip(names, stops, strict=True)
     ]
 
 
-def _moved(one: Heard, frames: int, words: int) -> Heard:
+def _moved(one: HeardPhoneme, frames: int, words: int) -> HeardPhoneme:
     word = one.word if one.word == OUTSIDE else one.word + words
     return one._replace(word=word, first=one.first + frames, stop=one.stop + frames)
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Protocol
 
-from lipsync_lang.speech.recognise.pocketsphinx_recogniser import Pocketsphinx
+from lipsync_lang.speech.recognise.pocketsphinx_recogniser import PocketsphinxRecogniser
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
@@ -20,5 +20,5 @@ class Recogniser(Protocol):
         ...
 
 
-RECOGNISERS: dict[str, Recogniser] = {"pocketsphinx": Pocketsphinx()}
+RECOGNISERS: dict[str, Recogniser] = {"pocketsphinx": PocketsphinxRecogniser()}
 """Recognisers by name; add to it to make one known."""

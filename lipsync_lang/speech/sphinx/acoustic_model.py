@@ -22,7 +22,7 @@ Ints = npt.NDArray[np.int64]
 Singles = npt.NDArray[np.float32]
 
 
-class Place(IntEnum):
+class WordPosition(IntEnum):
     """Where in its word a phoneme stands."""
 
     INSIDE = 0
@@ -61,7 +61,7 @@ class Phone(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class AcousticModel:
     """What every state of every phoneme sounds like.
 
     Parameters
@@ -94,16 +94,16 @@ class Model:
         """Return a phoneme that minds no neighbours."""
         return Phone(phone, self.simple[phone])
 
-    def phone(self, here: int, left: int, right: int, place: Place) -> Phone:
+    def phone(self, here: int, left: int, right: int, place: WordPosition) -> Phone:
         """Return a phoneme beside its neighbours, or as near to that as the model has it."""
         for beside in ((left, right), (self.silence, right), (left, self.silence)):
-            for where in dict.fromkeys((place, *Place)):
+            for where in dict.fromkeys((place, *WordPosition)):
                 found = self._find(here, *beside, where)
                 if found is not None:
                     return found
         return self.alone(here)
 
-    def _find(self, here: int, left: int, right: int, place: Place) -> Phone | None:
+    def _find(self, here: int, left: int, right: int, place: WordPosition) -> Phone | None:
         key = _key(here, left, right, place)
         at = int(self.keys.searchsorted(key))
         if at == len(self.keys) or self.keys[at] != key:
@@ -121,7 +121,7 @@ class Listening:
     features : (T, 3, 13) of the sound
     """
 
-    model: Model
+    model: AcousticModel
     features: Floats
     _near: dict[tuple[int, int], tuple[Singles, Singles]] = field(
         init=False, repr=False, default_factory=dict
@@ -193,7 +193,7 @@ def _key(here: Any, left: Any, right: Any, place: Any) -> Any:
 
 
 @cache
-def read_model(folder: Path) -> Model:
+def read_model(folder: Path) -> AcousticModel:
     """Read the acoustic model in a folder.
 
     Raises
@@ -212,7 +212,7 @@ def read_model(folder: Path) -> Model:
         ) from None
 
 
-def _read(folder: Path) -> Model:
+def _read(folder: Path) -> AcousticModel:
     means, variances = (_gaussians(folder / name) for name in ("means", "variances"))
     precision = 1 / np.maximum(variances, FLOOR)
     constant = (np.log(precision / (2 * np.pi)) - precision * means**2).sum(axis=-1) / 2
@@ -224,11 +224,11 @@ def _read(folder: Path) -> Model:
     staying = np.einsum("pss->ps", moves[:, :, :STATES]) / moves.sum(axis=-1)
     if not len(found.names) == len(means) == len(staying):
         raise ValueError("not one codebook to a phoneme")
-    return Model(*found, np.log(staying), gaussians.astype(np.float32), weights)
+    return AcousticModel(*found, np.log(staying), gaussians.astype(np.float32), weights)
 
 
 class _Definitions(NamedTuple):
-    """Which states each phoneme has beside which neighbours, as in `Model`."""
+    """Which states each phoneme has beside which neighbours, as in `AcousticModel`."""
 
     names: tuple[str, ...]
     silence: int

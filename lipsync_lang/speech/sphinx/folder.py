@@ -8,7 +8,7 @@ from itertools import count, takewhile
 from pathlib import Path
 
 from lipsync_lang.errors import SpeechError, did_you_mean
-from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE, Model, read_model
+from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE, AcousticModel, read_model
 
 _VARIANT = re.compile(r"\(\d+\)$")
 
@@ -45,7 +45,7 @@ class Models:
         return self.folder / f"{self.folder.name}-phone.lm.bin"
 
     @cached_property
-    def model(self) -> Model:
+    def model(self) -> AcousticModel:
         """What the phonemes sound like."""
         return read_model(self.acoustic)
 

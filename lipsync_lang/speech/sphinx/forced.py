@@ -16,12 +16,12 @@ import numpy as np
 from lipsync_lang.speech.sphinx.acoustic_model import (
     OUTSIDE,
     STATES,
+    AcousticModel,
     Floats,
     Listening,
-    Model,
     Phone,
-    Place,
     Singles,
+    WordPosition,
 )
 from lipsync_lang.speech.sphinx.trellis import START, Run, likeliest_way
 
@@ -41,7 +41,7 @@ Word = Sequence[tuple[int, ...]]
 """The ways to say a word, each the numbers of its phonemes."""
 
 
-class Heard(NamedTuple):
+class HeardPhoneme(NamedTuple):
     """A phoneme, a pause or other sound, where it is heard.
 
     `word` is the number of its word, `OUTSIDE` of what is none; `phone` the phoneme's number in
@@ -61,14 +61,14 @@ class Node(NamedTuple):
 
     word: int
     phone: int
-    place: Place
+    place: WordPosition
 
 
 @dataclass
 class _Graph:
     """Phonemes that may follow each other."""
 
-    model: Model
+    model: AcousticModel
     nodes: list[Node] = field(default_factory=list)
     phones: list[Phone] = field(default_factory=list)
     before: list[list[int]] = field(default_factory=list)
@@ -83,8 +83,8 @@ class _Graph:
     def pause(self, before: Sequence[int]) -> list[int]:
         """Add silence and other sound, by turns."""
         silence = self.model.silence
-        quiet = self.add(Node(OUTSIDE, silence, Place.INSIDE), silence, silence, before)
-        other = Node(OUTSIDE, OUTSIDE, Place.INSIDE)
+        quiet = self.add(Node(OUTSIDE, silence, WordPosition.INSIDE), silence, silence, before)
+        other = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
         loud = self.add(other, silence, silence, [*before, quiet])
         self.before[quiet].append(loud)
         return [quiet, loud]
@@ -104,19 +104,19 @@ class _Graph:
         return ends
 
 
-def _phone(model: Model, node: Node, left: int, right: int) -> Phone:
+def _phone(model: AcousticModel, node: Node, left: int, right: int) -> Phone:
     if node.word == OUTSIDE:
         return model.alone(model.silence)
     return model.phone(node.phone, left, right, node.place)
 
 
-def _place(at: int, size: int) -> Place:
+def _place(at: int, size: int) -> WordPosition:
     if size == 1:
-        return Place.ALONE
-    return {0: Place.BEGIN, size - 1: Place.END}.get(at, Place.INSIDE)
+        return WordPosition.ALONE
+    return {0: WordPosition.BEGIN, size - 1: WordPosition.END}.get(at, WordPosition.INSIDE)
 
 
-def lay(model: Model, features: Floats, words: Sequence[Word]) -> list[Heard] | None:
+def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[HeardPhoneme] | None:
     """Lay words on a sound.
 
     Parameters
@@ -129,7 +129,7 @@ def lay(model: Model, features: Floats, words: Sequence[Word]) -> list[Heard] | 
     -------
     What is heard from frame 0 to T, with every word in it; None where the sound is too short
     """
-    heard: list[Heard] = []
+    heard: list[HeardPhoneme] = []
     at = done = 0
     while at < len(features):
         found = _window(model, features[at:], words, done)
@@ -141,7 +141,9 @@ def lay(model: Model, features: Floats, words: Sequence[Word]) -> list[Heard] | 
     return heard
 
 
-def _window(model: Model, features: Floats, words: Sequence[Word], done: int) -> list[Heard] | None:
+def _window(
+    model: AcousticModel, features: Floats, words: Sequence[Word], done: int
+) -> list[HeardPhoneme] | None:
     """Return what is kept of the window that a sound starts with, where some words are done."""
     last = len(features) <= WINDOW
     features = features[:WINDOW]
@@ -189,7 +191,7 @@ def _loop(sound: Listening) -> Singles:
 
 
 def _likeliest(  # noqa: PLR0913, PLR0917 what a way depends on
-    model: Model,
+    model: AcousticModel,
     scores: Singles,
     loop: Singles,
     nodes: Sequence[Node],
@@ -218,7 +220,7 @@ def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
     return [*way[: min(cuts, default=len(way))]]
 
 
-def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> list[Heard]:
+def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> list[HeardPhoneme]:
     """Lay phonemes again, each beside the neighbours that it has."""
     model, stop = sound.model, way[-1][1].stop
     nodes = [node for node, _ in way]
@@ -233,5 +235,5 @@ def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> 
     for node, run in zip(nodes, runs, strict=True):
         here = scores[run.first : run.stop, run.phone].max(axis=1)
         fit = float((here - loop[run.first : run.stop]).mean())
-        heard.append(Heard(node.word, node.phone, run.first, run.stop, fit))
+        heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit))
     return heard

@@ -9,7 +9,7 @@ from lipsync_lang.schedules.schedule import SILENCE, Audio, Word
 from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import FRAME, RATE, WINDOW, Floats
-from lipsync_lang.speech.sphinx.forced import Heard
+from lipsync_lang.speech.sphinx.forced import HeardPhoneme
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.sphinx.folder import Models
@@ -58,13 +58,13 @@ def prepared(audio: Audio) -> Floats:
     return scaled
 
 
-def confidence(models: "Models", heard: Sequence[Heard]) -> float:
+def confidence(models: "Models", heard: Sequence[HeardPhoneme]) -> float:
     """Return the share of phonemes that the sound bears out: of a word, alike, in no hurry."""
     said = [one for one in heard if one.phone not in models.quiet]
     return sum(map(_borne_out, said)) / len(said) if said else 0.0
 
 
-def _borne_out(one: Heard) -> bool:
+def _borne_out(one: HeardPhoneme) -> bool:
     return one.word != OUTSIDE and one.fit > UNLIKE and one.stop - one.first > HURRIED
 
 
@@ -77,7 +77,7 @@ class Laid(NamedTuple):
 
 
 def laid(
-    models: "Models", heard: Sequence[Heard], sayings: Sequence[Saying], seconds: float
+    models: "Models", heard: Sequence[HeardPhoneme], sayings: Sequence[Saying], seconds: float
 ) -> Laid:
     """Return what was heard as labels from 0 to the end of the sound; pauses in one piece."""
     rows: list[tuple[str, int, float]] = []
@@ -103,7 +103,7 @@ def laid(
     return Laid(labels, np.array(times), tuple(words))
 
 
-def doubts(heard: Sequence[Heard], sayings: Sequence[Saying]) -> list[str]:
+def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str]:
     """Say in words where sound and text disagree."""
     remarks: list[str] = []
     others = [
@@ -113,7 +113,7 @@ def doubts(heard: Sequence[Heard], sayings: Sequence[Saying]) -> list[str]:
     ]
     if others:
         remarks.append(f"sound that the text does not have: {_listed(others)}")
-    said: dict[int, list[Heard]] = {}
+    said: dict[int, list[HeardPhoneme]] = {}
     for one in heard:
         said.setdefault(one.word, []).append(one)
     missing = [
