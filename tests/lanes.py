@@ -1,9 +1,9 @@
 """The two lanes of tests: what belongs into which, and how large sweeps are in each.
 
-A test is in the quick lane (`make test`) unless it is marked `full`. Mark a test, or some of its
-parameters, where it takes more than a second of CPU and repeats for other data what a quick test
-holds already: of every sweep, some parameters stay quick. `make test-all` runs both lanes, and the
-property tests once more with the larger profile.
+A test is in the quick lane (`make test`) unless it is marked `full`. Mark it where it takes more
+than a second of CPU, and either repeats for other data what a quick test holds already, or starts
+programs that are not ours (pip, a browser, an engine). Of every sweep, some parameters stay quick.
+`make test-all` runs both lanes, and the property tests once more with the larger profile.
 """
 
 from collections.abc import Iterable

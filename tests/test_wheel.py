@@ -10,6 +10,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from lanes import full
 
 import lipsync_lang as ll
 
@@ -25,7 +26,7 @@ UNREACHABLE = (
 )
 """What pip says where it has no index."""
 
-pytestmark = pytest.mark.xdist_group("wheel")
+pytestmark = [full, pytest.mark.xdist_group("wheel")]
 
 
 def run(*command, **rest):

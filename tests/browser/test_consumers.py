@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lanes import full
 from test_glb import FACE, JAW, SLIDE, model_of, with_jaw
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import read_model
+
+pytestmark = full
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
