@@ -22,10 +22,11 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any, get_args, get_type_hints
 
-from lipsync_lang.animations.readers.registry import load_animation_readers
-from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
 from lipsync_lang.cli import parser
-from lipsync_lang.lines.registry import load_readers as load_line_readers
+from lipsync_lang.extensions import PROGRAM, F, Formats
+from lipsync_lang.lines.line_readers import READERS as LINE_READERS
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS, Language, PoseSet
@@ -34,7 +35,7 @@ from lipsync_lang.packs.yaml.faults import CODES
 from lipsync_lang.pipeline import motion
 from lipsync_lang.quality.measures import load_measures
 from lipsync_lang.rigs.loss import losses
-from lipsync_lang.schedules.registry import load_readers
+from lipsync_lang.schedules.timing_readers import READERS as TIMING_READERS
 
 HERE = Path(__file__).parent / "reference"
 README = Path(__file__).parents[1] / "README.md"
@@ -662,13 +663,18 @@ def _first(measure: Any) -> str:
 # Formats
 
 
+def shipped(formats: Formats[F]) -> list[F]:
+    """Return the formats that come with the program, not those of other installed plug-ins."""
+    return [one for name, one in formats.items() if formats.origins[name] == PROGRAM]
+
+
 def formats() -> str:
     """List what can be read and written."""
     read = [
-        (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title) for r in load_readers().values()
+        (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title) for r in shipped(TIMING_READERS)
     ]
-    judged = sorted((r.name, f"`{r.suffix}`", r.title) for r in load_animation_readers().values())
-    written = [(w.name, f"`{w.suffix}`", w.title) for w in load_writers().values()]
+    judged = sorted((r.name, f"`{r.suffix}`", r.title) for r in shipped(ANIMATION_READERS))
+    written = [(w.name, f"`{w.suffix}`", w.title) for w in shipped(WRITERS)]
     return "\n\n".join(
         [
             "# Formats",
@@ -684,7 +690,7 @@ def formats() -> str:
                 ("name", "suffix", "what it holds"),
                 sorted(
                     (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title)
-                    for r in load_line_readers().values()
+                    for r in shipped(LINE_READERS)
                 ),
             ),
             "How: [plan the work](../how-to/plan-the-work.md).",

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.performing.resolving import resolve
     from lipsync_lang.quality.check_animation import check
-    from lipsync_lang.schedules.registry import read_schedule
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
+    from lipsync_lang.schedules.timing_readers import read_schedule
     from lipsync_lang.speech.hearing import align, recognise
     from lipsync_lang.speech.speaking import speak, transcribe
 
@@ -39,7 +39,7 @@ _HOMES = {
     "Word": "lipsync_lang.schedules.schedule",
     "align": "lipsync_lang.speech.hearing",
     "check": "lipsync_lang.quality.check_animation",
-    "read_schedule": "lipsync_lang.schedules.registry",
+    "read_schedule": "lipsync_lang.schedules.timing_readers",
     "recognise": "lipsync_lang.speech.hearing",
     "resolve": "lipsync_lang.performing.resolving",
     "speak": "lipsync_lang.speech.speaking",

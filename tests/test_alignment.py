@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE
-from lipsync_lang.speech.align.registry import ALIGNERS
+from lipsync_lang.speech.align.aligners import ALIGNERS
 from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.speaking import Speaker

@@ -20,10 +20,9 @@ from test_video import READ_BACK as PICTURES
 from test_word_files import READ_BACK as SUBTITLES
 
 import lipsync_lang as ll
-from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import LipsyncError, OutputError
 
-WRITERS = load_writers()
 assert WRITERS, "a sweep over nothing passes"
 every_writer = pytest.mark.parametrize("writer", WRITERS.values(), ids=WRITERS)
 

@@ -13,14 +13,13 @@ from ruamel.yaml import YAML
 from small_models import glb
 
 import lipsync_lang as ll
+from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.fixed import names
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.readers.live_link import fits, read_live_link
-from lipsync_lang.animations.registry import find_writer, load_writers
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 
-WRITERS = load_writers()
 DENSE, SPARSE = 1e-5, ERROR + 1e-9
 
 SCHEDULE = ll.Schedule(

@@ -12,8 +12,8 @@ from lipsync_lang.phonology.espeak.names import words_of
 from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
+from lipsync_lang.phonology.g2p.g2p_engines import Rule, respeller
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
-from lipsync_lang.phonology.g2p.registry import Rule, respeller
 from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
 from lipsync_lang.speech import speak
@@ -189,15 +189,14 @@ def test_a_lexicon_reads_compounds_falls_back_on_rules_and_names_the_rest(tmp_pa
 
 
 def test_every_engine_and_respeller_is_where_it_is_said_to_be():
-    for name, place in {**ENGINES, **RESPELLERS}.items():
-        module, _, function = place.partition(":")
-        assert callable(getattr(__import__(module, fromlist=[function]), function)), name
+    for known in (ENGINES, RESPELLERS):
+        assert set(known.modules) == set(known.built_in())
 
 
 def test_unknown_engines_are_messages():
     with pytest.raises(SpeechError, match="no G2P engine 'espaek'; did you mean 'espeak'"):
         engine("espaek", Settings("x"))
-    with pytest.raises(SpeechError, match="nothing respells as 'kanna'; did you mean 'kana'"):
+    with pytest.raises(SpeechError, match="no respeller 'kanna'; did you mean 'kana'"):
         respeller("kanna")
 
 

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.glb import write_glb
-from lipsync_lang.animations.registry import WRITERS
 from lipsync_lang.errors import ModelError, OutputError
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import read_model

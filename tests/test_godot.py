@@ -16,12 +16,11 @@ from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.keys import ERROR
-from lipsync_lang.animations.registry import load_writers
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 
-WRITERS = load_writers()
 SCRIPT = Path(__file__).parent / "consumers" / "godot.gd"
 PATIENCE = 120
 """Seconds after which Godot hangs."""

@@ -13,13 +13,12 @@ from hypothesis import strategies as st
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import WRITERS, find_writer
 from lipsync_lang.animations.held import HOLD, REST, held, strongest
 from lipsync_lang.animations.moho import write_moho
-from lipsync_lang.animations.registry import find_writer, load_writers
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 
-WRITERS = load_writers()
 RHUBARB = ("rhubarb-tsv", "rhubarb-xml", "rhubarb-json")
 every_form = pytest.mark.parametrize("name", RHUBARB)
 NOISE = np.zeros(16000, np.int16)

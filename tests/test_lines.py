@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.lines import Line, read_lines
+from lipsync_lang.lines.line_readers import READERS, by_suffix
 from lipsync_lang.lines.markup import spoken
-from lipsync_lang.lines.registry import by_suffix, load_readers
-from lipsync_lang.schedules.registry import load_readers as schedule_readers
+from lipsync_lang.schedules.timing_readers import READERS as TIMING_READERS
 
 
 def write(path: Path, text: str | bytes, encoding: str = "utf-8") -> Path:
@@ -216,7 +216,7 @@ REMARKED = {".po"}
 
 
 def test_every_format_has_a_sample():
-    texts = {s for r in load_readers().values() if r.name != "schedule" for s in r.suffixes}
+    texts = {s for r in READERS.values() if r.name != "schedule" for s in r.suffixes}
     assert set(SAMPLES) == texts
 
 
@@ -311,7 +311,7 @@ def test_an_encoding_is_that_of_timed_phonemes_too(tmp_path):
 
 
 def test_every_format_of_timed_phonemes_is_read():
-    assert {s for r in schedule_readers().values() for s in r.suffixes} <= set(by_suffix())
+    assert {s for r in TIMING_READERS.values() for s in r.suffixes} <= set(by_suffix())
 
 
 def test_a_file_of_a_translator_names_its_encoding(tmp_path):

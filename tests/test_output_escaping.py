@@ -18,9 +18,7 @@ from test_word_files import read
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import load_writers
-
-WRITERS = load_writers()
+from lipsync_lang.animations.animation_writers import WRITERS
 
 ODD = (
     'a "quoted" one',

@@ -311,7 +311,7 @@ def test_a_bank_that_is_edited_is_synced(folder, cli, monkeypatch):
 HANGING = """
 import signal, sys, time
 from lipsync_lang import cli
-from lipsync_lang.animations.registry import WRITERS, writer
+from lipsync_lang.animations.animation_writers import WRITERS, writer
 
 @writer("hanging", suffix=".hang")
 def hang(animation, out):

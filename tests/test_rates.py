@@ -11,13 +11,12 @@ from test_held_files import READERS as DRAWN
 from test_usd import from_usda
 
 import lipsync_lang as ll
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.rates import exact, parse_offset, parse_rate, timecode
-from lipsync_lang.animations.readers.registry import read_animation
-from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.animations.readers.animation_readers import read_animation
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.quality.check_animation import check
 
-WRITERS = load_writers()
 RATES = (12, 23.976, 24, 25, 29.97, 30, 48, 60, 90, 120)
 
 ONLY = {"azure": (60,)}

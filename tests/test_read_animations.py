@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 
 from lipsync_lang import LipsyncError, Schedule, resolve
-from lipsync_lang.animations.readers.registry import (
+from lipsync_lang.animations.readers.animation_readers import (
     READERS,
     Recording,
-    load_animation_readers,
     read_animation,
 )
 from lipsync_lang.errors import AnimationError
 from lipsync_lang.quality.check_animation import check
 from lipsync_lang.quality.fitting import fit, read_for
 
-load_animation_readers()
 assert READERS, "a sweep over nothing passes"
 
 LINE = Schedule(("P", "AA", "F", "S"), np.array([0.0, 0.1, 0.4, 0.5, 0.7]), notation="arpabet")

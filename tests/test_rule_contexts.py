@@ -15,7 +15,7 @@ from lipsync_lang.phonology.g2p.contexts import (
     ContextError,
     compile_context,
 )
-from lipsync_lang.phonology.g2p.registry import Rule
+from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.g2p.rules import Rewriter, too_slow
 from lipsync_lang.phonology.g2p.tokens import plain
 

@@ -8,9 +8,8 @@ from test_schedule import EXAMPLES
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import Schedule, read_schedule
-from lipsync_lang.schedules.registry import load_readers
+from lipsync_lang.schedules.timing_readers import READERS
 
-READERS = load_readers()
 every_reader = pytest.mark.parametrize("name", EXAMPLES)
 
 ENCODINGS = ("utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp037", "cp1252")

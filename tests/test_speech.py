@@ -393,7 +393,7 @@ def test_a_studios_own_engine_is_one_small_class(monkeypatch):
         def voices(self):
             return {"beep": "Beeps"}
 
-    monkeypatch.setitem(ENGINES, "beeps", Beeps())
+    monkeypatch.setitem(ENGINES.known, "beeps", Beeps())
     assert speak("abc", "beep", engine="beeps").labels == ("beep",) * 3
 
 

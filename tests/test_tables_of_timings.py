@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
-from lipsync_lang.schedules.registry import find_reader
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import find_reader
 
 ROWS = [("HH", 0, 0.1), ("AY", 0.1, 0.3), ("M", 0.3, 0.4)]
 

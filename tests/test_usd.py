@@ -11,11 +11,10 @@ from small_models import glb
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 
-WRITERS = load_writers()
 NTSC = 24000 / 1001
 
 ODD = ('a "quoted" one', "back\\slash", "a:colon", "ein Mündchen", "]]>", "two\nlines", "\t", "")

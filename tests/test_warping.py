@@ -13,7 +13,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align as match
 from lipsync_lang.schedules import SILENCE, Audio, Schedule
 from lipsync_lang.speech import speak
-from lipsync_lang.speech.align.registry import ALIGNERS
+from lipsync_lang.speech.align.aligners import ALIGNERS
 from lipsync_lang.speech.align.spectrum import RATE, listen, mel_power, samples_of
 from lipsync_lang.speech.align.warping import SHORTEST, _spaced
 from lipsync_lang.speech.sound import read_audio

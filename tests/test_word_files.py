@@ -10,10 +10,9 @@ import pytest
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import load_writers
+from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import OutputError
 
-WRITERS = load_writers()
 every_form = pytest.mark.parametrize("name", ["srt", "vtt"])
 SPAN = re.compile(r"(\d\d):(\d\d):(\d\d)([,.])(\d{3}) --> (\d\d):(\d\d):(\d\d)\4(\d{3})")
 

@@ -116,7 +116,7 @@ class Animation:
             standard output
         writer : the name of the format, where the suffix is another's
         """
-        from lipsync_lang.animations.registry import save
+        from lipsync_lang.animations.animation_writers import save
         from lipsync_lang.files import argument_path
 
         save(self, argument_path(path), writer)

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, first_frame, late, shape_columns
-from lipsync_lang.animations.registry import writer
 
 PROGRAM = "Audio2Face"
 

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import doubts, first_frame, laid_out, names
-from lipsync_lang.animations.registry import writer
 from lipsync_lang.errors import OutputError
 
 PROGRAM = "Azure"

@@ -16,10 +16,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.moving_shapes import on_model
-from lipsync_lang.animations.registry import writer
 
 Floats = npt.NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from typing import TextIO
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.animation_writers import writer
 
 
 @writer("csv", suffix=".csv")

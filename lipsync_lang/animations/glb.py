@@ -20,8 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.keys import needed
-from lipsync_lang.animations.registry import binary_writer
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.container import (

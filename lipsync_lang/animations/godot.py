@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.glb import unplaced
 from lipsync_lang.animations.keys import ERROR
 from lipsync_lang.animations.moving_shapes import MovingShape, keys, shapes
-from lipsync_lang.animations.registry import writer
 
 PROGRAM = "Godot"
 

@@ -4,7 +4,7 @@ import json
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.animation_writers import writer
 
 
 @writer("json", suffix=".json")

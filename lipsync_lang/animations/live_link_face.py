@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import doubts, laid_out, names
 from lipsync_lang.animations.rates import timecode
-from lipsync_lang.animations.registry import writer
 
 PROGRAM = "Live Link Face"
 HELD = "live-link-face.txt"

@@ -10,8 +10,8 @@ rhubarb-lip-sync) and Papagayo (github.com/morevnaproject-org/papagayo-ng).
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import held
-from lipsync_lang.animations.registry import writer
 
 REST = "rest"
 """What the face at rest is called where its character has no name for it."""

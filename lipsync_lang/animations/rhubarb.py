@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import HeldShape, held
-from lipsync_lang.animations.registry import writer
 from lipsync_lang.errors import OutputError
 
 NAMES = Path(__file__).parent / "names" / "rhubarb.txt"

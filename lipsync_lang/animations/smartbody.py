@@ -13,9 +13,9 @@ from html import escape
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, shape_columns
 from lipsync_lang.animations.keys import ERROR, Curve
-from lipsync_lang.animations.registry import writer
 
 
 def remarks(animation: Animation) -> Iterator[str]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, TextIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.errors import OutputError
 
 ARROW = "-->"

@@ -14,11 +14,11 @@ from itertools import pairwise
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.glb import unplaced
 from lipsync_lang.animations.keys import ERROR, Curve
 from lipsync_lang.animations.moving_shapes import keys, shapes
-from lipsync_lang.animations.registry import writer
 
 PROGRAM = "Unity"
 PERCENT = 100

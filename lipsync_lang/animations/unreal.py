@@ -13,7 +13,7 @@ from collections import Counter
 from typing import TextIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import writer
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.errors import OutputError
 
 

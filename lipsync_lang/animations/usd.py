@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless
 from lipsync_lang.animations.glb import unplaced
 from lipsync_lang.animations.moving_shapes import shapes
-from lipsync_lang.animations.registry import writer
 from lipsync_lang.errors import OutputError
 
 Floats = npt.NDArray[np.float64]

@@ -4,7 +4,7 @@ import wave
 from typing import BinaryIO
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.registry import binary_writer
+from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.errors import OutputError
 
 

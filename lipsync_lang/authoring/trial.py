@@ -10,7 +10,7 @@ from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.phonology.g2p.registry import Rule
+from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import pieces
 from lipsync_lang.phonology.labels import normalise

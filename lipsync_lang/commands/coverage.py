@@ -92,12 +92,12 @@ def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":
 
 
 def _write(options: Namespace, found: "Coverage") -> None:
-    from lipsync_lang.coverage.forms import Asked, find_form
-    from lipsync_lang.coverage.forms.registry import SUFFIXES
+    from lipsync_lang.coverage.forms import FORMS, Asked
+    from lipsync_lang.coverage.forms.report_forms import SUFFIXES
     from lipsync_lang.files import write_all
 
     suffix = options.output.suffix.lower() if options.output else ""
-    write = find_form(options.format or SUFFIXES.get(suffix, "text"))
+    write = FORMS.find(options.format or SUFFIXES.get(suffix, "text"))
     asked = Asked(everything=options.all, fail_under=options.fail_under)
     if options.output is None:
         write(found, sys.stdout, asked)

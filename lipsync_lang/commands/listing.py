@@ -2,9 +2,12 @@
 
 from argparse import Namespace
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.output import SOUND, as_json
-from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from lipsync_lang.extensions import Formats
 
 SHOWN = 4
 """Suffixes that a line has room for."""
@@ -12,33 +15,29 @@ SHOWN = 4
 
 def voices(options: Namespace) -> int:
     """Print the voices of a speech engine."""
-    from lipsync_lang.errors import did_you_mean
     from lipsync_lang.speech import ENGINES
     from lipsync_lang.text_table import columns
 
-    if options.engine not in ENGINES:
-        raise LipsyncError(
-            f"no speech engine '{options.engine}'; {did_you_mean(options.engine, ENGINES)}"
-        )
-    found = ENGINES[options.engine].voices()
+    found = ENGINES.find(options.engine).voices()
     print(as_json(found) if options.json else "\n".join(columns(sorted(found.items()))))
     return SOUND
 
 
 def formats(options: Namespace) -> int:
     """Print every registered reader and writer."""
-    from lipsync_lang.animations.readers.registry import load_animation_readers
-    from lipsync_lang.animations.registry import load_writers
-    from lipsync_lang.lines.registry import load_readers as load_line_readers
-    from lipsync_lang.schedules.registry import load_readers
+    from lipsync_lang.animations.animation_writers import WRITERS
+    from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
+    from lipsync_lang.lines.line_readers import READERS as LINE_READERS
+    from lipsync_lang.schedules.timing_readers import READERS as TIMING_READERS
     from lipsync_lang.text_table import columns
 
-    rows = [
-        *(("read", r.name, r.suffixes, r.title) for r in load_readers().values()),
-        *(("lines", r.name, r.suffixes, r.title) for r in load_line_readers().values()),
-        *(("judge", r.name, (r.suffix,), r.title) for r in load_animation_readers().values()),
-        *(("write", w.name, (w.suffix,), w.title) for w in load_writers().values()),
-    ]
+    kinds: tuple[tuple[str, Formats[Any]], ...] = (
+        ("read", TIMING_READERS),
+        ("lines", LINE_READERS),
+        ("judge", ANIMATION_READERS),
+        ("write", WRITERS),
+    )
+    rows = [(kind, f.name, f.suffixes, f.title) for kind, known in kinds for f in known.values()]
     if options.json:
         keys = ("direction", "name", "suffix", "title")
         told = [(kind, name, " ".join(suffixes), title) for kind, name, suffixes, title in rows]

@@ -190,7 +190,9 @@ def _add_coverage(add: Add) -> None:
             help=f"{what}; may be repeated",
         )  # fmt: skip
     coverage_.add_argument(
-        "--format", choices=tuple(FORMS), help="what to write [by the suffix of -o, else text]"
+        "--format",
+        metavar="NAME",
+        help=f"what to write: {', '.join(FORMS.modules)} [by the suffix of -o, else text]",
     )
     coverage_.add_argument(
         "-o",

@@ -25,8 +25,8 @@ LATE = 0.1
 
 def run(options: Namespace) -> int:
     """Animate a line and write it wherever it is wanted."""
+    from lipsync_lang.animations.animation_writers import parse_output
     from lipsync_lang.animations.rates import parse_offset
-    from lipsync_lang.animations.registry import parse_output
     from lipsync_lang.files import write_all
 
     if options.tolerance is not None and not 0 <= options.tolerance < 1:
@@ -213,7 +213,7 @@ def _refuse_idle(options: Namespace) -> None:
 
 
 def _read(options: Namespace) -> "Schedule":
-    from lipsync_lang.schedules.registry import read_schedule
+    from lipsync_lang.schedules.timing_readers import read_schedule
 
     return read_schedule(
         options.schedule,

@@ -5,6 +5,6 @@ without markup and placeholders, and where it stands.
 """
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import read_lines
+from lipsync_lang.lines.line_readers import read_lines
 
 __all__ = ["Line", "read_lines"]

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import LineFile, reader
+from lipsync_lang.lines.line_readers import LineFile, reader
 
 STATED = re.compile(r'\s*(?:(msgctxt|msgid_plural|msgid|msgstr)(?:\[(\d+)\])?\s*)?"(.*)"\s*$')
 ESCAPED = re.compile(r"\\(.)", re.DOTALL)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from html import unescape
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import LineFile, reader
+from lipsync_lang.lines.line_readers import LineFile, reader
 
 TIMES = re.compile(r"\s*(?:\d+:)?\d\d?:\d\d[.,]\d+\s*-->\s*(?:\d+:)?\d\d?:\d\d[.,]\d+")
 VOICE = re.compile(r"<v(?:\.[^\s<>]*+)?\s++([^<>]++)>")

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import LineFile, reader
+from lipsync_lang.lines.line_readers import LineFile, reader
 
 DELIMITERS = "\t,;|"
 

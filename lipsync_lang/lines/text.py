@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import LineFile, reader
+from lipsync_lang.lines.line_readers import LineFile, reader
 
 
 @reader("text", suffixes=[".txt"])

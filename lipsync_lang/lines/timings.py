@@ -3,30 +3,24 @@
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.registry import LineFile, reader
-from lipsync_lang.schedules.registry import load_readers, schedule_of
+from lipsync_lang.lines.line_readers import LineFile, reader
 from lipsync_lang.schedules.timing_file import HEAD, TimingFile, read_timings
+from lipsync_lang.schedules.timing_readers import READERS, schedule_of
 
 NAME = "schedule"
 
 
-def suffixes() -> list[str]:
-    """Return the suffixes of every format that holds timed phonemes."""
-    return sorted({suffix for one in load_readers().values() for suffix in one.suffixes})
-
-
 def is_timed(source: LineFile) -> bool:
     """Tell whether a file begins like a format of timed phonemes that has its suffix."""
-    readers = [one for one in load_readers().values() if source.path.suffix.lower() in one.suffixes]
     try:
         with source.open() as stream:
             begins = TimingFile(source.path, stream.read(HEAD))
     except OSError:
         return False
-    return any(one.looks(begins) for one in readers)
+    return any(one.sniff(begins) for one in READERS.ending(source.path))
 
 
-@reader(NAME, suffixes=suffixes())
+@reader(NAME, suffixes=READERS.suffixes())
 def read(source: LineFile) -> Iterator[Line]:
     """Timed phonemes, in every format that schedules are read from; a file is a line."""
     content = read_timings(source.path) if source.content is None else source.content

@@ -7,12 +7,12 @@ shadows the others.
 
 import os
 import re
-import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
+from lipsync_lang.extensions import distribution, installed
 from lipsync_lang.packs.answers import answers_of, folded
 from lipsync_lang.packs.yaml.source import read_bytes
 
@@ -216,7 +216,7 @@ class Finder:
                 yield Path(entry).absolute(), VARIABLE
         if self.project is not None:
             yield self.project, "project"
-        for entry_point in installed():
+        for entry_point in installed(GROUP):
             folder = location(entry_point)
             if folder is None:
                 self.missing.append(entry_point)
@@ -239,33 +239,6 @@ def built_in() -> Path:
     return carried if (carried / FOLDERS["language"]).is_dir() else package.parent
 
 
-def installed() -> "list[EntryPoint]":
-    """List the entry points by which distributions offer packs."""
-    if not any(map(_offers_packs, sys.path)):
-        return []
-    from importlib.metadata import entry_points
-
-    return sorted(entry_points(group=GROUP), key=lambda e: (distribution(e), e.name))
-
-
-def _offers_packs(folder: str) -> bool:
-    """Say whether a distribution in a folder has our group: 10 times as fast as asking for it."""
-    wanted = f"[{GROUP}]".encode()
-    try:
-        names = os.listdir(folder or ".")  # noqa: PTH208 paths of hundreds of names take longer
-    except OSError:
-        return False
-    for name in names:
-        if name.endswith((".dist-info", ".egg-info", ".egg")):
-            inner = "EGG-INFO" if name.endswith(".egg") else ""
-            try:
-                if wanted in Path(folder, name, inner, "entry_points.txt").read_bytes():
-                    return True
-            except OSError:
-                continue
-    return False
-
-
 def location(entry_point: "EntryPoint") -> Path | None:
     """Return the folder that an entry point names, without running any of its code."""
     from importlib.util import find_spec
@@ -282,11 +255,6 @@ def location(entry_point: "EntryPoint") -> Path | None:
         folders = [Path(spec.origin).parent]
     found = (folder.joinpath(*rest) for folder in folders)
     return next((folder for folder in found if folder.is_dir()), None)
-
-
-def distribution(entry_point: "EntryPoint") -> str:
-    """Return the name of the distribution that an entry point belongs to."""
-    return entry_point.dist.name if entry_point.dist is not None else entry_point.name
 
 
 def entries(folder: Path) -> list[Path]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar, cast
 
 from lipsync_lang.errors import PackError
+from lipsync_lang.extensions import distribution
 from lipsync_lang.packs.finding import (
     BENEATH,
     COMMON,
@@ -22,7 +23,6 @@ from lipsync_lang.packs.finding import (
     Kind,
     Root,
     beside,
-    distribution,
 )
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, scan

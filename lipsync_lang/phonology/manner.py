@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from lipsync_lang.phonology.g2p.registry import Rule, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import Rule, Settings
 
 
 @dataclass(frozen=True)

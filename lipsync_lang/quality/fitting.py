@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.readers.registry import Recording, read_animation
+from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
 from lipsync_lang.errors import AnimationError
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.rigs.driver import Driver

@@ -3,8 +3,8 @@
 from typing import BinaryIO
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.glb import unplaced
-from lipsync_lang.animations.registry import binary_writer
 
 
 @binary_writer("mp4", suffix=".mp4", remarks=unplaced)

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from lipsync_lang.packs.finding import IPA, beside
-from lipsync_lang.phonology.g2p.registry import Rule, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import Rule, Settings
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value
 from lipsync_lang.phonology.manner import Hearing, Manner

@@ -7,7 +7,7 @@ the file or the engine wrote them; a language pack turns them into common phonem
 One file per input format; `reader` is all that makes a format known.
 """
 
-from lipsync_lang.schedules.registry import READERS, read_schedule, reader
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
+from lipsync_lang.schedules.timing_readers import READERS, read_schedule, reader
 
 __all__ = ["READERS", "SILENCE", "Audio", "Schedule", "Word", "read_schedule", "reader"]

@@ -5,21 +5,21 @@ Lines that begin with a backslash hold the frequencies of the label above, and a
 
 import re
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether the first line is a label, with fractions of seconds as Audacity writes them."""
     found = LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0])
     return bool(found and not found[1].isdecimal() and not found[2].isdecimal())
 
 
-@reader("audacity", ".txt", looks=looks)
+@reader("audacity", ".txt", sniff=sniff)
 def read_audacity(source: TimingFile) -> Schedule:
     """Audacity label tracks of phonemes, exported as text."""
     rows = [_row(source, n, line) for n, line in source.lines if line[0] != "\\"]

@@ -13,10 +13,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "azure"
 
@@ -31,12 +31,12 @@ VISEME = re.compile(r'"(priv)?viseme_?id"\s*:', re.IGNORECASE)
 Event = dict[str, Any]
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it starts with an object or a list, and has viseme numbers."""
     return source.head.lstrip()[:1] in ("{", "[") and VISEME.search(source.head) is not None
 
 
-@reader(NOTATION, ".json", ".jsonl", looks=looks)
+@reader(NOTATION, ".json", ".jsonl", sniff=sniff)
 def read_azure(source: TimingFile) -> Schedule:
     """Viseme events of Azure speech, in a JSON list or one on each line."""
     starts: list[Start] = []

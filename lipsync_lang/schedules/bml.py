@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.schedules.mouth_shapes import shapes_of, until_next
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -31,12 +31,12 @@ class LipShape(NamedTuple):
     weight: float
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it is XML with lips or visemes."""
     return source.root is not None and ("<lips " in source.head or "<viseme " in source.head)
 
 
-@reader("bml", ".bml", ".xml", looks=looks)
+@reader("bml", ".bml", ".xml", sniff=sniff)
 def read_bml(source: TimingFile) -> Schedule:
     """SmartBody's BML with lips, and the replies of its speech relays with visemes."""
     shapes = list(_shapes(source))

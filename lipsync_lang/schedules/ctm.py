@@ -7,23 +7,23 @@ word it stands (``_B``, ``_I``, ``_E`` or ``_S``) is no part of the label.
 import re
 from collections import defaultdict
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, only
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 COMMENT = ";;"
 SOUND = re.compile(r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIES])?(?:\s.*)?")
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether the first line that is no comment is a sound."""
     lines = [line for line in source.head.split("\n") if line.strip()]
     return bool(SOUND.fullmatch(next((x for x in lines if not x.startswith(COMMENT)), "")))
 
 
-@reader("ctm", ".ctm", looks=looks, tiers=True)
+@reader("ctm", ".ctm", sniff=sniff, tiers=True)
 def read_ctm(source: TimingFile) -> Schedule:
     """CTM of phones, as Kaldi writes it; of several files or channels, one is named."""
     tiers: dict[tuple[str, str], list[LabelRow]] = defaultdict(list)

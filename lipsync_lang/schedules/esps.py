@@ -7,10 +7,10 @@ have a file of the same name with `.words` beside them. After `;` a line has fur
 
 import re
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 START = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
 """The end of the header, and the first label."""
@@ -21,12 +21,12 @@ MARKED = ("<", "{")
 """How what is no word starts."""
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether the header ends, and a time, a number and a label follow."""
     return START.search(source.head) is not None
 
 
-@reader("esps", ".phones", ".lab", ".segs", ".seg", looks=looks)
+@reader("esps", ".phones", ".lab", ".segs", ".seg", sniff=sniff)
 def read_esps(source: TimingFile) -> Schedule:
     """Labels of Festival (segments), xwaves and the Buckeye corpus, with its .words beside it."""
     if source.path.suffix.lower() == ".words":

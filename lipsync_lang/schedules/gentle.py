@@ -6,10 +6,10 @@ Words that were not found in the sound have no times, and are told of; the mouth
 
 import re
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 PLACE = re.compile(r"_[BEIS]$")
 """Begins, ends, is inside, or is all of a word."""
@@ -17,14 +17,14 @@ PLACE = re.compile(r"_[BEIS]$")
 FORM = '{"words": [{"word": "a", "start": 0.1, "phones": [{"phone": "ah_S", "duration": 0.1}]}]}'
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether its words say whether they were found, or have phones."""
     words = source.document.get("words") if source.holds("words") else None
     first = words[0] if isinstance(words, list) and words else None
     return isinstance(first, dict) and bool(first.keys() & {"case", "phones", "alignedWord"})
 
 
-@reader("gentle", ".json", looks=looks)
+@reader("gentle", ".json", sniff=sniff)
 def read_gentle(source: TimingFile) -> Schedule:
     """Words and phones of the aligner Gentle."""
     words = source.json.get("words") if isinstance(source.json, dict) else None

@@ -10,10 +10,10 @@ import re
 from pathlib import PureWindowsPath
 
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 UNITS = 1e7
 """Units of 100 ns per second."""
@@ -33,7 +33,7 @@ CONTEXT = re.compile(
 Lines = list[tuple[int, str]]
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it starts with two times and a label, or is a master file.
 
     So is a `.lab` of words without any number: it is taken for a transcript, and told so.
@@ -51,7 +51,7 @@ def _is_prose(text: str) -> bool:
     return start.isprintable() and start not in "<{[" and numbered is None
 
 
-@reader("htk", ".lab", ".mlf", looks=looks, tiers=True)
+@reader("htk", ".lab", ".mlf", sniff=sniff, tiers=True)
 def read_htk(source: TimingFile) -> Schedule:
     """HTK and HTS labels, full-context ones included, and one utterance of a master label file."""
     lines, told = _first(source, _utterance(source))

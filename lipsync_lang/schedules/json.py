@@ -3,14 +3,14 @@
 from dataclasses import replace
 from typing import Any
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.schedule import Schedule, words_from_spans
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 SHAPE = '{"phonemes": [{"label": "HH", "start": 0.0, "end": 0.08}, ...], "words": [{"text": ...}]}'
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether there are phonemes, or rows with a label, a start and an end."""
     if isinstance(source.document, list):
         first = source.document[0] if source.document else None
@@ -18,7 +18,7 @@ def looks(source: TimingFile) -> bool:
     return source.holds("phonemes")
 
 
-@reader("json", ".json", looks=looks)
+@reader("json", ".json", sniff=sniff)
 def read_json(source: TimingFile) -> Schedule:
     """Phonemes and words with their label or text, start and end in seconds."""
     document = source.json

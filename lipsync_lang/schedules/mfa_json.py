@@ -6,21 +6,21 @@ Tiers are a mapping from names, or a list in which each has its name. Entries of
 
 from typing import Any
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 SHAPE = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether there are tiers."""
     return source.holds("tiers")
 
 
-@reader("mfa-json", ".json", looks=looks, tiers=True)
+@reader("mfa-json", ".json", sniff=sniff, tiers=True)
 def read_mfa_json(source: TimingFile) -> Schedule:
     """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
     document = source.json

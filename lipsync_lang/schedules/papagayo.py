@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "preston-blair"
 
@@ -37,12 +37,12 @@ class PapagayoWord(NamedTuple):
 Voices = dict[str, list[PapagayoWord]]
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it has the program's header, or voices and a frame rate."""
     return source.head.startswith(HEADER) or source.holds("voices", "fps")
 
 
-@reader("papagayo", ".pgo", ".pg2", looks=looks, tiers=True)
+@reader("papagayo", ".pgo", ".pg2", sniff=sniff, tiers=True)
 def read_papagayo(source: TimingFile) -> Schedule:
     """Papagayo's .pgo and .pg2: mouth shapes or sounds by frames, with words; one voice."""
     written = source.holds("voices", "fps")

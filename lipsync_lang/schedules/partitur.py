@@ -7,20 +7,20 @@ spelled.
 
 import re
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 PHONES, WORDS, RATE = "MAU", "ORT", "SAM"
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it starts with the header."""
     return re.match(r"\s*LHD:", source.head) is not None
 
 
-@reader("partitur", ".par", looks=looks)
+@reader("partitur", ".par", sniff=sniff)
 def read_partitur(source: TimingFile) -> Schedule:
     """BAS Partitur with a tier of MAUS, and the words of its text."""
     rows: list[LabelRow] = []

@@ -8,10 +8,10 @@ Their `start` and `end` are bytes of the text, not times.
 import re
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "polly"
 
@@ -23,13 +23,13 @@ MARK = re.compile(r"""\s*\[?\s*\{[^{}]*"type"\s*:\s*"(viseme|word|sentence|ssml)
 """The first mark, with its time before or after its type."""
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it starts with a speech mark."""
     found = MARK.match(source.head)
     return found is not None and '"time"' in found[0]
 
 
-@reader(NOTATION, ".marks", ".jsonl", looks=looks)
+@reader(NOTATION, ".marks", ".jsonl", sniff=sniff)
 def read_polly(source: TimingFile) -> Schedule:
     """Speech marks of Amazon Polly with visemes; words where they were asked for."""
     marks: dict[str, list[Start]] = {"viseme": [], "word": []}

@@ -8,10 +8,10 @@ import re
 from collections.abc import Iterator
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "rhubarb"
 
@@ -21,7 +21,7 @@ LINE = re.compile(r"(\d+(?:\.\d*)?)\t([A-Z])", re.ASCII)
 FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether there are mouth cues, or lines of a time and one capital letter."""
     if source.root == "rhubarbResult" or source.holds("mouthCues"):
         return True
@@ -29,7 +29,7 @@ def looks(source: TimingFile) -> bool:
     return LINE.fullmatch(first.rstrip()) is not None
 
 
-@reader(NOTATION, ".tsv", ".xml", ".json", looks=looks)
+@reader(NOTATION, ".tsv", ".xml", ".json", sniff=sniff)
 def read_rhubarb(source: TimingFile) -> Schedule:
     """Mouth shapes of Rhubarb Lip Sync, as TSV, XML or JSON."""
     if source.head.lstrip().startswith("<"):

@@ -10,10 +10,10 @@ import re
 
 from lipsync_lang.schedules.azure import LAST, TICKS
 from lipsync_lang.schedules.mouth_shapes import shapes_of
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "sapi-visemes"
 
@@ -21,14 +21,14 @@ SPAN = re.compile(r"(?:(\d{1,4})\.)?(\d\d):(\d\d):(\d\d(?:\.\d{1,9})?)", re.ASCI
 """Days, hours, minutes and seconds."""
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it starts with an object or a list, and has visemes at audio positions."""
     return source.head.lstrip()[:1] in ("{", "[") and all(
         f'"{name}"' in source.head for name in ("AudioPosition", "Viseme")
     )
 
 
-@reader("sapi", ".json", ".jsonl", looks=looks)
+@reader("sapi", ".json", ".jsonl", sniff=sniff)
 def read_sapi(source: TimingFile) -> Schedule:
     """Viseme events of Windows speech (SAPI), in a JSON list or one on each line."""
     rows: list[LabelRow] = []

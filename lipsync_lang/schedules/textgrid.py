@@ -11,11 +11,11 @@ from bisect import bisect_left
 from collections.abc import Iterator
 
 from lipsync_lang.errors import ScheduleError
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 TOKEN = re.compile(
     r"""
@@ -39,15 +39,15 @@ DIGITS = 9
 """No file holds as many intervals as take more."""
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it says that it is Praat's."""
     return "ooTextFile" in source.head[:300] or source.content.startswith(BINARY)
 
 
-@reader("textgrid", ".textgrid", looks=looks, tiers=True)
+@reader("textgrid", ".textgrid", sniff=sniff, tiers=True)
 def read_textgrid(source: TimingFile) -> Schedule:
     """Praat TextGrid with a tier of phones; words are taken along where there is a tier of them."""
-    if not looks(source) or source.content.startswith(BINARY):
+    if not sniff(source) or source.content.startswith(BINARY):
         raise source.fault("is no TextGrid in text; in Praat, use Save as text file")
     return read_tiers(source, list(_tiers(_Tokens(source))))
 

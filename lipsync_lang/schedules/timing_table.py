@@ -17,11 +17,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from itertools import chain
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import WORDS, Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 COLUMNS = {
     "label": ("phoneme", "phone", "label"),
@@ -45,7 +45,7 @@ DELIMITERS = "\t,;|"
 NUMBER = re.compile(r"\s*-?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?\s*")
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether the first row names a label and times, or has them."""
     first = source.head.lstrip().split("\n", 1)[0]
     try:
@@ -54,7 +54,7 @@ def looks(source: TimingFile) -> bool:
         return False
 
 
-@reader("table", ".csv", ".tsv", looks=looks, tiers=True)
+@reader("table", ".csv", ".tsv", sniff=sniff, tiers=True)
 def read_table(source: TimingFile) -> Schedule:
     """Tables (CSV, TSV) of phonemes with start and end, and maybe words, types and speakers."""
     return read_tiers(source, _tiers(source), guess=True)

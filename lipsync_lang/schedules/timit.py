@@ -5,22 +5,22 @@ The words are in a file of the same name with `.wrd` beside it.
 
 import re
 
-from lipsync_lang.schedules.registry import reader
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
 
 HERTZ = 16_000.0
 
 LINE = re.compile(r"\s*(\d+)\s+(\d+)\s+(\S+)\s*", re.ASCII)
 
 
-def looks(source: TimingFile) -> bool:
+def sniff(source: TimingFile) -> bool:
     """Tell whether it starts with two whole numbers and a label."""
     return LINE.fullmatch(source.head.lstrip().split("\n", 1)[0]) is not None
 
 
-@reader("timit", ".phn", looks=looks)
+@reader("timit", ".phn", sniff=sniff)
 def read_timit(source: TimingFile) -> Schedule:
     """TIMIT's .PHN, in samples at 16 kHz unless a rate is given; words from .WRD beside it."""
     beside = source.beside(".wrd") if source.path.suffix.lower() == ".phn" else None

@@ -5,6 +5,6 @@ times are seconds from the start of its sound. Which voice speaks a language is 
 pack's business.
 """
 
-from lipsync_lang.speech.registry import ENGINES, Engine, speak
+from lipsync_lang.speech.speech_engines import ENGINES, Engine, speak
 
 __all__ = ["ENGINES", "Engine", "speak"]

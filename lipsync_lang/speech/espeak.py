@@ -13,6 +13,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.espeak.process import EspeakProcess, blank, quoted
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.speech.espeak_events import intervals, read_events
+from lipsync_lang.speech.speech_engines import speech_engine
 from lipsync_lang.speech.word_spans import find_words
 
 SLOWEST, FASTEST = 80, 350
@@ -25,6 +26,7 @@ PAUSE = 0.09
 """Seconds; a shorter silence between two sounds is articulation, not a pause."""
 
 
+@speech_engine("espeak")
 @dataclass
 class Espeak(EspeakProcess):
     """eSpeak NG as a speech engine."""

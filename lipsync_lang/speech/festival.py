@@ -18,6 +18,7 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.schedules import SILENCE, Audio, Schedule
+from lipsync_lang.speech.speech_engines import speech_engine
 from lipsync_lang.speech.word_spans import find_words
 
 SCRIPT = Path(__file__).with_name("festival.scm")
@@ -53,6 +54,7 @@ class Answer(NamedTuple):
     """The voices there are, where the one that was asked for is none."""
 
 
+@speech_engine("festival")
 @dataclass
 class Festival:
     """Festival as a speech engine.

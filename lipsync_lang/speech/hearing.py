@@ -7,7 +7,7 @@ is said? Both make a schedule with the sound, which is performed like any other.
 from collections.abc import Sequence
 from pathlib import Path
 
-from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.speaking import Speaker
 
@@ -66,21 +66,20 @@ def aligned(
     speaker: Speaker, audio: str | Path | Audio, text: str, *, aligner: str | None = None
 ) -> Schedule:
     """Align as `align` does, in a language that was made ready before."""
-    from lipsync_lang.speech.align.registry import ALIGNERS
+    from lipsync_lang.speech.align.aligners import ALIGNERS
 
     stated = speaker.manner.audio
     name = aligner or stated.align
-    if name not in ALIGNERS:
-        raise SpeechError(f"no aligner '{name}'; {did_you_mean(name, ALIGNERS)}")
+    chosen = ALIGNERS.find(name, SpeechError)
     model = stated.model if name == stated.align else None
-    return ALIGNERS[name].align(_sound(audio), text, speaker, model)
+    return chosen.align(_sound(audio), text, speaker, model)
 
 
 def recognised(
     speaker: Speaker, audio: str | Path | Audio, *, recogniser: str | None = None
 ) -> Schedule:
     """Recognise as `recognise` does, in a language that was made ready before."""
-    from lipsync_lang.speech.recognise.registry import RECOGNISERS
+    from lipsync_lang.speech.recognise.recognisers import RECOGNISERS
 
     stated = speaker.manner.audio
     name = recogniser or stated.recognise
@@ -89,10 +88,9 @@ def recognised(
             f"{speaker.manner.language} has no recogniser: give the text that is said as well, or "
             "name a recogniser in its pack (`audio: {recognise: ...}`)"
         )
-    if name not in RECOGNISERS:
-        raise SpeechError(f"no recogniser '{name}'; {did_you_mean(name, RECOGNISERS)}")
+    chosen = RECOGNISERS.find(name, SpeechError)
     model = stated.model if name == stated.recognise else None
-    return RECOGNISERS[name].recognise(_sound(audio), speaker, model)
+    return chosen.recognise(_sound(audio), speaker, model)
 
 
 def _sound(audio: str | Path | Audio) -> Audio:

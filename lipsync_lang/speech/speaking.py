@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
@@ -255,8 +255,7 @@ class Speaker:
         if voice is None:
             from lipsync_lang.speech import ENGINES
 
-            if name not in ENGINES:
-                raise SpeechError(f"no speech engine '{name}'; {did_you_mean(name, ENGINES)}")
+            ENGINES.find(name, SpeechError)
             raise SpeechError(
                 f"{manner.language} names no voice of {name}; give its pack "
                 f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.readers.registry import Recording, fail, reader, text_of
+from lipsync_lang.animations.readers.animation_readers import Recording, fail, reader, text_of
 
 TIMES = {
     "time": 1.0,

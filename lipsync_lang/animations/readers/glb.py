@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.animations.readers.registry import Floats, Recording, fail, reader
+from lipsync_lang.animations.readers.animation_readers import Floats, Recording, fail, reader
 from lipsync_lang.rigs.container import binary_of
 from lipsync_lang.rigs.model import Mesh, Model, is_index, read_model
 

@@ -6,7 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.animations.readers.registry import Floats, Recording, fail, reader, text_of
+from lipsync_lang.animations.readers.animation_readers import (
+    Floats,
+    Recording,
+    fail,
+    reader,
+    text_of,
+)
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.schedule import Schedule
 

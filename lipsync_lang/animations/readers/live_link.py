@@ -10,7 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.readers.registry import Floats, Recording, fail, reader, text_of
+from lipsync_lang.animations.readers.animation_readers import (
+    Floats,
+    Recording,
+    fail,
+    reader,
+    text_of,
+)
 
 CODE = re.compile(r"(\d+):(\d+):(\d+)[:;](\d+(?:\.\d+)?)")
 

@@ -1,5 +1,5 @@
 """Forms of a coverage: one file and one function ``(coverage, stream, asked) -> None`` each."""
 
-from lipsync_lang.coverage.forms.registry import FORMS, Asked, find_form
+from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 
-__all__ = ["FORMS", "Asked", "find_form"]
+__all__ = ["FORMS", "Asked"]

@@ -7,8 +7,9 @@ a formula, so an apostrophe stands before it, as OWASP advises.
 import csv
 from typing import TYPE_CHECKING, TextIO
 
+from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.forms.registry import Asked
     from lipsync_lang.coverage.report import BigramNeed, Coverage, CoverageReport
 
 HEAD = (
@@ -20,7 +21,8 @@ FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
 """Characters that a formula begins with in some spreadsheet."""
 
 
-def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+@FORMS.register("csv")
+def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write a row for each bigram that occurs; those with silence come last."""
     del asked  # it is always whole
     rows = csv.writer(out, lineterminator="\n")

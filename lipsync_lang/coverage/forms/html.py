@@ -2,12 +2,14 @@
 
 from typing import TYPE_CHECKING, TextIO
 
+from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.forms.registry import Asked
     from lipsync_lang.coverage.report import Coverage
 
 
-def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+@FORMS.register("html")
+def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write the page."""
     from lipsync_lang.coverage.page import page
 

@@ -3,12 +3,14 @@
 import json
 from typing import TYPE_CHECKING, TextIO
 
+from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.forms.registry import Asked
     from lipsync_lang.coverage.report import Coverage
 
 
-def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+@FORMS.register("json")
+def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write the document."""
     del asked  # it is always whole
     json.dump(coverage.to_dict(), out, ensure_ascii=not _holds_all(out), indent=2)

@@ -8,15 +8,17 @@ import re
 from typing import TYPE_CHECKING, TextIO
 from xml.etree import ElementTree as ET
 
+from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.forms.registry import Asked
     from lipsync_lang.coverage.report import Coverage, CoverageReport
 
 FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML cannot hold."""
 
 
-def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+@FORMS.register("junit")
+def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write the suites."""
     top = ET.Element("testsuites", name="coverage")
     for report in coverage.reports:

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
+from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 from lipsync_lang.coverage.report import authored
 from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
-    from lipsync_lang.coverage.forms.registry import Asked
     from lipsync_lang.coverage.report import (
         Corpus,
         Coverage,
@@ -24,7 +24,8 @@ FEW = 8
 """Things that are named of a longer list."""
 
 
-def write(coverage: "Coverage", out: TextIO, asked: "Asked") -> None:
+@FORMS.register("text")
+def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     """Write all reports, one below the other; several begin with a table of them."""
     blocks = [_read(coverage.corpus)]
     if len(coverage.reports) > 1:

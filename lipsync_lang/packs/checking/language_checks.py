@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.phonology.g2p.registry import Rule
+from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.g2p.rules import QUICKER, SLOW, never_fire, too_slow, unknown_labels
 from lipsync_lang.phonology.labels import Notation, normalise
 

@@ -4,6 +4,6 @@ What an engine gives are words with labels of one notation. Which engine reads a
 what its labels stand for, is the language pack's word.
 """
 
-from lipsync_lang.phonology.g2p.registry import ENGINES, RESPELLERS, Said, Settings, engine
+from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, RESPELLERS, Said, Settings, engine
 
 __all__ = ["ENGINES", "RESPELLERS", "Said", "Settings", "engine"]

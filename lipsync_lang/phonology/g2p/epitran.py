@@ -6,7 +6,7 @@ from pathlib import Path
 from unicodedata import category
 
 from lipsync_lang.errors import SpeechError, did_you_mean
-from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import KEPT
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import LENGTH, normalise
@@ -15,6 +15,7 @@ _JOINED = {"Mn", "Lm", "Sk"}
 """Categories of what belongs to the letter before: diacritics and modifier letters."""
 
 
+@ENGINES.register("epitran")
 def engine(settings: Settings) -> Engine:
     """Read text by Epitran's code of the language.
 

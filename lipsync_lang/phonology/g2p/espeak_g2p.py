@@ -10,7 +10,14 @@ from functools import lru_cache
 from types import MappingProxyType
 
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.registry import Engine, Respeller, Said, Settings, respeller
+from lipsync_lang.phonology.g2p.g2p_engines import (
+    ENGINES,
+    Engine,
+    Respeller,
+    Said,
+    Settings,
+    respeller,
+)
 from lipsync_lang.phonology.g2p.rules import KEPT
 from lipsync_lang.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.phonology.labels import looser, normalise
@@ -21,6 +28,7 @@ PATIENCE = 120.0
 """Seconds; many texts are read in many turns, and a busy computer may let one of them wait."""
 
 
+@ENGINES.register("espeak")
 def engine(settings: Settings) -> Engine:
     """Read text with a voice of eSpeak NG."""
     respell = respeller(settings.respell) if settings.respell else None

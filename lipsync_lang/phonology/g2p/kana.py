@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import Any
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS
 
 LONGEST = 1000
 """Characters that are read at once; the dictionary has no room for many more."""
@@ -34,6 +35,7 @@ _INFLECTED = frozenset({"動詞", "形容詞", "助動詞"})
 _FINAL = "基本形"
 
 
+@RESPELLERS.register("kana")
 def respell(text: str) -> list[tuple[str, str]]:
     """Cut a text into words, numbers, and what is between them, each with its reading in kana.
 

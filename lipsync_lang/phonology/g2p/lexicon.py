@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
-from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 
@@ -25,6 +25,7 @@ _VARIANT = re.compile(r"\(\d+\)$")
 _PARTS = re.compile(r"-|'")
 
 
+@ENGINES.register("lexicon")
 def engine(settings: Settings) -> Engine:
     """Read text by a lexicon.
 

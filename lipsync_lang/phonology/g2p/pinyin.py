@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from unicodedata import category, normalize
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.registry import Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
 from lipsync_lang.phonology.g2p.tokens import PAUSES
 from lipsync_lang.phonology.labels import normalise
 
@@ -61,6 +61,7 @@ class _Piece(NamedTuple):
     following: str
 
 
+@ENGINES.register("pypinyin")
 def engine(settings: Settings) -> Engine:
     """Read Chinese text.
 
@@ -382,7 +383,7 @@ LETTERS = {
 def _heard(words: Sequence[str], settings: Settings) -> dict[str, tuple[str, ...]]:
     """Return those foreign words of which the voice knows the sounds, and the notation has them."""
     from lipsync_lang.phonology.g2p.espeak_g2p import known_as
-    from lipsync_lang.phonology.g2p.registry import engine as engine_named
+    from lipsync_lang.phonology.g2p.g2p_engines import engine as engine_named
 
     labels = frozenset(map(normalise, settings.labels))
     if not settings.voice:

@@ -21,7 +21,7 @@ from lipsync_lang.phonology.g2p.contexts import (
     ContextError,
     compile_context,
 )
-from lipsync_lang.phonology.g2p.registry import Engine, Rule, Said, Settings, respeller
+from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Rule, Said, Settings, respeller
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import normalise
 
@@ -113,6 +113,7 @@ def _compile(number: int, rule: Rule) -> _Compiled:
     return _Compiled(number, plain(rule.spelling), rule.to, before, after)
 
 
+@ENGINES.register("rules")
 def engine(settings: Settings) -> Engine:
     """Read text by the rules of a pack."""
     rewriter = Rewriter(settings.rules, settings.labels)

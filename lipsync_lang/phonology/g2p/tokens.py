@@ -6,7 +6,7 @@ from functools import cache
 from typing import NamedTuple
 from unicodedata import category, normalize
 
-from lipsync_lang.phonology.g2p.registry import Said
+from lipsync_lang.phonology.g2p.g2p_engines import Said
 
 INNER = frozenset("'’‘-·־\u00ad")
 """Within a word, and nothing by themselves."""

@@ -10,6 +10,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.align.aligners import aligner
 from lipsync_lang.speech.sphinx.features import features
 from lipsync_lang.speech.sphinx.folder import Models, find_models
 from lipsync_lang.speech.sphinx.forced import lay
@@ -18,7 +19,7 @@ from lipsync_lang.speech.sphinx.scheduling import Saying, confidence, doubts, la
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from lipsync_lang.phonology.g2p.registry import Said
+    from lipsync_lang.phonology.g2p.g2p_engines import Said
     from lipsync_lang.speech.speaking import Speaker
 
 NOTHING = 0.12
@@ -28,6 +29,7 @@ DOUBTFUL = 0.5
 """A confidence below this is remarked upon."""
 
 
+@aligner("pocketsphinx")
 class PocketsphinxAligner:
     """The aligner for languages that pocketsphinx has a model of."""
 

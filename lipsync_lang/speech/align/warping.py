@@ -12,6 +12,7 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
+from lipsync_lang.speech.align.aligners import aligner
 from lipsync_lang.speech.align.spectrum import (
     HOP,
     Bools,
@@ -117,6 +118,7 @@ class Fit(NamedTuple):
     """How far a voice is that runs backwards, and so says something else."""
 
 
+@aligner("warp")
 class Warp:
     """The aligner for any language that has a voice."""
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.recognise.recognisers import recogniser
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import RATE, STEP, Floats, features
 from lipsync_lang.speech.sphinx.folder import Models, find_models, without_variant
@@ -29,6 +30,7 @@ SHOWN = 200
 """Letters of what was heard that the remark repeats."""
 
 
+@recogniser("pocketsphinx")
 class PocketsphinxRecogniser:
     """The recogniser for languages that pocketsphinx has a model of."""
 

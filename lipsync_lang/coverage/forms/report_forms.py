@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
-from typing import TYPE_CHECKING, TextIO, cast
+from typing import TYPE_CHECKING, TextIO
+
+from lipsync_lang.extensions import Extensions
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage
@@ -25,20 +26,12 @@ class Asked:
 
 Write = Callable[["Coverage", TextIO, Asked], None]
 
-FORMS: dict[str, str] = {
-    "text": "lipsync_lang.coverage.forms.text:write",
-    "json": "lipsync_lang.coverage.forms.json:write",
-    "html": "lipsync_lang.coverage.forms.html:write",
-    "csv": "lipsync_lang.coverage.forms.csv:write",
-    "junit": "lipsync_lang.coverage.forms.junit:write",
-}
-"""Forms by name: where the function is that writes one."""
+FORMS: Extensions[Write] = Extensions(
+    "coverage_forms",
+    "form of a coverage",
+    modules={name: f"{__package__}.{name}" for name in ("text", "json", "html", "csv", "junit")},
+)
+"""Functions that write a form, by its name."""
 
 SUFFIXES = {".json": "json", ".html": "html", ".csv": "csv", ".xml": "junit"}
 """The form of a file that is named without one; all other files are text."""
-
-
-def find_form(name: str) -> Write:
-    """Return what writes a form."""
-    module, _, function = FORMS[name].partition(":")
-    return cast("Write", getattr(import_module(module), function))

@@ -2,15 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
-from pkgutil import iter_modules
 from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import AnimationError
+from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -75,17 +74,14 @@ Guess = Callable[[bytes], bool]
 
 
 @dataclass(frozen=True)
-class AnimationReader:
-    """One format: its name and suffix, what reads it, and what tells it from others alike."""
+class AnimationReader(Format):
+    """One format: what reads it, and what tells it from others alike."""
 
-    name: str
-    suffix: str
-    title: str
     read: Read
     fits: Guess | None
 
 
-READERS: dict[str, AnimationReader] = {}
+READERS: Formats[AnimationReader] = Formats("animation_readers", "format", room=__package__)
 
 
 def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Read], Read]:
@@ -96,20 +92,11 @@ def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Re
     """
 
     def register(read: Read) -> Read:
-        title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = AnimationReader(name, suffix, title, read, fits)
+        made = AnimationReader(name, (suffix,), summary(read), read, fits)
+        READERS.add(name, made, read.__module__)
         return read
 
     return register
-
-
-def load_animation_readers() -> dict[str, AnimationReader]:
-    """Import every module of this folder, so that each has registered itself."""
-    from lipsync_lang.animations import readers
-
-    for module in iter_modules(readers.__path__):
-        import_module(f"{readers.__name__}.{module.name}")
-    return READERS
 
 
 def read_animation(path: str | Path) -> Recording:
@@ -121,11 +108,10 @@ def read_animation(path: str | Path) -> Recording:
         The file is missing, too large, of no known format, or holds no curves.
     """
     path = Path(path)
-    known = sorted(load_animation_readers().values(), key=lambda one: one.fits is None)
-    chosen = [one for one in known if one.suffix == path.suffix.lower()]
+    chosen = sorted(READERS.ending(path), key=lambda one: one.fits is None)
     if not chosen:
         what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
-        fail(path, what, f"known: {', '.join(sorted({one.suffix for one in known}))}")
+        fail(path, what, f"known: {', '.join(READERS.suffixes())}")
     content = read_input(
         path, MAX_ANIMATION_BYTES, error=AnimationError, mend="is it an animation?"
     )

@@ -1,15 +1,15 @@
 """Which speech engines are known, and speaking with one of them."""
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Protocol, TypeVar
 
-from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.extensions import Extensions
 from lipsync_lang.schedules import Schedule
-from lipsync_lang.speech.espeak import Espeak
-from lipsync_lang.speech.festival import Festival
 
 
 class Engine(Protocol):
-    """What a speech engine does; a studio's own is one small class in `ENGINES`."""
+    """What a speech engine does; `speech_engine` makes one known."""
 
     def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
         """Return timed phonemes from 0 to the end of the sound, with words, pauses and sound."""
@@ -20,8 +20,27 @@ class Engine(Protocol):
         ...
 
 
-ENGINES: dict[str, Engine] = {"espeak": Espeak(), "festival": Festival()}
-"""Engines by name; add to it to make one known."""
+ENGINES: Extensions[Engine] = Extensions(
+    "speech_engines",
+    "speech engine",
+    modules={
+        "espeak": "lipsync_lang.speech.espeak",
+        "festival": "lipsync_lang.speech.festival",
+    },
+)
+"""Engines by name."""
+
+E = TypeVar("E", bound=Engine)
+
+
+def speech_engine(name: str) -> Callable[[type[E]], type[E]]:
+    """Register a class that is made without arguments as a speech engine."""
+
+    def register(made: type[E]) -> type[E]:
+        ENGINES.add(name, made(), made.__module__)
+        return made
+
+    return register
 
 
 def speak(
@@ -41,6 +60,5 @@ def speak(
     SpeechError
         There is nothing to say, no such engine or voice, or the engine failed.
     """
-    if engine not in ENGINES:
-        raise SpeechError(f"no speech engine '{engine}'; {did_you_mean(engine, ENGINES)}")
-    return ENGINES[engine].speak(text, voice, words_per_minute=words_per_minute)
+    speaking = ENGINES.find(engine, SpeechError)
+    return speaking.speak(text, voice, words_per_minute=words_per_minute)

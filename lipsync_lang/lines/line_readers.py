@@ -5,13 +5,12 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from io import BytesIO
 from pathlib import Path
-from pkgutil import iter_modules
 from typing import BinaryIO, Self
 
 from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import STANDARD_STREAM, argument_path
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.lines.decoding import numbered
@@ -74,37 +73,23 @@ Read = Callable[[LineFile], Iterable[Line]]
 
 
 @dataclass(frozen=True)
-class LineReader:
-    """One format: its name, the suffixes it is known by, and what reads it."""
+class LineReader(Format):
+    """One format, and what reads it."""
 
-    name: str
-    suffixes: tuple[str, ...]
-    title: str
     read: Read
 
 
-READERS: dict[str, LineReader] = {}
+READERS: Formats[LineReader] = Formats("line_readers", "format", room=__package__)
 
 
 def reader(name: str, *, suffixes: Sequence[str]) -> Callable[[Read], Read]:
     """Register a function ``(source) -> lines`` as the reader of a format."""
 
     def register(read: Read) -> Read:
-        title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = LineReader(name, tuple(suffixes), title, read)
+        READERS.add(name, LineReader(name, tuple(suffixes), summary(read), read), read.__module__)
         return read
 
     return register
-
-
-@cache
-def load_readers() -> dict[str, LineReader]:
-    """Import every module of this folder, so that each has registered itself."""
-    from lipsync_lang import lines
-
-    for module in iter_modules(lines.__path__):
-        import_module(f"{lines.__name__}.{module.name}")
-    return READERS
 
 
 @cache
@@ -112,10 +97,8 @@ def by_suffix() -> dict[str, LineReader]:
     """Return the reader of each suffix; of timed phonemes, those that no text claims."""
     from lipsync_lang.lines.timings import NAME
 
-    readers = load_readers()
-    last = sorted(readers.values(), key=lambda reader: reader.name == NAME)
     known: dict[str, LineReader] = {}
-    for one in last:
+    for one in sorted(READERS.values(), key=lambda one: one.name == NAME):
         for suffix in one.suffixes:
             known.setdefault(suffix, one)
     return known
@@ -204,9 +187,9 @@ def _reader(source: LineFile) -> LineReader:
     from lipsync_lang.lines.timings import NAME, is_timed
 
     if source.path == STANDARD_STREAM:
-        return load_readers()["text" if source.column is None else "table"]
+        return READERS["text" if source.column is None else "table"]
     if source.column is None and is_timed(source):
-        return load_readers()[NAME]
+        return READERS[NAME]
     return by_suffix()[source.path.suffix.lower()]
 
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
-from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.extensions import Extensions
 
 
 class Said(NamedTuple):
@@ -63,17 +63,27 @@ Engine = Callable[[Sequence[str]], Iterable[Sequence[Said]]]
 Respeller = Callable[[str], list[tuple[str, str]]]
 """Text in; pieces of it that make it up again, each with the spelling to read it by."""
 
-ENGINES: dict[str, str] = {
-    "espeak": "lipsync_lang.phonology.g2p.espeak_g2p:engine",
-    "pypinyin": "lipsync_lang.phonology.g2p.pinyin:engine",
-    "epitran": "lipsync_lang.phonology.g2p.epitran:engine",
-    "lexicon": "lipsync_lang.phonology.g2p.lexicon:engine",
-    "rules": "lipsync_lang.phonology.g2p.rules:engine",
-}
-"""Engines by name: where the function is that makes one of its `Settings`."""
+Make = Callable[[Settings], Engine]
 
-RESPELLERS: dict[str, str] = {"kana": "lipsync_lang.phonology.g2p.kana:respell"}
-"""Respellers by name: where the function is."""
+_HERE = __package__
+
+ENGINES: Extensions[Make] = Extensions(
+    "g2p_engines",
+    "G2P engine",
+    modules={
+        "espeak": f"{_HERE}.espeak_g2p",
+        "pypinyin": f"{_HERE}.pinyin",
+        "epitran": f"{_HERE}.epitran",
+        "lexicon": f"{_HERE}.lexicon",
+        "rules": f"{_HERE}.rules",
+    },
+)
+"""Functions that make an engine of its settings, by name; `ENGINES.register` adds one."""
+
+RESPELLERS: Extensions[Respeller] = Extensions(
+    "respellers", "respeller", modules={"kana": f"{_HERE}.kana"}
+)
+"""Functions that spell text anew, by name."""
 
 
 def engine(name: str, settings: Settings) -> Engine:
@@ -84,10 +94,7 @@ def engine(name: str, settings: Settings) -> Engine:
     SpeechError
         There is no such engine, it is not installed, or it does not have the language.
     """
-    if name not in ENGINES:
-        raise SpeechError(f"no G2P engine '{name}'; {did_you_mean(name, ENGINES)}")
-    make = cast("Callable[[Settings], Engine]", _named(ENGINES[name]))
-    return make(settings)
+    return ENGINES.find(name, SpeechError)(settings)
 
 
 def respeller(name: str) -> Respeller:
@@ -98,11 +105,4 @@ def respeller(name: str) -> Respeller:
     SpeechError
         There is no such respeller, or it is not installed.
     """
-    if name not in RESPELLERS:
-        raise SpeechError(f"nothing respells as '{name}'; {did_you_mean(name, RESPELLERS)}")
-    return cast("Respeller", _named(RESPELLERS[name]))
-
-
-def _named(place: str) -> object:
-    module, _, name = place.partition(":")
-    return getattr(import_module(module), name)
+    return RESPELLERS.find(name, SpeechError)

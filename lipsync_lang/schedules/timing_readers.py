@@ -6,57 +6,44 @@ A file's content tells its format, before its suffix does: many programs write `
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from pkgutil import iter_modules
 
-from lipsync_lang.errors import ScheduleError, did_you_mean
+from lipsync_lang.errors import ScheduleError
+from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile, read_timings
 
 Read = Callable[[TimingFile], Schedule]
-Looks = Callable[[TimingFile], bool]
+Sniff = Callable[[TimingFile], bool]
 
 
 @dataclass(frozen=True)
-class ScheduleReader:
-    """One input format: its name, the suffixes it is known by, what tells it, and what reads it."""
+class ScheduleReader(Format):
+    """One input format: how its content is told, and what reads it."""
 
-    name: str
-    suffixes: tuple[str, ...]
-    title: str
-    looks: Looks
+    sniff: Sniff
     read: Read
     tiers: bool = False
     """Whether a file may hold several of what it is, of which `tier` names one."""
 
 
-READERS: dict[str, ScheduleReader] = {}
+READERS: Formats[ScheduleReader] = Formats("readers", "format", room=__package__)
 
 
-def reader(name: str, *suffixes: str, looks: Looks, tiers: bool = False) -> Callable[[Read], Read]:
+def reader(name: str, *suffixes: str, sniff: Sniff, tiers: bool = False) -> Callable[[Read], Read]:
     """Register a function ``(source) -> Schedule`` as the reader of a format.
 
-    `looks` tells by its content whether a file is in it: quickly, by ``source.head`` or
+    `sniff` tells by its content whether a file is in it: quickly, by ``source.head`` or
     ``source.document``, and without raising. Only with `tiers` may one be asked for.
     """
 
     def register(read: Read) -> Read:
-        title = (read.__doc__ or "").strip().splitlines()[0]
-        READERS[name] = ScheduleReader(name, suffixes, title, looks, read, tiers)
+        made = ScheduleReader(name, suffixes, summary(read), sniff, read, tiers)
+        READERS.add(name, made, read.__module__)
         return read
 
     return register
-
-
-def load_readers() -> dict[str, ScheduleReader]:
-    """Import every module of this folder, so that each has registered itself."""
-    from lipsync_lang import schedules
-
-    for module in iter_modules(schedules.__path__):
-        import_module(f"{schedules.__name__}.{module.name}")
-    return READERS
 
 
 def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
@@ -105,27 +92,26 @@ def schedule_of(source: TimingFile, read_as: str | None = None) -> Schedule:
 
 def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     """Return the reader of a file: the one named, or the one its content and suffix tell."""
-    readers = load_readers()
     if name is not None:
-        if name not in readers:
-            raise ScheduleError(f"no format is called '{name}'; {did_you_mean(name, readers)}")
-        return readers[name]
-    named = [one for one in readers.values() if source.path.suffix.lower() in one.suffixes]
-    alike = [one for one in readers.values() if one.looks(source)]
-    both = [one for one in alike if one in named]
-    for found in (both, alike, named):
-        if len(found) == 1:
-            return found[0]
-        if found and found is not named:
+        return READERS.find(name, ScheduleError)
+    named = READERS.ending(source.path)
+    for readers in (READERS.built_in(), READERS):  # a plug-in reads what no built-in one knows
+        alike = [one for one in readers.values() if one.sniff(source)]
+        found = [one for one in alike if one in named] or alike
+        if len(found) > 1:
             names = " or ".join(one.name for one in found)
             raise source.fault(f"may be {names}; say which (--read-as {found[0].name})")
+        if found:
+            return found[0]
+    if len(named) == 1:
+        return named[0]
     _check_form(source)
     if named:
         titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
         raise source.fault(f"is in none of the formats that end in '{source.path.suffix}':{titles}")
-    suffixes = sorted({suffix for one in readers.values() for suffix in one.suffixes})
     raise source.fault(
-        f"nothing reads timings from this; known: {', '.join(suffixes)} (`lipsync-lang formats`)"
+        f"nothing reads timings from this; known: {', '.join(READERS.suffixes())} "
+        "(`lipsync-lang formats`)"
     )
 
 
