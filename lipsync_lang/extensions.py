@@ -82,12 +82,15 @@ class Extensions(Mapping[str, T]):
         here = _owner(module)
         here = here if here == PROGRAM else self.origin or here
         first = PROGRAM if name in self.modules else self.origins.get(name, here)
-        if here not in (first, PROGRAM):
-            what = f"{self.title} '{name}' of {here} is left out: {first} has one of that name"
-            if self.origin is None:
+        if first != here:
+            # built-in ones are imported late, and have their names all the same
+            winner, loser = (here, first) if here == PROGRAM else (first, here)
+            what = f"{self.title} '{name}' of {loser} is left out: {winner} has one of that name"
+            if self.origin is None and here != PROGRAM:
                 raise LipsyncError(f"{what}; choose another name")
             warnings.warn(what, PluginWarning, stacklevel=2)
-            return
+            if here != PROGRAM:
+                return
         self.known[name] = value
         self.origins[name] = here
         if self.origin is not None:

@@ -120,13 +120,15 @@ def test_a_script_that_takes_a_known_name_is_refused(known):
         pass
 
     mine.__module__ = "__main__"
+    assert WRITERS.built_in()
     with pytest.raises(LipsyncError, match=r"'csv' of __main__ .* lipsync-lang has one"):
         writer("csv", suffix=".csv")(mine)
 
 
 def test_a_built_in_name_is_kept_although_a_plug_in_was_imported_first(known):
     known.add("white", "early", "early_plug_in")
-    known.add("white", "built in", "lipsync_lang.colours")
+    with pytest.warns(PluginWarning, match="of early_plug_in is left out: lipsync-lang has one"):
+        known.add("white", "built in", "lipsync_lang.colours")
     assert known["white"] == "built in"
     assert known.origins["white"] == "lipsync-lang"
 
@@ -180,3 +182,22 @@ def test_built_in_formats_and_engines_cost_no_entry_points(code, tmp_path, monke
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, sys.path)))
     assert "importlib.metadata" not in modules_after(f"from pathlib import Path\n{code}")
+
+
+EXAMPLE = "docs/examples/lipsync-lang-xsheet"
+
+
+@pytest.mark.parametrize("module", ["exposure_sheet", "track_sheet", "metronome"])
+def test_the_how_to_shows_the_example(root, module):
+    text = (root / EXAMPLE / f"lipsync_lang_xsheet/{module}.py").read_text("utf-8")
+    page = (root / "docs/how-to/extend-it.md").read_text("utf-8")
+    assert f"```py\n{text}```" in page
+    assert f'"lipsync_lang_xsheet.{module}"' in (root / EXAMPLE / "pyproject.toml").read_text()
+    assert f'"lipsync_lang_xsheet.{module}"' in page
+
+
+def test_the_how_to_names_every_kind_that_is_open(root):
+    page = (root / "docs/how-to/extend-it.md").read_text("utf-8")
+    closed = {G2P_ENGINES.group: "packs name theirs by a list", RESPELLERS.group: "the same"}
+    named = {known.group for known in EVERY if f"`{known.group}`" in page}
+    assert named == {known.group for known in EVERY} - set(closed)

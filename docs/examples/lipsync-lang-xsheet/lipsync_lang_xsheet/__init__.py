@@ -1,0 +1,1 @@
+"""Exposure sheets and track sheets of drawn animation, for lipsync_lang."""
