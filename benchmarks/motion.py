@@ -10,7 +10,8 @@ jaw           the sum of the poses of the region `jaw`, at 30 frames per second 
               rate), divided by its 99th percentile over all lines
 speed, jerk   95th percentiles of its first and third derivative, in 1/s and 1/s^3
 > 8 Hz        share of the power of its spectrum above 8 Hz, each line by itself
-still         share of the frames with the jaw above 0.1 in which it moves by less than 0.01
+still         share of the frames with the jaw above 0.1 to and from which it moves by less than
+              0.015: a peak is no stillness, a shelf is
 extrema       turns of the jaw, larger than 0.02, in a second
 shut          share of the frames of vowels beside p b m f v in which the jaw, at 60 frames per
               second, is below 0.1
@@ -49,6 +50,8 @@ LIPS = {"bmp", "f"}
 BEFORE = {"s", "kg", "d", "_"}
 ROUNDED = ("u", "o", "ʊ")
 """How the labels of the vowels begin; the common phoneme w is also the consonant of "we"."""
+STILL = 0.015
+"""A move from frame to frame below it is none, as a share of the 99th percentile."""
 CLOSE = 0.1
 """A jaw below it is shut, as a share of its 99th percentile."""
 
@@ -102,9 +105,10 @@ def movement(performer: ll.Performer) -> dict[str, float]:
     still = opened = 0
     for curve in curves:
         inside = curve[1:-1] > CLOSE
-        moved = np.abs(curve[2:] - curve[:-2]) / 2
+        steps = np.abs(np.diff(curve))
+        moved = np.maximum(steps[1:], steps[:-1])
         opened += int(inside.sum())
-        still += int((inside & (moved < 0.01)).sum())
+        still += int((inside & (moved < STILL)).sum())
     seconds = sum(len(c) for c in curves) / fps
     return {
         "> 8 Hz %": 100 * float(np.mean([high_share(c, fps) for c in curves])),

@@ -157,9 +157,15 @@ def tables(draw):
         if not held[pose] and rng.random() < 0.15
     )
     styles = tuple(_style(rng, curves, free) for _ in range(draw(st.sampled_from([0, 0, 1, 2]))))
+    paper = np.where(thresholds < FREE, np.minimum(thresholds, 0.5), thresholds)
+    softness = rng.choice([0, 0.02, 0.035, 0.05], poses)
+    early = np.where(rng.random(poses) < 0.4, rng.choice([0.05, 0.12, 0.4], poses), 0)
+    highest = rng.uniform(0.1, 1, poses)
+    opposed = rng.random((phonemes, poses)) < 0.1
     return Tables(
-        curves, boundary, free, pairs, silence, contacts, thresholds, priority, at_most, styles
-    )
+        curves, boundary, free, pairs, silence, contacts, thresholds, paper, priority, softness,
+        early, highest, opposed, at_most, styles,
+    )  # fmt: skip
 
 
 def _style(rng, curves, free):
@@ -221,8 +227,11 @@ def motions(**fixed):
     drawn = {
         "stitch": st.sampled_from(["max", "crossfade"]),
         "warp": st.sampled_from(["anchored", "linear"]),
-        "smooth": st.sampled_from(["closing", "closing", "chord", "none"]),
+        "smooth": st.sampled_from(["none", "none", "closing", "chord"]),
         "window": st.one_of(st.just(0.13), st.floats(0, 0.4)),
+        "anticipate": st.sampled_from([1, 1, 0, 2]),
+        "softness": st.sampled_from([1, 1, 0, 0.5, 3]),
+        "thresholds": st.sampled_from(["own", "own", "own", "paper"]),
         "speed_limit": st.one_of(st.just(15.0), st.floats(0.5, 60)),
         "silence_reach": st.one_of(st.just(0.25), st.just(0.0), st.floats(0.01, 0.6)),
         "contacts": st.sampled_from(["hold", "hold", "free"]),

@@ -19,7 +19,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.braces import expanded, paired
 from lipsync_lang.packs.models.rig_channels import channels_of
 from lipsync_lang.pipeline.drive import Rig, drive, sides
-from lipsync_lang.pipeline.limit import lower_envelope, rest_at_ends
+from lipsync_lang.pipeline.limit import lower_envelope, ramps, rest_at_ends
 from lipsync_lang.rigs.loss import loss_table, losses
 
 EXACT = 1e-9
@@ -135,7 +135,9 @@ def restless(draw):
     poses, frames, step = draw(st.integers(1, 5)), draw(st.integers(1, 80)), draw(STEPS)
     floors = rng.random(poses) * (rng.random(poses) < 0.4)
     wanted = np.repeat(rng.random((poses, frames)) < 0.5, rng.integers(1, 6), axis=1)[:, :frames]
-    weights = lower_envelope(rest_at_ends(wanted * 1.0, step, head=True, tail=True), step).T
+    weights = lower_envelope(
+        rest_at_ends(wanted * 1.0, ramps(step, np.zeros(1, int)), head=True, tail=True), step
+    ).T
     rig = some_rig(rng, poses, floors)
     far = np.minimum(np.arange(frames), np.arange(frames)[::-1]) * step >= 1
     return Driven(weights, rig, step, drive(weights, rig, step), ((floors, far),))

@@ -8,10 +8,11 @@ import pytest
 from lipsync_lang import resolve
 from lipsync_lang.pipeline.constrain import caps, constrain
 from lipsync_lang.pipeline.curve import polyline
-from lipsync_lang.pipeline.hold import held_frames, hold
-from lipsync_lang.pipeline.limit import lower_envelope, rest_at_ends, upper_envelope
+from lipsync_lang.pipeline.hold import Plateau, held_frames, hold
+from lipsync_lang.pipeline.limit import lower_envelope, ramps, rest_at_ends, upper_envelope
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import perform
+from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.tables import RESOLUTION, Contact, Tables
@@ -35,8 +36,13 @@ def make_tables(curves, contacts=(), thresholds=None, **rest):
         "boundary": np.full(count, 0.5),
         "free": np.zeros(count, bool),
         "priority": np.arange(poses, dtype=float),
+        "softness": np.zeros(poses),
+        "anticipate": np.zeros(poses),
+        "highest": np.ones(poses),
+        "opposed": np.zeros((3, poses), bool),
     }
     free = np.full((poses, poses), 2.0)
+    values["paper"] = free
     return Tables(
         **(values | rest),
         pairs=pairs,
@@ -224,7 +230,7 @@ def test_at_most_follows_a_pose_that_has_already_made_room():
 def test_the_built_in_constraints_are_the_papers():
     performer = resolve("english", "facefx", cache=False)
     names, made = performer.poses, performer.compiled.tables
-    found = {(names[cap.low], names[cap.high]): cap.threshold for cap in made.caps}
+    found = {(names[cap.low], names[cap.high]): cap.threshold for cap in made.papers.caps}
     assert found == {("open", "FV"): 0.5, ("open", "PBM"): 0.5, ("open", "ShCh"): 0.5}
     order = sorted(
         ("W", "wide", "ShCh", "FV", "PBM", "open"), key=lambda p: made.priority[names.index(p)]
@@ -257,10 +263,12 @@ def test_a_slow_curve_stays_as_it_is():
 def test_an_animation_starts_and_ends_within_reach_of_rest():
     ones = np.ones((1, 10))
     ramp = [0, 0.25, 0.5, 0.75]
-    both = rest_at_ends(ones, 0.25, head=True, tail=True)
+    both = rest_at_ends(ones, ramps(0.25, np.array([0])), head=True, tail=True)
     assert both.tolist() == [[*ramp, 1, 1, *ramp[::-1]]]
-    head = rest_at_ends(ones, 0.25, head=True, tail=False)
+    head = rest_at_ends(ones, ramps(0.25, np.array([0])), head=True, tail=False)
     assert head.tolist() == [[*ramp, 1, 1, 1, 1, 1, 1]]
+    late = rest_at_ends(ones, ramps(0.25, np.array([2])), head=True, tail=False)
+    assert late.tolist() == [[0, 0, *ramp, 1, 1, 1, 1]]
 
 
 # Contacts
@@ -300,9 +308,8 @@ def test_contacts_in_a_row_are_held_through_their_boundary():
 
 
 def test_holding_raises_to_the_floor_and_lowers_to_the_ceiling():
-    contact = Contact(np.array([True]), np.array([0.9, 0]), np.array([1, 0.1]))
     curves = np.array([[0.2, 0.2, 1.0], [0.6, 0.6, 0.05]])
-    out = hold(curves, contact, np.array([False, True, True]))
+    out = hold(curves, [Plateau(0, 0.9)], [Plateau(1, 0.1)], np.array([False, True, True]))
     assert out.tolist() == [[0.2, 0.9, 1.0], [0.6, 0.1, 0.05]]
 
 
@@ -317,7 +324,7 @@ def test_a_contact_pose_leaves_room_for_the_floor_of_one_that_it_outranks():
         ),
         thresholds=np.array([[2, 1.5], [1.5, 2]]),
     )
-    assert made.tops.tolist() == pytest.approx([1, 0.8])
+    assert prepare(made, Motion(), 20).tops.tolist() == pytest.approx([1, 0.8])
     track = line([P, A], [0, 0.5, 1], made, Motion())
     performance = perform(made, track, Motion(), 20)
     weights = performance.weights()[-performance.frames.first :]
@@ -365,7 +372,7 @@ def chain(motion):
 
 
 def test_the_whole_chain():
-    stages = chain(Motion(window=0.2))
+    stages = chain(Motion(smooth="closing", window=0.2))
     assert list(stages) == ["stitch", "smooth", "rest", "hold", "limit", "constrain"]
     # Both bigrams over an A say the same tent, 0.8 at its middle; the P's middle is frame 5
     open_ = [0, 0.4, 0.8, 0.4, 0, 0, 0, 0.4, 0.8, 0.4, 0]

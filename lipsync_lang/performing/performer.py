@@ -20,6 +20,7 @@ from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance, perform
+from lipsync_lang.pipeline.prepare import channel_kernel
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -156,7 +157,9 @@ class Performer:
             return animation
         if animation.poses != self.poses:
             raise LipsyncError(f"the rig of {self.character} drives other poses than these")
-        values = drive(animation.weights, driver.rig, self.motion.speed_limit / animation.fps)
+        motion, fps = self.motion, animation.fps
+        kernel = channel_kernel(motion, fps)
+        values = drive(animation.weights, driver.rig, motion.speed_limit / fps, kernel)
         names = tuple(channel.name for channel in driver.channels)
         return replace(
             animation,

@@ -30,8 +30,11 @@ DONE = {
     "smooth": "a valley filled",
     "dial": "scaled by the dial of its region",
     "switch": "one pose at a time, each for a least time",
+    "anticipate": "begins before its sound",
+    "ease": "rounded off",
     "rest": "brought to rest at the ends",
     "limit": "held to the speed limit",
+    "soften": "rounded off",
 }
 """What a stage that changed a value did to it; `hold` and `constrain` say more."""
 

@@ -31,8 +31,15 @@ Never above another
     then keeps what `other` leaves of it, and for a faster `other` what it leaves from near by. That
     is meant: a shape that closes the lips over an open jaw has nothing to close when the jaw is.
     Only where a faster `other` drops below the rest of `c` may `c` start and end below rest.
+Smooth
+    Clipping and yielding put corners back into what poses had without. So a kernel rounds channels
+    off once more. It keeps bounds and speed, and no channel accelerates faster than twice its
+    speed over the kernel's half-width. It keeps a channel below the one it yields to where that
+    does not go below its own `low`; elsewhere it is lowered once more, with its corner. Channels
+    rest for as long as the kernel reaches. A contact loses at most what `prepare` gives to a pose.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -90,13 +97,14 @@ def sides(gains: Floats, floors: Floats) -> Ints:
     return out
 
 
-def drive(weights: Floats, rig: Rig, step: float) -> Floats:
+def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) -> Floats:
     """Drive the channels of a rig by poses; the module says what is promised of them, and why.
 
     Parameters
     ----------
     weights : (T, P) of a whole animation, in [0, 1], at most `step` apart from frame to frame
     step : weight by which a pose may change from frame to frame
+    kernel : (2 J + 1,) what rounds channels off, as from `soften.kernel`; None leaves corners
 
     Returns
     -------
@@ -104,16 +112,44 @@ def drive(weights: Floats, rig: Rig, step: float) -> Floats:
     """
     low, high = rig.low[:, None], rig.high[:, None]
     curves = np.clip(rig.gains @ weights.T, low, high)
+    late, ends = 0 if kernel is None else len(kernel) // 2, _ends(weights)
+    if late:
+        curves = _late(curves, rig, step, late, ends)
     fast = _fast(curves, step * rig.span)
     if fast.any():
-        slow = _slowed(curves[fast], rig, fast, step, _ends(weights))
+        slow = _slowed(curves[fast], rig, fast, step, ends)
         curves[fast] = np.clip(slow, low[fast], high[fast])  # for rounding's sake
-    for channel, other in rig.at_most:
+    _yield(curves, rig, rig.at_most, step)
+    if kernel is not None:
+        curves = np.clip(_rounded(curves, kernel), low, high)
+        deep = [(one, other) for one, other in rig.at_most if rig.low[other] < rig.low[one]]
+        _yield(curves, rig, deep, step)
+    return np.ascontiguousarray(curves.T)
+
+
+def _yield(curves: Floats, rig: Rig, pairs: Iterable[tuple[int, int]], step: float) -> None:
+    """Lower (C, T) curves, in place, to those they yield to."""
+    for channel, other in pairs:
         own = np.minimum(curves[channel], curves[other], out=curves[channel])
         np.maximum(own, rig.low[channel], out=own)
         if rig.span[other] > rig.span[channel]:
             own[:] = lower_envelope(own[None], step * rig.span[channel])[0]
-    return np.ascontiguousarray(curves.T)
+
+
+def _rounded(curves: Floats, kernel: Floats) -> Floats:
+    """Round (C, T) curves off; before and after them they stay where they start and end."""
+    late = len(kernel) // 2
+    longer = np.pad(curves, ((0, 0), (late, late)), mode="edge")
+    mean: Floats = np.convolve(longer.ravel(), kernel)[late : late + longer.size]
+    out: Floats = mean.reshape(longer.shape)[:, late : late + curves.shape[1]]
+    return out
+
+
+def _late(curves: Floats, rig: Rig, step: float, late: int, ends: tuple[bool, bool]) -> Floats:
+    """Keep (C, T) curves at rest for some frames at the ends that are at rest, then near it."""
+    rest = np.clip(0.0, rig.low, rig.high)[:, None]
+    out: Floats = rest + _near_rest(curves - rest, step * rig.span[:, None], ends, late)
+    return out
 
 
 def _fast(curves: Floats, steps: Floats) -> Bools:
@@ -132,7 +168,7 @@ def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[boo
     """Slow (C, T) curves of some channels, keeping those that a contact needs up, or down."""
     span, rest = rig.span[which, None], np.clip(0.0, rig.low, rig.high)[which, None]
     unit = np.where(span > 0, span, 1.0)
-    curves = _near_rest((curves - rest) / unit, step, *ends)
+    curves = _near_rest((curves - rest) / unit, step, ends, 0)
     below, above = lower_envelope(curves, step), upper_envelope(curves, step)
     # the middle one of below, rest and above: as far from rest as may be, but no farther than asked
     towards_rest = np.maximum(below, np.minimum(above, 0.0))
@@ -143,12 +179,14 @@ def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[boo
     return out
 
 
-def _near_rest(curves: Floats, step: float, head: bool, tail: bool) -> Floats:  # noqa: FBT001 passed on
-    """Keep (C, T) curves within reach of 0 at the ends that are at rest."""
+def _near_rest(curves: Floats, step: Floats | float, ends: tuple[bool, bool], late: int) -> Floats:
+    """Keep (C, T) curves within reach of 0 at the ends that are at rest, and there for a while."""
+    if not any(ends):
+        return curves
     reach = np.full(curves.shape[1], np.inf)
-    ramp = np.arange(curves.shape[1]) * step
-    if head:
+    ramp = np.maximum(np.arange(curves.shape[1]) - late, 0)
+    if ends[0]:
         reach = ramp
-    if tail:
+    if ends[1]:
         reach = np.minimum(reach, ramp[::-1])
-    return np.clip(curves, -reach, reach)
+    return np.clip(curves, -reach * step, reach * step)

@@ -4,6 +4,9 @@ Not in the paper: there a fast "p" is as weak as its curve. Here every phoneme t
 contact holds it for as long as a viewer needs to see it.
 """
 
+from collections.abc import Iterable
+from typing import NamedTuple
+
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats
@@ -15,6 +18,14 @@ MARGIN = 0.030
 
 SHORTEST = 0.042
 """Seconds for which a contact is held at least: one frame of film."""
+
+
+class Plateau(NamedTuple):
+    """Where a contact holds a pose until the stages after it have taken their part."""
+
+    pose: int
+    weight: float
+    """From 0 to 1, or as far beyond as makes the plateau long enough."""
 
 
 def demands(contact: Contact, track: Track) -> Bools:
@@ -51,11 +62,17 @@ def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: in
     return held
 
 
-def hold(curves: Floats, contact: Contact, held: Bools) -> Floats:
-    """Raise (P, T) curves to the contact's floor and lower them to its ceiling where held."""
+def hold(
+    curves: Floats, raised: Iterable[Plateau], lowered: Iterable[Plateau], held: Bools
+) -> Floats:
+    """Raise (P, T) curves to a contact's floors and lower them to its ceilings where held.
+
+    Levels may lie beyond 0 and 1, which makes a plateau longer by what the speed limit needs from
+    there; clip the curves once they are slow.
+    """
     out = curves.copy()
-    for pose in contact.raised:
-        np.maximum(out[pose], contact.floor[pose], out=out[pose], where=held)
-    for pose in contact.lowered:
-        np.minimum(out[pose], contact.ceiling[pose], out=out[pose], where=held)
+    for pose, weight in raised:
+        np.maximum(out[pose], weight, out=out[pose], where=held)
+    for pose, weight in lowered:
+        np.minimum(out[pose], weight, out=out[pose], where=held)
     return out

@@ -7,24 +7,36 @@ seen: a contact's flanks widen and its peak stays.
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 
 
-def rest_at_ends(curves: Floats, step: float, *, head: bool, tail: bool) -> Floats:
-    """Keep (P, T) curves within reach of rest at the first and last frame of an animation.
+def ramps(step: float, late: Ints) -> Floats:
+    """Return how far from rest poses may be 0, 1, 2, ... frames from an end: (P, n).
 
     Parameters
     ----------
     step : weight by which a pose may change from frame to frame
+    late : (P,) frames for which a pose rests first, so that a kernel may reach over them
+    """
+    count = int(1 / step) + 1 + int(late.max(initial=0))
+    out: Floats = np.maximum(np.arange(count) - late[:, None], 0) * step
+    return out
+
+
+def rest_at_ends(curves: Floats, ramp: Floats, *, head: bool, tail: bool) -> Floats:
+    """Keep (P, T) curves within reach of rest at the first and last frame of an animation.
+
+    Parameters
+    ----------
+    ramp : (P, n) as from `ramps`
     head, tail : whether these frames include the animation's first, its last
     """
     out = curves.copy()
-    count = min(curves.shape[1], int(1 / step) + 1)
-    ramp = np.arange(count) * step
+    count = min(curves.shape[1], ramp.shape[1])
     if head:
-        np.minimum(out[:, :count], ramp, out=out[:, :count])
+        np.minimum(out[:, :count], ramp[:, :count], out=out[:, :count])
     if tail:
-        np.minimum(out[:, -count:], ramp[::-1], out=out[:, -count:])
+        np.minimum(out[:, -count:], ramp[:, count - 1 :: -1], out=out[:, -count:])
     return out
 
 

@@ -14,11 +14,14 @@ class Motion:
     warp: Literal["anchored", "linear"] = "anchored"
     """Pin each bigram's own phoneme boundary to the spoken one, or stretch it evenly (paper)."""
 
-    smooth: Literal["closing", "chord", "none"] = "closing"
+    smooth: Literal["closing", "chord", "none"] = "none"
     """Fill valleys by morphological closing, by the paper's chord between maxima, or not at all."""
 
     window: float = 0.13
     """Seconds; valleys narrower than this are filled."""
+
+    anticipate: float = 1.0
+    """Factor of how early poses begin that look ahead; 0 lets none."""
 
     speed_limit: float = 15.0
     """Weight per second that no pose exceeds (paper 3.2.3)."""
@@ -35,12 +38,27 @@ class Motion:
     After them it can only lower curves, contacts included.
     """
 
+    thresholds: Literal["own", "paper"] = "own"
+    """Constraints at the pose set's own thresholds, or at those it states as the paper's."""
+
+    softness: float = 1.0
+    """Factor of the half-widths over which poses are rounded off; 0 leaves their corners."""
+
     hold: float = 0.0
     """Seconds; poses are shown one at a time, each at least as long. At 0 they blend."""
 
 
 PRESETS = {
     "default": Motion(),
-    "paper": Motion(warp="linear", smooth="chord", window=0.18, contacts="free", limit="after"),
+    "paper": Motion(
+        warp="linear",
+        smooth="chord",
+        window=0.18,
+        anticipate=0,
+        contacts="free",
+        limit="after",
+        thresholds="paper",
+        softness=0,
+    ),
 }
 """Named settings: `paper` is as sections 3.2.1 to 3.2.3 have it."""

@@ -3,10 +3,12 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang.pipeline.anticipate import anticipate
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
@@ -14,7 +16,9 @@ from lipsync_lang.pipeline.levels import Blend, Dial, scale, shares
 from lipsync_lang.pipeline.limit import envelope, lower_envelope, rest_at_ends
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.overlay import Overlay, lay_over
+from lipsync_lang.pipeline.prepare import Prepared, prepare
 from lipsync_lang.pipeline.smooth import chord, closing, closing_within
+from lipsync_lang.pipeline.soften import soften
 from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
@@ -64,6 +68,11 @@ class Performance:
     blends: tuple[Blend, ...] = ()
     dials: tuple[Dial, ...] = ()
 
+    @cached_property
+    def prepared(self) -> Prepared:
+        """What the settings come to at this frame rate."""
+        return prepare(self.tables, self.motion, self.frames.fps)
+
     def weights(self) -> Floats:
         """Run every stage: (T, P)."""
         if self.frames.count <= BLOCK or self.far:
@@ -81,12 +90,11 @@ class Performance:
     @property
     def far(self) -> bool:
         """Whether a frame may depend on frames at any distance."""
-        return self.motion.smooth == "chord" or self.motion.hold > 0
+        return math.isinf(self.prepared.halo)
 
     def halo(self) -> int:
         """Frames on either side of a block that its own frames depend on."""
-        seconds = self.motion.window + 2 / self.motion.speed_limit
-        return math.ceil(seconds * self.frames.fps) + 4
+        return self.frames.count if self.far else math.ceil(self.prepared.halo) + 4
 
     def stages(self, begin: int, stop: int) -> list[Stage]:
         """Run the stages on frames `begin` to `stop`, keeping what each one made."""
@@ -130,8 +138,31 @@ class Performance:
     def _run(
         self, ending: Floats, beginning: Floats, place: FramePlace, begin: int, stop: int
     ) -> Iterator[Stage]:
-        tables, motion = self.tables, self.motion
-        step = motion.speed_limit / self.frames.fps
+        prepared = self.prepared
+        for stage in self._shaped(ending, beginning, place, begin, stop):
+            yield stage
+            curves = stage.curves
+        head, tail = begin == 0, stop == self.frames.count
+        curves = rest_at_ends(curves, prepared.ramps, head=head, tail=tail)
+        yield Stage("rest", curves)
+        if prepared.topped:
+            curves = np.minimum(curves, prepared.tops[:, None])
+        if self.motion.contacts == "hold":
+            curves, shown = self._hold(curves, begin, stop)
+            yield Stage("hold", shown)
+        order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
+        for name in order:
+            curves = self._limit(curves) if name == "limit" else self._constrain(curves)
+            yield Stage(name, curves)
+        if prepared.shared:
+            curves = soften(curves, prepared.shared)
+            yield Stage("soften", curves if prepared.convex else self._constrain(curves))
+
+    def _shaped(
+        self, ending: Floats, beginning: Floats, place: FramePlace, begin: int, stop: int
+    ) -> Iterator[Stage]:
+        """Run the stages that say where a mouth would like to be."""
+        motion, prepared = self.motion, self.prepared
         curves = stitch(ending, beginning, place, motion.stitch)
         yield Stage("stitch", curves)
         if self.overlays:
@@ -140,33 +171,36 @@ class Performance:
         if self.dials:
             curves = scale(curves, self.dials, self.frames.times(begin, stop))
             yield Stage("dial", curves)
-        curves = self._smooth(curves, place)
-        yield Stage("smooth", curves)
+        if motion.smooth != "none":
+            curves = self._smooth(curves, place)
+            yield Stage("smooth", curves)
         if motion.hold:
-            curves = self._switch(curves, begin, stop)
-            yield Stage("switch", curves)
-        curves = rest_at_ends(curves, step, head=begin == 0, tail=stop == self.frames.count)
-        yield Stage("rest", curves)
-        if motion.contacts == "hold":
-            curves = np.minimum(curves, tables.tops[:, None])
-            for contact, (_, frames) in zip(tables.contacts, self.held, strict=True):
-                curves = hold(curves, contact, frames[begin:stop])
-            yield Stage("hold", curves)
-        if motion.limit == "after":
-            curves = constrain(curves, tables.caps, tables.at_most)
-            yield Stage("constrain", curves)
-            curves = lower_envelope(curves, step)  # an upper one would break constraints
-            yield Stage("limit", curves)
-        else:
-            curves = self._limit(curves, step)
-            yield Stage("limit", curves)
-            curves = constrain(curves, tables.caps, tables.at_most)
-            yield Stage("constrain", curves)
+            yield Stage("switch", self._switch(curves, begin, stop))
+            return
+        if prepared.early.size:
+            curves = anticipate(curves, prepared.early, prepared.left, self._room(curves, place))
+            yield Stage("anticipate", curves)
+        if prepared.wide:
+            yield Stage("ease", soften(curves, prepared.wide))
+
+    def _hold(self, curves: Floats, begin: int, stop: int) -> tuple[Floats, Floats]:
+        """Hold contacts: curves to be limited, and the same within bounds."""
+        levels = zip(self.held, self.prepared.raised, self.prepared.lowered, strict=True)
+        for (_, frames), raised, lowered in levels:
+            curves = hold(curves, raised, lowered, frames[begin:stop])
+        shown = np.clip(curves, 0, 1) if self.prepared.longer else curves
+        return (curves if self.motion.limit == "before" else shown), shown
+
+    def _room(self, curves: Floats, place: FramePlace) -> Floats:
+        """Return the room that opponents leave to the poses that look ahead: (R, T)."""
+        early, tables = self.prepared.early, self.tables
+        room: Floats = 1 - tables.blockers[early] @ curves
+        np.maximum(room, 0, out=room)
+        room[tables.opposed[self.track.ids][place.phoneme][:, early].T] = 0
+        return room
 
     def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
         frames = self.motion.window * self.frames.fps
-        if self.motion.smooth == "none":
-            return curves
         if self.motion.smooth == "chord":
             return chord(curves, frames)
         width = max(1, round(frames))
@@ -187,34 +221,43 @@ class Performance:
                 forced[here] = int(contact.floor.argmax()) if contact.raised else NONE
         return switch(curves, barred, forced, round(self.motion.hold * self.frames.fps))
 
-    def _limit(self, curves: Floats, step: float) -> Floats:
-        if self.motion.contacts == "free":
-            return lower_envelope(curves, step)
-        return envelope(curves, step, upper=self.tables.held)
+    def _limit(self, curves: Floats) -> Floats:
+        prepared = self.prepared
+        if self.motion.contacts == "free" or self.motion.limit == "after":
+            return lower_envelope(curves, prepared.step)  # an upper one would break constraints
+        slow = envelope(curves, prepared.step, upper=self.tables.held)
+        return np.clip(slow, 0, prepared.tops[:, None], out=slow) if prepared.longer else slow
+
+    def _constrain(self, curves: Floats) -> Floats:
+        return constrain(curves, self.tables.caps, self.tables.at_most)
 
 
-def lay_frames(track: Track, motion: Motion, fps: float) -> Frames:
+def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
     """Choose the frames of an animation: the schedule's, a lead-in and a tail.
 
     The mouth may move up to `motion.silence_reach` before the first sound and after the last, and
-    earlier only where a slow speed limit needs it; silence in the schedule is used first.
+    earlier only where a contact needs it; silence in the schedule is used first.
+
+    Parameters
+    ----------
+    lead : frames from rest to the first held frame of a contact
     """
     opening, closing_ = 0.0, 0.0
     if track.source[0] >= 0:
         opening = float(track.bounds[1]) - track.start
     if track.source[-1] >= 0:
         closing_ = track.end - float(track.bounds[-2])
-    flank = max(SHORTEST, 1 / fps) / 2 + 1 / motion.speed_limit
     length = track.end - track.start
-    first = -_frames_until(0, -opening, motion.silence_reach, flank, fps)
-    last = _frames_until(length, length - closing_, motion.silence_reach, flank, fps)
+    first = -_frames_until(0, -opening, motion.silence_reach, lead, fps)
+    last = _frames_until(length, length - closing_, motion.silence_reach, lead, fps)
     return Frames(track.start, first, last - first + 1, fps)
 
 
-def _frames_until(edge: float, sound: float, reach: float, flank: float, fps: float) -> int:
+def _frames_until(edge: float, sound: float, reach: float, lead: int, fps: float) -> int:
     """Count the frames up to a schedule's edge and what is needed past its outermost sound."""
     reached = math.floor((sound + reach) * fps + 1e-6)
-    return max(math.ceil(edge * fps - 1e-6), reached, math.ceil((sound + flank) * fps - 1e-6))
+    held = math.floor((sound + max(SHORTEST, 1 / fps) / 2) * fps + 1e-6)
+    return max(math.ceil(edge * fps - 1e-6), reached, held + lead if lead else reached)
 
 
 def perform(  # noqa: PLR0913 what is said, and how
@@ -228,7 +271,8 @@ def perform(  # noqa: PLR0913 what is said, and how
     dials: tuple[Dial, ...] = (),
 ) -> Performance:
     """Prepare a track's performance: its frames, and where its contacts are held."""
-    frames = lay_frames(track, motion, fps)
+    tables = tables.papers if motion.thresholds == "paper" else tables
+    frames = lay_frames(track, motion, fps, prepare(tables, motion, fps).lead)
     first = frames.start + frames.first / fps
     held = []
     demanded = np.zeros((np.count_nonzero(tables.held), len(track.ids)), bool)

@@ -1,13 +1,13 @@
 """Everything a performance looks up, compiled to arrays."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
-from lipsync_lang.pipeline.constrain import Cap, caps
+from lipsync_lang.pipeline.constrain import FREE, Cap, caps
 
 RESOLUTION = 128
 """Steps of normalised time at which a bigram's curves are tabulated."""
@@ -63,8 +63,18 @@ class Tables:
     contacts: tuple[Contact, ...]
     thresholds: Floats
     """(P, P) symmetric, in (0, 2]."""
+    paper: Floats
+    """(P, P) likewise, where the paper's thresholds are asked for."""
     priority: Floats
     """(P,) larger wins; infinite never yields."""
+    softness: Floats
+    """(P,) seconds from the middle of a pose's kernel to its end; 0 leaves corners."""
+    anticipate: Floats
+    """(P,) seconds by which a pose begins early; 0 for those that do not."""
+    highest: Floats
+    """(P,) the greatest weight that any target gives a pose; 1 where none does."""
+    opposed: Bools
+    """(N, P) True where a phoneme keeps a pose from beginning early."""
     at_most: tuple[tuple[int, int], ...] = ()
     """(pose, other): pose never above other, in an order in which each other is final."""
     styles: tuple[Bank, ...] = ()
@@ -74,6 +84,11 @@ class Tables:
     def neutral(self) -> Bank:
         """The neutral manner of speaking."""
         return Bank(self.curves, self.boundary, self.free)
+
+    @cached_property
+    def papers(self) -> Self:
+        """These tables with the paper's thresholds."""
+        return replace(self, thresholds=self.paper)
 
     @cached_property
     def caps(self) -> tuple[Cap, ...]:
@@ -94,10 +109,11 @@ class Tables:
         return floors
 
     @cached_property
-    def tops(self) -> Floats:
-        """(P,) greatest weight that leaves room for every contact pose it outranks."""
-        tops = np.ones(len(self.priority))
-        for low, high, threshold in self.caps:
-            if self.floors[low] > 0:
-                tops[high] = min(tops[high], threshold - self.floors[low])
-        return tops
+    def blockers(self) -> Floats:
+        """(P, P) how much a pose at 1 keeps each other from beginning early.
+
+        A pose blocks those it is constrained with, wholly at the highest it ever gets.
+        """
+        tied = (self.thresholds < FREE) & ~np.eye(len(self.highest), dtype=bool)
+        out: Floats = tied / self.highest
+        return out

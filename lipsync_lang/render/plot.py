@@ -67,10 +67,13 @@ STAGES = {
     "dial": ("dialled", "#9c8fc9"),
     "smooth": ("smoothed", "#66c4ab"),
     "switch": ("one at a time", "#a9a38a"),
+    "anticipate": ("anticipated", "#d8c15a"),
+    "ease": ("eased", "#c3d7a4"),
     "rest": ("brought to rest", "#b9b9b9"),
     "hold": ("contacts held", "#dca2c2"),
     "limit": ("speed limited", "#5fa4cf"),
     "constrain": ("constrained", "#e88f55"),
+    "soften": ("softened", "#8fc9c9"),
 }
 """What a stage did, and its colour (tints of Okabe and Ito's, safe for the colour-blind)."""
 

@@ -35,7 +35,10 @@ COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 """Folders of the code that turns packs into tables, with all below them; if it changes, so must the
 tables."""
 
-ARRAYS = ("curves", "boundary", "free", "pairs", "thresholds", "priority")
+ARRAYS = (
+    "curves", "boundary", "free", "pairs", "thresholds", "paper", "priority", "softness",
+    "anticipate", "highest", "opposed",
+)  # fmt: skip
 """Arrays of the tables."""
 
 MAX_CACHE_BYTES = 2 * 2**30
@@ -193,6 +196,11 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
         free=array("free", np.bool_, rows),
         pairs=array("pairs", np.intp, phonemes, phonemes),
         thresholds=array("thresholds", np.float64, poses, poses),
+        paper=array("paper", np.float64, poses, poses),
+        softness=array("softness", np.float64, poses),
+        anticipate=array("anticipate", np.float64, poses),
+        highest=array("highest", np.float64, poses),
+        opposed=array("opposed", np.bool_, phonemes, poses),
         priority=array("priority", np.float64, poses),
         silence=head["silence"],
         contacts=tuple(

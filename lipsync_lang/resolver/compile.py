@@ -47,7 +47,12 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         silence=0,
         contacts=tuple(shelf.contacts()),
         thresholds=shelf.thresholds(),
+        paper=shelf.thresholds(paper=True),
         priority=shelf.priority(),
+        softness=shelf.softness(),
+        anticipate=np.array([p.anticipate for p in poseset.model.poses.values()], float),
+        highest=shelf.highest(),
+        opposed=shelf.opposed(),
         at_most=tuple(shelf.at_most()),
         styles=tuple(_bank(changed, curves) for changed in styles.values()),
     )

@@ -15,7 +15,7 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import known
 from lipsync_lang.packs.models import AtMost, Threshold
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import FilePlace, Library, Pack
 
+
+SOFTNESS = 0.04
+"""Seconds over which a pose is rounded off where its pose set says nothing of it."""
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
@@ -287,14 +290,41 @@ class PairPacks:
             ceiling = [contact.ceiling.get(pose, 1.0) for pose in self.poses]
             yield Contact(np.array(demands), np.array(floor), np.array(ceiling))
 
-    def thresholds(self) -> Floats:
-        """Constraints as a symmetric (P, P) array."""
+    def thresholds(self, *, paper: bool = False) -> Floats:
+        """Constraints as a symmetric (P, P) array, the paper's where they are stated."""
         constraints = self.poseset.model.constraints
         out = np.full((len(self.poses),) * 2, constraints.default)
         for pair in constraints.pairs:
             if isinstance(pair, Threshold):
                 a, b = (self.poses.index(pose) for pose in pair.between)
-                out[a, b] = out[b, a] = pair.threshold
+                own = pair.threshold if not paper or pair.paper is None else pair.paper
+                out[a, b] = out[b, a] = own
+        return out
+
+    def softness(self) -> Floats:
+        """(P,) seconds over which each pose is rounded off: its own, its region's or the usual."""
+        model = self.poseset.model
+        regions = (model.softness.get(pose.region, SOFTNESS) for pose in model.poses.values())
+        own = (pose.softness for pose in model.poses.values())
+        return np.array([b if a is None else a for a, b in zip(own, regions, strict=True)], float)
+
+    def highest(self) -> Floats:
+        """(P,) the greatest weight that any target gives a pose; 1 where none names it."""
+        steps = [step for steps in self.poseset.model.targets.values() for step in steps]
+        tops = [max((s.weights.get(pose, 0.0) for s in steps), default=0.0) for pose in self.poses]
+        return np.array([top or 1 for top in tops], float)
+
+    def opposed(self) -> Bools:
+        """(N, P) where a phoneme's target names a pose and ends with it at 0; silence opposes none.
+
+        Who says `W: 0` will not have the lips round early.
+        """
+        targets, likes = self.poseset.model.targets, self.likes()
+        out = np.zeros((len(self.phonemes), len(self.poses)), bool)
+        for number, phoneme in enumerate(self.phonemes[1:], start=1):
+            steps = targets.get(phoneme, targets.get(likes.get(phoneme, ""), ()))
+            for pose, weight in steps[-1].weights.items() if steps else ():
+                out[number, self.poses.index(pose)] = weight == 0
         return out
 
     def at_most(self) -> list[tuple[int, int]]:

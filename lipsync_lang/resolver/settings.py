@@ -11,10 +11,12 @@ from lipsync_lang.pipeline.motion import PRESETS, Motion
 RANGES = {
     "speed_limit": (LEAST_SPEED, 1e6),
     "window": (0.0, 10.0),
+    "anticipate": (0.0, 4.0),
+    "softness": (0.0, 4.0),
     "silence_reach": (0.0, 10.0),
     "hold": (0.0, 10.0),
 }
-"""Least and greatest of each setting that is a number: weight per second, or seconds."""
+"""Least and greatest of each setting that is a number: weight per second, seconds, or a factor."""
 
 
 def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Motion:

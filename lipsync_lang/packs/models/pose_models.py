@@ -33,6 +33,9 @@ from lipsync_lang.packs.models.fields import (
 FREE = 2.0
 """A threshold that two weights never pass: it binds nothing."""
 
+Softness = Annotated[float, Field(ge=0, le=0.2)]
+"""Seconds from the middle of a kernel to its end."""
+
 
 class Pose(Strict):
     """One face or tongue shape."""
@@ -41,6 +44,10 @@ class Pose(Strict):
     """The shape in words."""
     region: str = ""
     """The part of the face it moves; a dial scales the poses of one region."""
+    softness: Softness | None = None
+    """Seconds over which it is rounded off, where that is not its region's."""
+    anticipate: Annotated[float, Field(ge=0, le=1)] = 0
+    """Seconds by which it begins before its sound, as far as nothing opposes it."""
     names: tuple[Text, ...] = ()
     """How models spell it otherwise; `{Left,Right}` stands for two names, `*` for anything."""
 
@@ -52,6 +59,8 @@ class Threshold(Strict):
     """The two poses."""
     threshold: Annotated[float, Field(gt=0, le=2)]
     """The most they may add up to."""
+    paper: Annotated[float, Field(gt=0, le=2)] | None = None
+    """The same where the motion asks for the paper's thresholds."""
 
 
 class AtMost(Strict):
@@ -114,6 +123,8 @@ class MotionFields(Strict):
     """How valleys between peaks are filled."""
     window: NotNegative | None = None
     """Seconds; valleys narrower than this are filled."""
+    anticipate: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Factor of how early poses begin that look ahead."""
     speed_limit: Annotated[float, Field(ge=LEAST_SPEED)] | None = None
     """Weight per second that no pose passes."""
     silence_reach: NotNegative | None = None
@@ -122,6 +133,10 @@ class MotionFields(Strict):
     """Whether contacts are held."""
     limit: Literal["before", "after"] | None = None
     """Whether speed is limited before or after constraints."""
+    thresholds: Literal["own", "paper"] | None = None
+    """Whose thresholds constrain."""
+    softness: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Factor of the seconds over which poses are rounded off."""
     hold: NotNegative | None = None
     """Seconds; poses are shown one at a time, each at least as long; at 0 they blend."""
 
@@ -201,6 +216,8 @@ class PoseSet(PackModel):
     """What the face at rest is called, where every shape has a name."""
     constraints: Constraints = Constraints()
     """Which poses make way for which."""
+    softness: dict[Text, Softness] = Field(default={})
+    """Seconds over which the poses of a region are rounded off; 0.04 unless stated."""
     priority: tuple[PoseName, ...] = ()
     """Poses that yield, lowest first; poses not named never yield."""
     contacts: dict[Text, ContactRule] = Field(default={})

@@ -1,0 +1,266 @@
+"""Prepare: what settings come to at a frame rate, the same for every line.
+
+Conventions: P poses, C contacts; half-widths are seconds, reaches and lengths whole frames unless
+said otherwise; `step` is the weight by which a pose may change from frame to frame.
+
+Kernels
+    Poses that a constraint ties together keep it through the softening only with the same kernel.
+    So each group has the narrowest half-width of its poses, g; what a pose wants beyond, L, it
+    gets before it is held and constrained, by a kernel of sqrt(L^2 - g^2): variances add up.
+Contacts
+    A kernel takes from a floor f at the ends of its plateau, where it sees the flanks. These fall
+    by `step` a frame at most, so that a plateau held for w frames more on each side loses at most
+    ``loss(w) = sum over j of k_j min(F, step max(0, distance from the plateau - w))``. The floor
+    is raised by that, as far as there is room, and then held for the least w that leaves no more
+    than `GIVEN` to lose. w need not be whole: held at F + w step, the flanks that the speed limit
+    puts to the plateau pass F where they should. Ceilings are the same upside down.
+Constraints
+    A threshold of 1 or more is convex. One below is so if its higher pose never passes it, which
+    is seen to, unless a contact needs more of that pose: then the constraints come once more
+    after the softening, exact but with their corners.
+
+The paper has none of this.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import ceil, floor, inf
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from lipsync_lang.pipeline.anticipate import falling
+from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.pipeline.hold import SHORTEST, Plateau
+from lipsync_lang.pipeline.limit import ramps
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.soften import Blur, kernel, reach_of
+from lipsync_lang.pipeline.tables import Tables
+
+GIVEN = 0.02
+"""Weight that a contact may lose where there is no room to give it back."""
+
+RIGGED = 0.02
+"""Seconds: half-width of the kernel that rounds the channels of a rig off once more."""
+
+
+class Reach(NamedTuple):
+    """How far from a frame a stage looks; infinite where there is no bound."""
+
+    back: float
+    """Frames."""
+    ahead: float
+    """Frames."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """What a performance needs of its tables, its motion and its frame rate."""
+
+    step: float
+    wide: tuple[Blur, ...]
+    """Kernels before the constraints."""
+    shared: tuple[Blur, ...]
+    """Kernels after them, the same for all poses of a group."""
+    ramps: Floats
+    """(P, n) how far from rest each pose may be so many frames from an end."""
+    early: Ints
+    """(R,) poses that look ahead."""
+    left: Floats
+    """(R, n) what is left of them so many frames ahead."""
+    raised: tuple[tuple[Plateau, ...], ...]
+    """For each contact, where it holds poses up."""
+    lowered: tuple[tuple[Plateau, ...], ...]
+    """For each contact, where it keeps poses down."""
+    longer: float
+    """Frames by which the longest plateau is held longer, on each side."""
+    tops: Floats
+    """(P,) greatest weight that leaves room for what a pose outranks, and keeps pairs convex."""
+    topped: bool
+    """Whether any pose has less than 1."""
+    convex: bool
+    """Whether the softening keeps every constraint by itself."""
+    lead: int
+    """Frames from rest to the first held frame of a contact; 0 where nothing is held up."""
+    reach: dict[str, Reach]
+    """How far each stage looks."""
+
+    @property
+    def halo(self) -> float:
+        """Frames on either side of a frame that all stages together look at."""
+        looks = self.reach.values()
+        return max(sum(r.back for r in looks), sum(r.ahead for r in looks))
+
+
+@lru_cache(maxsize=64)
+def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
+    """Work out what a motion comes to at a frame rate.
+
+    Parameters
+    ----------
+    tables : with the thresholds that the motion asks for
+    fps : frames per second
+    """
+    step = motion.speed_limit / fps
+    half = np.zeros_like(tables.softness) if motion.hold else tables.softness * motion.softness
+    narrow, extra = _shared(tables, half)
+    soft = bool(half.any())
+    keeping = _Keeping.of(narrow, step, fps)
+    room, convex = _room(tables)
+    contacts = tables.contacts if motion.contacts == "hold" else ()
+    raised = tuple(keeping.levels(c.floor, c.raised, room) for c in contacts)
+    under = [keeping.levels(1 - c.ceiling, c.lowered, np.ones(len(half))) for c in contacts]
+    lowered = tuple(tuple(Plateau(p, 1 - weight) for p, weight in levels) for levels in under)
+    longer = _longer(raised, lowered, room) / step
+    late = np.array([reach_of(width, fps) for width in narrow.tolist()])
+    channel = reach_of(RIGGED * motion.softness, fps) if soft else 0
+    leads = (max(int(late[p]), channel) + ceil(w / step - 1e-9) for c in raised for p, w in c)
+    frames = tables.anticipate * motion.anticipate * fps
+    early = np.flatnonzero(frames > 1)
+    left = _left(frames[early])
+    tops = _tops(tables, raised, room, soft=soft)
+    return Prepared(
+        step=step,
+        wide=_blurs(extra, fps),
+        shared=_blurs(narrow, fps),
+        ramps=ramps(step, late),
+        early=early,
+        left=left,
+        raised=raised,
+        lowered=lowered,
+        longer=longer,
+        tops=tops,
+        topped=bool((tops < 1).any()),
+        convex=convex or not soft,
+        lead=max(leads, default=0),
+        reach=_reaches(motion, fps, left.shape[1] - 1, longer, (extra, narrow)),
+    )
+
+
+def channel_kernel(motion: Motion, fps: float) -> Floats | None:
+    """Return what rounds the channels of a rig off; None where nothing is."""
+    half = 0.0 if motion.hold else RIGGED * motion.softness
+    return kernel(half, fps) if half > 0 else None
+
+
+def _shared(tables: Tables, half: Floats) -> tuple[Floats, Floats]:
+    """Return each pose's half-width after the constraints, and the one before them: (P,) each."""
+    group = np.arange(len(half))
+    for one, other in [(cap.low, cap.high) for cap in tables.caps] + list(tables.at_most):
+        group[group == group[one]] = group[other]
+    narrow = np.array([half[group == mine].min() for mine in group])
+    return narrow, np.sqrt(np.maximum(half**2 - narrow**2, 0))
+
+
+def _blurs(half: Floats, fps: float) -> tuple[Blur, ...]:
+    """Return one blur for each half-width above 0."""
+    widths = np.unique(half[half > 0]).tolist()
+    return tuple(Blur(np.flatnonzero(half == width), kernel(width, fps)) for width in widths)
+
+
+def _left(frames: Floats) -> Floats:
+    """Return the shares of `falling` for poses that look ahead by some frames: (R, n)."""
+    rows = [falling(far) for far in frames.tolist()]
+    out = np.zeros((len(rows), max((len(row) for row in rows), default=1)))
+    for row, values in zip(out, rows, strict=True):
+        row[: len(values)] = values
+    return out
+
+
+def _room(tables: Tables) -> tuple[Floats, bool]:
+    """Return how high each floor may be raised, (P,), and whether all pairs can be convex."""
+    floors, room, convex = tables.floors, np.ones(len(tables.floors)), True
+    for low, high, threshold in tables.caps:
+        shared = max(threshold - floors[low] - floors[high], 0)
+        if floors[low] > 0:
+            for pose in (low, high):
+                room[pose] = min(room[pose], max(floors[pose] + shared / 2, floors[pose]))
+        if threshold < 1:
+            convex &= bool(threshold >= floors[high])
+            room[high] = min(room[high], max(threshold, floors[high]))
+    return room, convex
+
+
+def _tops(
+    tables: Tables, raised: Sequence[Sequence[Plateau]], room: Floats, *, soft: bool
+) -> Floats:
+    """Return the greatest weight of each pose: (P,)."""
+    held = np.zeros(len(room))
+    for pose, weight in (level for levels in raised for level in levels):
+        held[pose] = max(held[pose], min(weight, room[pose]))
+    tops = np.ones(len(room))
+    for low, high, threshold in tables.caps:
+        if held[low] > 0:
+            tops[high] = min(tops[high], threshold - held[low])
+        if soft and threshold < 1:
+            tops[high] = min(tops[high], max(threshold, tables.floors[high]))
+    return tops
+
+
+def _longer(
+    raised: Sequence[Sequence[Plateau]], lowered: Sequence[Sequence[Plateau]], room: Floats
+) -> float:
+    """Return the most by which a level lies beyond what a pose may reach."""
+    above = [weight - room[pose] for levels in raised for pose, weight in levels]
+    below = [-weight for levels in lowered for _, weight in levels]
+    return float(max(0.0, *above, *below)) if above or below else 0.0
+
+
+def _reaches(
+    motion: Motion, fps: float, ahead: int, longer: float, half: tuple[Floats, Floats]
+) -> dict[str, Reach]:
+    """Say how far each stage looks; stages that are missing look at their own frame alone."""
+    step = motion.speed_limit / fps
+    slope = ceil(1 / step + longer)
+    wide, shared = (reach_of(float(h.max(initial=0)), fps) for h in half)
+    filled = {"none": 0.0, "closing": max(0, round(motion.window * fps) - 1), "chord": inf}
+    smooth = filled[motion.smooth]
+    looks = {
+        "smooth": Reach(smooth, smooth),
+        "switch": Reach(inf, inf) if motion.hold else Reach(0, 0),
+        "anticipate": Reach(0, ahead),
+        "ease": Reach(wide, wide),
+        "rest": Reach(slope + shared, slope + shared),
+        "limit": Reach(slope, slope),
+        "soften": Reach(shared, shared),
+    }
+    return {name: look for name, look in looks.items() if look != (0, 0)}
+
+
+class _Keeping(NamedTuple):
+    """How to keep a contact through the softening."""
+
+    kernels: tuple[Floats, ...]
+    step: float
+    plateau: int
+    """Fewest frames for which a contact is held."""
+
+    @classmethod
+    def of(cls, half: Floats, step: float, fps: float) -> Self:
+        """Take each pose's half-width after the constraints."""
+        kernels = tuple(kernel(width, fps) for width in half.tolist())
+        return cls(kernels, step, max(1, floor(max(SHORTEST * fps, 1) + 1e-6)))
+
+    def lost(self, pose: int, weight: float, longer: float) -> float:
+        """Return what is lost at the end of a plateau that is held for some frames more."""
+        at = np.arange(len(self.kernels[pose])) - len(self.kernels[pose]) // 2
+        away = np.where(at < 0, -at, at - (self.plateau - 1)) - longer
+        return float(self.kernels[pose] @ np.minimum(self.step * np.maximum(away, 0), weight))
+
+    def level(self, pose: int, wanted: float, room: float) -> float:
+        """Return where to hold a pose that is wanted at some weight."""
+        raised = min(max(room, wanted), wanted + self.lost(pose, 1.0, 0))
+        allowed = raised - wanted + GIVEN
+        low, high = 0.0, float(len(self.kernels[pose]) // 2)
+        if self.lost(pose, raised, low) <= allowed:
+            return raised
+        while high - low > 1e-3:  # noqa: PLR2004 of a frame
+            middle = (low + high) / 2
+            enough = self.lost(pose, raised, middle) <= allowed
+            low, high = (low, middle) if enough else (middle, high)
+        return raised + high * self.step
+
+    def levels(self, wanted: Floats, poses: Sequence[int], room: Floats) -> tuple[Plateau, ...]:
+        """Return where to hold some poses."""
+        return tuple(Plateau(p, self.level(p, float(wanted[p]), float(room[p]))) for p in poses)

@@ -1,0 +1,91 @@
+"""Soften: no corners, by a kernel that rounds each pose off.
+
+Not in the paper, whose curves are polygons after the speed limit. Conventions: (P, T) is poses by
+frames; half-widths are seconds; kernels are (2 J + 1,) weights that add up to 1, the middle one
+for the frame itself; outside the frames all poses rest.
+
+A convolution with such a kernel is a weighted mean of the curve at near times. So it keeps all
+that a mean keeps: bounds, the speed limit, and every constraint that holds for the mean of two
+faces when it holds for both (a convex one), where both poses have the same kernel. It bounds
+acceleration: with the speed v and the half-width L of a raised cosine, whose peak is 1 / L, no
+curve accelerates faster than the integral of v |k'|, which is 2 v / L. What it takes from a
+contact is given back before; see `lipsync_lang.pipeline.prepare`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats, Ints
+
+SURE = 1 - 2e-15
+"""Kernels add up to a little less than 1, so that rounding never takes a curve past its bounds."""
+
+
+class Blur(NamedTuple):
+    """Poses that one kernel rounds off."""
+
+    poses: Ints
+    """(R,)"""
+    kernel: Floats
+    """(2 J + 1,)"""
+
+
+def kernel(half: float, fps: float) -> Floats:
+    """Return a raised cosine over frames.
+
+    It is integrated against the hat of a frame, as if the curve were straight between frames, so
+    that half-widths need not be whole frames. With its second integral::
+
+        K(x) = (x + L)^2 / 4 L - L (1 + cos(pi x / L)) / 2 pi^2     for |x| <= L
+        k_j  = fps [K((j + 1) / fps) - 2 K(j / fps) + K((j - 1) / fps)]
+
+    Parameters
+    ----------
+    half : seconds L; 0 gives back the curve itself
+
+    Returns
+    -------
+    (2 J + 1,) where J = ceil(L fps)
+
+    Examples
+    --------
+    >>> kernel(0.04, 25).round(3).tolist()
+    [0.149, 0.703, 0.149]
+    """
+    reach = reach_of(half, fps)
+    twice = _second_integral(np.arange(-reach - 1, reach + 2) / fps, half)
+    weights = np.maximum(fps * np.diff(twice, 2), 0)
+    out: Floats = weights * (SURE / weights.sum())
+    return out
+
+
+def reach_of(half: float, fps: float) -> int:
+    """Return how many frames a kernel of some half-width looks back, and as many ahead."""
+    return math.ceil(half * fps - 1e-9)
+
+
+def _second_integral(x: Floats, half: float) -> Floats:
+    if half <= 0:
+        return np.maximum(x, 0)
+    inside = x.clip(-half, half)
+    wave = half * (1 + np.cos(np.pi * inside / half)) / (2 * np.pi**2)
+    return np.where(x > half, x, (inside + half) ** 2 / (4 * half) - wave)
+
+
+def soften(curves: Floats, blurs: tuple[Blur, ...]) -> Floats:
+    """Round (P, T) curves off; poses that no blur names stay as they are.
+
+    The poses of a blur are laid end to end with rests between, for one convolution.
+    """
+    out = curves.copy()
+    count = curves.shape[1]
+    for poses, weights in blurs:
+        reach = len(weights) // 2
+        apart = count + reach
+        row = np.zeros((len(poses), apart))
+        row[:, :count] = curves[poses]
+        mean = np.convolve(row.ravel(), weights)[reach : reach + row.size]
+        out[poses] = mean.reshape(row.shape)[:, :count]
+    return out
