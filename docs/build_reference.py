@@ -14,7 +14,7 @@ import inspect
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
 from functools import cache
 from itertools import pairwise
@@ -29,7 +29,7 @@ from lipsync_lang.extensions import PROGRAM, F, Formats
 from lipsync_lang.lines.line_readers import READERS as LINE_READERS
 from lipsync_lang.packs.finding import built_in
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import MODELS, Language, PoseSet
+from lipsync_lang.packs.models import Language, PoseSet
 from lipsync_lang.packs.models.schema import schema
 from lipsync_lang.packs.yaml.faults import CODES
 from lipsync_lang.pipeline import motion
@@ -293,24 +293,21 @@ def packs() -> str:
         own = [path for path, text in EXAMPLES.items() if f"kind: {kind}\n" in text]
         parts += [f"## {kind}", f"{whole['description']} In {WHERE[kind]}."]
         parts += [f"```yaml\n# {path}\n{EXAMPLES[path]}```" for path in own]
-        told = {
-            f.alias or name: f.description or "" for name, f in MODELS[kind].model_fields.items()
-        }
-        parts.append(_fields(whole, kind, told))
+        parts.append(_fields(whole, kind))
         for name, part in sorted(whole.get("$defs", {}).items()):
             parts += [f"### {name}, in {kind}", part.get("description", ""), _fields(part, kind)]
     return "\n\n".join(parts)
 
 
-def _fields(part: Schema, kind: str, told: Mapping[str, str] | None = None) -> str:
-    """List the fields of a model; `told` describes them where the schema may leave it out."""
+def _fields(part: Schema, kind: str) -> str:
+    """List the fields of a model."""
     needed = part.get("required", [])
     rows = [
         (
             f"`{name}`",
             _form(field, kind),
             "required" if name in needed else _default(field),
-            (told or {}).get(name) or field.get("description", ""),
+            field.get("description", ""),
         )
         for name, field in part["properties"].items()
     ]

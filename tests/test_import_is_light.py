@@ -68,6 +68,18 @@ def test_performing_a_schedule_needs_no_speech_and_no_pictures():
     assert not {"matplotlib", "praatio", "espeakng_loader", "http"} & modules_after(code)
 
 
+def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_source():
+    code = (
+        "import lipsync_lang as ll\n"
+        "ll.resolve('english', 'facefx', cache=False)\n"
+        "from lipsync_lang.packs.models import attribute_docs, MODELS\n"
+        "built = [kind for kind, model in MODELS.items() if model.__pydantic_complete__]\n"
+        "assert 'poseset' in built and 'rig' not in built, built\n"
+        "assert not attribute_docs._docstrings.cache_info().misses\n"
+    )
+    assert "pydantic" in modules_after(code)
+
+
 @pytest.mark.parametrize("name", ll.__all__)
 def test_every_public_name_is_there(name):
     assert getattr(ll, name) is not None

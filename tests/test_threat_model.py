@@ -14,8 +14,8 @@ import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.lines.markup import spoken
 from lipsync_lang.packs.finding import beside
-from lipsync_lang.packs.models.pose_models import LEAST_SPEED
 from lipsync_lang.phonology.labels import looser
+from lipsync_lang.pipeline.motion import LEAST_SPEED
 from lipsync_lang.schedules.timing_file import TAG
 
 TESTS = Path(__file__).parent

@@ -57,20 +57,24 @@ class Case(NamedTuple):
 
     def fits(self, sound: LetterSound) -> bool:
         """Say whether the case is for a letter: it is described so, and has what is changed."""
-        changed = [number for number, _ in (*self.set, *self.add)]
         return _described(sound.words, self.on) and (
-            not changed or any(sound.features[number] is not None for number in changed)
+            not (self.set or self.add) or bool(self.changes(sound.features))
         )
+
+    def changes(self, features: Numbers) -> dict[int, float]:
+        """Return the features that a letter has and the mark sets or moves, by number."""
+        changed = {number: value for number, value in self.set if features[number] is not None}
+        for number, more in self.add:
+            before = changed.get(number, features[number])
+            if before is not None:
+                changed[number] = min(1.0, max(0.0, before + more))
+        return changed
 
     def change(self, sound: LetterSound) -> LetterSound:
         """Return a letter as the mark leaves it."""
         values = list(sound.features)
-        for number, value in self.set:
-            values[number] = None if values[number] is None else value
-        for number, more in self.add:
-            value_before = values[number]
-            if value_before is not None:
-                values[number] = min(1.0, max(0.0, value_before + more))
+        for number, value in self.changes(sound.features).items():
+            values[number] = value
         return sound._replace(features=tuple(values), time=sound.time * self.time)
 
 
@@ -214,13 +218,10 @@ class Features:
     def _shows(self, sound: LetterSound, cases: Sequence[Case]) -> bool:
         """Say whether a mark adds a letter, or changes a feature by as much as is told as lost."""
         case = next((case for case in cases if case.fits(sound)), None)
-        return case is not None and (
-            bool(case.then)
-            or any(
-                a is not None and b is not None and abs(a - b) >= self.told_from
-                for a, b in zip(sound.features, case.change(sound).features, strict=True)
-            )
-        )
+        if case is None or case.then:
+            return case is not None
+        changes = case.changes(sound.features).items()
+        return any(abs(value - (sound.features[n] or 0)) >= self.told_from for n, value in changes)
 
     def _groups(self, tokens: Sequence[str]) -> list[tuple[str, list[str], list[str]]]:
         """Return each letter with its marks: those that stand first, and those after it."""

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
+LEAST_SPEED = 4.0
+"""Weight per second; a slower mouth would start to move over 0.3 s before the first sound."""
+
 
 @dataclass(frozen=True)
 class Motion:

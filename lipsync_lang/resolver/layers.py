@@ -233,11 +233,12 @@ class PairPacks:
         if not able:
             return {}
         values = draft([targets[a][0] for a, _ in able], [targets[b][0] for _, b in able])
+        points = np.stack(np.broadcast_arrays(TIMES, values), axis=-1)
         drafts = {}
-        for pair, poses in zip(able, values, strict=True):
+        moving: list[list[bool]] = (values != 0).any(axis=2).tolist()
+        for pair, lines, moves in zip(able, points, moving, strict=True):
             places = tuple(targets[p][1] for p in pair if targets[p][1])
-            moving = np.flatnonzero(poses.any(axis=1))
-            curves = {int(pose): np.column_stack((TIMES, poses[pose])) for pose in moving}
+            curves = {pose: line for pose, line in enumerate(lines) if moves[pose]}
             drafts[pair] = BigramRow(Origin(pair, "draft", "drafted", places), curves, drafted=True)
         return drafts
 

@@ -5,8 +5,7 @@ from dataclasses import fields, replace
 from typing import Any, get_args, get_type_hints
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
-from lipsync_lang.packs.models.pose_models import LEAST_SPEED
-from lipsync_lang.pipeline.motion import PRESETS, Motion
+from lipsync_lang.pipeline.motion import LEAST_SPEED, PRESETS, Motion
 
 RANGES = {
     "speed_limit": (LEAST_SPEED, 1e6),

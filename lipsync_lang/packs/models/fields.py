@@ -19,6 +19,8 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError
 
+from lipsync_lang.packs.models.attribute_docs import describe
+
 FORMAT = 1
 """The format of packs this program reads and writes."""
 
@@ -33,7 +35,8 @@ class Strict(BaseModel):
         frozen=True,
         extra="forbid",
         strict=True,
-        use_attribute_docstrings=True,
+        json_schema_extra=describe,
+        defer_build=True,  # a command uses few of the models, and pays for those alone
         allow_inf_nan=False,
         hide_input_in_errors=True,
         populate_by_name=True,

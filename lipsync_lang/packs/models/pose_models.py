@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
+from lipsync_lang.packs.models.attribute_docs import descriptions
 from lipsync_lang.packs.models.check_models import Checks
 from lipsync_lang.packs.models.fields import (
     BigramKey,
@@ -29,6 +30,7 @@ from lipsync_lang.packs.models.fields import (
     Text,
     Unit,
 )
+from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 FREE = 2.0
 """A threshold that two weights never pass: it binds nothing."""
@@ -104,10 +106,6 @@ class ContactRule(Strict):
     """How far these poses must rise."""
     ceiling: dict[PoseName, Unit] = Field(default={})
     """How far these poses may rise."""
-
-
-LEAST_SPEED = 4.0
-"""Weight per second; a slower mouth would start to move over 0.3 s before the first sound."""
 
 
 class MotionFields(Strict):
@@ -187,7 +185,7 @@ FlatTarget = Short(
             "description": PhonemeTarget.__doc__,
             "properties": {
                 "dominance": {
-                    "description": PhonemeTarget.model_fields["dominance"].description,
+                    "description": descriptions(PhonemeTarget)["dominance"],
                     "anyOf": [
                         {
                             "type": "object",

@@ -5,10 +5,10 @@ from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.models import MODELS, PackModel
+from lipsync_lang.packs.models.attribute_docs import descriptions
 from lipsync_lang.packs.models.fields import FORMAT
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
@@ -143,8 +143,7 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
     if sort == "extra_forbidden":
         return "P101", f"unknown field `{loc[-1]}`", did_you_mean(str(loc[-1]), _fields(model, loc))
     if sort == "missing" and isinstance(loc[-1], str):
-        field = _fields(model, loc).get(loc[-1])
-        return "P102", f"missing field `{loc[-1]}`", (field and field.description) or ""
+        return "P102", f"missing field `{loc[-1]}`", _fields(model, loc).get(loc[-1], "")
     if sort in ("missing", "too_short", "too_long"):
         return _length(source, loc, report)
     if sort in _MUST:
@@ -234,15 +233,16 @@ def _got(value: Data) -> str:
     return "a mapping" if isinstance(value, dict) else "a list"
 
 
-def _fields(model: type[BaseModel], loc: Loc) -> dict[str, FieldInfo]:
-    """Return the fields, by their names in the file, of the model in which `loc` ends."""
+def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
+    """Describe the fields, by their names in the file, of the model in which `loc` ends."""
     types: list[Data] = [model]
     for step in loc[:-1]:
         types = [t for kind in types for t in _inside(kind, step)] or types
-    found: dict[str, FieldInfo] = {}
+    found: dict[str, str] = {}
     for kind in _flat(types):
         if isinstance(kind, type) and issubclass(kind, BaseModel):
-            found |= {f.alias or name: f for name, f in kind.model_fields.items()}
+            texts = descriptions(kind)
+            found |= {f.alias or n: texts.get(n, "") for n, f in kind.model_fields.items()}
     return found
 
 
