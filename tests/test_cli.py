@@ -12,6 +12,7 @@ import wave
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from lanes import costly
 
 from lipsync_lang.cli import main, parser
 from lipsync_lang.version import __version__
@@ -634,6 +635,7 @@ def ends_well(arguments, capsys):
     return code
 
 
+@costly()
 @given(arguments=ARGUMENTS)
 @example(arguments=["run", "", *PAIR])
 @example(arguments=["explain", "--at", "0.2", *PAIR, "--schedule", "line.json", "--cut"])
