@@ -18,24 +18,50 @@ from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
-    from lipsync_lang.errors import LipsyncError, PackError, ScheduleError, SpeechError
+    from lipsync_lang.animations.explanation import Explanation
+    from lipsync_lang.errors import (
+        AnimationError,
+        LipsyncError,
+        ModelError,
+        OutputError,
+        PackError,
+        ScheduleError,
+        SpeechError,
+    )
+    from lipsync_lang.packs.yaml.faults import PackFaults
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.performing.resolving import resolve
+    from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.quality.check_animation import check
+    from lipsync_lang.quality.figures import Figure, Finding, Quality
+    from lipsync_lang.resolver.compiled import Report
+    from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
     from lipsync_lang.schedules.timing_readers import read_schedule
     from lipsync_lang.speech.hearing import align, recognise
-    from lipsync_lang.speech.speaking import speak, transcribe
+    from lipsync_lang.speech.speaking import Transcript, speak, transcribe
 
 _HOMES = {
     "Animation": "lipsync_lang.animations.animation",
+    "AnimationError": "lipsync_lang.errors",
     "Audio": "lipsync_lang.schedules.schedule",
+    "Channel": "lipsync_lang.rigs.channel",
+    "Explanation": "lipsync_lang.animations.explanation",
+    "Figure": "lipsync_lang.quality.figures",
+    "Finding": "lipsync_lang.quality.figures",
     "LipsyncError": "lipsync_lang.errors",
+    "ModelError": "lipsync_lang.errors",
+    "Motion": "lipsync_lang.pipeline.motion",
+    "OutputError": "lipsync_lang.errors",
     "PackError": "lipsync_lang.errors",
+    "PackFaults": "lipsync_lang.packs.yaml.faults",
     "Performer": "lipsync_lang.performing.performer",
+    "Quality": "lipsync_lang.quality.figures",
+    "Report": "lipsync_lang.resolver.compiled",
+    "Schedule": "lipsync_lang.schedules.schedule",
     "ScheduleError": "lipsync_lang.errors",
     "SpeechError": "lipsync_lang.errors",
-    "Schedule": "lipsync_lang.schedules.schedule",
+    "Transcript": "lipsync_lang.speech.speaking",
     "Word": "lipsync_lang.schedules.schedule",
     "align": "lipsync_lang.speech.hearing",
     "check": "lipsync_lang.quality.check_animation",
@@ -48,13 +74,25 @@ _HOMES = {
 
 __all__ = [
     "Animation",
+    "AnimationError",
     "Audio",
+    "Channel",
+    "Explanation",
+    "Figure",
+    "Finding",
     "LipsyncError",
+    "ModelError",
+    "Motion",
+    "OutputError",
     "PackError",
+    "PackFaults",
     "Performer",
+    "Quality",
+    "Report",
     "Schedule",
     "ScheduleError",
     "SpeechError",
+    "Transcript",
     "Word",
     "__version__",
     "align",

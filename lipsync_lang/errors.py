@@ -5,7 +5,7 @@ its message and nothing else.
 """
 
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -47,3 +47,11 @@ def did_you_mean(word: str, known: "Iterable[str]") -> str:
         return f"did you mean '{near[0]}'?"
     shown = ", ".join(names[:24]) + (", ..." if len(names) > 24 else "")  # noqa: PLR2004 a line's worth
     return f"known: {shown}" if names else "none is known"
+
+
+def refuse_other(name: str, value: object, choices: object) -> None:
+    """Refuse a value of an argument that is none of a `Literal`'s."""
+    known = get_args(choices)
+    if value not in known:
+        listed = ", ".join(map(repr, known))
+        raise LipsyncError(f"`{name}` is {value!r}; it is one of {listed}")

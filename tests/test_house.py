@@ -274,6 +274,8 @@ def public(tree):
     """Yield the classes and functions of a module that others may use."""
     for node in tree.body:
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and not node.name.startswith("_"):
+            if any(isinstance(d, ast.Name) and d.id == "overload" for d in node.decorator_list):
+                continue  # a signature alone
             yield node
             if isinstance(node, ast.ClassDef):
                 yield from public(node)

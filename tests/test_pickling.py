@@ -6,6 +6,7 @@ from multiprocessing import get_context
 
 import numpy as np
 import pytest
+from packs_tree import BANK, plant, put
 
 import lipsync_lang as ll
 
@@ -52,7 +53,8 @@ def test_a_pool_performs_many_lines(performer):
         found = list(pool.map(performer.perform, SCHEDULES))
     for one, other in zip(found, expected, strict=True):
         assert_alike(one, other)
-    assert found[0].performer.compiled is found[1].performer.compiled, "one copy serves them all"
+    tables = [one.performer.compiled.tables for one in found]
+    assert tables[0] is tables[1], "one copy serves them all"
 
 
 def test_pickles_stay_small(performer):
@@ -71,4 +73,20 @@ def test_what_is_read_only_stays_so(performer):
     with pytest.raises(ValueError, match="read-only"):
         copy.schedule.times[0] = 1
     assert not warm.compiled.tables.curves.flags.writeable
-    assert not copy.performer.compiled.tables.curves.flags.writeable
+    there, here = warm.compiled.tables, copy.performer.compiled.tables
+    for name in ("curves", "boundary", "free", "pairs", "thresholds", "priority"):
+        assert not getattr(here, name).flags.writeable
+        assert getattr(here, name).flags.aligned
+        assert np.array_equal(getattr(here, name), getattr(there, name))
+    assert (here.silence, here.at_most) == (there.silence, there.at_most)
+
+
+def test_contacts_and_styles_pickle_too(tmp_path):
+    bank = BANK.replace("name: common", "name: angry\nstyle: angry")
+    put(plant(tmp_path), "posesets/face/banks/angry.yaml", bank)
+    performer = ll.resolve("parent", "face", paths=tmp_path)
+    schedule = ll.Schedule(("P", "2", "no"), [0, 0.1, 0.3, 0.5], notation="first")
+    animation = performer.perform(schedule, styles={"angry": 0.5})
+    copy = again(performer)
+    assert [len(copy.compiled.tables.contacts), len(copy.compiled.tables.styles)] == [2, 1]
+    assert np.array_equal(copy.perform(schedule, styles={"angry": 0.5}).weights, animation.weights)

@@ -78,7 +78,7 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
     kind = plot_kind(options.plot)
     if not options.beside:
         return lambda stream: plot(animation, stream, kind)
-    others = [_performer(options, name) for name in options.beside]
+    others = [performer_for(options, name) for name in options.beside]
     faces = [animation, *(one.perform(animation.schedule, fps=options.fps) for one in others)]
     return lambda stream: plot_beside(faces, stream, kind)
 
@@ -106,11 +106,6 @@ def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
 def _perform(options: Namespace) -> "Animation":
     performer = performer_for(options)
     return perform_line(options, performer, schedule_for(options, performer))
-
-
-def performer_for(options: Namespace) -> "Performer":
-    """Return the performer of the pair that is named, with all that is asked of it."""
-    return replace(_performer(options), unknown=options.unknown)
 
 
 def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule") -> "Animation":
@@ -142,7 +137,8 @@ def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
     return levels
 
 
-def _performer(options: Namespace, character: str | None = None) -> "Performer":
+def performer_for(options: Namespace, character: str | None = None) -> "Performer":
+    """Return the performer of the pair that is named, or of another character."""
     from lipsync_lang.performing.resolving import resolve as resolve_pair
 
     return resolve_pair(
@@ -150,6 +146,7 @@ def _performer(options: Namespace, character: str | None = None) -> "Performer":
         character or options.character,
         paths=options.path,
         gaps=options.gaps,
+        unknown=options.unknown,
         motion=_motion(options.settings),
     )
 

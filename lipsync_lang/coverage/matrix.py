@@ -23,6 +23,7 @@ from lipsync_lang.coverage.report import (
 )
 from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.finding import Paths, folders_of
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
@@ -33,10 +34,10 @@ if TYPE_CHECKING:
 
 def coverage(
     lines: "Iterable[Line]",
-    language: str | Sequence[str],
-    character: str | Sequence[str],
+    language: str | Path | Iterable[str | Path],
+    character: str | Path | Iterable[str | Path],
     *,
-    paths: Sequence[str | Path] = (),
+    paths: Paths = (),
     minutes: float = 5.0,
 ) -> Coverage:
     """Count the bigrams that lines need, and what characters have of them.
@@ -44,8 +45,8 @@ def coverage(
     Parameters
     ----------
     lines : what is to be spoken, such as `read_lines` yields; it is gone through once
-    language, character : names, one or several: there is a report for each pair
-    paths : folders to search for packs before all others
+    language, character : names or files, one or several: there is a report for each pair
+    paths : a folder to search for packs before all others, or several
     minutes : how long it takes to author a bigram
 
     Raises
@@ -55,10 +56,10 @@ def coverage(
     """
     if not 0 < minutes < float("inf"):
         raise LipsyncError(f"{minutes:g} minutes a bigram: give a number above 0")
-    pairs = _resolved(_names(language), _names(character), paths)
+    pairs = _resolved(_names(language), _names(character), folders_of(paths))
     reading: list[Performer] = []
     reads = [_reader(performer, reading) for performer in pairs]
-    packs = {performer.language: _pack(performer, paths) for performer in pairs}
+    packs = {performer.language: _pack(performer) for performer in pairs}
     scripts = [scripts_of(packs[performer.language]) for performer in reading]
     with Pages() as pages:
         corpus, counts = count(lines, reading, scripts, pages)
@@ -130,12 +131,12 @@ def _used_by_any(
         yield one.model_copy(update={"used": len(needed)})
 
 
-def _names(given: str | Sequence[str]) -> list[str]:
-    return [given] if isinstance(given, str) else list(dict.fromkeys(given))
+def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
+    return [given] if isinstance(given, (str, Path)) else list(dict.fromkeys(given))
 
 
 def _resolved(
-    languages: Sequence[str], characters: Sequence[str], paths: Sequence[str | Path]
+    languages: Sequence[str | Path], characters: Sequence[str | Path], paths: Paths
 ) -> "list[Performer]":
     from lipsync_lang.performing.resolving import resolve
 
@@ -156,10 +157,10 @@ def _reader(performer: "Performer", reading: "list[Performer]") -> int:
     return len(reading) - 1
 
 
-def _pack(performer: "Performer", paths: Sequence[str | Path]) -> "Language":
+def _pack(performer: "Performer") -> "Language":
     from lipsync_lang.packs.library import Library
 
-    return Library(paths).language(performer.language).model
+    return Library(performer.paths).language(performer.language).model
 
 
 class CountRemark:

@@ -7,7 +7,7 @@ shadows the others.
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 Kind = Literal["language", "poseset", "character"]
+
+Paths = str | Path | Iterable[str | Path]
+"""One folder of packs, or several, in the order of search; a file stands for its pack alone."""
 
 GROUP = "lipsync_lang.packs"
 """The entry point group of distributions that bring packs."""
@@ -49,6 +52,9 @@ POSESET = "poseset.yaml"
 BENEATH = "beneath"
 """The kind of look-up that finds what a file shadows."""
 
+SUFFIXES = (".yaml", ".yml")
+"""How text ends that names a pack's file."""
+
 PARTS = {"banks": "bank", "rigs": "rig"}
 """The folders of a pose set, and the kind of pack in each."""
 
@@ -60,10 +66,11 @@ _KIND = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
 
 
 class Root(NamedTuple):
-    """A folder that holds `languages`, `posesets` or `characters`, and why it is searched."""
+    """A folder that holds `languages`, `posesets` or `characters`, or a file of a single pack."""
 
     path: Path
     origin: str
+    """Why it is searched."""
 
 
 class FoundPack(NamedTuple):
@@ -80,7 +87,7 @@ class Finder:
 
     Parameters
     ----------
-    paths : folders to search first
+    paths : folders to search first, and files of single packs
     project : the project's folder, searched next; None for no project
 
     Attributes
@@ -89,8 +96,8 @@ class Finder:
     missing : entry points of installed distributions whose packs cannot be found
     """
 
-    def __init__(self, paths: Sequence[str | Path] = (), project: Path | None = Path()) -> None:
-        self.paths = tuple(Path(path).absolute() for path in paths)
+    def __init__(self, paths: Paths = (), project: Path | None = Path()) -> None:
+        self.paths = folders_of(paths)
         self.project = None if project is None else project.absolute()
         self.missing: list[EntryPoint] = []
         self._listed: dict[tuple[Path, Kind], dict[str, Path]] = {}
@@ -159,6 +166,7 @@ class Finder:
         home = self._first("poseset", poseset)
         for root in self.roots if home is not None else ():
             folder = root.path / FOLDERS["poseset"] / poseset
+            folder = home.parent if root.path == home else folder
             yield from yaml_files(folder / kind).values()
             if folder / POSESET == home:
                 return
@@ -194,7 +202,8 @@ class Finder:
         """Map the names of a folder's packs to their files, in order of name."""
         key = root, kind
         if key not in self._listed:
-            self._listed[key] = _packs(root / FOLDERS[kind], kind)
+            one = _alone(root, kind) if root.is_file() else None
+            self._listed[key] = _packs(root / FOLDERS[kind], kind) if one is None else one
         return self._listed[key]
 
     def _search(self) -> Iterator[Root]:
@@ -208,7 +217,7 @@ class Finder:
 
     def _places(self) -> Iterator[tuple[Path, str]]:
         for path in self.paths:
-            if not path.is_dir():
+            if not path.is_dir() and not path.is_file():
                 raise PackError(f"{path}: no such folder; name one that holds packs")
             yield path, "path"
         for entry in os.environ.get(VARIABLE, "").split(os.pathsep):
@@ -223,6 +232,55 @@ class Finder:
             else:
                 yield folder, f"installed: {distribution(entry_point)}"
         yield built_in(), "built-in"
+
+
+def folders_of(paths: Paths) -> tuple[Path, ...]:
+    """Return folders and files to search, absolute, from one or several."""
+    given = [paths] if isinstance(paths, (str, Path)) else paths
+    return tuple(Path(path).absolute() for path in given)
+
+
+def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, ...]]:
+    """Return the names of packs that are named by their files or by name, and where to search.
+
+    A pack's file comes before all others of its name; the folder of packs that it lies in comes
+    next, so that the packs beside it are found.
+
+    Parameters
+    ----------
+    paths : folders to search after these
+    packs : by kind, a name, or a file: a `Path`, or text that ends like a YAML file
+
+    Raises
+    ------
+    PackError
+        There is no such file, or its pack is of another kind.
+    """
+    names: list[str] = []
+    files: list[Path] = []
+    homes: list[Path] = []
+    for kind, pack in packs.items():
+        if isinstance(pack, str) and not pack.endswith(SUFFIXES):
+            names.append(pack)
+            continue
+        path = Path(pack).absolute()
+        _refuse_other(path, kind)
+        whole = path.name == POSESET
+        names.append(path.parent.name if whole else path.stem)
+        files.append(path)
+        above = path.parents[1] if whole else path.parent
+        homes += [above.parent] if above.name in FOLDERS.values() else []
+    return names, (*files, *homes, *folders_of(paths))
+
+
+def _refuse_other(path: Path, kind: str) -> None:
+    if not path.is_file():
+        raise PackError(f"{path}: no such file; a {kind} is a name, or a YAML file")
+    stated = _stated(_KIND, path)
+    if stated not in ("", kind) and (kind, stated) != ("character", "poseset"):
+        raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
+    if stated == "poseset" and path.name != POSESET:
+        raise PackError(f"{path}: a pose set's file is called {POSESET}, in a folder of its name")
 
 
 def beside(pack: Path, name: str) -> Path | None:
@@ -280,6 +338,12 @@ def _packs(folder: Path, kind: Kind) -> dict[str, Path]:
         return {name: path for name, path in found.items() if name not in SHARED}
     # a character's banks lie beside it
     return {name: path for name, path in found.items() if _stated(_KIND, path) != "bank"}
+
+
+def _alone(path: Path, kind: Kind) -> dict[str, Path]:
+    """Map the name of a file's pack to the file, if it is of a kind."""
+    name = path.parent.name if path.name == POSESET else path.stem
+    return {name: path} if _stated(_KIND, path) in (kind, "") and _NAME.fullmatch(name) else {}
 
 
 def _stated(field: "re.Pattern[bytes]", path: Path) -> str:

@@ -21,6 +21,7 @@ from lipsync_lang.packs.finding import (
     Finder,
     FoundPack,
     Kind,
+    Paths,
     Root,
     beside,
 )
@@ -94,7 +95,7 @@ class Library:
 
     Parameters
     ----------
-    paths : folders to search first
+    paths : folders to search first, and files of single packs
     project : the project's folder, searched next; None for no project
 
     Attributes
@@ -104,7 +105,7 @@ class Library:
     faults : every fault met so far, in order
     """
 
-    def __init__(self, paths: Sequence[str | Path] = (), project: Path | None = Path()) -> None:
+    def __init__(self, paths: Paths = (), project: Path | None = Path()) -> None:
         self.finder = Finder(paths, project)
         self.paths, self.project = self.finder.paths, self.finder.project
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
@@ -201,7 +202,7 @@ class Library:
         """Load a character; a pose set's name stands for its bare self."""
         found = self._lookup("character", name)
         if found:
-            return cast("Pack[models.Character]", self.load(found[0], "character", name))
+            return cast("Pack[models.Character]", self.load(found[0], "character", found[0].stem))
         if not self.finder.lookup("poseset", name):
             raise self.finder.unknown(name, "character", "poseset")
         from lipsync_lang.packs.models import Character

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import Compiled
 
+Unknown = Literal["error", "rest", "nearest"]
+"""Ways to treat labels that no notation maps; the `nearest` are those of IPA by their features."""
+
 
 @dataclass(frozen=True, eq=False)
 class LabelReader:
@@ -29,10 +33,12 @@ class LabelReader:
     ----------
     compiled : the language-character pair
     unknown : an `error` for labels that no notation maps, `rest`, or, of IPA, the `nearest`
+    paths : folders to search for packs before all others, where a message needs some
     """
 
     compiled: "Compiled"
-    unknown: str = "error"
+    unknown: Unknown = "error"
+    paths: tuple[Path, ...] = ()
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
         """Map a schedule's labels to common phonemes.
@@ -149,7 +155,7 @@ class LabelReader:
         """What finds the nearest for messages alone: it is read only once something is wrong."""
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 
-        return self.near or among_shared(self.compiled.phonemes[1:])
+        return self.near or among_shared(self.compiled.phonemes[1:], self.paths)
 
     @cached_property
     def _numbers(self) -> dict[str, int]:

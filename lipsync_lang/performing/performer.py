@@ -10,10 +10,10 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import exact
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, refuse_other
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.edits import overlays
-from lipsync_lang.performing.label_reader import LabelReader
+from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.arrays import Floats, Ints
@@ -46,8 +46,13 @@ class Performer:
 
     compiled: "Compiled"
     motion: Motion
-    unknown: str = "error"
+    unknown: Unknown = "error"
     """What becomes of labels no notation maps: an `error`, `rest`, or, of IPA, the `nearest`."""
+    paths: tuple[Path, ...] = ()
+    """Folders and files that were searched for packs before all others."""
+
+    def __post_init__(self) -> None:
+        refuse_other("unknown", self.unknown, Unknown)
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle what it was made of; what it worked out since is worked out again."""
@@ -220,7 +225,7 @@ class Performer:
     @cached_property
     def labels(self) -> LabelReader:
         """The reader of schedules' labels."""
-        return LabelReader(self.compiled, self.unknown)
+        return LabelReader(self.compiled, self.unknown, self.paths)
 
     @cached_property
     def speaker(self) -> "Speaker":

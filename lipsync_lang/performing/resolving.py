@@ -12,21 +12,28 @@ it wins, and the performer remembers where it came from:
 What still has none is a gap, named; it is performed as rest only when the caller says so.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Literal
 
-from lipsync_lang.errors import PackError
+from lipsync_lang.errors import PackError, refuse_other
+from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.compiled import Report
 from lipsync_lang.resolver.settings import motion_with
 
+Gaps = Literal["error", "rest"]
+"""Ways to treat bigrams that nothing answers."""
+
 
 def resolve(  # noqa: PLR0913 two names, and what a call may change
-    language: str,
-    character: str,
+    language: str | Path,
+    character: str | Path,
     *,
-    paths: Sequence[str | Path] = (),
-    gaps: str = "error",
+    paths: Paths = (),
+    gaps: Gaps = "error",
+    unknown: Unknown = "error",
     motion: Mapping[str, object] | str | None = None,
     cache: bool = True,
 ) -> Performer:
@@ -34,10 +41,12 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
 
     Parameters
     ----------
-    language : a language pack's name, tag or alias; ENGINE:CODE for one without a pack
-    character : a character's name, or a pose set's for its bare self
-    paths : folders to search for packs before all others
+    language : a language pack's name, tag, alias or file; ENGINE:CODE for one without a pack
+    character : a character's name or file, or a pose set's for its bare self
+    paths : a folder to search for packs before all others, or several
     gaps : what becomes of bigrams that nothing answers: an `error`, or `rest`
+    unknown : what becomes of labels that no notation maps: an `error`, `rest`, or, of IPA, the
+        `nearest` by their features
     motion : a preset's name, or settings of `Motion` to change
     cache : whether a compiled pair may be taken from, and put into, the cache
 
@@ -45,10 +54,14 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     ------
     PackError
         A pack is missing or unsound; the message holds every fault found.
+    LipsyncError
+        An argument is none of its choices, or a motion setting is unknown.
     """
     from lipsync_lang.resolver import cache as store
 
-    folders = tuple(Path(p) for p in paths)
+    refuse_other("gaps", gaps, Gaps)
+    refuse_other("unknown", unknown, Unknown)
+    (language, character), folders = located(paths, language=language, character=character)
     compiled = store.load(language, character, folders) if cache else None
     if compiled is None:
         from lipsync_lang.packs.library import Library
@@ -60,7 +73,7 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
             store.save(compiled, language, character, library)
     if compiled.report.gaps and gaps != "rest":
         raise PackError(_gap_message(compiled.report))
-    return Performer(compiled, motion_with(compiled.motion, motion))
+    return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders)
 
 
 def _gap_message(report: Report) -> str:

@@ -1,8 +1,10 @@
 """Everything a performance looks up, compiled to arrays."""
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import NamedTuple, Self
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache
+from math import prod
+from typing import Any, NamedTuple, Self
+from zlib import compress, decompress
 
 import numpy as np
 
@@ -117,3 +119,55 @@ class Tables:
         tied = (self.thresholds < FREE) & ~np.eye(len(self.highest), dtype=bool)
         out: Floats = tied / self.highest
         return out
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle to a third of the size, compressed once however often it is sent."""
+        return _unpacked, self._packed
+
+    @cached_property
+    def _packed(self) -> tuple[Any, ...]:
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        names = tuple(name for name, value in values.items() if isinstance(value, np.ndarray))
+        arrays = [values[name] for name in names]
+        for contact in self.contacts:
+            arrays += [contact.phonemes, contact.floor, contact.ceiling]
+        for bank in self.styles:
+            arrays += bank
+        content = b"".join(_padded(array.tobytes()) for array in arrays)
+        layout = tuple((array.dtype.str, array.shape) for array in arrays)
+        packed = compress(content, 1)
+        return packed, layout, names, len(self.contacts), self.silence, self.at_most
+
+
+def _padded(content: bytes) -> bytes:
+    """Lengthen an array's bytes so that the array after them is aligned, as the cache does."""
+    return content + b"\0" * (-len(content) % 64)
+
+
+@lru_cache(maxsize=8)
+def _unpacked(  # noqa: PLR0913, PLR0917 what a pickle holds, in its order
+    packed: bytes,
+    layout: tuple[tuple[str, tuple[int, ...]], ...],
+    names: tuple[str, ...],
+    contacts: int,
+    silence: int,
+    at_most: tuple[tuple[int, int], ...],
+) -> Tables:
+    """Unpickle tables, read-only: the animations that other processes send share them."""
+    content = decompress(packed)
+    arrays: list[Any] = []
+    offset = 0
+    for dtype, shape in layout:
+        arrays.append(np.frombuffer(content, dtype, prod(shape), offset).reshape(shape))
+        offset += -(-arrays[-1].nbytes // 64) * 64
+    rest = arrays[len(names) :]
+    threes = list(zip(rest[::3], rest[1::3], rest[2::3], strict=True))
+    tables = Tables(
+        **dict(zip(names, arrays, strict=False)),
+        silence=silence,
+        contacts=tuple(Contact(*three) for three in threes[:contacts]),
+        at_most=at_most,
+        styles=tuple(Bank(*three) for three in threes[contacts:]),
+    )
+    vars(tables)["_packed"] = packed, layout, names, contacts, silence, at_most
+    return tables

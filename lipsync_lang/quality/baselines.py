@@ -15,6 +15,8 @@ from lipsync_lang.quality.figures import Quality
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from lipsync_lang.packs.models.pose_models import PhonemeTarget
 
 FALL = 50.0
@@ -37,7 +39,7 @@ def keyframes(
     -------
     An animation over the same frames as the performer's own
     """
-    targets = (library or Library()).poseset(performer.compiled.poseset).model.targets
+    targets = _targets(performer, library)
     ids, bounds, _ = performer.common_phonemes(schedule)
     times, keys = [], []
     for number, start, end in zip(ids, bounds, bounds[1:], strict=False):
@@ -72,7 +74,7 @@ def dominance(
     -------
     An animation over the same frames as the performer's own
     """
-    targets = (library or Library()).poseset(performer.compiled.poseset).model.targets
+    targets = _targets(performer, library)
     performance = performer.performance(schedule, fps)
     track, frames = performance.track, performance.frames.times()
     wishes, insists, away = [], [], []
@@ -92,6 +94,14 @@ def dominance(
     pull = fall.T @ np.array(insists)
     weights = fall.T @ (np.array(insists) * np.array(wishes)) / pull
     return Animation(frames, performer.poses, weights, fps, schedule)
+
+
+def _targets(
+    performer: Performer, library: Library | None
+) -> "Mapping[str, tuple[PhonemeTarget, ...]]":
+    """Return the targets of the performer's pose set, from where its packs were found."""
+    packs = library or Library(performer.paths)
+    return packs.poseset(performer.compiled.poseset).model.targets
 
 
 def _insisting(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:
@@ -128,7 +138,7 @@ def held(
     -------
     An animation over the same frames as the performer's own
     """
-    targets = (library or Library()).poseset(performer.compiled.poseset).model.targets
+    targets = _targets(performer, library)
     ids, bounds, _ = performer.common_phonemes(schedule)
     starts: list[float] = [-np.inf]
     shapes = [np.zeros(len(performer.poses))]
@@ -169,7 +179,7 @@ def compare(
     -------
     What each method came to: `performed`, and the names of `BASELINES`
     """
-    library = Library()
+    library = Library(performer.paths)
     performed = {"performed": performer.perform(schedule, fps)}
     plain = {name: make(performer, schedule, fps, library) for name, make in BASELINES.items()}
     return {

@@ -1,10 +1,7 @@
 """What resolving gives: tables and names as plain data, and a report of where they came from."""
 
-import pickle
-from dataclasses import dataclass, field, fields
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
-from zlib import compress, decompress
 
 from lipsync_lang.phonology.labels import Value
 from lipsync_lang.pipeline.motion import Motion
@@ -142,21 +139,3 @@ class Compiled:
 
     def __repr__(self) -> str:
         return f"<Compiled {self.language} on {self.character}>"
-
-    def __reduce__(self) -> "tuple[Any, ...]":
-        """Pickle to a third of the size, compressed once however often it is sent."""
-        return _unpacked, (self._packed,)
-
-    @cached_property
-    def _packed(self) -> bytes:
-        values = [getattr(self, f.name) for f in fields(self)]
-        # from protocol 5 on, arrays that are read-only stay so
-        return compress(pickle.dumps(values, protocol=5), 1)
-
-
-@lru_cache(maxsize=8)
-def _unpacked(packed: bytes) -> Compiled:
-    """Unpickle a pair: the animations that come back from other processes share one."""
-    compiled = Compiled(*pickle.loads(decompress(packed)))  # noqa: S301 part of a pickle already
-    vars(compiled)["_packed"] = packed
-    return compiled

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
-from lipsync_lang.packs.finding import IPA
+from lipsync_lang.packs.finding import IPA, Paths
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Value
@@ -75,14 +75,14 @@ def among(library: "Library", language: "Pack[models.Language]") -> NearestPhone
     return NearestPhonemes.from_plain(plain_among(library, language))
 
 
-def among_shared(names: Sequence[str]) -> NearestPhonemes | None:
-    """Return what finds the nearest of some common phonemes, as the packs found from here have it.
+def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | None:
+    """Return what finds the nearest of some common phonemes, as the packs found have it.
 
     For hints: where those packs are unsound or missing, there is none.
     """
     from lipsync_lang.packs.library import Library
 
-    library = Library()
+    library = Library(paths)
     try:
         common = library.common().model
         known = {n: list(common.phonemes[n].ipa) for n in names if n in common.phonemes}

@@ -4,10 +4,10 @@ With its text a recording is *aligned*: when is each phoneme said? Without, it i
 is said? Both make a schedule with the sound, which is performed like any other.
 """
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.speaking import Speaker
 
@@ -15,10 +15,10 @@ from lipsync_lang.speech.speaking import Speaker
 def align(
     audio: str | Path | Audio,
     text: str,
-    language: str,
+    language: str | Path,
     *,
     aligner: str | None = None,
-    paths: Sequence[str | Path] = (),
+    paths: Paths = (),
 ) -> Schedule:
     """Find when each phoneme of a text is said in a recording of it.
 
@@ -26,9 +26,9 @@ def align(
     ----------
     audio : the recording, or a file of it
     text : what is said in it
-    language : a language pack's name or tag
+    language : a language pack's name, tag or file
     aligner : another aligner than the pack's
-    paths : folders to search for packs before all others
+    paths : a folder to search for packs before all others, or several
 
     Raises
     ------
@@ -40,19 +40,19 @@ def align(
 
 def recognise(
     audio: str | Path | Audio,
-    language: str,
+    language: str | Path,
     *,
     recogniser: str | None = None,
-    paths: Sequence[str | Path] = (),
+    paths: Paths = (),
 ) -> Schedule:
     """Find what is said in a recording, and when.
 
     Parameters
     ----------
     audio : the recording, or a file of it
-    language : a language pack's name or tag
+    language : a language pack's name, tag or file
     recogniser : another recogniser than the pack's
-    paths : folders to search for packs before all others
+    paths : a folder to search for packs before all others, or several
 
     Raises
     ------

@@ -8,10 +8,12 @@ times.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.finding import Paths, located
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
@@ -77,14 +79,15 @@ class Speaker:
         self.near = near
 
     @classmethod
-    def of(cls, language: str, paths: Sequence[str | Path] = ()) -> "Speaker":
-        """Make a language ready by its name or tag, looking for packs in `paths` first."""
+    def of(cls, language: str | Path, paths: Paths = ()) -> "Speaker":
+        """Make a language ready by its name, tag or file, looking for packs in `paths` first."""
         from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.language_tables import manner_of, notations_of
         from lipsync_lang.resolver.nearest_phonemes import among
 
-        library: Library = Library(paths)
-        pack, common = library.language(language), library.common().model
+        (name,), folders = located(paths, language=language)
+        library: Library = Library(folders)
+        pack, common = library.language(name), library.common().model
         near = among(library, pack) if pack.model.automatic else None
         return cls(manner_of(pack, common), notations_of(library, pack), near)
 
@@ -281,42 +284,79 @@ def _spelling(transcript: Transcript) -> str:
     return " ".join(word.respelled or word.text for word in transcript.words)
 
 
+@overload
+def transcribe(  # type: ignore[overload-overlap]  # a str comes first, though iterable too
+    text: str, language: str | Path, *, paths: Paths = ()
+) -> Transcript: ...
+@overload
 def transcribe(
-    texts: Iterable[str], language: str, *, paths: Sequence[str | Path] = ()
-) -> Iterator[Transcript]:
-    """Turn texts into phonemes, as the language pack's `g2p` says, one after the other.
+    text: Iterable[str], language: str | Path, *, paths: Paths = ()
+) -> Iterator[Transcript]: ...
+def transcribe(
+    text: str | Iterable[str], language: str | Path, *, paths: Paths = ()
+) -> Transcript | Iterator[Transcript]:
+    """Turn text into phonemes, as the language pack's `g2p` says.
 
     Parameters
     ----------
-    texts : what to read
-    language : a language pack's name or tag
-    paths : folders to search for packs before all others
+    text : what to read; of several texts, each in its turn
+    language : a language pack's name, tag or file
+    paths : a folder to search for packs before all others, or several
+
+    Returns
+    -------
+    A transcript; of several texts an iterator, which yields one for each, in order
 
     Raises
     ------
     SpeechError
         The language does not read text, or its engine failed.
     """
-    return Speaker.of(language, paths).transcribe(texts)
+    speaker = Speaker.of(language, paths)
+    if isinstance(text, str):
+        return next(speaker.transcribe([text]))
+    return speaker.transcribe(text)
 
 
-def speak(
+@overload
+def speak(  # type: ignore[overload-overlap]  # as above
     text: str,
-    language: str,
+    language: str | Path,
     *,
     engine: str | None = None,
     words_per_minute: int | None = None,
-    paths: Sequence[str | Path] = (),
-) -> Schedule:
+    paths: Paths = (),
+) -> Schedule: ...
+@overload
+def speak(
+    text: Iterable[str],
+    language: str | Path,
+    *,
+    engine: str | None = None,
+    words_per_minute: int | None = None,
+    paths: Paths = (),
+) -> Iterator[Schedule]: ...
+def speak(
+    text: str | Iterable[str],
+    language: str | Path,
+    *,
+    engine: str | None = None,
+    words_per_minute: int | None = None,
+    paths: Paths = (),
+) -> Schedule | Iterator[Schedule]:
     """Speak text with the voice its language pack names.
 
     Parameters
     ----------
-    text : what to say
-    language : a language pack's name or tag
+    text : what to say; of several texts, each in its turn
+    language : a language pack's name, tag or file
     engine : another speech engine than the pack's; `none` for estimated times without sound
     words_per_minute : the speed of speech; None is the engine's own
-    paths : folders to search for packs before all others
+    paths : a folder to search for packs before all others, or several
+
+    Returns
+    -------
+    A schedule; of several texts an iterator, which speaks each when it is asked for it
 
     Raises
     ------
@@ -324,4 +364,5 @@ def speak(
         There is nothing to say, the language can neither read nor speak it, or the engine failed.
     """
     speaker = Speaker.of(language, paths)
-    return speaker.speak(text, engine=engine, words_per_minute=words_per_minute)
+    say = partial(speaker.speak, engine=engine, words_per_minute=words_per_minute)
+    return say(text) if isinstance(text, str) else map(say, text)
