@@ -9,6 +9,7 @@ import pytest
 import lipsync_lang as ll
 
 HEAVY = {
+    "jinja2",
     "numpy",
     "pydantic",
     "ruamel",
@@ -65,7 +66,7 @@ def test_performing_a_schedule_needs_no_speech_and_no_pictures():
         "animation = ll.resolve('english', 'facefx').perform(schedule)\n"
         "animation.explain(0.1)"
     )
-    assert not {"matplotlib", "praatio", "espeakng_loader", "http"} & modules_after(code)
+    assert not {"jinja2", "matplotlib", "praatio", "espeakng_loader", "http"} & modules_after(code)
 
 
 def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_source():

@@ -1,4 +1,4 @@
-"""The state a bigram is in: whose layer its curves come from, and who has seen them.
+"""The state of a bigram: the layer its curves come from, and their status.
 
 A state is written as one character, its place in a list: `0`, `1` ... `9`, `a`, `b` ...
 """
@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from string import ascii_lowercase, digits
 from typing import Any, Self
 
+from lipsync_lang.coverage.report import AUTHORED
+from lipsync_lang.coverage.report import BORROWED as LENT
+
 Row = Mapping[str, Any]
 """A bigram of a report, as the document has it."""
 
 NONE = "gap"
-"""Of bigrams without curves, for which the document leaves the status empty."""
+"""The status of bigrams without curves, for which the document leaves the status empty."""
 
-LENT, BORROWED = "like", "borrowed"
-"""The layer of curves that are another sound's; nobody drew them for this one."""
+BORROWED = "borrowed"
+"""The status of curves that a person drew for a similar sound."""
 
 STATUSES = {
     "approved": "a person has approved it",
@@ -32,48 +35,58 @@ LAYERS = {
     "draft": "made from the poses",
     NONE: "no curves at all",
 }
-"""In the order of legends; the document may name others, which come after them."""
+"""In the order of legends; other names in the document come after these."""
 
-DRAWN = ("approved", "edited")
 CODES = digits + ascii_lowercase
 
 
 @dataclass(frozen=True)
 class States:
-    """The states that a document's bigrams are in."""
+    """The statuses and layers of a document's bigrams."""
 
     statuses: tuple[str, ...]
     layers: tuple[str, ...]
     seen: frozenset[str]
-    """Those that there are."""
+    """Statuses and layers that occur in the document."""
 
     @classmethod
     def of(cls, rows: Iterable[Row]) -> Self:
         """Collect the states of some bigrams."""
-        found = [(status(row), str(row["layer"])) for row in rows]
-        statuses = dict.fromkeys((*STATUSES, *(one for one, _ in found)))
-        layers = dict.fromkeys((*LAYERS, *(one for _, one in found)))
-        return cls(tuple(statuses), tuple(layers), frozenset(one for both in found for one in both))
+        pairs = [(status(row), str(row["layer"])) for row in rows]
+        statuses = dict.fromkeys((*STATUSES, *(status for status, _ in pairs)))
+        layers = dict.fromkeys((*LAYERS, *(layer for _, layer in pairs)))
+        seen = frozenset(name for pair in pairs for name in pair)
+        return cls(tuple(statuses), tuple(layers), seen)
 
     def status_code(self, row: Row) -> str:
-        """Write the status of a bigram as a character."""
+        """Return the status of a bigram as a character."""
         return CODES[self.statuses.index(status(row))]
 
     def layer_code(self, row: Row) -> str:
-        """Write the layer of a bigram as a character."""
+        """Return the layer of a bigram as a character."""
         return CODES[self.layers.index(row["layer"])]
 
+    def codes(self, rows: Iterable[Row]) -> str:
+        """Return the statuses of all bigrams, a space, then their layers."""
+        pairs = [(self.status_code(row), self.layer_code(row)) for row in rows]
+        return " ".join("".join(pair[half] for pair in pairs) for half in (0, 1))
+
+    def legend(self, names: Iterable[str]) -> list[tuple[str, str]]:
+        """Return code and name of the statuses, or of the layers, that occur."""
+        coded = zip(CODES, names, strict=False)
+        return [(code, name) for code, name in coded if name in self.seen]
+
     def shares(self, rows: Iterable[Row]) -> dict[str, tuple[int, int]]:
-        """Count the bigrams of each status, and how often they are heard."""
-        found = dict.fromkeys(self.statuses, (0, 0))
+        """Count the bigrams of each status, and their occurrences."""
+        shares = dict.fromkeys(self.statuses, (0, 0))
         for row in rows:
-            bigrams, heard = found[status(row)]
-            found[status(row)] = (bigrams + 1, heard + row["count"])
-        return found
+            bigrams, heard = shares[status(row)]
+            shares[status(row)] = (bigrams + 1, heard + row["count"])
+        return shares
 
 
 def status(row: Row) -> str:
-    """Return the status of a bigram; a gap has a name too, and what is lent is not its own."""
-    if row["layer"] == LENT and row["status"] in DRAWN:
+    """Return the status of a bigram: `borrowed` and `gap` are told apart from its own."""
+    if row["layer"] == LENT and row["status"] in AUTHORED:
         return BORROWED
     return str(row["status"] or NONE)

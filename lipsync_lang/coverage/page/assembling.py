@@ -1,0 +1,185 @@
+"""The page from its templates: what to draw next, all pairs side by side, and each report."""
+
+import re
+from base64 import b64encode
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from importlib.resources import files
+from itertools import groupby
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2.ext import Extension
+from markupsafe import Markup
+
+from lipsync_lang.coverage.page import charts, wording
+from lipsync_lang.coverage.page.report_view import ReportView
+from lipsync_lang.coverage.page.states import LAYERS, STATUSES, States, status
+from lipsync_lang.coverage.page.wording import count, folder, listed
+
+TITLE = "What to draw next"
+MAX_LANGUAGES = 5
+"""Languages that a sentence names before the rest is counted."""
+
+PARTS = (
+    "summary", "next", "distribution", "running", "map", "ranked", "silence", "phonemes",
+    "unused", "sentences", "unread",
+)  # fmt: skip
+"""Macros of `parts.html`, each of which writes one part of a report."""
+
+
+class _Layout(Extension):
+    """Makes a line break beside a tag or a block, with its indentation, no part of the page."""
+
+    def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:
+        # Comments keep the breaks, so that Jinja's errors name the right line.
+        del name, filename
+        return re.sub(r"(?<=[>}])\s*\n\s*|\s*\n\s*(?=[<{])", r"{#\g<0>#}", source)
+
+
+@dataclass(frozen=True)
+class MatrixRow:
+    """A language in the table of languages and characters."""
+
+    title: str
+    addition: str
+    reports: dict[str, ReportView]
+    """By character."""
+
+
+class PartStore:
+    """The parts of all reports, each different part once, and the first report's painted.
+
+    Parameters
+    ----------
+    reports : at least one
+    macros : the module of `parts.html`
+    """
+
+    def __init__(self, reports: Sequence[ReportView], macros: object) -> None:
+        self.first = _parts(replace(reports[0], painted=True), macros)
+        self._numbers: dict[Markup, int] = {}
+        self.keys = [
+            {
+                name: self._numbers.setdefault(part, len(self._numbers))
+                for name, part in _parts(report, macros).items()
+            }
+            for report in reports
+        ]
+        """For each report, the number of each part."""
+
+    def others(self) -> list[tuple[int, Markup]]:
+        """Return number and content of the parts that the first report has not."""
+        shown = set(self.keys[0].values())
+        return [(number, part) for part, number in self._numbers.items() if number not in shown]
+
+
+def page(document: Mapping[str, Any]) -> str:
+    """Return a coverage document as one HTML page that needs nothing else.
+
+    Parameters
+    ----------
+    document : in the form "lipsync-lang coverage 1"
+    """
+    corpus, minutes = document["corpus"], document["minutes"]
+    root = folder(corpus["files"])
+    states = States.of(
+        row for one in document["reports"] for key in ("bigrams", "silence") for row in one[key]
+    )
+    reports = [ReportView(one, states, minutes, root) for one in document["reports"]]
+    environment = _environment()
+    macros = environment.get_template("parts.html").module
+    script = _file("script.js")
+    digest = b64encode(sha256(script.encode()).digest()).decode()
+    return environment.get_template("page.html").render(
+        document=document,
+        files=listed([name.removeprefix(root) for name in corpus["files"]]),
+        minutes=f"{minutes:g}",
+        states=states,
+        reports=reports,
+        best=max(reports, key=_gain, default=None),
+        shared=_shared(document, reports),
+        characters=list(dict.fromkeys(one.document["character"] for one in reports)),
+        matrix=_matrix(document, reports),
+        options=[(name, list(group)) for name, group in groupby(enumerate(reports), _language)],
+        store=PartStore(reports, macros) if reports else None,
+        style=Markup(_file("style.css")),  # noqa: S704 our own
+        script=Markup(script),  # noqa: S704 our own
+        digest=Markup(f"sha256-{digest}"),  # noqa: S704 base64
+    )
+
+
+def _environment() -> Environment:
+    environment = Environment(
+        autoescape=True,
+        extensions=[_Layout],
+        loader=PackageLoader("lipsync_lang.coverage.page"),
+        undefined=StrictUndefined,
+    )
+    environment.filters["commas"] = "{:,}".format
+    environment.globals |= {
+        "percent": wording.percent,
+        "hours": wording.hours,
+        "count": count,
+        "status": status,
+        "STATUSES": STATUSES,
+        "LAYERS": LAYERS,
+        "HEIGHT": charts.HEIGHT,
+        "TITLE": TITLE,
+    }
+    return environment
+
+
+def _file(name: str) -> str:
+    return (files(__package__) / name).read_text("utf-8")
+
+
+def _parts(report: ReportView, macros: object) -> dict[str, Markup]:
+    return {name: getattr(macros, name)(report) for name in PARTS}
+
+
+def _gain(report: ReportView) -> float:
+    """Return a hundred times the occurrences that the next hour of drawing covers."""
+    following = report.document["next_hour"]
+    return float(following["percent"] * report.document["occurrences"])
+
+
+def _language(numbered: tuple[int, ReportView]) -> str:
+    return numbered[1].language
+
+
+def _shared(document: Mapping[str, Any], reports: Iterable[ReportView]) -> str:
+    """Return the languages that add nothing to draw, and the additions of the others."""
+    titles = {one.document["language"]: one.language for one in reports}
+    groups: dict[str, list[str]] = {}
+    for one in sorted(document["shared"], key=lambda one: bool(one["bigrams"])):
+        groups.setdefault(_addition(one), []).append(titles.get(one["language"], one["language"]))
+    return "; ".join(
+        f"{listed(names, MAX_LANGUAGES)} {'add' if len(names) > 1 else 'adds'} {addition}"
+        for addition, names in groups.items()
+    )
+
+
+def _addition(shared: Mapping[str, Any] | None) -> str:
+    if shared is None:
+        return "–"
+    if not shared["bigrams"]:
+        return "nothing"
+    return f"{count(shared['bigrams'], 'bigram')} with {', '.join(shared['phonemes'])}"
+
+
+def _matrix(document: Mapping[str, Any], reports: Iterable[ReportView]) -> list[MatrixRow]:
+    """Return a row for each language, and one more where a character has a second report."""
+    additions = {one["language"]: one for one in document["shared"]}
+    rows: list[tuple[str, MatrixRow]] = []
+    for report in reports:
+        language, character = report.document["language"], report.document["character"]
+        for name, row in rows:
+            if (name, row.title) == (language, report.title) and character not in row.reports:
+                row.reports[character] = report
+                break
+        else:
+            addition = _addition(additions.get(language))
+            rows.append((language, MatrixRow(report.title, addition, {character: report})))
+    return [row for _, row in rows]
