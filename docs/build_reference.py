@@ -636,8 +636,8 @@ def checks() -> str:
             "Curves are those of poses, from 0 to 1. On the channels of a rig all is told in "
             "shares of a channel's range; constraints are then those between channels, and rules "
             "are not judged. A sound is a phoneme that is not silence; its bounds are those of its "
-            "common phonemes. `Rule`, with its phonemes, measure and bounds, is described "
-            "in [packs](packs.md#rule-in-poseset)."
+            "common phonemes. `MeasureRule`, with its phonemes, measure and bounds, is described "
+            "in [packs](packs.md#measurerule-in-poseset)."
         ),
     ]
     for one in measures:

@@ -1,7 +1,6 @@
-"""What goes wrong, in words a user can act on.
+"""Errors whose messages tell the user how to mend the input.
 
-Every error the library raises on purpose is a `LipsyncError`; the command line prints
-its message and nothing else.
+Every error raised on purpose is a `LipsyncError`. The command line prints its message only.
 """
 
 from difflib import get_close_matches
@@ -12,35 +11,35 @@ if TYPE_CHECKING:
 
 
 class LipsyncError(Exception):
-    """Something the user can mend; the message says what, where and how."""
+    """An error that the user can mend; the message names the place and the cure."""
 
 
 class PackError(LipsyncError):
-    """One or more packs are unsound, or cannot be found."""
+    """A pack is faulty, or cannot be found."""
 
 
 class ScheduleError(LipsyncError):
-    """Timed phonemes that cannot be performed."""
+    """Timed phonemes cannot be read or performed."""
 
 
 class SpeechError(LipsyncError):
-    """Text or audio that cannot become speech here."""
+    """Text or audio cannot be converted to timed phonemes."""
 
 
 class ModelError(LipsyncError):
-    """A 3D model that cannot be read, or that nothing here can drive."""
+    """A 3D model cannot be read, or has nothing to drive."""
 
 
 class AnimationError(LipsyncError):
-    """An animation that cannot be read, or is of another face."""
+    """An animation cannot be read, or belongs to another pose set."""
 
 
 class OutputError(LipsyncError):
-    """A result that cannot be written where it was asked for."""
+    """An output cannot be written to the given path."""
 
 
 def did_you_mean(word: str, known: "Iterable[str]") -> str:
-    """Return a hint naming the nearest known word, or the known words when none is near."""
+    """Return a hint with the nearest known word, or with all known words if none is near."""
     names = sorted(known)
     near = get_close_matches(word, names, n=1) or [n for n in names if n.lower() == word.lower()]
     if near:

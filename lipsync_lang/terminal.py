@@ -1,8 +1,8 @@
-"""Text on a terminal: no character of a file's commands it.
+"""Print text from files without letting it control the terminal.
 
-Names, words and labels come from files of strangers. Printed raw, an escape sequence in them
-recolours, erases or types; an override of direction makes text read otherwise than it is. The
-streams of `safe_streams` write such characters out, whoever prints. Newlines and tabs stay.
+Names, words and labels come from files of strangers. An escape sequence in them could recolour or
+erase the screen, or type into it. A direction override could disguise a text. The streams of
+`safe_streams` escape such characters in everything printed. Newlines and tabs stay.
 """
 
 import re
@@ -12,16 +12,16 @@ from contextlib import contextmanager
 from typing import Any, TextIO, cast
 
 COMMANDS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
-"""C0 (without newline and tab), DEL and C1, and characters that override or isolate direction."""
+"""C0 (without newline and tab), DEL, C1, and direction overrides and isolates."""
 
 WIPE = "\x1b[2K"
-"""Erases the line that the cursor is on."""
+"""Escape sequence that erases the cursor's line."""
 
 
 def spelled_out(text: str) -> str:
-    r"""Write out the characters that command a terminal.
+    r"""Escape the characters that control a terminal.
 
-    ``\u202e`` is also how JSON spells the character, so JSON that is printed stays JSON.
+    The escapes ``\u202e`` are those of JSON, so that printed JSON stays valid.
 
     >>> print(spelled_out("red \033[31m"))
     red \x1b[31m
@@ -35,7 +35,7 @@ def _spelled(found: re.Match[str]) -> str:
 
 
 class _SafeStream:
-    """A text stream that spells out commands on their way to another stream."""
+    """A text stream that escapes control characters and passes the text on."""
 
     def __init__(self, stream: TextIO) -> None:
         self.raw = stream
@@ -54,7 +54,7 @@ class _SafeStream:
 
 @contextmanager
 def safe_streams() -> Iterator[None]:
-    """Let everything printed go through `spelled_out`."""
+    """Pass standard output and standard error through `spelled_out` within the block."""
     before = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (
         cast("TextIO", stream if stream is None else _SafeStream(stream)) for stream in before
@@ -66,12 +66,12 @@ def safe_streams() -> Iterator[None]:
 
 
 def progress(text: str) -> None:
-    """Show on a terminal, and nowhere else, what is at work; the next text takes its place."""
+    """Show a line of progress on a terminal only; the next line replaces it."""
     _show(f"{WIPE}{spelled_out(text)}\r")
 
 
 def wipe() -> None:
-    """Take progress away."""
+    """Erase the line of progress."""
     _show(f"{WIPE}\r")
 
 

@@ -1,11 +1,18 @@
-"""Tables as text: columns one below the other, whatever script they are in."""
+"""Align columns of text by the width that a terminal gives each character."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from unicodedata import combining, east_asian_width
 
 
 def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> Iterator[str]:
-    """Yield rows of text with their columns one below the other, as a terminal shows them."""
+    """Yield a line per row, its cells padded to common widths.
+
+    Parameters
+    ----------
+    rows : cells of text
+    gap : spaces between columns
+    widest : largest width that a column is padded to
+    """
     kept = [list(row) for row in rows]
     count = max(map(len, kept), default=0)
     widths = [
@@ -18,7 +25,7 @@ def columns(rows: Iterable[Sequence[str]], gap: int = 2, widest: int = 48) -> It
 
 
 def width(text: str) -> int:
-    """Return how many columns of a terminal a text takes."""
+    """Return the width of a text in terminal columns."""
     return sum(
         0 if combining(c) or c in "\u200b\u200c\u200d" else 2 if east_asian_width(c) in "WF" else 1
         for c in text

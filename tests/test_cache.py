@@ -29,7 +29,7 @@ PAIR = ("child", "anna")
 @pytest.fixture
 def store(tmp_path, monkeypatch):
     """An empty cache, and a project folder with small packs to stand in."""
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     monkeypatch.chdir(plant(tmp_path / "project"))
     return tmp_path / "cache"
 
@@ -136,7 +136,7 @@ BARE = "kind: poseset\nformat: 1\nname: bare\nposes: {open: {}}\n"
 def test_the_cache_can_be_turned_off(store, monkeypatch):
     ll.resolve(*PAIR, cache=False)
     for word in ("off", ""):
-        monkeypatch.setenv(cache.VARIABLE, word)
+        monkeypatch.setenv(cache.CACHE_VARIABLE, word)
         ll.resolve(*PAIR)
     assert not store.exists()
     assert not Path("off").exists()
@@ -182,13 +182,13 @@ def test_nobody_writes_into_tables_cold_or_warm(pair, store):
 @pytest.mark.skipif(os.name != "posix", reason="modes of folders are POSIX")
 def test_the_cache_is_its_owners_alone(tmp_path, monkeypatch):
     monkeypatch.chdir(plant(tmp_path / "project"))
-    monkeypatch.delenv(cache.VARIABLE, raising=False)
+    monkeypatch.delenv(cache.CACHE_VARIABLE, raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(cache, "folder", lambda: tmp_path / "own")
     (tmp_path / "own").mkdir(mode=0o755)
     ll.resolve(*PAIR)
     assert (tmp_path / "own").stat().st_mode & 0o777 == 0o700
-    monkeypatch.setenv(cache.VARIABLE, "named")
+    monkeypatch.setenv(cache.CACHE_VARIABLE, "named")
     monkeypatch.setattr(cache, "folder", lambda: tmp_path / "made")
     ll.resolve(*PAIR)
     assert (tmp_path / "made").stat().st_mode & 0o777 == 0o700
@@ -449,7 +449,7 @@ def test_a_folder_in_a_files_place_is_left_alone(store):
 @pytest.mark.parametrize("where", ["file", "file/below", "/dev/null/cache", "x" * 5000])
 def test_a_cache_that_cannot_be_is_done_without(where, store, monkeypatch):
     Path("file").touch()
-    monkeypatch.setenv(cache.VARIABLE, where)
+    monkeypatch.setenv(cache.CACHE_VARIABLE, where)
     for _ in range(2):
         assert ll.resolve(*PAIR).perform(SCHEDULE).weights.any()
     assert not store.exists()

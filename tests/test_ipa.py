@@ -19,7 +19,7 @@ from shipped import LIBRARY
 
 import lipsync_lang as ll
 from lipsync_lang.packs.answers import answers_of
-from lipsync_lang.packs.automatic import READERS, automatic
+from lipsync_lang.packs.automatic import IPA_ENGINES, automatic
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA, Finder
 from lipsync_lang.packs.library import Library
@@ -412,7 +412,7 @@ def test_what_is_no_code_is_no_language(name):
 def test_an_unknown_engine_names_those_there_are():
     with pytest.raises(ll.PackError, match=r"espeak:CODE or epitran:CODE or ipa:CODE"):
         Library(project=None).language("especk:sw")
-    assert set(READERS) == {"espeak", "epitran", "ipa"}
+    assert set(IPA_ENGINES) == {"espeak", "epitran", "ipa"}
 
 
 def test_timed_ipa_of_any_language_is_performed_and_no_text():
@@ -534,7 +534,7 @@ print(*sorted({name.partition(".")[0] for name in sys.modules}))
 
 
 def test_a_warm_start_maps_by_features_without_yaml(tmp_path, monkeypatch):
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path))
     loaded = []
     for _ in range(2):
         command = [sys.executable, "-c", CHECK]
@@ -547,7 +547,7 @@ def test_a_warm_start_maps_by_features_without_yaml(tmp_path, monkeypatch):
 
 
 def test_the_cache_notices_another_ipa(tmp_path, monkeypatch):
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     project = tmp_path / "project"
     project.mkdir()
     monkeypatch.chdir(project)
@@ -671,7 +671,7 @@ def test_one_alias_of_two_languages_is_a_warning(tmp_path):
 
 
 def test_a_project_adds_to_the_language_it_shadows(tmp_path, monkeypatch):
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     low, high = plant(tmp_path / "low"), tmp_path / "high"
     text = "kind: language\nformat: 1\nname: parent\ntag: qaa\nextends: parent\nwords: {hei: [a]}\n"
     put(high, "languages/parent.yaml", text)
@@ -697,7 +697,7 @@ def test_a_project_adds_to_the_language_it_shadows(tmp_path, monkeypatch):
 
 
 def test_a_new_pack_between_the_two_is_noticed(tmp_path, monkeypatch):
-    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     low, middle, high = plant(tmp_path / "low"), tmp_path / "middle", tmp_path / "high"
     middle.mkdir()
     text = "kind: language\nformat: 1\nname: parent\ntag: qaa\nextends: parent\n"

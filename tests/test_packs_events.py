@@ -8,7 +8,7 @@ from test_mutation import FILES, SLIPS, edited
 
 from lipsync_lang.packs.yaml import events
 from lipsync_lang.packs.yaml.events import MAX_SLOW_CHARS, by_libyaml, by_ruamel, parsers
-from lipsync_lang.packs.yaml.source import LARGEST, scan
+from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, scan
 
 HERE = Path("here.yaml")
 EDITS = 300
@@ -152,7 +152,7 @@ def test_without_libyaml_ruamel_reads_all(monkeypatch):
 
 
 def test_aliases_may_not_make_a_file_larger_than_a_file():
-    half = "x" * (LARGEST // 4)
+    half = "x" * (MAX_PACK_BYTES // 4)
     bomb = f"a: &a {half}\nb: [*a, *a, *a]\n"
     (fault,) = scan(HERE, bomb.encode()).faults
     assert (fault.code, fault.line, fault.column) == ("P011", 2, 13)

@@ -10,9 +10,9 @@ from packs_tree import TREE, plant, put
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.yaml.building import DEEPEST
+from lipsync_lang.packs.yaml.building import MAX_NESTING_LEVELS
 from lipsync_lang.packs.yaml.faults import CODES, Fault, PackFaults
-from lipsync_lang.packs.yaml.source import LARGEST
+from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES
 
 COMMON = "languages/common.yaml"
 PARENT = "languages/parent.yaml"
@@ -46,7 +46,7 @@ BILLION_LAUGHS = "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
 
 BAD = [
     # the file as YAML
-    Bad("larger than a pack", PARENT, None, b"#" * (LARGEST + 1), (("P002", 1, 1),)),
+    Bad("larger than a pack", PARENT, None, b"#" * (MAX_PACK_BYTES + 1), (("P002", 1, 1),)),
     Bad("latin 1", PARENT, "title: Parent", b"title: caf\xe9", (("P003", 5, 11),), "UTF-8"),
     Bad("utf 16", PARENT, None, "kind: language".encode("utf-16"), (("P003", 1, 1),), "UTF-8"),
     Bad("byte order mark", PARENT, None, b"\xef\xbb\xbfkind: language", (("P004", 1, 1),), "BOM"),
@@ -60,7 +60,7 @@ BAD = [
     Bad("open bracket", PARENT, "adds: [yu]", "adds: [yu", (("P008", 7, ": {engi"),), "line 6"),
     Bad("colon in text", PARENT, "title: Parent", "title: Parent: one", (("P008", 5, ": one"),)),
     Bad("two documents", CHILD, "words:", "---\nwords:", (("P009", 10, "---"),), "---"),
-    Bad("deep", PARENT, "[yu]", "[" * 100_000, (("P010", 6, 7 + DEEPEST - 1),), "bracket"),
+    Bad("deep", PARENT, "[yu]", "[" * 100_000, (("P010", 6, 6 + MAX_NESTING_LEVELS),), "bracket"),
     Bad("billion laughs", PARENT, None, BILLION_LAUGHS, (("P012", 2, "*a, *a,"),)),
     Bad("no anchor", PARENT, "title: Parent", "title: *x", (("P012", 5, "*x"),), "&x"),
     Bad("own anchor", PARENT, "adds: [yu]", "adds: &x [yu, *x]", (("P012", 6, "*x]"),)),

@@ -34,7 +34,7 @@ def test_places_are_searched_in_order(tmp_path, monkeypatch):
     given_, variable, project, offered = (plant(tmp_path / name) for name in names)
     put(tmp_path, "site/offered/__init__.py", "raise SystemExit('must not run')")
     offer(tmp_path / "site", "offered.packs", monkeypatch)
-    monkeypatch.setenv(finding.VARIABLE, f"{variable}:{tmp_path / 'gone'}:")
+    monkeypatch.setenv(finding.PATH_VARIABLE, f"{variable}:{tmp_path / 'gone'}:")
     monkeypatch.chdir(project)
 
     finder = Finder([given_])
@@ -43,7 +43,7 @@ def test_places_are_searched_in_order(tmp_path, monkeypatch):
         given_, variable, project, offered, built_in(),
     ]  # fmt: skip
     assert [root.origin for root in finder.roots] == [
-        "path", finding.VARIABLE, "project", "installed: offer", "built-in",
+        "path", finding.PATH_VARIABLE, "project", "installed: offer", "built-in",
     ]  # fmt: skip
     assert finder.find("language", "child") == given_ / "languages/child.yaml"
 

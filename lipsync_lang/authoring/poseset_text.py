@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 
 from lipsync_lang.packs.models import ContactRule, Phonemes, PhonemeTarget, PoseSet
-from lipsync_lang.packs.models.pose_models import FREE
+from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 
 LINES = 60
 """A draft is no longer; of many poses, several share a line."""
@@ -113,7 +113,7 @@ def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
     """Write what makes way for what, or an example that a person may take the `#` from."""
     stated = model.constraints
     pairs = [_flow(pair.model_dump()) for pair in stated.pairs]
-    binds = stated.default < FREE
+    binds = stated.default < NO_THRESHOLD
     yield "# Two poses that must not be seen together: at most so much of both; who yields, first"
     if not pairs and not binds:
         some = [*model.poses, *model.poses][:2]

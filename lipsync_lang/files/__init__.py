@@ -1,4 +1,4 @@
-"""Files of the user's: outputs that appear whole, and inputs read as far as a limit."""
+"""Read inputs up to a size limit, and write outputs atomically."""
 
 from lipsync_lang.files.reading import read_input
 from lipsync_lang.files.targets import STANDARD_STREAM, argument_path

@@ -1,4 +1,4 @@
-"""Inputs read as far as a limit: files, standard input, pipes and devices without an end."""
+"""Read inputs up to a size limit, even from endless pipes and devices."""
 
 import sys
 from collections.abc import Iterator
@@ -14,13 +14,13 @@ MIB_BYTES = 2**20
 def read_input(
     path: Path, max_bytes: int, *, error: type[LipsyncError] = LipsyncError, mend: str
 ) -> bytes:
-    """Return what a file holds, or standard input where `path` is ``-``.
+    """Return the bytes of a file, or of standard input if `path` is ``-``.
 
     Parameters
     ----------
-    max_bytes : the most that is read, whatever size the file states
-    error : raised where it cannot be read, or is larger
-    mend : what to do about one that is larger
+    max_bytes : size limit, which holds whatever size the file states
+    error : class of the error for a file that is unreadable or too large
+    mend : advice for a file that is too large
     """
     try:
         content = _content(path, max_bytes + 1)
@@ -42,7 +42,7 @@ def _content(path: Path, max_bytes: int) -> bytes:
 
 
 def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
-    """Yield what there is, in pieces: asked for at once, the limit itself would be allocated."""
+    """Yield the bytes in blocks; one `read` of the whole limit would allocate all of it."""
     left = max_bytes
     while block := stream.read(min(left, MIB_BYTES)):
         yield block
@@ -50,6 +50,6 @@ def _blocks(stream: BinaryIO, max_bytes: int) -> Iterator[bytes]:
 
 
 def _size(count: int) -> str:
-    """Return a number of bytes as people say it."""
+    """Return a number of bytes in MB or GB, for messages."""
     gibibytes, rest = divmod(count, 2**10 * MIB_BYTES)
     return f"{gibibytes} GB" if gibibytes and not rest else f"{count // MIB_BYTES} MB"

@@ -1,4 +1,4 @@
-"""Signals that end the program: heard as an exception, so that nothing is left behind."""
+"""Turn signals that end the program into an exception, so that temporary files are deleted."""
 
 import signal
 import threading
@@ -11,11 +11,11 @@ ENDING = [
     for found in (getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP"))
     if found is not None
 ]
-"""Interrupted at the keyboard, asked to end, and the terminal closed; Windows lacks the last."""
+"""Signals of Ctrl-C, `kill`, and a closed terminal; Windows lacks the last."""
 
 
 class Terminated(BaseException):
-    """The program was asked to end; `code` is what shells expect then."""
+    """A signal asked the program to end; `code` is the exit code that shells expect."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -24,7 +24,7 @@ class Terminated(BaseException):
 
 @contextmanager
 def terminating() -> Iterator[None]:
-    """Raise `Terminated` where a signal asks the program to end, so that it can clean up."""
+    """Raise `Terminated` in the block when a signal asks the program to end."""
 
     def end(number: int, _: object) -> None:
         raise Terminated(number)
@@ -35,7 +35,7 @@ def terminating() -> Iterator[None]:
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Hold ending signals back until the block is through."""
+    """Delay ending signals until the block has finished."""
     caught: list[int] = []
     try:
         with _handled(lambda number, _: caught.append(number), ENDING):
@@ -47,7 +47,10 @@ def undisturbed() -> Iterator[None]:
 
 @contextmanager
 def _handled(handler: Callable[[int, Any], None], numbers: list[signal.Signals]) -> Iterator[None]:
-    """Handle signals otherwise for a while; only the main thread may, and an ignored one stays."""
+    """Replace signal handlers within the block.
+
+    Python allows this in the main thread only. Ignored signals stay ignored: `nohup` relies on it.
+    """
     old = {}
     if threading.current_thread() is threading.main_thread():
         old = {number: signal.getsignal(number) for number in numbers}

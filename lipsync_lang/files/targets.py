@@ -1,4 +1,4 @@
-"""Targets of outputs: the file behind a path's links, or none where bytes are written directly."""
+"""Find the target of an output: the regular file behind links, or a stream."""
 
 import os
 import re
@@ -8,32 +8,32 @@ from pathlib import Path
 from lipsync_lang.errors import OutputError
 
 STANDARD_STREAM = Path("-")
-"""The name of standard output, and of standard input where something is read."""
+"""The name of standard output, and of standard input for inputs."""
 
 MAX_LINKS = 40
-"""Links that are followed to one file, as the operating system does."""
+"""Most links followed to one file; Linux has the same limit."""
 
 WRITE_BITS = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
-"""A file without any of these is read-only, for root too."""
+"""A file without any of these bits is read-only, even for root."""
 
 _DESCRIPTORS = re.compile(r"/dev/fd|/proc/(?P<process>\d+)(?:/task/\d+)?/fd")
 
 
 def argument_path(text: str | Path) -> Path:
-    """Read a path as people type it: ``-`` is the standard stream, ``./-`` a file of that name."""
+    """Return the path of an argument: ``-`` is the standard stream, ``./-`` a file of that name."""
     path = Path(text)
     return path if path != STANDARD_STREAM or str(text) == "-" else Path.cwd() / path
 
 
 def file_behind(path: Path) -> Path | None:
-    """Return the file that a path leads to; None for what is written directly.
+    """Return the regular file that a path leads to; None for a stream, device or pipe.
 
     Raises
     ------
     OutputError
-        It is a folder, a read-only file, a disk, a socket, or a circle of links.
+        The path is a folder, a read-only file, a disk, a socket, or a circle of links.
     OSError, ValueError
-        The path cannot be looked at.
+        The path cannot be examined.
     """
     if path == STANDARD_STREAM or descriptor(path) is not None:
         return None
@@ -56,7 +56,10 @@ def file_behind(path: Path) -> Path | None:
 
 
 def _refuse_read_only(path: Path, there: os.stat_result) -> None:
-    """Refuse by the permission bits, which hold for root too: version control relies on them."""
+    """Refuse a file without write permission, even for root.
+
+    Version control marks files that are not checked out as read-only.
+    """
     if not there.st_mode & WRITE_BITS:
         raise OutputError(
             f"{path}: is read-only; open it in your version control or make it writable "
@@ -67,7 +70,7 @@ def _refuse_read_only(path: Path, there: os.stat_result) -> None:
 
 
 def may_write(path: Path) -> bool:
-    """Tell whether whom the program acts for may write a file, or into a folder."""
+    """Return True if the effective user may write a file, or into a folder."""
     return os.access(path, os.W_OK, effective_ids=os.access in os.supports_effective_ids)
 
 

@@ -1,7 +1,7 @@
-"""Temporary files beside an output: their names, and sweeping those of dead processes.
+"""Name the temporary files beside outputs, and delete those of dead processes.
 
-A name tells the machine and the process that made the file. So the next output into a folder
-can delete what a killed process left there, and nothing that a living one still writes.
+A name contains the machine and the process. So the next output into a folder can delete the files
+of a killed process, and leaves alone those of a running one.
 """
 
 import os
@@ -13,16 +13,16 @@ from contextlib import suppress
 from pathlib import Path
 
 STALE_SECONDS = 86_400.0
-"""Age from which a file is swept although its process cannot be asked for: a day."""
+"""Age at which a file is deleted even if its process is on another machine: a day."""
 
 MAX_NAME_CHARS = 40
-"""Characters of the output's own name within that of its temporary file."""
+"""Characters of the output's name in the name of its temporary file."""
 
 _TEMPORARY = re.compile(r"\..*\.(?P<host>[0-9a-f]{8})-(?P<process>\d+)-[0-9a-f]{8}\.lipsync-tmp")
 
 
 def temporary_name(name: str) -> str:
-    """Return a name that nothing else has: hidden, and told by its ending."""
+    """Return a unique hidden file name, with an ending by which `sweep` finds it."""
     owner = f"{_host()}-{os.getpid()}"
     return f".{name[:MAX_NAME_CHARS]}.{owner}-{secrets.token_hex(4)}.lipsync-tmp"
 
@@ -41,13 +41,16 @@ def sweep(folder: Path) -> None:
 
 
 def _host() -> str:
-    """Return this machine in eight digits; processes of another cannot be asked for."""
+    """Return a hash of this machine's name; the processes of another cannot be examined."""
     name = os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")
     return f"{zlib.crc32(name.encode('utf-8', 'replace')):08x}"
 
 
 def _is_dead(process: int) -> bool:
-    """Tell whether no such process runs; on Windows, to ask a process is to end it."""
+    """Return True if no such process runs.
+
+    On Windows the answer is always False: `os.kill` with signal 0 would end the process there.
+    """
     if os.name != "posix":
         return False
     try:

@@ -1,8 +1,8 @@
-"""Outputs: regular files appear whole or not at all; devices and pipes are written directly.
+"""Write outputs: regular files appear whole or not at all; devices and pipes are written directly.
 
-Every writer gets a seekable stream. Its bytes first go beside the target, or into memory where
-the target is a device, a pipe or standard output. Only when everything is written are the files
-put in place, one rename each, and the streams fed.
+Every writer gets a seekable stream. Its bytes go to a temporary file beside the target, or into
+memory if the target is a device, a pipe or standard output. When all outputs are written, the
+files are renamed into place, and then the streams are written.
 """
 
 import os
@@ -21,7 +21,7 @@ from lipsync_lang.files.targets import STANDARD_STREAM, descriptor, file_behind,
 from lipsync_lang.files.temporary import sweep, temporary_name
 
 MAX_SPOOLED_BYTES = 16 * 2**20
-"""Bytes that wait in memory for a device or a pipe; more wait on the disk."""
+"""Bytes held in memory for a device or a pipe; more are held on the disk."""
 
 
 @contextmanager
@@ -31,7 +31,7 @@ def atomic(path: Path, *, durable: bool = False) -> Iterator[BinaryIO]:
     Parameters
     ----------
     path : a file, a link to one, a device, a pipe, or ``-`` for standard output
-    durable : wait until the disk holds the file, so that a power loss leaves the old or the new
+    durable : call `fsync`, so that a power loss leaves either the old file or the new one
 
     Raises
     ------
@@ -46,9 +46,9 @@ def atomic(path: Path, *, durable: bool = False) -> Iterator[BinaryIO]:
 def write_all(
     outputs: Mapping[Path, Callable[[BinaryIO], object]], *, durable: bool = False
 ) -> None:
-    """Write several outputs: all are prepared first, then put in place together.
+    """Write several outputs: prepare all of them, then put them in place together.
 
-    Files come first and streams last, so that a reader who closes a pipe early costs no file.
+    Streams are written after the files, so that a pipe closed early loses no file.
     Parameters and errors are those of `atomic`.
     """
     with _prepared(durable=durable) as prepared:
@@ -56,12 +56,12 @@ def write_all(
             with _worded(path):
                 stream = prepared.open(path)
                 write(stream)
-                stream.flush()  # a full disk is noticed while nothing is in its place yet
+                stream.flush()  # notice a full disk before any file is renamed
 
 
 @contextmanager
 def _worded(path: Path) -> Iterator[None]:
-    """Say in words why a path cannot be written; a closed pipe stays what it is."""
+    """Turn an `OSError` into an `OutputError`; let `BrokenPipeError` through."""
     try:
         yield
     except BrokenPipeError:
@@ -82,14 +82,14 @@ def _prepared(*, durable: bool) -> Iterator["_Outputs"]:
 
 @dataclass
 class _Outputs:
-    """Outputs that wait for each other."""
+    """Outputs that are put in place together."""
 
     durable: bool
     files: list["_Waiting"] = field(default_factory=list)
     streams: list[tuple[Path, IO[bytes]]] = field(default_factory=list)
 
     def open(self, path: Path) -> BinaryIO:
-        """Return a seekable stream for what `path` is to hold."""
+        """Return a seekable stream for the content of `path`."""
         try:
             target = file_behind(path)
             if target is None:
@@ -97,13 +97,13 @@ class _Outputs:
                 self.streams.append((path, spooled))
                 return cast("BinaryIO", spooled)
             waiting = _Waiting(path, target, target.with_name(temporary_name(target.name)))
-            self.files.append(waiting)  # before it is made: a signal may come at any time
+            self.files.append(waiting)  # before the file is created: a signal may come any time
             return waiting.open()
         except (OSError, ValueError) as error:
             raise _cannot_write(path, error) from None
 
     def commit(self) -> None:
-        """Put the files in place, then feed the streams."""
+        """Put the files in place, then write the streams."""
         for file in self.files:
             with _worded(file.path):
                 file.close(durable=self.durable)
@@ -120,7 +120,7 @@ class _Outputs:
                 _feed(path, spooled)
 
     def discard(self) -> None:
-        """Leave nothing behind."""
+        """Delete the temporary files that are left."""
         with undisturbed():
             for file in self.files:
                 file.discard()
@@ -130,16 +130,16 @@ class _Outputs:
 
 @dataclass
 class _Waiting:
-    """A file that waits beside its target under a name of its own."""
+    """A temporary file beside its target."""
 
     path: Path
-    """The target as it was named, for messages."""
+    """The target as named by the user, for messages."""
     target: Path
     temporary: Path
     stream: BinaryIO | None = None
 
     def open(self) -> BinaryIO:
-        """Make the file; the kernel gives a new one the usual mode, so no umask is touched."""
+        """Create the file; the kernel applies the umask, which a program cannot read safely."""
         sweep(self.target.parent)
         there = self.target.stat() if self.target.exists() else None
         mode = 0o666 if there is None else stat.S_IMODE(there.st_mode) & 0o666
@@ -151,7 +151,7 @@ class _Waiting:
         return self.stream
 
     def close(self, *, durable: bool) -> None:
-        """Write everything out."""
+        """Flush and close the file."""
         if self.stream is not None:
             self.stream.flush()
             if durable:
@@ -159,7 +159,7 @@ class _Waiting:
             self.stream.close()
 
     def discard(self) -> None:
-        """Delete the file, if it is not in its place already."""
+        """Delete the file unless it was renamed into place."""
         with suppress(OSError, ValueError):
             if self.stream is not None:
                 self.stream.close()
@@ -168,7 +168,7 @@ class _Waiting:
 
 
 def _copy_owner(path: Path, there: os.stat_result) -> None:
-    """Keep the owner of a file that root replaces; others cannot give files away."""
+    """Keep the owner of a replaced file; only root can."""
     mine = path.stat()
     if hasattr(os, "chown") and (mine.st_uid, mine.st_gid) != (there.st_uid, there.st_gid):
         with suppress(PermissionError):
@@ -199,7 +199,7 @@ def _copy(source: IO[bytes], out: Any) -> None:
 
 
 def _feed_standard(source: IO[bytes]) -> None:
-    """Write bytes to standard output; a terminal gets text only."""
+    """Write bytes to standard output; refuse binary data on a terminal."""
     out = sys.stdout
     if out is None:
         raise OutputError("-: there is no standard output here; name a file")
@@ -220,7 +220,7 @@ def _feed_standard(source: IO[bytes]) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make a rename last; file systems that cannot do without."""
+    """Make renames in a folder durable; errors of file systems without support are ignored."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

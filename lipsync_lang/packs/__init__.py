@@ -1,6 +1,6 @@
 """Packs: the YAML files people edit, where they are found, and what is wrong with them.
 
-`faults` says what is wrong, `source` reads YAML with positions, `models` gives each kind
-of pack its form, `library` finds and loads packs, `checks` compares them with each other,
-`schema` and `edit` serve editors.
+`yaml` reads text into data with positions, and defines faults. `models` holds one pydantic model
+per kind of pack. `finding` and `library` look packs up by name and load them. `checking` compares
+packs with each other. `editing` changes a file and keeps the author's formatting.
 """

@@ -1,4 +1,7 @@
-"""What a language answers to beyond the name of its file, read without YAML."""
+"""Tags and aliases of languages, found by regular expressions instead of a YAML parser.
+
+A look-up by tag searches every language's file, and parsing them all would take too long.
+"""
 
 import re
 from pathlib import Path
@@ -16,9 +19,9 @@ _COMMENT = re.compile(rb"#[^\n]*")
 
 
 def answers_of(path: Path) -> list[str]:
-    """Return what a language's file says it answers to, folded: its tag, then its aliases.
+    """Return the tag and then the aliases of a language's file, folded; empty if unreadable.
 
-    Without reading YAML: a list on one line or several, or an item on each line.
+    Aliases may be a list in brackets, on one line or several, or one item per line.
     """
     try:
         content = read_bytes(path)
@@ -31,5 +34,5 @@ def answers_of(path: Path) -> list[str]:
 
 
 def folded(name: str) -> str:
-    """Return the form in which names and tags of languages are compared."""
+    """Return a language's name or tag in the form used for comparison."""
     return name.casefold().replace("_", "-")

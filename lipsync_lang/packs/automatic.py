@@ -1,7 +1,7 @@
-"""Languages without a pack: what an engine reads, mapped by the features of the IPA.
+"""Languages without a pack: an engine turns text into IPA, and IPA is mapped by its features.
 
-They are called ENGINE:CODE, as in `espeak:sw`. Whether the engine knows the code, it says itself
-when it reads text. `ipa:CODE` reads none: for timed phonemes in IPA, whoever wrote them.
+Their names have the form ENGINE:CODE, as in `espeak:sw`. An unknown code is reported by the engine
+when it first reads text. `ipa:CODE` has no engine and serves timed phonemes in IPA only.
 """
 
 import re
@@ -17,36 +17,36 @@ if TYPE_CHECKING:
 
 
 class IpaEngine(NamedTuple):
-    """What gives IPA: the field of `g2p` with its code, if it reads text, and whether it speaks."""
+    """A source of IPA; `field` of `g2p` holds its code, and is None if it reads no text."""
 
     field: str | None = None
     speaks: bool = False
 
 
-READERS: dict[str, IpaEngine] = {
+IPA_ENGINES: dict[str, IpaEngine] = {
     "espeak": IpaEngine("voice", speaks=True),
     "epitran": IpaEngine("code"),
     IPA: IpaEngine(),
 }
-"""What gives IPA, by name; add an engine to make its languages known."""
+"""Sources of IPA by name; an entry makes the languages of another engine available."""
 
-CODE = re.compile(r"(?P<tag>[A-Za-z0-9]+([-_][A-Za-z0-9]+)*)(\+[A-Za-z0-9_-]+)?")
-"""An engine's code of a language; eSpeak adds a manner of speaking after `+`."""
+LANGUAGE_CODE = re.compile(r"(?P<tag>[A-Za-z0-9]+([-_][A-Za-z0-9]+)*)(\+[A-Za-z0-9_-]+)?")
+"""An engine's code of a language; eSpeak adds a voice variant after `+`."""
 
-HOW = f"a language without a pack is {' or '.join(f'{name}:CODE' for name in READERS)}"
-"""How to name such a language, for hints."""
+HOW = f"a language without a pack is {' or '.join(f'{name}:CODE' for name in IPA_ENGINES)}"
+"""The form of such a language's name, for hints."""
 
 
 def automatic(library: "Library", name: str) -> "Pack[Language] | None":
-    """Make a language of an engine's code; None where the name is not of that form."""
+    """Make the language for a name ENGINE:CODE; None for any other name."""
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Language
 
     engine, _, code = name.partition(":")
-    coded = CODE.fullmatch(code)
-    if engine not in READERS or coded is None:
+    coded = LANGUAGE_CODE.fullmatch(code)
+    if engine not in IPA_ENGINES or coded is None:
         return None
-    reader = READERS[engine]
+    reader = IPA_ENGINES[engine]
     common = library.common().model
     beyond = (p for p in common.phonemes if p not in {*common.base, common.silence})
     data: dict[str, Any] = {

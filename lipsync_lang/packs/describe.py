@@ -1,10 +1,10 @@
-"""What there is, and what a pack says, in words and as data."""
+"""Lists and descriptions of packs, as text and as data."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models import AtMost
-from lipsync_lang.packs.models.pose_models import FREE
+from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.yaml.faults import shown
 
 if TYPE_CHECKING:
@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 
 
 class Description(NamedTuple):
-    """The same thing twice: to read, and to compute with."""
+    """A description as text for people and as data for programs."""
 
     text: str
     data: Any
 
 
 def listing(library: "Library", kind: "Kind") -> Description:
-    """List every pack of a kind and where it lies; what is shadowed is said to be."""
+    """List every pack of a kind with its path; shadowed packs are marked."""
     rows = [
         {
             "name": found.name,
@@ -46,7 +46,7 @@ def listing(library: "Library", kind: "Kind") -> Description:
 
 
 def show(library: "Library", kind: "Kind", name: str) -> Description:
-    """Show one pose set or character; a language is `authoring.language`'s to describe."""
+    """Describe one pose set or character; `authoring.language` describes languages."""
     if kind == "poseset":
         return _poseset(library, library.poseset(name))
     return _character(library, library.character(name))
@@ -82,19 +82,19 @@ def _poseset(library: "Library", pack: "Pack[models.PoseSet]") -> Description:
 
 
 def _rules(model: "models.PoseSet") -> "Iterator[str]":
-    """Tell who yields to whom."""
+    """Describe the priority and the constraints of a pose set, a line each."""
     yield f"priority, lowest first: {' < '.join(model.priority) or 'none yields'}"
     for pair in model.constraints.pairs:
         if isinstance(pair, AtMost):
             yield f"{pair.pose} at most {pair.at_most}"
         else:
             yield f"{' + '.join(pair.between)} at most {pair.threshold:g}"
-    if model.constraints.default < FREE:
+    if model.constraints.default < NO_THRESHOLD:
         yield f"any other two at most {model.constraints.default:g}"
 
 
 def _checks(checks: "models.Checks") -> "Iterator[str]":
-    """Tell what a finished animation is held against."""
+    """Describe the checks of finished animations, a line each."""
     for name, rule in checks.rules.items():
         bounds = {"at least": rule.at_least, "at most": rule.at_most}
         told = " and ".join(f"{word} {n:g}" for word, n in bounds.items() if n is not None)
@@ -105,7 +105,7 @@ def _checks(checks: "models.Checks") -> "Iterator[str]":
 
 
 def _parts(library: "Library", poseset: str) -> "Iterator[str]":
-    """Tell which banks and rigs are found for a pose set."""
+    """List the banks and rigs of a pose set, a line each."""
     for word, paths in (("bank", library.banks_of(poseset)), ("rig", library.rigs_of(poseset))):
         yield from (f"{word} {path.stem}: {shown(path)}" for path in paths)
 
@@ -117,7 +117,7 @@ def _model(pack: "Pack[Any]", file: str | None) -> "Iterator[str]":
 
 
 def _sum(gains: "Mapping[str, float]") -> str:
-    """Write a sum of gain times pose, as people do."""
+    """Write a sum of gain times pose: ``jaw - 0.5 lips``."""
     terms = []
     for pose, gain in gains.items():
         times = "" if abs(gain) == 1 else f"{abs(gain):g} "
@@ -153,7 +153,7 @@ def _character(library: "Library", pack: "Pack[models.Character]") -> Descriptio
 
 
 def _level(value: object) -> str:
-    """Write a setting, or a level over words."""
+    """Write a setting, or a level that changes from word to word."""
     if not isinstance(value, tuple):
         return f"{value:g}" if isinstance(value, float) else str(value)
     if len(value) == 1:

@@ -1,8 +1,8 @@
-"""Changing a pack as its author would by hand: comments, order and untouched lines stay.
+"""Change a pack file and keep its comments, order and untouched lines.
 
-YAML is written out twice, before and after the change, and only what differs between the two
-goes into the author's own text. So a line that nobody touched keeps its spacing, quotes and
-line end, however the YAML library would write it.
+ruamel.yaml dumps the document twice, before and after the change. Only lines that differ between
+the two dumps go into the author's text. So an untouched line keeps its spacing, quotes and line
+end, even where ruamel.yaml would write it differently.
 """
 
 import re
@@ -18,8 +18,8 @@ from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import Data, YamlSource, read_bytes, read_yaml, scan
 
-WIDTH = 4096
-"""Characters; no line is ever folded."""
+LINE_CHARS = 4096
+"""Line width in characters; large enough that ruamel.yaml never folds a line."""
 
 Document = Any
 """ruamel.yaml's `CommentedMap`, which is untyped."""
@@ -31,15 +31,15 @@ def edit_pack(path: Path, change: Callable[[Document], None], *, create: str | N
     Parameters
     ----------
     path : the pack
-    change : gets the file as a mapping, and alters it in place
-    create : the text to start from where there is no such file
+    change : gets the file as a mapping, and changes it in place
+    create : initial text if the file does not exist
 
     Raises
     ------
     PackFaults
-        The file is unsound as it stands, or would be after the change; it stays as it was.
+        The file is faulty, or would be after the change; it stays as it was.
     PackError
-        The file cannot be opened, or there is none and nothing to start from.
+        The file cannot be opened, or does not exist and `create` is not given.
     OutputError
         The file cannot be written.
     """
@@ -50,7 +50,7 @@ def edit_pack(path: Path, change: Callable[[Document], None], *, create: str | N
 
 
 def write_edited(path: Path, content: bytes) -> None:
-    """Write a pack whole; raise `OutputError` where that cannot be done."""
+    """Write a whole pack file; raise `OutputError` if that fails."""
     with atomic(path, durable=True) as stream:
         stream.write(content)
 
@@ -58,20 +58,26 @@ def write_edited(path: Path, content: bytes) -> None:
 def add_entries(
     source: YamlSource, content: bytes, field: str, entries: Mapping[str, Sequence[str]]
 ) -> bytes:
-    """Add entries to a mapping at the top of a pack, behind those that are there.
+    """Append entries to a top-level mapping of a pack.
 
-    They go into the text as lines, so that no YAML library needs to write the pack anew; a
-    mapping within braces, which has no lines of its own, is left to one.
+    The entries are inserted as lines of text, which is far quicker than dumping the document.
+    ruamel.yaml is used only for a mapping in braces, into which no lines can be inserted.
 
     Parameters
     ----------
     source : the pack as read from `content`
-    entries : the lines of each, not yet indented
+    content : the file's bytes
+    field : the name of the mapping
+    entries : the lines of each entry, without indentation, by key
+
+    Returns
+    -------
+    The new bytes of the file
 
     Raises
     ------
     PackFaults
-        The pack would be unsound.
+        The pack would be faulty with the entries.
     """
     expected = [*(source.data.get(field) or {}), *entries]
     merged = _with_lines(source, content.decode("utf-8"), field, entries).encode()
@@ -95,7 +101,7 @@ def add_entries(
 
 
 def _extends(data: Data, old: Data, field: str, expected: Sequence[str]) -> bool:
-    """Say whether data is the old with just the expected keys in one field."""
+    """Return True if `data` is `old` with new keys in one field, and `expected` lists its keys."""
     if not isinstance(data, dict) or not isinstance(data.get(field), dict):
         return False
     before = old.get(field) or {}
@@ -109,7 +115,7 @@ def _extends(data: Data, old: Data, field: str, expected: Sequence[str]) -> bool
 def _with_lines(
     source: YamlSource, text: str, field: str, entries: Mapping[str, Sequence[str]]
 ) -> str:
-    """Put lines behind the last one of a field that is not blank or a comment."""
+    """Insert lines after the last line of a field that is neither blank nor a comment."""
     newline = "\r\n" if "\r\n" in text else "\n"
     lines = text.split("\n")
     inner = source.root.inner if isinstance(source.root.inner, dict) else {}
@@ -137,7 +143,7 @@ def _with_lines(
 
 
 def edited_text(path: Path, content: bytes, change: Callable[[Document], None]) -> bytes:
-    """Return what a pack's file holds after a change; see `edit_pack`."""
+    """Return the bytes of a pack file after a change; see `edit_pack`."""
     read_yaml(path, content)
     text = content.decode("utf-8")
     newline = "\r\n" if "\r\n" in text else "\n"
@@ -151,7 +157,8 @@ def edited_text(path: Path, content: bytes, change: Callable[[Document], None]) 
     written = scan(path, after.encode())
     merged = _transfer(lines, before, after).replace("\n", newline).encode()
     source = scan(path, merged)
-    if source.faults or source.data != written.data:  # never seen; the change matters more
+    if source.faults or source.data != written.data:
+        # Safety net: if the merge loses part of the change, give up the author's formatting.
         merged, source = after.replace("\n", newline).encode(), written
     _, faults = validated(source, name=_name(path))
     if faults:
@@ -160,7 +167,7 @@ def edited_text(path: Path, content: bytes, change: Callable[[Document], None]) 
 
 
 def flow(value: object) -> Document:
-    """Return plain data as YAML writes it on one line: ``[[0, 0], [1, 1]]``."""
+    """Return plain data as a document that is dumped on one line: ``[[0, 0], [1, 1]]``."""
     from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
     made: Document
@@ -175,18 +182,18 @@ def flow(value: object) -> Document:
 
 
 def _name(path: Path) -> str:
-    """Return the name that belongs to a file: its own, or its folder's for a pose set."""
+    """Return the name a pack in this file must have: the file's, or for a pose set the folder's."""
     from lipsync_lang.packs.finding import POSESET
 
     return path.parent.name if path.name == POSESET else path.stem
 
 
 def _yaml(text: str) -> Document:
-    """Make a reader and writer that keeps to the habits of a text."""
+    """Return a ruamel.yaml instance with the indentation of a text."""
     from ruamel.yaml import YAML
 
     yaml = YAML()
-    yaml.width = WIDTH
+    yaml.width = LINE_CHARS
     yaml.preserve_quotes = True
     yaml.allow_unicode = True
     mapping, offset = _indents(text)
@@ -195,7 +202,7 @@ def _yaml(text: str) -> Document:
 
 
 def _indents(text: str) -> tuple[int, int]:
-    """Return how far a text indents mappings, and the dashes of lists."""
+    """Return the indentation of mappings and of list dashes in a text, in spaces."""
     block = re.compile(
         r"^( *)[^\s#-][^\n]*:[ \t]*(?:#[^\n]*)?\n(?:[ \t]*(?:#[^\n]*)?\n)*( *)(- )?", re.MULTILINE
     )
@@ -220,7 +227,7 @@ def _dump(document: Document, text: str) -> str:
 
 
 def _transfer(text: str, before: str, after: str) -> str:
-    """Bring what changed from `before` to `after` into `text`, which says the same as `before`."""
+    """Apply the changes from `before` to `after` to `text`, which has the same data as `before`."""
     own, old, new = (t.splitlines(keepends=True) for t in (text, before, after))
     place = _places(own, old)
     out: list[str] = []
@@ -230,7 +237,7 @@ def _transfer(text: str, before: str, after: str) -> str:
 
 
 def _places(own: Sequence[str], old: Sequence[str]) -> list[int]:
-    """Map every gap between lines of `old` to one of `own`; spaces make no difference."""
+    """Map each line boundary of `old` to one of `own`; lines are compared without spaces."""
     bare, bare_old = (["".join(line.split()) for line in lines] for lines in (own, old))
     place = [0] * (len(old) + 1)
     for _, first, last, start, stop in _opcodes(bare, bare_old):
@@ -242,7 +249,10 @@ def _places(own: Sequence[str], old: Sequence[str]) -> list[int]:
 
 
 def _opcodes(one: Sequence[str], other: Sequence[str]) -> list[tuple[str, int, int, int, int]]:
-    """Say how two texts differ; what they share at both ends is cut off first, for speed."""
+    """Return difflib's opcodes between two texts.
+
+    `SequenceMatcher` is quadratic, so the common head and tail are cut off first.
+    """
     short = min(len(one), len(other))
     head = next((n for n in range(short) if one[n] != other[n]), short)
     tail = next((n for n in range(short - head) if one[-1 - n] != other[-1 - n]), short - head)

@@ -1,4 +1,4 @@
-"""A language that states only what differs from another, read as a whole."""
+"""Merge a language with the language it extends, which may extend another."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -10,20 +10,20 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
     from lipsync_lang.packs.models import Language
 
-WHOLE = ("g2p", "tts", "audio", "automatic")
-"""Fields that a child has as a whole or not at all."""
+REPLACED_FIELDS = ("g2p", "tts", "audio", "automatic")
+"""Fields that a child replaces as a whole, or inherits."""
 
-BY_LABEL = ("adds", "durations", "words", "examples", "reasons")
-"""Fields in which a child's entries stand over its parent's."""
+MERGED_FIELDS = ("adds", "durations", "words", "examples", "reasons")
+"""Mappings that are merged; a child's entry replaces its parent's."""
 
 
 def extended(library: "Library", path: Path) -> "Pack[Language]":
-    """Load a language with everything it takes over.
+    """Load a language with everything that it inherits.
 
     Raises
     ------
     PackFaults
-        One of the files is unsound, the parent is unknown, or the languages run in a circle.
+        A file is faulty, a parent is unknown, or the languages extend each other in a circle.
     """
     from lipsync_lang.packs.library import Pack
 
@@ -35,10 +35,10 @@ def extended(library: "Library", path: Path) -> "Pack[Language]":
 
 
 def merge(parent: "Language", child: "Language") -> "Language":
-    """Lay a language over the one it extends; its own tests only are its tests."""
+    """Merge a child into its parent; tests are not inherited."""
     stated = child.model_fields_set
-    taken = {name: getattr(parent, name) for name in WHOLE if name not in stated}
-    taken |= {name: {**getattr(parent, name), **getattr(child, name)} for name in BY_LABEL}
+    taken = {name: getattr(parent, name) for name in REPLACED_FIELDS if name not in stated}
+    taken |= {name: {**getattr(parent, name), **getattr(child, name)} for name in MERGED_FIELDS}
     taken["silence"] = tuple(dict.fromkeys((*parent.silence, *child.silence)))
     notations = {name: dict(labels) for name, labels in parent.notations.items()}
     for name, labels in child.notations.items():
@@ -47,7 +47,7 @@ def merge(parent: "Language", child: "Language") -> "Language":
 
 
 def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
-    """Load a language, its parent, and so on to the last."""
+    """Load a language and its ancestors, nearest first."""
     line: list[Pack[Language]] = []
     while True:
         pack = cast("Pack[Language]", library.load(path, "language", path.stem))
@@ -65,7 +65,7 @@ def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
             fault = pack.fault(("extends",), "P210", f"unknown language '{parent}'", hint)
             raise library.failing(fault) from None
         if path.stem == pack.path.stem:
-            # one that extends its own name means the one it shadows
+            # A language that extends its own name extends the pack that it shadows.
             path = library.beneath(pack.path) or path
         if path in {member.path for member in line}:
             names = " -> ".join([*(member.model.name for member in line), path.stem])

@@ -1,8 +1,8 @@
-"""Where packs are found, without reading any YAML.
+"""Find pack files by name, without parsing YAML.
 
-Places are searched in order: the folders given, those of the environment variable, the
-project, installed distributions, and what comes with the program. The first pack of a name
-shadows the others.
+Folders are searched in this order: the folders given, those of the environment variable, the
+project, installed distributions, and the built-in packs. The first pack of a name shadows the
+others.
 """
 
 import os
@@ -25,41 +25,45 @@ Paths = str | Path | Iterable[str | Path]
 """One folder of packs, or several, in the order of search; a file stands for its pack alone."""
 
 GROUP = "lipsync_lang.packs"
-"""The entry point group of distributions that bring packs."""
+"""The entry point group of distributions with packs."""
 
-VARIABLE = "LIPSYNC_LANG_PATH"
+PATH_VARIABLE = "LIPSYNC_LANG_PATH"
 """The environment variable that lists folders to search."""
 
 COMMON = "common"
-"""The file of `languages` that states the common phonemes, and is no language."""
+"""The file of `languages` with the common phonemes; it is not a language."""
 
 IPA = "ipa"
-"""The file of `languages` that states the IPA, its kind of pack, and the notation it is for."""
+"""Name of the IPA's file in `languages`, of its kind of pack, and of its notation."""
 
 SHARED = {COMMON: "phonemes", IPA: IPA}
-"""The files of `languages` that are no languages, and the kind of pack in each."""
+"""Files of `languages` that are not languages, with their kinds of pack."""
 
 FOLDERS: dict[Kind, str] = {
     "language": "languages",
     "poseset": "posesets",
     "character": "characters",
 }
-"""The folder in which packs of a kind lie."""
+"""The folder of each kind of pack."""
 
 POSESET = "poseset.yaml"
-"""The file of a pose set's folder that states its poses."""
+"""The file with the poses, in a pose set's folder."""
 
 BENEATH = "beneath"
-"""The kind of look-up that finds what a file shadows."""
+"""The kind of look-up for the pack that a file shadows."""
 
 SUFFIXES = (".yaml", ".yml")
 """How text ends that names a pack's file."""
 
 PARTS = {"banks": "bank", "rigs": "rig"}
-"""The folders of a pose set, and the kind of pack in each."""
+"""The folders within a pose set, with their kinds of pack."""
 
-WORDS: dict[Kind, str] = {"language": "language", "poseset": "pose set", "character": "character"}
-"""What messages call each kind."""
+KIND_WORDS: dict[Kind, str] = {
+    "language": "language",
+    "poseset": "pose set",
+    "character": "character",
+}
+"""The name of each kind in messages."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 _KIND = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
@@ -74,7 +78,7 @@ class Root(NamedTuple):
 
 
 class FoundPack(NamedTuple):
-    """A pack that exists, and the one that is found in its place, if any."""
+    """A pack file, and the file that shadows it, if any."""
 
     name: str
     path: Path
@@ -83,7 +87,7 @@ class FoundPack(NamedTuple):
 
 
 class Finder:
-    """The pack files that can be found from here.
+    """Finds pack files by kind and name.
 
     Parameters
     ----------
@@ -93,7 +97,7 @@ class Finder:
     Attributes
     ----------
     roots : the folders searched, in order, each once
-    missing : entry points of installed distributions whose packs cannot be found
+    missing : entry points of installed distributions whose folders do not exist
     """
 
     def __init__(self, paths: Paths = (), project: Path | None = Path()) -> None:
@@ -104,7 +108,7 @@ class Finder:
         self.roots = tuple(self._search())
 
     def names(self, kind: Kind) -> list[FoundPack]:
-        """List every pack of a kind, shadowed ones included, by name and then by order."""
+        """List every pack of a kind, shadowed packs included, by name and then search order."""
         found: list[FoundPack] = []
         first: dict[str, Path] = {}
         for root in self.roots:
@@ -116,27 +120,26 @@ class Finder:
     def find(self, kind: Kind, name: str) -> Path:
         """Return the file of the first pack of that name.
 
-        A language answers to its tag and aliases as well, where no file has the name. Upper and
-        lower case, `_` and `-` are the same in them, and a longer tag that no language has falls
-        back to a shorter one.
+        If no file has the name, languages are searched by tag and alias. Case is ignored there,
+        and `_` equals `-`. An unknown tag falls back to a shorter one: `pt-BR` to `pt`.
 
         Raises
         ------
         PackError
-            There is none; the message names the nearest.
+            No pack has the name; the message suggests the nearest.
         """
         for path in self.lookup(kind, name):
             return Path(path)
         raise self.unknown(name, kind)
 
     def lookup(self, kind: str, name: str) -> tuple[str, ...]:
-        """Return the files found for a name, in order; none where there are none.
+        """Return the files found for a name, in order; empty if there are none.
 
-        Beyond the kinds that have names of their own, `phonemes` finds the common phonemes, and
-        the kind of the IPA its features; `beneath` finds the language that the file of that name
-        shadows; `banks` and `rigs` those of a pose set: beside it, and before those in the same
-        place of every folder that is searched earlier, so that a project adds to a pose set it
-        does not own.
+        Besides the kinds with names, there are these kinds of look-up. `phonemes` finds the common
+        phonemes, and the kind of the IPA its features. `beneath` takes the path of a language's
+        file, and finds the language that it shadows. `banks` and `rigs` find those of a pose set.
+        A folder searched before the pose set's own may hold banks and rigs for it, so that a
+        project can extend a pose set of another owner; these come first.
         """
         if kind in SHARED.values():
             shared = (root.path / FOLDERS["language"] / f"{name}.yaml" for root in self.roots)
@@ -145,7 +148,7 @@ class Finder:
             return tuple(map(str, self._beneath(Path(name))))[:1]
         if kind in PARTS:
             return tuple(map(str, self._parts(kind, name)))
-        if kind not in WORDS:
+        if kind not in KIND_WORDS:
             raise ValueError(f"nothing of kind {kind!r} can be looked up")
         path = self._first(kind, name)
         if path is None and kind == "language":
@@ -153,9 +156,9 @@ class Finder:
         return () if path is None else (str(path),)
 
     def unknown(self, name: str, *kinds: Kind) -> PackError:
-        """Return the error that says there is no such pack, and which one may be meant."""
+        """Return the error for an unknown name; it suggests the nearest known name."""
         known = {found.name for kind in kinds for found in self.names(kind)}
-        return PackError(f"unknown {WORDS[kinds[0]]} '{name}': {did_you_mean(name, known)}")
+        return PackError(f"unknown {KIND_WORDS[kinds[0]]} '{name}': {did_you_mean(name, known)}")
 
     def _first(self, kind: Kind, name: str) -> Path | None:
         found = (self._list(root.path, kind).get(name) for root in self.roots)
@@ -172,10 +175,9 @@ class Finder:
                 return
 
     def _answering(self, name: str) -> Path | None:
-        """Find the first language that answers to a name which is no file's.
+        """Return the first language that has the name as its tag or alias, or None.
 
-        A tag or an alias comes before a file's name in other letters, and both before a shorter
-        tag.
+        Order of preference: tag or alias, file name in another case, tag shortened at a hyphen.
         """
         answers: dict[str, Path] = {}
         names: dict[str, Path] = {}
@@ -193,13 +195,13 @@ class Finder:
         return answers.get(asked)
 
     def _beneath(self, path: Path) -> Iterator[Path]:
-        """Yield the languages of a file's name that are found after it."""
+        """Yield the languages that a file shadows, in search order."""
         found = [self._list(root.path, "language").get(path.stem) for root in self.roots]
         if path in found:
             yield from (other for other in found[found.index(path) + 1 :] if other is not None)
 
     def _list(self, root: Path, kind: Kind) -> dict[str, Path]:
-        """Map the names of a folder's packs to their files, in order of name."""
+        """Map pack names to files for one folder, sorted by name; listed once and remembered."""
         key = root, kind
         if key not in self._listed:
             one = _alone(root, kind) if root.is_file() else None
@@ -220,9 +222,9 @@ class Finder:
             if not path.is_dir() and not path.is_file():
                 raise PackError(f"{path}: no such folder; name one that holds packs")
             yield path, "path"
-        for entry in os.environ.get(VARIABLE, "").split(os.pathsep):
+        for entry in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
             if entry and Path(entry).is_dir():
-                yield Path(entry).absolute(), VARIABLE
+                yield Path(entry).absolute(), PATH_VARIABLE
         if self.project is not None:
             yield self.project, "project"
         for entry_point in installed(GROUP):
@@ -284,21 +286,24 @@ def _refuse_other(path: Path, kind: str) -> None:
 
 
 def beside(pack: Path, name: str) -> Path | None:
-    """Return a file that a pack names, if it exists and lies within the folder of the packs."""
+    """Return the path of a file named by a pack, or None if it is missing.
+
+    A file outside the folder above the pack's counts as missing: a pack may not read it.
+    """
     path = pack.parent / name
     within = path.resolve().is_relative_to(pack.parent.parent.resolve())
     return path if within and path.is_file() else None
 
 
 def built_in() -> Path:
-    """Return the folder of the packs that come with the program."""
+    """Return the folder of the built-in packs."""
     package = Path(__file__).resolve().parents[1]
     carried = package / "data"
     return carried if (carried / FOLDERS["language"]).is_dir() else package.parent
 
 
 def location(entry_point: "EntryPoint") -> Path | None:
-    """Return the folder that an entry point names, without running any of its code."""
+    """Return the folder that an entry point names, or None; no code of it is run."""
     from importlib.util import find_spec
 
     top, *rest = entry_point.value.split(":")[0].strip().split(".")
@@ -316,7 +321,7 @@ def location(entry_point: "EntryPoint") -> Path | None:
 
 
 def entries(folder: Path) -> list[Path]:
-    """List a folder in order of name; a missing one is empty."""
+    """List a folder in order of name; a missing folder counts as empty."""
     try:
         return sorted(folder.iterdir())
     except OSError:
@@ -336,7 +341,7 @@ def _packs(folder: Path, kind: Kind) -> dict[str, Path]:
     found = yaml_files(folder)
     if kind == "language":
         return {name: path for name, path in found.items() if name not in SHARED}
-    # a character's banks lie beside it
+    # A character's banks lie beside it and are not characters.
     return {name: path for name, path in found.items() if _stated(_KIND, path) != "bank"}
 
 
@@ -347,7 +352,7 @@ def _alone(path: Path, kind: Kind) -> dict[str, Path]:
 
 
 def _stated(field: "re.Pattern[bytes]", path: Path) -> str:
-    """Return what a file states in a plain field, without reading YAML."""
+    """Return the first group of a pattern in a file; empty if absent."""
     try:
         found = field.search(read_bytes(path))
     except PackError:

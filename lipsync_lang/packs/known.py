@@ -1,4 +1,4 @@
-"""Which common phonemes there are, in all languages together."""
+"""The common phonemes of all languages together."""
 
 from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
@@ -11,12 +11,14 @@ if TYPE_CHECKING:
 
 
 class Known(Collection[str]):
-    """Phonemes of every language: reads all their packs, but only for one not declared in common.
+    """Phonemes of every language, loaded lazily.
+
+    Loading every language is slow, so `in` does so only for a label missing from `common`.
 
     Parameters
     ----------
-    common : those that are declared in common
-    more : finds those that languages declare themselves
+    common : phonemes of the common pack
+    more : returns the phonemes that languages add
     """
 
     def __init__(self, common: set[str], more: Callable[[], set[str]]) -> None:
@@ -37,7 +39,7 @@ class Known(Collection[str]):
 
 
 def added_by(library: "Library", language: str) -> set[str]:
-    """Return what a language adds; nothing where it is unsound."""
+    """Return the phonemes that a language adds; empty if its pack is faulty."""
     try:
         return set(library.language(language).model.adds)
     except PackError:
@@ -45,7 +47,7 @@ def added_by(library: "Library", language: str) -> set[str]:
 
 
 def known(library: "Library", common: Collection[str]) -> Known:
-    """Return the phonemes of every language that a library finds."""
+    """Return the phonemes of every language in a library."""
 
     def added() -> set[str]:
         names = {found.name for found in library.names("language")}

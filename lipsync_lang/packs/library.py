@@ -1,7 +1,7 @@
-"""Packs by name: found, read, and checked for their form.
+"""Load packs by name, and validate each against its model.
 
-Every look-up and every file read is noted, so that what was compiled from them can be kept as
-long as both stay the same.
+The library records every look-up and every file it reads. The cache of compiled pairs is valid
+as long as both are unchanged.
 """
 
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ M = TypeVar("M", bound="models.PackModel")
 
 
 class FilePlace(NamedTuple):
-    """A place in a file; prints itself."""
+    """A place in a file; `str` gives ``file:line:column``."""
 
     file: Path
     line: int
@@ -49,10 +49,9 @@ class FilePlace(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Pack(Generic[M]):
-    """A pack that has been loaded: what it says, and where it says it.
+    """A validated pack, with the files that state it.
 
-    `sources` are the files that state it, the nearest first: a language that extends another
-    stands in two.
+    `sources` has one file, or several for a language that extends another, the child first.
     """
 
     model: M
@@ -74,24 +73,24 @@ class Pack(Generic[M]):
         return tuple(source.data["name"] for source in self.sources)
 
     def where(self, loc: Loc, *, key: bool = False) -> FilePlace:
-        """Return the place that states the value at `loc`, or its key."""
+        """Return the place of the value at `loc`, or of its key, in the file that states it."""
         source = max(self.sources, key=lambda s: s.known(loc))
         return FilePlace(source.path, *source.where(loc, key=key))
 
     def fault(self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False) -> Fault:
-        """Return a fault at the place that states the value at `loc`."""
+        """Return a fault at the place of the value at `loc`."""
         place = self.where(loc, key=key)
         return Fault(shown(place.file), place.line, place.column, code, what, hint)
 
     def warning(
         self, loc: Loc, code: str, what: str, hint: str = "", *, key: bool = False
     ) -> Fault:
-        """Return a warning at the place that states the value at `loc`."""
+        """Return a warning at the place of the value at `loc`."""
         return replace(self.fault(loc, code, what, hint, key=key), severity="warning")
 
 
 class Library:
-    """The packs that can be found from here.
+    """The packs in all folders searched.
 
     Parameters
     ----------
@@ -100,9 +99,9 @@ class Library:
 
     Attributes
     ----------
-    lookups : (kind, name) -> the files found for it, in order; `Finder.lookup` repeats it
+    lookups : (kind, name) -> files found, in order; `Finder.lookup` repeats a look-up
     files : path -> SHA-256 of the bytes read
-    faults : every fault met so far, in order
+    faults : every fault found so far, in order
     """
 
     def __init__(self, paths: Paths = (), project: Path | None = Path()) -> None:
@@ -119,16 +118,16 @@ class Library:
         return self.finder.roots
 
     def names(self, kind: Kind) -> list[FoundPack]:
-        """List every pack of a kind, shadowed ones included, by name and then by order."""
+        """List every pack of a kind, shadowed packs included, by name and then search order."""
         return self.finder.names(kind)
 
     def find(self, kind: Kind, name: str) -> Path:
-        """Return the file of the first pack of that name, or of a language that answers to it.
+        """Return the file of the first pack of that name; languages are found by tag as well.
 
         Raises
         ------
         PackError
-            There is none; the message names the nearest.
+            No pack has the name; the message suggests the nearest.
         """
         found = self._lookup(kind, name)
         if not found:
@@ -152,12 +151,12 @@ class Library:
         return cast("Pack[models.Ipa]", self.load(found[0], SHARED[IPA], IPA))
 
     def language(self, name: str) -> "Pack[models.Language]":
-        """Load a language, what it extends included; ENGINE:CODE needs no pack.
+        """Load a language merged with its parents; a name ENGINE:CODE needs no pack.
 
         Raises
         ------
         PackError
-            There is none, or it is unsound.
+            No language has the name, or its pack is faulty.
         """
         from lipsync_lang.packs.automatic import HOW, automatic
         from lipsync_lang.packs.extending import extended
@@ -172,7 +171,7 @@ class Library:
         return made
 
     def beneath(self, path: Path) -> Path | None:
-        """Return the language that the file of that name shadows, if there is one."""
+        """Return the file of the language that the file `path` shadows, or None."""
         return next(iter(self._lookup(BENEATH, str(path))), None)
 
     def poseset(self, name: str) -> "Pack[models.PoseSet]":
@@ -199,7 +198,7 @@ class Library:
         return self._lookup("rigs", poseset)
 
     def character(self, name: str) -> "Pack[models.Character]":
-        """Load a character; a pose set's name stands for its bare self."""
+        """Load a character; the name of a pose set gives a character without edits."""
         found = self._lookup("character", name)
         if found:
             return cast("Pack[models.Character]", self.load(found[0], "character", found[0].stem))
@@ -213,7 +212,7 @@ class Library:
         return Pack(bare, poseset.sources)
 
     def character_banks(self, character: "Pack[models.Character]") -> "list[Pack[models.BankPack]]":
-        """Load the bank files that a character names, in its order."""
+        """Load a character's own bank files, in the order stated."""
         paths = []
         for number, name in enumerate(character.model.banks):
             path = beside(character.path, name)
@@ -230,12 +229,12 @@ class Library:
     def load(
         self, path: Path, kind: str | None = None, name: str | None = None
     ) -> "Pack[models.PackModel]":
-        """Load one file, of any kind and name unless these are given.
+        """Load one file; `kind` and `name`, if given, must match.
 
         Raises
         ------
         PackFaults
-            The file is unsound; every fault of its form.
+            The file does not fit its model; the error lists every fault.
         """
         model, source, faults = self.inspect(path, kind, name)
         if faults or model is None:
@@ -243,7 +242,7 @@ class Library:
         return Pack(model, (source,))
 
     def inspect(self, path: Path, kind: str | None = None, name: str | None = None) -> "_Inspected":
-        """Read one file once: its model, or None, its source, and the faults of its form."""
+        """Return the model (None if faulty), source and faults of a file, which is read once."""
         key = path, kind, name
         if key not in self._loaded:
             from lipsync_lang.packs.models.validation import validated
@@ -257,7 +256,7 @@ class Library:
         return self._loaded[key]
 
     def failing(self, *faults: Fault) -> PackFaults:
-        """Note faults, and return them as an error to raise."""
+        """Record faults, and return an error that carries them."""
         self.faults.extend(faults)
         return PackFaults(faults)
 
@@ -279,7 +278,7 @@ class Library:
 
 
 class _Inspected(NamedTuple):
-    """One file as it was read."""
+    """A file with its model, its data and its faults."""
 
     model: "models.PackModel | None"
     source: YamlSource

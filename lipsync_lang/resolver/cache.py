@@ -44,13 +44,13 @@ ARRAYS = (
 MAX_CACHE_BYTES = 2 * 2**30
 """All pairs together; a pair of the built-in packs takes 1 to 9 MB. Beyond it the oldest go."""
 
-VARIABLE = "LIPSYNC_LANG_CACHE"
+CACHE_VARIABLE = "LIPSYNC_LANG_CACHE"
 """Environment variable: another folder for the cache, or `off`."""
 
 
 def folder() -> Path | None:
     """Return where compiled pairs are kept; None where the user wants no cache."""
-    named = os.environ.get(VARIABLE)
+    named = os.environ.get(CACHE_VARIABLE)
     if named is not None:
         return None if named in ("", "off") else Path(named)
     from platformdirs import user_cache_path
@@ -101,7 +101,7 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
         return
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if VARIABLE not in os.environ:  # a folder that the user named stays as open as it is
+        if CACHE_VARIABLE not in os.environ:  # a folder that the user named stays as open as it is
             path.parent.chmod(0o700)
         with atomic(path) as stream:
             stream.write(_encode(compiled, key, library))

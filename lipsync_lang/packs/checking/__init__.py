@@ -1,1 +1,1 @@
-"""Checks of packs: within one file, between files, and all of them at once."""
+"""Checks of packs beyond their models: within a file, and between files."""

@@ -1,4 +1,4 @@
-"""Rules of a pose set that work against each other."""
+"""Find contradictions between the constraints, priorities and contacts of a pose set."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -6,21 +6,22 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 from lipsync_lang.packs.models import AtMost, BankPack, PoseSet, Threshold
-from lipsync_lang.packs.models.pose_models import FREE
+from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.yaml.faults import Fault
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.yaml.source import Loc
 
-ROUNDING = 1e-9
-"""0.9 and 0.8 come to no more than 1.7."""
+SUM_TOLERANCE = 1e-9
+"""Tolerance for sums of floats: 0.9 + 0.8 must not exceed 1.7."""
 
 
 def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None) -> Iterator[Fault]:
-    """Yield what keeps constraints from being met, or contacts from being seen.
+    """Yield faults that make constraints impossible or hide contacts.
 
-    `banks` are those of the pose set; None where nobody knows how far their curves reach.
+    `banks` are the pose set's banks; None if one cannot be loaded, which skips the checks of
+    thresholds that no curve reaches.
     """
     yield from _pairs(poseset)
     yield from _level(poseset)
@@ -36,37 +37,37 @@ def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None)
 
 @dataclass(frozen=True)
 class _Order:
-    """Who yields to whom in a pose set."""
+    """The priorities and thresholds of a pose set."""
 
     model: PoseSet
 
     def rank(self, pose: str) -> int:
-        """Return the place in `priority`; poses not named stand above all."""
+        """Return a pose's index in `priority`; unlisted poses rank above all others."""
         order = self.model.priority
         return order.index(pose) if pose in order else len(order)
 
     def binds(self, pair: Threshold | AtMost) -> bool:
-        """Say whether a pair is of known poses, and has a threshold that two weights can pass."""
+        """Return True for a pair of known poses with a threshold below `NO_THRESHOLD`."""
         if not isinstance(pair, Threshold) or not set(pair.between) <= set(self.model.poses):
             return False
-        return pair.threshold < FREE
+        return pair.threshold < NO_THRESHOLD
 
     def threshold(self, one: str, other: str) -> float:
-        """Return what two poses may add up to."""
+        """Return the largest sum of two poses."""
         for pair in self.model.constraints.pairs:
             if isinstance(pair, Threshold) and set(pair.between) == {one, other}:
                 return pair.threshold
         return self.model.constraints.default
 
     def unlisted(self, poses: Iterable[str]) -> Iterator[tuple[str, str]]:
-        """Yield the pairs of some poses for which the default threshold stands."""
+        """Yield the pairs of the given poses that have the default threshold."""
         pairs = self.model.constraints.pairs
         listed = {frozenset(p.between) for p in pairs if isinstance(p, Threshold)}
         yield from (pair for pair in combinations(poses, 2) if frozenset(pair) not in listed)
 
 
 def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """No pair is constrained twice, none with itself, and in each one pose yields."""
+    """Check that no pair is constrained twice or with itself, and that one of its poses yields."""
     order = _Order(poseset.model)
     seen: dict[tuple[object, ...], int] = {}
     for index, pair in enumerate(poseset.model.constraints.pairs):
@@ -89,9 +90,9 @@ def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _level(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Of two poses that the default threshold binds, one yields."""
+    """Check that one pose yields in each pair with the default threshold."""
     model = poseset.model
-    if model.constraints.default >= FREE or not set(model.priority) <= set(model.poses):
+    if model.constraints.default >= NO_THRESHOLD or not set(model.priority) <= set(model.poses):
         return
     level = [pose for pose in model.poses if pose not in model.priority]
     tied = dict.fromkeys(pose for pair in _Order(model).unlisted(level) for pose in pair)
@@ -102,7 +103,7 @@ def _level(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _circles(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """No pose waits, through `at_most`, for itself."""
+    """Check that `at_most` constraints form no circle."""
     rules = [
         (index, pair.pose, pair.at_most)
         for index, pair in enumerate(poseset.model.constraints.pairs)
@@ -120,7 +121,7 @@ def _circles(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def path_between(waits: Mapping[str, Collection[str]], start: str, goal: str) -> tuple[str, ...]:
-    """Return how `start` waits for `goal`, or nothing."""
+    """Return the nodes on a path from `start` to `goal`; empty if there is none."""
     came: dict[str, str] = {start: ""}
     todo = [start]
     while todo:
@@ -138,7 +139,7 @@ def path_between(waits: Mapping[str, Collection[str]], start: str, goal: str) ->
 
 
 def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
-    """Map each contact pose to its highest floor and the contact that sets it."""
+    """Map each pose with a floor to its highest floor and the contact that sets it."""
     floors: dict[str, tuple[float, str]] = {}
     for name, contact in model.contacts.items():
         for pose, floor in contact.floor.items():
@@ -148,6 +149,7 @@ def _floors(model: PoseSet) -> dict[str, tuple[float, str]]:
 
 
 def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that no pose with a floor yields to a pose without one."""
     model, order, floors = poseset.model, _Order(poseset.model), _floors(poseset.model)
     misspelt = not set(model.priority) <= set(model.poses)
     ranked = [pose for pose in model.poses if pose in model.priority or not misspelt]
@@ -155,7 +157,7 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
         loc = ("contacts", name, "floor", pose)
         for other in ranked:
             above = order.rank(other) > order.rank(pose) and other not in floors
-            if above and order.threshold(pose, other) < FREE:
+            if above and order.threshold(pose, other) < NO_THRESHOLD:
                 what = f"'{pose}' has to yield to '{other}', so that the contact may not be seen"
                 hint = f"put '{pose}' after '{other}' in `priority`"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
@@ -171,10 +173,11 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that the threshold of two poses leaves room for both of their floors."""
     model, order = poseset.model, _Order(poseset.model)
     for (one, (low, _)), (other, (high, _)) in combinations(_floors(model).items(), 2):
         threshold = order.threshold(one, other)
-        if threshold < min(FREE, low + high - ROUNDING):
+        if threshold < min(NO_THRESHOLD, low + high - SUM_TOLERANCE):
             index = next(
                 (
                     n
@@ -193,6 +196,7 @@ def _together(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
+    """Check that no pose has a ceiling in one contact and a floor in another."""
     floors = _floors(poseset.model)
     for name, contact in poseset.model.contacts.items():
         for pose in contact.ceiling:
@@ -203,7 +207,7 @@ def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _idle(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Every contact demands something."""
+    """Check that every contact has a floor above 0 or a ceiling below 1."""
     for name, contact in poseset.model.contacts.items():
         if not any(contact.floor.values()) and all(top == 1 for top in contact.ceiling.values()):
             what = f"contact '{name}' demands nothing: no floor above 0, no ceiling below 1"
@@ -212,7 +216,7 @@ def _idle(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _unprepared(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """The target of a phoneme goes where its contacts will have it anyway."""
+    """Check that the target of a phoneme meets the floors and ceilings of its contacts."""
     targets = poseset.model.targets
     for name, contact in poseset.model.contacts.items():
         for phoneme in (label for label in contact.phonemes if label in targets):
@@ -232,7 +236,7 @@ def _unprepared(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:
-    """Map each pose that targets or banks move to its greatest weight, contacts included."""
+    """Map each pose to its largest weight in targets, banks and floors."""
     stated = [
         *(pair for steps in model.targets.values() for t in steps for pair in t.weights.items()),
         *(
@@ -254,13 +258,13 @@ def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:
 
 
 def _unreached(poseset: "Pack[PoseSet]", reach: Mapping[str, float]) -> Iterator[Fault]:
-    """Every threshold is one that two poses can pass."""
+    """Check that the poses of each threshold can exceed it."""
     constraints = poseset.model.constraints
     for index, pair in enumerate(constraints.pairs):
         if isinstance(pair, Threshold) and set(pair.between) <= set(reach):
             one, other = pair.between
             together = reach[one] + reach[other]
-            if together <= pair.threshold < FREE and one != other:
+            if together <= pair.threshold < NO_THRESHOLD and one != other:
                 what = (
                     f"'{one}' and '{other}' never add up to more than {pair.threshold:g}: "
                     f"they reach {reach[one]:g} and {reach[other]:g}"
@@ -268,7 +272,11 @@ def _unreached(poseset: "Pack[PoseSet]", reach: Mapping[str, float]) -> Iterator
                 loc = ("constraints", "pairs", index, "threshold")
                 yield poseset.warning(loc, "W313", what, "lower the threshold, or drop the pair")
     pairs = [*_Order(poseset.model).unlisted(poseset.model.poses)]
-    if constraints.default < FREE and pairs and {p for pair in pairs for p in pair} <= set(reach):
+    if (
+        constraints.default < NO_THRESHOLD
+        and pairs
+        and {p for pair in pairs for p in pair} <= set(reach)
+    ):
         one, other = max(pairs, key=lambda pair: reach[pair[0]] + reach[pair[1]])
         if reach[one] + reach[other] <= constraints.default:
             what = f"'{one}' and '{other}' never add up to more than {reach[one] + reach[other]:g}"

@@ -1,4 +1,4 @@
-"""Checks of the IPA as data: its words, features and letters exist."""
+"""Check that the words, features, letters and marks used in the IPA pack are defined there."""
 
 from collections.abc import Collection, Iterable, Iterator
 from typing import TYPE_CHECKING
@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models.language_models import Phonemes
 
 CARRIER = "\u25cc"
-"""The dotted circle on which a mark is written that needs a carrier."""
+"""The dotted circle, which carries a combining mark in text."""
 
 
 def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
-    """Everything the IPA is described by is described itself."""
+    """Yield a fault for each undefined name that the IPA pack uses."""
     model = ipa.model
     for term, features in model.terms.items():
         yield from _features(ipa, ("terms", term), features)
@@ -48,7 +48,7 @@ def _marks(ipa: "Pack[Ipa]") -> Iterator[Fault]:
 
 
 def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
-    """Every letter that another entry speaks of has an entry itself."""
+    """Check that every letter and mark named by another entry is defined."""
     model = ipa.model
     letters = {_plain(letter) for letter in model.letters}
     marks = {_plain(mark) for mark in model.marks}
@@ -92,7 +92,7 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
 
 
 def _unread(text: str, known: Collection[str]) -> str:
-    """Return what is left of a text from the first character on that nobody knows."""
+    """Return the rest of a text from its first unknown character on; empty if all are known."""
     while text:
         length = next((n for n in range(len(text), 0, -1) if text[:n] in known), 0)
         if not length:

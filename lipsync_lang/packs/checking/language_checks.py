@@ -1,6 +1,6 @@
-"""What a language pack says of its sounds, compared with itself: labels, rules, inventory, tests.
+"""Check a language pack against itself: labels, rules, inventory and tests.
 
-Everything here needs the pack alone; what its tests become is `authoring.trial`'s business.
+These checks need the pack alone. `authoring.trial` runs the tests with their engine.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,23 +20,23 @@ if TYPE_CHECKING:
 
 
 def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
-    """Labels are told apart, and rules speak of labels that there are and can fire."""
+    """Check that labels are distinct, and that rules use known labels and can fire."""
     yield from _twice(language)
     yield from _rules(language)
 
 
 def check_claims(language: "Pack[models.Language]") -> Iterator[Fault]:
-    """The inventory is whole, tests agree with the maps, and nothing is told of what is not there.
+    """Check the inventory, the tests, and the labels of examples and reasons.
 
-    What is wrong here is wrong to rely on; it keeps nobody from performing.
+    These faults concern claims about the language; a pack with them can still be performed.
     """
     yield from _inventory(language)
     yield from _tests(language)
-    yield from _told(language)
+    yield from _annotated_labels(language)
 
 
 def notation_of(model: "models.Language", name: str) -> Notation:
-    """Return a notation of a language, ready to find labels in; silence aside."""
+    """Return a notation of a language for look-ups of labels; silence is not included."""
     table = {
         label: tuple((common, 1 / len(sounds.to)) for common in sounds.to)
         for label, sounds in model.notations.get(name, {}).items()
@@ -45,7 +45,7 @@ def notation_of(model: "models.Language", name: str) -> Notation:
 
 
 def written(model: "models.Language") -> str:
-    """Return the name of the notation that the pack's engine writes."""
+    """Return the name of the notation of the pack's engine."""
     stated = model.g2p.notation if model.g2p else None
     return stated or next(iter(model.notations), "")
 
@@ -111,7 +111,7 @@ def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:
 
 
 def _tests(language: "Pack[models.Language]") -> Iterator[Fault]:
-    """What the sources of tests hear is what the maps make of it."""
+    """Check that the `ipa` of each test maps to the phonemes of the test."""
     notation = notation_of(language.model, IPA)
     for index, test in enumerate(language.model.tests):
         loc: Loc = ("tests", index, IPA)
@@ -130,8 +130,8 @@ def _tests(language: "Pack[models.Language]") -> Iterator[Fault]:
             yield language.fault(loc, "P221", what, "mend the map or the test")
 
 
-def _told(language: "Pack[models.Language]") -> Iterator[Fault]:
-    """Examples and reasons are for labels that exist."""
+def _annotated_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
+    """Check that the labels of examples and reasons exist."""
     model = language.model
     notations = {name: notation_of(model, name) for name in model.notations}
     first = {name: notations[name] for name in [*model.notations][:1]}

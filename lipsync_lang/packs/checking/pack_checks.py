@@ -1,7 +1,7 @@
-"""What needs two places or two files to be seen: named checks that yield faults.
+"""Check references within a pack and between packs; each check yields faults.
 
-Each check takes loaded packs and the names that are known; `validate.validate` runs them over
-everything a library finds.
+A check takes loaded packs and collections of known names. `validate.validate` runs the checks over
+all packs of a library.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
-    """Silence, `base`, `like` and mouth shapes name phonemes that are declared."""
+    """Check that silence, `base`, `like` and mouth shapes name declared phonemes."""
     model = common.model
     known = {*model.phonemes, model.silence}
     for number, label in enumerate(model.base):
@@ -51,7 +51,7 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
 
 
 def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fault]:
-    """Everything a language maps to is a phoneme it has."""
+    """Check that a language maps labels and words to its own phonemes only."""
     model = language.model
     known = phonemes_of(model, common)
     yield from _adds(language, common, known)
@@ -89,7 +89,7 @@ def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) 
 
 
 def _hearing(language: "Pack[Language]") -> Iterator[Fault]:
-    """What recordings become is in a notation that there is, and so is what a model says."""
+    """Check that `audio` names a notation of the language and labels of that notation."""
     audio, notations = language.model.audio, language.model.notations
     if audio is None or audio.notation is None:
         return
@@ -124,9 +124,9 @@ def _g2p(language: "Pack[Language]") -> Iterator[Fault]:
 def check_poseset(
     poseset: "Pack[PoseSet]", phonemes: Collection[str], banks: Iterable[BankPack] | None = None
 ) -> Iterator[Fault]:
-    """A pose set speaks of its own poses and of phonemes that exist, and its rules agree.
+    """Check that a pose set names its own poses and known phonemes, and that its rules agree.
 
-    `banks` are those of the pose set; None where nobody knows how far their curves reach.
+    `banks` are the pose set's banks; None if one cannot be loaded.
     """
     model = poseset.model
     yield from _priority(poseset)
@@ -148,7 +148,7 @@ def check_poseset(
 
 
 def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
-    """Yield every place of a pose set that names a pose, but for `poses` itself."""
+    """Yield (place, name) for every pose named outside `poses`."""
     for index, pair in enumerate(model.constraints.pairs):
         at = ("constraints", "pairs", index)
         if isinstance(pair, Threshold):
@@ -174,7 +174,7 @@ def _priority(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
 
 
 def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Every spelling means one pose, and the face at rest is none."""
+    """Check that each spelling belongs to one pose, and that none is the face at rest."""
     model = poseset.model
     if model.neutral in model.poses:
         what = f"the face at rest is called '{model.neutral}', and so is a pose"
@@ -208,9 +208,9 @@ def check_bank(
     phonemes: Collection[str] | None,
     languages: Collection[str],
 ) -> Iterator[Fault]:
-    """A bank belongs to its pose set, and moves poses of it for phonemes that exist.
+    """Check that a bank fits its pose set and language, and names known poses and phonemes.
 
-    `phonemes` may be None where nobody knows those of the bank's language.
+    `phonemes` is None if those of the bank's language are unknown.
     """
     yield from check_home(bank, bank.model.poseset, poseset)
     if bank.model.language is not None and bank.model.language not in languages:
@@ -228,7 +228,7 @@ def check_character(  # noqa: PLR0913 what is known of others
     languages: Collection[str],
     styles: Collection[str],
 ) -> Iterator[Fault]:
-    """A character moves poses of its pose set, and its files exist."""
+    """Check that a character names known poses, phonemes, regions and styles, and its files."""
     model = character.model
     yield from _delivery(character, (), model, poseset, styles)
     for name, line in model.lines.items():
@@ -260,7 +260,7 @@ def _rules(
     poseset: PoseSet,
     phonemes: Collection[str],
 ) -> Iterator[Fault]:
-    """Rules are about phonemes that exist, and read measures of the pose set."""
+    """Check that rules name known phonemes and measures of the pose set."""
     for name, rule in stated.rules.items():
         at: Loc = ("checks", "rules", name)
         for number, label in enumerate(rule.phonemes):
@@ -302,7 +302,7 @@ def _delivery(
     poseset: PoseSet,
     styles: Collection[str],
 ) -> Iterator[Fault]:
-    """Dials are of regions of the pose set, and styles have a bank."""
+    """Check that dials name regions of the pose set, and that styles have a bank."""
     for region in stated.dials:
         yield from _region(character, (*at, "dials", region), region, poseset, key=True)
     known = set(styles) - {BankPack.model_fields["style"].default}
@@ -327,7 +327,7 @@ def _pronunciations(
 
 
 def phonemes_of(language: Language, common: Phonemes) -> set[str]:
-    """Return the common phonemes of a language: the base, silence, and what it adds."""
+    """Return the common phonemes of a language: base, silence, and additions."""
     return {*common.base, common.silence, *language.adds}
 
 
@@ -348,7 +348,7 @@ def _bigrams(
 def check_home(
     pack: "Pack[BankPack] | Pack[RigPack]", stated: str, poseset: PoseSet
 ) -> Iterator[Fault]:
-    """A bank or rig belongs to the pose set that it lies in."""
+    """Check that a bank or rig lies in the folder of its pose set."""
     if stated != poseset.name:
         what = f"the pack is for pose set '{stated}', but lies in that of '{poseset.name}'"
         yield pack.fault(("poseset",), "P204", what, "move the file, or mend its `poseset`")
@@ -363,7 +363,7 @@ def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]
 
 
 def check_pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -> Iterator[Fault]:
-    """A place names a pose of the pose set."""
+    """Check that a place names a known pose."""
     if pose not in known:
         what, hint = f"unknown pose '{pose}'", did_you_mean(pose, known)
         yield pack.fault(loc, "P201", what, hint, key=pose == loc[-1])

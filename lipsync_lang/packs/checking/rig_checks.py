@@ -1,4 +1,4 @@
-"""Checks of a rig: its poses, its channels, and the pose set that these belong to."""
+"""Check a rig against its pose set, and its channels against each other."""
 
 from collections import Counter
 from collections.abc import Collection, Iterator
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 def check_rig(
     rig: "Pack[RigPack]", poseset: PoseSet, posesets: Collection[str], to: PoseSet | None = None
 ) -> Iterator[Fault]:
-    """A rig belongs to its pose set, and speaks of its poses and its own channels.
+    """Check that a rig names poses of its pose set and its own channels only.
 
     Parameters
     ----------
-    poseset : whose poses drive it
-    posesets : the names of all there are
-    to : the pose set that it drives; None where there is none, or it is unsound
+    poseset : the pose set that drives the rig
+    posesets : the names of all pose sets
+    to : the pose set that the rig drives; None if there is none, or it is faulty
     """
     model = rig.model
     yield from check_home(rig, model.poseset, poseset)
@@ -47,7 +47,7 @@ def check_rig(
 
 
 def _twice(rig: "Pack[RigPack]") -> Iterator[Fault]:
-    """Braces written out, every channel stands once, in `channels` and in `names`."""
+    """Check that every channel is stated once, with braces expanded."""
     for field, keys in (("channels", rig.model.channels), ("names", rig.model.names)):
         first: dict[str, str] = {}
         for key in keys:
@@ -60,7 +60,7 @@ def _twice(rig: "Pack[RigPack]") -> Iterator[Fault]:
 
 
 def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
-    """What a channel never passes is another one, and does not wait for it."""
+    """Check that `at_most` names another channel, and that the limits form no circle."""
     channels = channels_of(rig.model)
     waits = {name: {c.at_most} if c.at_most else set() for name, c in channels.items()}
     for key, ones in _by_key(rig.model).items():
@@ -107,7 +107,7 @@ def _names(rig: "Pack[RigPack]") -> Iterator[Fault]:
 
 
 def _driven(rig: "Pack[RigPack]", to: PoseSet) -> Iterator[Fault]:
-    """A channel that is no bone is a pose of the set that the rig drives."""
+    """Check that every channel without a bone is a pose of the driven pose set."""
     for key, ones in _by_key(rig.model).items():
         for name in dict.fromkeys(one.name for one in ones if one.channel.node is None):
             if name not in to.poses:
@@ -116,7 +116,10 @@ def _driven(rig: "Pack[RigPack]", to: PoseSet) -> Iterator[Fault]:
 
 
 def _unseen(rig: "Pack[RigPack]", poseset: PoseSet) -> Iterator[Fault]:
-    """Every pose is shown, or said to be lost; a misspelt one may be any of them."""
+    """Check that every pose drives a channel or is listed as lost.
+
+    After a misspelt pose name this check would only mislead, and is skipped.
+    """
     gains = [channel.gains for channel in rig.model.channels.values()]
     named = {pose for some in gains for pose in some} | {*rig.model.lost}
     if not named <= set(poseset.poses):

@@ -1,4 +1,4 @@
-"""What is sound of an unsound file, so that the rest of it can be checked in the same run."""
+"""Drop the faulty entries of a file, so that the others can be checked in the same run."""
 
 from typing import Any
 
@@ -8,14 +8,14 @@ from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 DEFINING = {"poses", "phonemes", "base", "adds", "channels", "features", "terms", "letters"}
-"""Fields that others speak of: without one of their entries, sound ones would look faulty."""
+"""Fields with names that other entries use: dropping one of theirs would cause false faults."""
 
 ROUNDS = 5
-"""Times that faulty entries are left out before giving up."""
+"""Attempts: dropping one entry may make another faulty."""
 
 
 def salvaged(source: YamlSource, kind: str | None = None) -> PackModel | None:
-    """Return a file's pack without its faulty entries; None where too little is left."""
+    """Return a file's pack without its faulty entries; None if too little is left."""
     data = source.data
     stated = data.get("kind") if isinstance(data, dict) else None
     if not isinstance(stated, str) or stated not in MODELS or kind not in (None, stated):
@@ -34,7 +34,7 @@ def salvaged(source: YamlSource, kind: str | None = None) -> PackModel | None:
 
 
 def _entry(data: Any, loc: Loc) -> tuple[Any, ...]:
-    """Return the path of the smallest named entry that holds a place."""
+    """Return the path of the innermost named entry that contains `loc`."""
     path: list[Any] = []
     for step in loc:
         if not isinstance(data, dict) or step not in data:
@@ -45,7 +45,7 @@ def _entry(data: Any, loc: Loc) -> tuple[Any, ...]:
 
 
 def _without(data: Any, entry: tuple[Any, ...]) -> Any:
-    """Return a copy without an entry, if it is there."""
+    """Return a copy without an entry; the data itself if the entry is missing."""
     first, *rest = entry
     if not isinstance(data, dict) or first not in data:
         return data

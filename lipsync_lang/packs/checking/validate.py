@@ -1,4 +1,4 @@
-"""Every fault of every pack, at once."""
+"""Validate packs: all of a library, or given files and folders."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
@@ -37,11 +37,11 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 YAML = (".yaml", ".yml")
-"""Suffixes of YAML files; packs have the first."""
+"""Suffixes of YAML files; packs must have the first."""
 
 
 class File(NamedTuple):
-    """A pack file, and the kind and name that belong where it lies; None where any does."""
+    """A pack file, with the kind and name required at its place; None accepts any."""
 
     path: Path
     kind: str | None
@@ -49,9 +49,9 @@ class File(NamedTuple):
 
 
 def validate(library: Library, paths: Sequence[str | Path] | None = None) -> list[Fault]:
-    """Return every fault of every pack found, or of the files and folders given, in order.
+    """Return every fault of all packs, or of the given files and folders, in order.
 
-    What the given files speak of is looked up in the library.
+    References from the given files are looked up in the library.
     """
     run = _Validation(library)
     if paths is None:
@@ -63,7 +63,7 @@ def validate(library: Library, paths: Sequence[str | Path] | None = None) -> lis
 
 
 class _Validation:
-    """One validation: what it has loaded, and what was wrong."""
+    """One run of validation, which collects faults."""
 
     def __init__(self, library: Library) -> None:
         self.library = library
@@ -72,7 +72,7 @@ class _Validation:
         self.languages = sorted({found.name for found in library.names("language")})
 
     def check_library(self) -> None:
-        """Check every pack that the library finds, shadowed ones included."""
+        """Check every pack of the library, shadowed packs included."""
         self.faults.update(f for f in self.library.faults if f.code == "W304")
         if self.common is None:
             self._try(self.library.common)
@@ -82,7 +82,7 @@ class _Validation:
         self._tags()
 
     def check_path(self, path: Path) -> None:
-        """Check a file, or all below a folder."""
+        """Check a file, or all packs below a folder."""
         path = path.absolute()
         if path.is_dir():
             parts = [path / f for f in FOLDERS.values() if (path / f).is_dir()]
@@ -92,7 +92,7 @@ class _Validation:
             self.check_file(_placed(path))
 
     def check_folder(self, folder: Path) -> None:
-        """Check all below a folder."""
+        """Check all packs below a folder; warn of files that are never read."""
         for path in sorted(p for p in folder.rglob("*") if p.suffix in YAML and p.is_file()):
             if path.suffix == YAML[0]:
                 self.check_file(_placed(path))
@@ -105,7 +105,7 @@ class _Validation:
                     self._warn(entry, "W303", f"has no {POSESET}", "write one, or delete it")
 
     def check_file(self, file: File) -> None:
-        """Check one file: its form, and what it says of others."""
+        """Check one file against its model, then against other packs."""
         try:
             model, source, faults = self.library.inspect(*file)
         except PackError as error:
@@ -118,7 +118,7 @@ class _Validation:
             self._rest(source, file.kind)
 
     def _rest(self, source: YamlSource, kind: str | None) -> None:
-        """Check what is sound of an unsound file, so that its other faults come at once."""
+        """Check the sound entries of a faulty file, so that one run reports all faults."""
         model = salvaged(source, kind)
         if model is None:
             return
@@ -129,7 +129,7 @@ class _Validation:
                 self.faults.update(checks.check_language(pack, self.common.model))
         else:
             self._compare(Pack(model, (source,)))
-        # what is only probably not meant may come of what was left out
+        # Drop warnings: they may be caused by the entries left out.
         self.faults = before | {f for f in self.faults if f.severity == "fault"}
 
     def _compare(self, pack: "Pack[Any]") -> None:
@@ -191,7 +191,7 @@ class _Validation:
                 self.check_file(File(path, "bank", path.stem))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
-        """Return the banks beside a pose set and those that join it; None where one is unsound."""
+        """Return the banks beside a pose set and those of other folders; None if one is faulty."""
         name, own = pack.model.name, yaml_files(pack.path.parent / "banks").values()
         found = [self.library.inspect(path, "bank", path.stem)[0] for path in own]
         if self.library.finder.lookup("poseset", name):
@@ -206,7 +206,7 @@ class _Validation:
         return {bank.model.style for bank in (*shared, *own)}
 
     def _poseset_of(self, pack: "Pack[Any]") -> "models.PoseSet | None":
-        """Return the pose set that a pack lies in or names; one that is unsound counts as none."""
+        """Return the pose set that a pack lies in or names; None if it is missing or faulty."""
         beside = pack.path.parent.parent / POSESET
         if pack.path.parent.name in PARTS and beside.is_file():
             model, _, _ = self.library.inspect(beside, "poseset", beside.parent.name)
@@ -223,7 +223,7 @@ class _Validation:
             return None
 
     def _phonemes(self, language: str | None = None) -> Collection[str] | None:
-        """Return the phonemes of a language, or all there are; None where nobody can tell."""
+        """Return the phonemes of a language, or of all; None without the common pack."""
         if self.common is None:
             return None
         model = self.common.model
@@ -232,7 +232,7 @@ class _Validation:
         return known(self.library, {*model.phonemes, model.silence})
 
     def _tags(self) -> None:
-        """Warn of languages that state what another answers to already."""
+        """Warn of tags and aliases that two languages state."""
         found = [f for f in self.library.names("language") if f.shadowed_by is None]
         first = {folded(one.name): one.name for one in found}
         for one in found:
@@ -268,7 +268,7 @@ class _Validation:
 
 
 def _quietly(load: Callable[[], T]) -> T | None:
-    """Load what is reported elsewhere when it is unsound."""
+    """Load a pack, or return None for a faulty one, which another check reports."""
     try:
         return load()
     except PackError:
@@ -276,7 +276,7 @@ def _quietly(load: Callable[[], T]) -> T | None:
 
 
 def _placed(path: Path) -> File:
-    """Tell from where a file lies what belongs there."""
+    """Return a file with the kind and name that its place requires."""
     folder = path.parent.name
     if path.name == POSESET:
         return File(path, "poseset", folder)

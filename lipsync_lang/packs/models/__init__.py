@@ -1,4 +1,4 @@
-"""The form of every kind of pack: one class, one sentence."""
+"""Pydantic models of packs: one class per kind of pack or part of one."""
 
 from typing import get_args
 
@@ -75,4 +75,4 @@ MODELS: dict[str, type[PackModel]] = {
     get_args(model.model_fields["kind"].annotation)[0]: model
     for model in (Phonemes, Language, PoseSet, BankPack, Character, RigPack, Ipa)
 }
-"""The model of each kind of pack, by the one value that its `kind` may have."""
+"""The model of each kind of pack, keyed by the value of its `kind` field."""

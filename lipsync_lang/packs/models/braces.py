@@ -1,27 +1,27 @@
-"""Names that stand for several: `mouthSmile{Left,Right}` is two names, two braces multiply.
+"""Expand braces in names: `mouthSmile{Left,Right}` stands for two names, two braces for four.
 
-Braces that are not well formed are letters like any others: no name is ever refused here.
+Malformed braces are ordinary characters: no name is ever refused here.
 """
 
 import re
 from itertools import product
 from math import prod
 
-MOST = 256
-"""Names that one may stand for; of more, the braces are taken as letters."""
+MAX_EXPANDED_NAMES = 256
+"""Most names one pattern may expand to; beyond, its braces are ordinary characters."""
 
 _BRACE = re.compile(r"\{([^{},]+(?:,[^{},]+)+)\}")
 
 
 def expanded(name: str) -> tuple[str, ...]:
-    """Return the names that a name stands for: itself where it has no braces.
+    """Return the names that a pattern expands to; a name without braces gives itself.
 
-    The last brace turns fastest: `a{1,2}{x,y}` is a1x, a1y, a2x, a2y.
+    The last brace varies fastest: `a{1,2}{x,y}` gives a1x, a1y, a2x, a2y.
     """
     parts = _BRACE.split(name)
     fixed, choices = parts[::2], [inner.split(",") for inner in parts[1::2]]
     stray = any(mark in part for part in fixed for mark in "{}")
-    if not choices or stray or prod(map(len, choices)) > MOST:
+    if not choices or stray or prod(map(len, choices)) > MAX_EXPANDED_NAMES:
         return (name,)
     return tuple(
         fixed[0] + "".join(a + b for a, b in zip(chosen, fixed[1:], strict=True))
@@ -30,9 +30,14 @@ def expanded(name: str) -> tuple[str, ...]:
 
 
 def paired(name: str, count: int) -> tuple[tuple[str, ...], ...] | None:
-    """Pair the names that a name stands for off with `count` others; None where they do not fit.
+    """Distribute the names of a pattern over `count` others; None if the numbers do not fit.
 
-    As many go one to one; a single one goes with each; several go together with a single other.
+    Equal numbers pair one to one. A single name goes to each of the others. If `count` is 1, all
+    names go to the one.
+
+    Returns
+    -------
+    `count` tuples of names
     """
     names = expanded(name)
     if len(names) == count:

@@ -1,4 +1,4 @@
-"""The form of what a finished animation is held against: rules of a face, and limits."""
+"""Models of the checks of finished animations: rules for measures, and limits."""
 
 from typing import Self
 
@@ -9,18 +9,18 @@ from lipsync_lang.packs.models.fields import NotNegative, Positive, Sound, Stric
 
 
 class MeasureRule(Strict):
-    """What a measure of the pose set must show at some frame of each of certain phonemes."""
+    """A bound that a measure must reach in some frame of each of the listed phonemes."""
 
     phonemes: tuple[Sound, ...] = Field(min_length=1)
-    """The phonemes it is about."""
+    """The phonemes checked."""
     measure: Text
     """A measure of the pose set."""
     at_least: float | None = None
-    """What it must reach."""
+    """The value that the measure must reach."""
     at_most: float | None = None
-    """What it must come down to."""
+    """The value that the measure must fall to."""
     missed: Unit = 0.0
-    """The share of the phonemes that may miss it."""
+    """Share of the phonemes that may miss the bounds."""
 
     @model_validator(mode="after")
     def _can_be_met(self) -> Self:
@@ -34,33 +34,33 @@ class MeasureRule(Strict):
 
 
 class Checks(Strict):
-    """Limits of a finished animation's quality; what is not stated is the usual."""
+    """Limits for the quality of a finished animation; unstated limits have their defaults."""
 
     rules: dict[Text, MeasureRule] = Field(default={})
-    """What measures of the pose set must show at certain phonemes, by a name of its own."""
+    """Bounds for measures of the pose set at certain phonemes, by name."""
     contacts: Unit | None = None
-    """Share of the phonemes that demand a contact that may miss it."""
+    """Share of the phonemes with a contact that may miss it."""
     false_contacts: Unit | None = None
-    """Share of the other sounds that may make one all the same."""
+    """Share of the other phonemes that may make a contact."""
     closure_late: NotNegative | None = None
     """Seconds by which a contact may come late."""
     closure_early: NotNegative | None = None
     """Seconds by which a contact may come early."""
     closure_offset: NotNegative | None = None
-    """Seconds by which the median contact may be off, either way."""
+    """Seconds by which the median contact may be early or late."""
     constraints: Unit | None = None
     """Share of frames in which poses may break a constraint."""
     speed: Positive | None = None
-    """Weight per second that no pose may pass; the motion's `speed_limit` unless stated."""
+    """Highest speed of a pose, in weight per second; by default the motion's `speed_limit`."""
     jitter: NotNegative | None = None
-    """Flickers that the worst pose may make in a second of speech."""
+    """Flickers per second of speech of the worst pose."""
     changes: NotNegative | None = None
-    """Changes of the strongest pose in a second of speech."""
+    """Changes of the strongest pose per second of speech."""
     short_holds: Unit | None = None
-    """Share of the strongest pose's stays that may be shorter than 0.1 s."""
+    """Share of the strongest pose's holds that may be shorter than 0.1 s."""
     silence: NotNegative | None = None
-    """How far a pose may move while nothing is said."""
+    """Largest change of a pose's weight during silence."""
     saturation: Unit | None = None
-    """Share of the frames of speech in which a pose may stand at its most."""
+    """Share of the frames of speech in which a pose may stand at its maximum."""
     still: Unit | None = None
-    """Share of the frames of speech in which nothing may move."""
+    """Share of the frames of speech without movement."""

@@ -1,7 +1,7 @@
-"""What the models of packs share: strictness, names, numbers, and forms that are short for others.
+"""Types shared by the models of packs: strict base class, names, numbers and short forms.
 
-A short form (a bare label for a list of one, a list of names for a mapping) becomes the full
-one before validation, so that the models know one form only and a fault is reported once.
+A short form is a bare label for a list of one, or a list of names for a mapping. It becomes the
+full form before validation, so that a model has one form only and a fault is reported once.
 """
 
 import re
@@ -21,15 +21,15 @@ from pydantic_core import CoreSchema, PydanticCustomError
 
 from lipsync_lang.packs.models.attribute_docs import describe
 
-FORMAT = 1
-"""The format of packs this program reads and writes."""
+PACK_FORMAT = 1
+"""The newest format of packs that this program reads, and the one it writes."""
 
 Data = Any
-"""A value as YAML holds it."""
+"""A value from a YAML file."""
 
 
 class Strict(BaseModel):
-    """A part of a pack: nothing unknown, nothing guessed, nothing changed afterwards."""
+    """A part of a pack: no unknown fields, no conversion of types, immutable."""
 
     model_config = ConfigDict(
         frozen=True,
@@ -44,7 +44,7 @@ class Strict(BaseModel):
 
 
 def _plain(text: str) -> str:
-    """Refuse names that nobody could see in full."""
+    """Refuse names with surrounding spaces or unprintable characters."""
     if text != text.strip() or not text.isprintable():
         raise PydanticCustomError(
             "P106",
@@ -67,7 +67,7 @@ Parent = Annotated[str, Field(pattern=_PARENT, max_length=80)]
 """The name of a language, or ENGINE:CODE for one without a pack."""
 
 Text = Annotated[str, Field(min_length=1)]
-"""Text that says something."""
+"""Text that is not empty."""
 
 Common = Annotated[str, Field(pattern=_COMMON)]
 """The label of a common phoneme: small letters, or `_` for silence."""
@@ -76,10 +76,10 @@ Sound = Annotated[str, Field(pattern=_SOUND)]
 """The label of a common phoneme that is not silence."""
 
 Label = Annotated[str, Field(min_length=1, max_length=80)]
-"""The label of a phoneme in some notation, as it is written there."""
+"""The label of a phoneme in some notation."""
 
 PoseName = Annotated[str, Field(min_length=1, max_length=120), AfterValidator(_plain)]
-"""The name of a pose, as the animator calls it."""
+"""The animator's name of a pose."""
 
 Unit = Annotated[float, Field(ge=0, le=1)]
 """A number from 0 to 1."""
@@ -125,7 +125,7 @@ Curve = Annotated[
     Field(min_length=2, description="Control points (t, v) in normalised time, t never falling."),
     AfterValidator(_rising),
 ]
-"""Control points (t, v), both from 0 to 1; t never falls."""
+"""Control points (t, v), both in [0, 1]; t never decreases."""
 
 Curves = dict[PoseName, Curve]
 """A curve for each pose that moves."""
@@ -140,7 +140,7 @@ def _one(value: Data) -> Data:
 
 
 def _names(value: Data) -> Data:
-    """Turn a list of names into a mapping to nothing."""
+    """Turn a list of names into a mapping from each name to None."""
     if isinstance(value, Mapping):
         return value
     if not isinstance(value, (tuple, list)):
@@ -156,35 +156,35 @@ JsonSchema = dict[str, Any]
 
 @dataclass(frozen=True)
 class Short(BeforeValidator):
-    """Accepts short forms of a value, and says in JSON Schema which."""
+    """A validator that accepts short forms of a value and lists them in the JSON Schema."""
 
     forms: Callable[[JsonSchema], list[JsonSchema]] = lambda full: [full]
-    """The forms the file may have, from the schema of the full one."""
+    """Maps the schema of the full form to the schemas of all accepted forms."""
 
     def __get_pydantic_json_schema__(
         self, core: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchema:
-        """Offer every form to editors."""
+        """Return a schema with every accepted form, for editors."""
         forms = self.forms(handler(core))
         return forms[0] if len(forms) == 1 else {"anyOf": forms}
 
 
 OrEmpty = Short(_empty, forms=lambda full: [full, {"type": "null"}])
-"""Nothing stated is an empty mapping."""
+"""Accepts null as an empty mapping."""
 
 OrOne = Short(_one, forms=lambda full: [full, full["items"]])
-"""One alone is a list of one."""
+"""Accepts a single value as a list of one."""
 
 OrNames = Short(_names, forms=lambda full: [full, {"type": "array", "items": {"type": "string"}}])
-"""A list of names is a mapping to nothing."""
+"""Accepts a list of names as a mapping from each name to null."""
 
 
 class PackModel(Strict):
-    """What every pack starts with."""
+    """The fields of every pack."""
 
     format: Format
     """The format of the file."""
     name: Name
-    """The file's or folder's name."""
+    """The pack's name: that of its file or folder."""
     title: str = ""
-    """What to call the pack in lists."""
+    """The pack's name in lists."""

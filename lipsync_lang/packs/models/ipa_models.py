@@ -1,7 +1,6 @@
-"""The form of the IPA as data: what every letter and mark of it does to the mouth.
+"""Models of the IPA pack, which describes the effect of each letter and mark on the mouth.
 
-A validator here sees one entry; that words, features and letters exist is checked in
-`ipa_checks`.
+A validator here sees one entry. `ipa_checks` checks that words, features and letters exist.
 """
 
 from typing import Annotated, Literal
@@ -26,78 +25,78 @@ Change = Annotated[float, Field(ge=-1, le=1)]
 """A number from -1 to 1."""
 
 Phrases = Annotated[tuple[Text, ...], OrOne]
-"""Descriptions, one of which must fit: every word of it stands in that of the letter."""
+"""Descriptions, one of which must fit. A description fits a letter that has all of its words."""
 
 
 class Feature(Strict):
-    """One thing that can be seen of a sound, as a number from 0 to 1."""
+    """A visible property of sounds, as a number from 0 to 1."""
 
     weight: Positive
-    """How far apart two sounds are that differ in it by 1."""
+    """The distance between two sounds that differ in the feature by 1."""
     otherwise: Unit | None = None
-    """The value of letters that say nothing of it; unless stated, they are not compared in it."""
+    """The value of letters without the feature; if unstated, they are not compared in it."""
     title: str = ""
     """The feature in words."""
 
 
 class Preference(Strict):
-    """A letter that is taken instead of another."""
+    """A replacement of one letter by another."""
 
     letter: Label = Field(alias="as")
-    """The letter whose features are taken."""
+    """The replacement, whose features are used."""
     why: Text
     """The reason."""
 
 
 class Neighbour(Strict):
-    """A letter beside which another counts as a common phoneme."""
+    """A condition for a letter to count as a common phoneme: the language has another letter."""
 
     of: Label
-    """The letter that the language must have too."""
+    """The letter that the language must have as well."""
     why: Text
     """The reason."""
 
 
 class JoinFields(Strict):
-    """Which of two letters side by side are seen."""
+    """A rule for two adjacent letters: which of them are visible."""
 
     first: Phrases = ()
     """Descriptions of the first letter; any letter unless stated."""
     second: Phrases = ()
     """Descriptions of the second letter; any letter unless stated."""
     keep: Literal["first", "second", "both"]
-    """Which of them are seen."""
+    """The visible letters."""
     lost: str = ""
-    """What goes with the other."""
+    """The property that is lost with the other letter."""
     why: str = ""
     """The reason."""
 
 
 def _mark(value: Data) -> Data:
-    """What is lost is short for a mark that does nothing else."""
+    """Expand the short form of a mark with no effect: the text of `lost` alone."""
     return {"lost": value} if isinstance(value, str) else value
 
 
 def _cases(value: Data) -> Data:
-    """One case is short for a list of one."""
+    """Expand the short form of a list: a single case."""
     return value if isinstance(value, (tuple, list)) else (value,)
 
 
 class MarkFields(Strict):
-    """What a mark does to a letter that fits."""
+    """The effect of a mark on the letters that it fits."""
 
     on: Phrases = ()
-    """Descriptions of the letters that it fits; any letter unless stated."""
+    """Descriptions of the letters that the mark fits; any letter unless stated."""
     set: dict[Text, Unit] = Field(default={})
-    """Features that become this, where the letter has them."""
+    """New values of features that the letter has."""
     add: dict[Text, Change] = Field(default={})
-    """What is added to features, where the letter has them."""
+    """Changes of features that the letter has."""
     then: Label | None = None
     """A letter that follows in the same label."""
     time: Positive = 1.0
-    """The share of the label's time, against 1 of a letter without marks."""
+    """The letter's share of the label's time; a letter without marks has 1."""
     lost: str = ""
-    """What is not shown."""
+    """The property that is not visible."""
 
 
 ShortMark = Short(_mark, forms=lambda full: [full, {"type": "string"}])
@@ -106,44 +105,44 @@ Cases = Annotated[
     Field(min_length=1),
     Short(_cases, forms=lambda full: [full, full["items"]]),
 ]
-"""What a mark does; of several cases, the first that fits the letter holds."""
+"""The effects of a mark; the first case that fits the letter applies."""
 
 
 class Ipa(PackModel):
-    """What every letter and mark of the IPA does to lips, jaw and tongue."""
+    """The effect of each letter and mark of the IPA on lips, jaw and tongue."""
 
     kind: Literal["ipa"]
     """The kind of pack."""
     features: dict[Text, Feature]
-    """What can be seen of a sound."""
+    """Visible properties of sounds."""
     fights_from: Positive = 5
-    """The weight of a feature from which a pack that shows it otherwise is warned."""
+    """Least weight of a feature for which a contradicting mapping gives a warning."""
     told_from: Unit = 0.25
-    """The difference in a feature from which it is told as lost."""
+    """Least difference in a feature that is reported as lost."""
     another: NotNegative
-    """What one more common phoneme in a label costs."""
+    """The cost of each further common phoneme in a label."""
     later: Unit = 1.0
-    """How much letters after the first count where several are one common phoneme."""
+    """The weight of letters after the first, if several letters map to one common phoneme."""
     terms: dict[Text, dict[Text, Unit]]
-    """What each word of a description means, in features."""
+    """The features of each word that descriptions use."""
     letters: dict[Label, Text]
-    """Every letter, described in these words; a later word overrides an earlier one."""
+    """A description of each letter; a later word overrides an earlier one."""
     spellings: dict[Label, Text] = Field(default={})
     """Other ways to write letters and their marks."""
     prefer: dict[Label, Preference] = Field(default={})
-    """Letters taken instead, where features alone go astray."""
+    """Replacements for letters whose features alone give a wrong result."""
     aside: dict[Common, dict[Label, Text]] = Field(default={})
-    """For a common phoneme, letters it names that are not for other languages, and why."""
+    """Per common phoneme, letters of its `ipa` that other languages do not map to it, and why."""
     beside: dict[Common, dict[Label, Neighbour]] = Field(default={})
-    """For a common phoneme, letters that count as it where the language has their neighbour."""
+    """Per common phoneme, letters that map to it if the language has their neighbour."""
     joins: tuple[JoinFields, ...] = ()
-    """Which letters are seen beside which; the first rule that fits holds."""
+    """Visible letters of two adjacent ones; the first rule that fits applies."""
     marks: dict[Label, Cases] = Field(default={})
-    """What each mark does, a word alone being what is lost."""
+    """The effect of each mark; plain text states a property that is lost."""
     alone: dict[Label, Label] = Field(default={})
-    """The letter that a mark stands for where there is no letter."""
+    """The letter for a mark that stands without one."""
     ignored: tuple[Text, ...] = ()
-    """Signs that say nothing of the mouth."""
+    """Signs without effect on the mouth."""
     notations: dict[Text, dict[Text, str]] = Field(default={})
-    """Notations that spell the IPA in other signs: by name, what each sign stands for. Every
-    language that reads IPA reads them too."""
+    """Notations that spell the IPA in other signs: by name, the IPA of each sign. Every language
+    that reads IPA reads these notations as well."""

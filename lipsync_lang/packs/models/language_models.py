@@ -1,7 +1,6 @@
-"""The form of what linguists write: common phonemes and languages.
+"""Models of the packs that linguists write: common phonemes and languages.
 
-A validator here sees one file; what needs two files or two places is in `checks`. Times are in
-seconds.
+A validator here sees one file; `packs.checking` compares files. Times are in seconds.
 """
 
 from math import isclose
@@ -29,17 +28,17 @@ from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 SoundClass = Literal[
     "vowel", "glide", "liquid", "nasal", "stop", "fricative", "affricate", "silence"
 ]
-"""The manner of a sound, by which lengths are estimated."""
+"""The manner of a sound, which gives its estimated duration."""
 
-TAG = r"^[A-Za-z0-9]+(-[A-Za-z0-9]+)*$"
-"""What a language's tag looks like."""
+TAG_PATTERN = r"^[A-Za-z0-9]+(-[A-Za-z0-9]+)*$"
+"""Pattern of a language's tag."""
 
 SHARES_SLACK = 1e-3
-"""Shares may miss 1 by this much: 0.333 three times is a whole."""
+"""Largest difference between the sum of shares and 1; 0.333 three times is accepted."""
 
 
 class Phoneme(Strict):
-    """A common phoneme: what it stands for, and how to show it."""
+    """A common phoneme: its sounds, and its fallback."""
 
     title: str = ""
     """The sound in words."""
@@ -48,20 +47,20 @@ class Phoneme(Strict):
     example: str = ""
     """A word with the sound in it."""
     sound: SoundClass | None = Field(default=None, alias="class")
-    """The manner of the sound, by which lengths are estimated."""
+    """The manner of the sound, which gives its estimated duration."""
     like: Common | None = None
-    """The phoneme whose bigrams stand in for missing ones."""
+    """The phoneme whose bigrams replace missing bigrams."""
     spelled: tuple[Text, ...] = ()
-    """Other labels by which banks of other programs know it, in any case."""
+    """Labels of the phoneme in banks of other programs; case is ignored."""
 
 
 class Sounds(Strict):
-    """The common phonemes that one label becomes, and how they share its time."""
+    """The common phonemes of one label, and their shares of its time."""
 
     to: Annotated[tuple[Common, ...], OrOne]
-    """Common phonemes in order; none makes the label mute."""
+    """Common phonemes in order; an empty list makes the label mute."""
     shares: tuple[Positive, ...] | None = None
-    """The part of the time each gets, adding up to 1; equal unless stated."""
+    """Each phoneme's share of the time; the sum is 1. Equal unless stated."""
 
     @model_validator(mode="after")
     def _shares_fit(self) -> Self:
@@ -81,7 +80,7 @@ class Sounds(Strict):
 
 
 def _sounds(value: Data) -> Data:
-    """One label, or a list of them, is short for `to`."""
+    """Expand the short form: `to` alone, as a label or a list of labels."""
     if isinstance(value, (str, tuple, list)):
         return {"to": value}
     if not isinstance(value, (dict, Sounds)):
@@ -102,16 +101,16 @@ ShortSounds = Short(
 
 
 class Visemes(Strict):
-    """A notation of mouth shapes, read in every language."""
+    """A notation of mouth shapes, available in every language."""
 
     title: Text
-    """Whose shapes they are."""
+    """The program that uses these shapes."""
     labels: dict[Label, Annotated[Sounds, ShortSounds]]
-    """What each shape becomes: of the sounds that look so, the most typical."""
+    """For each shape, the most typical common phonemes that look like it."""
 
 
 class Phonemes(PackModel):
-    """The common phonemes that all languages and pose sets speak of."""
+    """The common phonemes, which all languages and pose sets share."""
 
     kind: Literal["phonemes"]
     """The kind of pack."""
@@ -120,13 +119,14 @@ class Phonemes(PackModel):
     silence_labels: tuple[str, ...] = ()
     """Other spellings of silence, in any notation."""
     phonemes: dict[Common, Annotated[Phoneme, OrEmpty]]
-    """Every common phoneme, those that only some languages use included."""
+    """Every common phoneme, including those of some languages only."""
     base: tuple[Common, ...]
-    """The phonemes that every language has."""
+    """The phonemes of every language."""
     durations: dict[SoundClass, Positive] = Field(default={})
-    """Seconds by class, where neither a voice nor the language gives any."""
+    """Default seconds by class, if neither a voice nor the language gives timings."""
     visemes: dict[Text, Visemes] = Field(default={})
-    """Notations of mouth shapes, not sounds: lossy, and never guessed."""
+    """Notations of mouth shapes instead of sounds. They lose information, and are never chosen
+    automatically."""
 
     @model_validator(mode="after")
     def _spelled_once(self) -> Self:
@@ -142,16 +142,16 @@ class Phonemes(PackModel):
 
 
 class Rewrite(Strict):
-    """A spelling and what it sounds like, where it stands in a given context."""
+    """A rule that maps a spelling to labels, in a given context."""
 
     spelling: Text = Field(alias="from")
     """Letters of the word."""
     to: Annotated[tuple[Label, ...], OrOne]
     """Labels of the notation; an empty list for mute letters."""
     before: str = ""
-    """A regular expression that must match what follows, in small letters."""
+    """A regular expression, in small letters, that must match the text after the spelling."""
     after: str = ""
-    """A regular expression that must match what precedes, in small letters."""
+    """A regular expression, in small letters, that must match the text before the spelling."""
 
     @model_validator(mode="after")
     def _contexts_are_usable(self) -> Self:
@@ -170,26 +170,26 @@ class Rewrite(Strict):
 
 
 class G2P(Strict):
-    """How text becomes phonemes."""
+    """The conversion of text to phonemes."""
 
     engine: Literal["espeak", "pypinyin", "epitran", "lexicon", "rules"]
-    """What turns text into labels."""
+    """The engine that converts text to labels."""
     voice: Text | None = None
-    """The engine's voice, where it has voices."""
+    """The engine's voice, if it has voices."""
     code: Text | None = None
-    """The engine's code of the language, where it has codes."""
+    """The engine's code of the language, if it has codes."""
     file: Text | None = None
     """A lexicon beside the pack."""
     notation: Text | None = None
-    """The notation that comes out; the first of the pack unless stated."""
+    """The notation of the engine's labels; the first of the pack unless stated."""
     respell: Text | None = None
-    """What spells the text anew before the engine reads it, where writing hides the sounds."""
+    """The respeller that rewrites the text by its sounds before the engine reads it."""
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
 
 
 class TTS(Strict):
-    """Which voice speaks text."""
+    """The voice that speaks text."""
 
     engine: Text
     """The speech engine."""
@@ -200,85 +200,85 @@ class TTS(Strict):
 
 
 class AudioFields(Strict):
-    """How recordings of the language become phonemes."""
+    """The conversion of recordings to phonemes."""
 
     align: Text | None = None
-    """What finds the times of a text in a recording of it; `warp` unless stated."""
+    """The aligner, which finds the times of a text in a recording; `warp` unless stated."""
     recognise: Text | None = None
-    """What finds words where there is no text."""
+    """The recogniser, which finds the words of a recording without a text."""
     model: Text | None = None
-    """What both call their model of the language."""
+    """The name of the language's model, for both aligner and recogniser."""
     notation: Text | None = None
-    """The notation that comes out."""
+    """The notation of the resulting labels."""
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
-    """For labels that `g2p` writes, how the model says them."""
+    """The model's phones for labels written by `g2p`."""
 
 
 class Test(Strict):
-    """Text, and the common phonemes it must become."""
+    """A text, and the common phonemes expected for it."""
 
     __test__ = False  # not one of pytest's
 
     text: Text
-    """What is said."""
+    """The text to convert."""
     phonemes: tuple[Common, ...] = Field(min_length=1)
-    """What is heard."""
+    """The expected common phonemes."""
     ipa: str = ""
-    """The segments as the source writes them, in IPA with spaces between them."""
+    """The segments given by the source, in IPA, separated by spaces."""
     source: str = ""
-    """Who says so."""
+    """The source of the transcription."""
 
 
 class StatedInventory(Strict):
-    """The phonemes that the language is said to have, by somebody else."""
+    """The phonemes of the language according to a published source."""
 
     source: Text
-    """Who says so, and where."""
+    """The publication."""
     segments: tuple[Label, ...] = Field(min_length=1)
     """Every segment, in IPA."""
     spelled: dict[Label, Label] = Field(default={})
-    """How the pack's tests write a segment, where they write it otherwise."""
+    """Spellings of segments in the pack's tests, if they differ from the source's."""
     absent: dict[Label, Text] = Field(default={})
-    """Segments the pack does not map, and why."""
+    """Segments that the pack does not map, and why."""
 
 
 class Language(PackModel):
-    """How one language is spoken with the common phonemes."""
+    """One language: its notations, mapped to the common phonemes, and its engines."""
 
     kind: Literal["language"]
     """The kind of pack."""
-    tag: Annotated[str, Field(pattern=TAG)]
-    """The language as BCP 47 writes it."""
-    aliases: tuple[Annotated[str, Field(pattern=TAG)], ...] = ()
-    """Other tags and names that it answers to."""
+    tag: Annotated[str, Field(pattern=TAG_PATTERN)]
+    """The language's BCP 47 tag."""
+    aliases: tuple[Annotated[str, Field(pattern=TAG_PATTERN)], ...] = ()
+    """Other tags and names of the language."""
     adds: Annotated[dict[Common, Phoneme | None], OrNames] = Field(default={})
     """Phonemes beyond the base: names of common ones, or new ones in full."""
     extends: Parent | None = None
-    """The language of which this one states only the differences; its own name is the one it
-    shadows, and ENGINE:CODE one without a pack."""
+    """The parent language; this pack states only the differences. Its own name means the pack that
+    it shadows; ENGINE:CODE means a language without a pack."""
     g2p: G2P | None = None
-    """How text becomes phonemes."""
+    """The conversion of text to phonemes."""
     tts: TTS | None = None
-    """Which voice speaks text."""
+    """The voice that speaks text."""
     audio: AudioFields | None = None
-    """How recordings become phonemes."""
+    """The conversion of recordings to phonemes."""
     durations: dict[SoundClass, Positive] = Field(default={})
-    """Seconds by class, where no voice gives timings."""
+    """Seconds by class, if no voice gives timings."""
     silence: tuple[str, ...] = ()
-    """Labels that mean silence, beyond those of the common pack."""
+    """Labels of silence, beyond those of the common pack."""
     notations: dict[Text, dict[Label, Annotated[Sounds, ShortSounds]]] = Field(default={})
-    """For each notation, what its labels become."""
+    """For each notation, the common phonemes of each label."""
     words: dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]] = Field(default={})
-    """Pronunciations that override the engine."""
+    """Pronunciations of words, which override the engine."""
     examples: dict[Label, str] = Field(default={})
     """A word for each label of the first notation."""
     reasons: dict[Label, str] = Field(default={})
-    """Why a label becomes what it does, where that is not obvious."""
+    """The reason for a mapping that is not obvious, by label."""
     automatic: bool = False
-    """Whether IPA that no notation maps goes to the nearest common phonemes by its features."""
+    """If true, unmapped IPA goes to the nearest common phonemes by its features."""
     inventory: StatedInventory | None = None
-    """The phonemes of the language, each of which the pack maps or lists as absent."""
+    """The phonemes of the language; the pack maps each or lists it as absent."""
     caveats: tuple[str, ...] = ()
-    """What the pack is known to get wrong."""
+    """Known mistakes of the pack."""
     tests: tuple[Test, ...] = ()
-    """Texts the pack must get right."""
+    """Texts with their expected phonemes."""

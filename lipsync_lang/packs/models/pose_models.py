@@ -1,7 +1,7 @@
-"""The form of what animators write: pose sets, banks, characters and rigs.
+"""Models of the packs that animators write: pose sets, banks, characters and rigs.
 
-A validator here sees one file; what needs two files or two places is in `checks`. Times are in
-seconds, normalised times and weights from 0 to 1, angles in degrees.
+A validator here sees one file; `packs.checking` compares files. Times are in seconds, normalised
+times and weights in [0, 1], angles in degrees.
 """
 
 from itertools import pairwise
@@ -32,50 +32,50 @@ from lipsync_lang.packs.models.fields import (
 )
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
-FREE = 2.0
-"""A threshold that two weights never pass: it binds nothing."""
+NO_THRESHOLD = 2.0
+"""The threshold of an unconstrained pair: two weights never add up to more."""
 
 Softness = Annotated[float, Field(ge=0, le=0.2)]
 """Seconds from the middle of a kernel to its end."""
 
 
 class Pose(Strict):
-    """One face or tongue shape."""
+    """One shape of the face or tongue."""
 
     title: str = ""
     """The shape in words."""
     region: str = ""
-    """The part of the face it moves; a dial scales the poses of one region."""
+    """The part of the face that the pose moves; a dial scales the poses of one region."""
     softness: Softness | None = None
-    """Seconds over which it is rounded off, where that is not its region's."""
+    """Seconds of rounding off, if they differ from the region's."""
     anticipate: Annotated[float, Field(ge=0, le=1)] = 0
-    """Seconds by which it begins before its sound, as far as nothing opposes it."""
+    """Seconds by which the pose begins before its sound, as far as no other sound opposes it."""
     names: tuple[Text, ...] = ()
-    """How models spell it otherwise; `{Left,Right}` stands for two names, `*` for anything."""
+    """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""
 
 
 class Threshold(Strict):
-    """Two poses that must not add up to more than a threshold."""
+    """Two poses whose weights may not add up to more than a threshold."""
 
     between: tuple[PoseName, PoseName]
     """The two poses."""
     threshold: Annotated[float, Field(gt=0, le=2)]
-    """The most they may add up to."""
+    """The largest sum of their weights."""
     paper: Annotated[float, Field(gt=0, le=2)] | None = None
-    """The same where the motion asks for the paper's thresholds."""
+    """The largest sum for a motion with the thresholds of the paper."""
 
 
 class AtMost(Strict):
-    """A pose that never passes another."""
+    """A pose whose weight never exceeds that of another."""
 
     pose: PoseName
     """The pose that yields."""
     at_most: PoseName
-    """The pose it never passes."""
+    """The pose with the larger or equal weight."""
 
 
 def _constraint_form(value: Data) -> str:
-    """Tell the two forms of a constraint apart."""
+    """Return the tag of a constraint's form, by its fields."""
     if isinstance(value, AtMost):
         return "<at_most>"
     at_most = isinstance(value, dict) and ("at_most" in value or "pose" in value)
@@ -89,80 +89,80 @@ Constraint = Annotated[
 
 
 class Constraints(Strict):
-    """Which poses make way for which."""
+    """Limits on the weights of two poses at the same time."""
 
     default: Annotated[float, Field(gt=0, le=2)] = 2.0
-    """The threshold of pairs that are not listed; 2 leaves them alone."""
+    """The threshold of pairs that are not listed; 2 means none."""
     pairs: tuple[Constraint, ...] = ()
-    """Pairs with a threshold of their own, and poses that never pass another."""
+    """Pairs of poses with a threshold, or with one pose at most as high as the other."""
 
 
 class ContactRule(Strict):
-    """What must be seen whenever certain phonemes are heard."""
+    """Weights that certain phonemes require, such as closed lips."""
 
     phonemes: tuple[Sound, ...] = Field(min_length=1)
-    """The phonemes that demand it."""
+    """The phonemes with the contact."""
     floor: dict[PoseName, Unit] = Field(default={})
-    """How far these poses must rise."""
+    """Weights that poses must reach."""
     ceiling: dict[PoseName, Unit] = Field(default={})
-    """How far these poses may rise."""
+    """Weights that poses may not exceed."""
 
 
 class MotionFields(Strict):
-    """How curves are joined and kept from moving too fast; what is not stated is the usual."""
+    """Settings for joining, smoothing and limiting curves; unstated ones have their defaults."""
 
     preset: Text | None = None
-    """A named set of values that the others here refine."""
+    """A named set of values; the other fields override it."""
     stitch: Literal["max", "crossfade"] | None = None
-    """How overlapping bigrams join."""
+    """The method of joining overlapping bigrams."""
     warp: Literal["anchored", "linear"] | None = None
-    """How a bigram fits its two phonemes."""
+    """The method of fitting a bigram to the times of its two phonemes."""
     smooth: Literal["closing", "chord", "none"] | None = None
-    """How valleys between peaks are filled."""
+    """The method of filling valleys between peaks."""
     window: NotNegative | None = None
-    """Seconds; valleys narrower than this are filled."""
+    """Width of a valley in seconds; narrower valleys are filled."""
     anticipate: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Factor of how early poses begin that look ahead."""
+    """Factor for the `anticipate` of poses."""
     speed_limit: Annotated[float, Field(ge=LEAST_SPEED)] | None = None
-    """Weight per second that no pose passes."""
+    """Highest speed of a pose, in weight per second."""
     silence_reach: NotNegative | None = None
-    """Seconds of a pause in which the mouth still moves."""
+    """Seconds at either end of a pause in which the mouth still moves."""
     contacts: Literal["hold", "free"] | None = None
-    """Whether contacts are held."""
+    """`hold` makes contacts reach their floors and ceilings; `free` does not."""
     limit: Literal["before", "after"] | None = None
-    """Whether speed is limited before or after constraints."""
+    """The place of the speed limit: before or after the constraints."""
     thresholds: Literal["own", "paper"] | None = None
-    """Whose thresholds constrain."""
+    """The thresholds in use: the pairs' own, or those under `paper`."""
     softness: Annotated[float, Field(ge=0, le=4)] | None = None
-    """Factor of the seconds over which poses are rounded off."""
+    """Factor for the seconds over which poses are rounded off."""
     hold: NotNegative | None = None
-    """Seconds; poses are shown one at a time, each at least as long; at 0 they blend."""
+    """Least seconds of each pose, with one pose shown at a time; at 0 poses blend."""
 
 
 class Intensity(Strict):
-    """How far loudness moves the mouth, where it is asked for."""
+    """The effect of loudness on poses, used on request."""
 
     regions: tuple[Text, ...] = Field(min_length=1)
-    """The regions whose poses it scales."""
+    """The regions whose poses are scaled."""
     least: Unit = 0.6
-    """How far they move where a sound is much softer than others of its class; 1 is as usual."""
+    """Scale for a sound that is much softer than others of its class; 1 changes nothing."""
     most: Annotated[float, Field(ge=1, le=2)] = 1.4
-    """How far they move where it is much louder."""
+    """Scale for a sound that is much louder than others of its class."""
 
 
 class PhonemeTarget(Strict):
-    """How poses stand at a phoneme, and how strongly they insist."""
+    """The weights of poses at a phoneme, and their dominance over neighbouring phonemes."""
 
     weights: dict[PoseName, Unit] = Field(default={})
     """The weight of each pose."""
     dominance: dict[PoseName, NotNegative] = Field(default={})
-    """How strongly each pose insists against the neighbours' targets; or one number for all."""
+    """The dominance of each pose over the neighbours' targets; or one number for all poses."""
     overall: NotNegative | None = None
-    """One dominance for all poses, but those that a constraint sets against a named one."""
+    """One dominance for all poses except those constrained against a pose of the target."""
 
 
 def _target(value: Data) -> Data:
-    """Part the poses of a target from its reserved key."""
+    """Expand the flat form of a target: poses beside the reserved key `dominance`."""
     if not isinstance(value, dict) or "weights" in value:
         return value
     rest = {pose: weight for pose, weight in value.items() if pose != "dominance"}
@@ -204,51 +204,51 @@ Targets = Annotated[tuple[Annotated[PhonemeTarget, FlatTarget], ...], Field(min_
 
 
 class PoseSet(PackModel):
-    """The poses of a family of faces, how they get along, and where they stand in speech."""
+    """The poses of a family of faces, their constraints, and their targets in speech."""
 
     kind: Literal["poseset"]
     """The kind of pack."""
     poses: dict[PoseName, Annotated[Pose, OrEmpty]] = Field(min_length=1)
     """Every pose, in the order of the curves."""
     neutral: Text | None = None
-    """What the face at rest is called, where every shape has a name."""
+    """The name of the face at rest, for programs in which every shape has a name."""
     constraints: Constraints = Constraints()
-    """Which poses make way for which."""
+    """Limits on the weights of two poses at the same time."""
     softness: dict[Text, Softness] = Field(default={})
     """Seconds over which the poses of a region are rounded off; 0.04 unless stated."""
     priority: tuple[PoseName, ...] = ()
-    """Poses that yield, lowest first; poses not named never yield."""
+    """Poses that yield to others, lowest priority first; unlisted poses never yield."""
     contacts: dict[Text, ContactRule] = Field(default={})
-    """What must be seen, at any speed and frame rate."""
+    """Contacts, which are met at any speed and frame rate."""
     motion: MotionFields = MotionFields()
-    """How curves are joined and kept from moving too fast."""
+    """Settings for joining, smoothing and limiting curves."""
     intensity: Intensity | None = None
-    """What loudness moves, and how far."""
+    """The effect of loudness on poses."""
     targets: dict[Common, Targets] = Field(default={})
-    """How poses stand at each phoneme; several in a row for a sound that moves."""
+    """The weights of poses at each phoneme; a list of several for a sound that moves."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})
-    """Read-outs for quality reports: sums of gain times pose."""
+    """Measures for quality reports: sums of gain times pose."""
     checks: Checks = Checks()
-    """What a finished animation is held against."""
+    """Limits for the quality of finished animations."""
     model: Text | None = None
-    """A model file to show the poses on."""
+    """A model file that shows the poses."""
 
 
 class BigramCurves(Strict):
     """The curves of one phone bigram, in normalised time."""
 
     word: str | None = None
-    """A word in which it is heard."""
+    """An example word with the bigram."""
     status: Literal["drafted", "edited", "approved"] = "edited"
-    """How far a person has seen to it."""
+    """The state of the artist's work."""
     boundary: Annotated[float, Field(gt=0, lt=1)] = 0.5
-    """Where the first phoneme ends."""
+    """The end of the first phoneme, in normalised time."""
     contact: Literal["hold", "free"] = "hold"
-    """Whether the contacts of its phonemes are held."""
+    """`free` leaves the contacts of the two phonemes unheld."""
     interpolation: Literal["bspline", "linear"] | None = None
-    """The kind of curve, where it differs from the bank's."""
+    """The kind of curve, if it differs from the bank's."""
     why: str | None = None
-    """Why it is as it is."""
+    """The reason for these curves."""
     curves: Curves
     """A curve for each pose that moves."""
 
@@ -261,9 +261,9 @@ class BankPack(PackModel):
     poseset: Name
     """The pose set whose poses move."""
     language: Name | None = None
-    """The language it is meant for; none means all."""
+    """The bank's language; all languages unless stated."""
     style: Text = "neutral"
-    """The manner of speaking."""
+    """The style of speaking."""
     interpolation: Literal["bspline", "linear"] = "bspline"
     """The kind of curve."""
     bigrams: dict[BigramKey, BigramCurves] = Field(default={})
@@ -271,19 +271,19 @@ class BankPack(PackModel):
 
 
 class WordCurves(Strict):
-    """Curves of a whole word, over the word's normalised time."""
+    """Curves of a whole word, in the word's normalised time."""
 
     curves: Curves
     """A curve for each pose that moves."""
 
 
 class Edit(Strict):
-    """Curves for one place of a line, addressed by word and phoneme index."""
+    """Curves for one word or phoneme of a line, addressed by index."""
 
     word: Annotated[int, Field(ge=0)] | None = None
     """The word, from 0."""
     phoneme: Annotated[int, Field(ge=0)] | None = None
-    """The phoneme, from 0; of the word where one is named, else of the line."""
+    """The phoneme, from 0, within the word if `word` is given, else within the line."""
     curves: Curves = Field(default={})
     """A curve for each pose that moves."""
 
@@ -293,13 +293,13 @@ Share = Unit
 
 
 def _points(value: Data) -> Data:
-    """Turn one number into a level that stays."""
+    """Turn one number into a constant level."""
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return ((0, value),) if number else value
 
 
 def _forwards(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    """Refuse points that run back."""
+    """Refuse points whose words decrease."""
     for (before, _), (after, _) in pairwise(points):
         if after < before:
             what = "the words of these points run back: {after} after {before}"
@@ -309,7 +309,7 @@ def _forwards(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, flo
 
 
 OrNumber = Short(_points, forms=lambda full: [full, full["items"]["prefixItems"][1]])
-"""One number is a level that stays."""
+"""Accepts one number as a constant level."""
 
 Levels = Annotated[
     tuple[tuple[NotNegative, Level], ...],
@@ -317,7 +317,7 @@ Levels = Annotated[
     AfterValidator(_forwards),
     OrNumber,
 ]
-"""A level, or points of word and level: words count from 0, and 2.5 is the middle of the third."""
+"""A level, or points (word, level). Words count from 0; 2.5 is the middle of the third word."""
 
 Shares = Annotated[
     tuple[tuple[NotNegative, Share], ...],
@@ -325,28 +325,27 @@ Shares = Annotated[
     AfterValidator(_forwards),
     OrNumber,
 ]
-"""A share, or points of word and share."""
+"""A share, or points (word, share)."""
 
 
 class Delivery(Strict):
-    """How a line, or all of them, are spoken: style banks blended in, and regions scaled."""
+    """The delivery of lines: styles are blended in, and regions are scaled."""
 
     styles: dict[Text, Shares] = Field(default={})
-    """The share of each style over neutral; or [word, share] points, straight lines between."""
+    """The share of each style over neutral; or [word, share] points with straight lines between."""
     dials: dict[Text, Levels] = Field(default={})
-    """How far the poses of a region move: 0 not at all, 1 as usual, 2 twice as far; or [word,
-    level] points."""
+    """Scale for the poses of a region: 0 none, 1 unchanged, 2 double; or [word, level] points."""
 
 
 class LineEdits(Delivery):
-    """What is particular to one recorded line, and survives a new recording."""
+    """Edits and delivery of one line; they stay valid after a new recording."""
 
     edits: tuple[Edit, ...] = ()
-    """Edits in order; a later one wins."""
+    """Edits in order; a later edit wins."""
 
 
 class Character(PackModel, Delivery):
-    """A face that speaks: a pose set, a bank layer of its own, and a rig."""
+    """A face that speaks: a pose set with bigrams, words and lines of its own, and a rig."""
 
     kind: Literal["character"]
     """The kind of pack."""
@@ -355,19 +354,19 @@ class Character(PackModel, Delivery):
     bigrams: dict[BigramKey, BigramCurves] = Field(default={})
     """The character's own bigrams."""
     banks: tuple[Text, ...] = ()
-    """Files of more of them, beside the character."""
+    """Bank files beside the character, with more bigrams."""
     words: dict[Text, WordCurves] = Field(default={})
-    """Words it moves in its own way."""
+    """The character's own curves of words."""
     pronunciations: dict[Text, dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]]] = (
         Field(default={})
     )
-    """Words it pronounces in its own way, by language, as common phonemes."""
+    """The character's own pronunciations of words, by language, as common phonemes."""
     lines: dict[Text, LineEdits] = Field(default={})
-    """Lines with edits of their own."""
+    """Edits and delivery of single lines, by name."""
     motion: MotionFields = MotionFields()
-    """What differs from the pose set's motion."""
+    """Differences from the pose set's motion."""
     checks: Checks = Checks()
-    """What differs from the pose set's checks."""
+    """Differences from the pose set's checks."""
     rig: Name | None = None
     """The rig that drives the model."""
     model: Text | None = None
@@ -381,19 +380,19 @@ class RigChannel(Strict):
     """A shape or bone of a model, driven by a sum of gain times pose."""
 
     gains: dict[PoseName, float]
-    """How much of it each pose moves."""
+    """The channel's value for each pose at weight 1."""
     range: tuple[float, float] | None = None
-    """The least and the most it takes."""
+    """The least and the largest value."""
     at_most: Text | None = None
-    """The channel it never passes."""
+    """Another channel, whose value is an upper limit."""
     mesh: Text | None = None
-    """The one mesh that has it; every mesh with such a shape where none is named."""
+    """The mesh with the shape; every mesh with such a shape unless stated."""
     node: Text | None = None
-    """The bone it turns or moves; a shape where none is named."""
+    """The bone to turn or move; without it, the channel is a shape."""
     rotation: Vector | None = None
-    """The axis it turns about, gains being degrees."""
+    """The axis of a bone's rotation; gains are in degrees."""
     translation: Vector | None = None
-    """The way it moves, in the model's units for a gain of 1."""
+    """A bone's movement for a value of 1, in the model's units."""
 
     @model_validator(mode="after")
     def _bone_fits(self) -> Self:
@@ -411,17 +410,17 @@ class RigChannel(Strict):
 
 
 class RigPack(PackModel):
-    """How poses drive the shapes and bones of a real model, and how those are called."""
+    """A rig: poses of a pose set drive the shapes and bones of a model."""
 
     kind: Literal["rig"]
     """The kind of pack."""
     poseset: Name
-    """The pose set whose poses drive it."""
+    """The pose set whose poses drive the channels."""
     to: Name | None = None
-    """The pose set whose poses the channels are, where it is one."""
+    """The pose set whose poses are the channels, for a rig from one pose set to another."""
     channels: dict[Text, RigChannel] = Field(min_length=1)
-    """What is driven, by name; `{Left,Right}` in a name stands for two channels alike."""
+    """Channels by name; `{Left,Right}` in a name stands for two equal channels."""
     names: dict[Text, tuple[Text, ...]] = Field(default={})
-    """How models spell a channel otherwise; `{Left,Right}` as in the channel, `*` for anything."""
+    """Other names of a channel in models; `{Left,Right}` as in the channel, `*` for any text."""
     lost: dict[PoseName, Text] = Field(default={})
-    """Poses that these channels cannot show, or show as another, and why."""
+    """Poses that these channels cannot show, or cannot tell from another pose, and why."""

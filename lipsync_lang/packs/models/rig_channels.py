@@ -1,4 +1,4 @@
-"""The channels of a rig one by one: braces written out, spellings gathered."""
+"""The channels of a rig with their braces expanded and their spellings collected."""
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -8,16 +8,16 @@ from lipsync_lang.packs.models.braces import expanded, paired
 
 
 class Stated(NamedTuple):
-    """One channel, and the key under which a rig states it."""
+    """One channel with the key that states it in the rig."""
 
     key: str
     name: str
     channel: RigChannel
-    """Its `at_most` written out too."""
+    """The channel; the braces of its `at_most` are expanded too."""
 
 
 def stated(rig: RigPack) -> Iterator[Stated]:
-    """Yield every channel in the rig's order; one that is stated twice comes twice."""
+    """Yield every channel in the rig's order; a channel stated twice is yielded twice."""
     for key, channel in rig.channels.items():
         names = expanded(key)
         limits = paired(channel.at_most, len(names)) if channel.at_most is not None else None
@@ -28,7 +28,7 @@ def stated(rig: RigPack) -> Iterator[Stated]:
 
 
 def channels_of(rig: RigPack) -> dict[str, RigChannel]:
-    """Return each channel by name; the first of two alike."""
+    """Return channels by name; of two with one name, the first."""
     found: dict[str, RigChannel] = {}
     for one in stated(rig):
         found.setdefault(one.name, one.channel)
@@ -36,7 +36,7 @@ def channels_of(rig: RigPack) -> dict[str, RigChannel]:
 
 
 def names_of(rig: RigPack) -> dict[str, tuple[str, ...]]:
-    """Return how models spell each channel that the rig has spellings of."""
+    """Map channels to their other names in models; channels without any are left out."""
     found: dict[str, dict[str, None]] = {}
     for key, spellings in rig.names.items():
         channels = expanded(key)
@@ -48,7 +48,7 @@ def names_of(rig: RigPack) -> dict[str, tuple[str, ...]]:
 
 
 def plain_channels(rig: RigPack, to: PoseSet | None) -> list[dict[str, Any]]:
-    """Return every channel as plain data, spelled as the pose set it belongs to is too."""
+    """Return every channel as plain data; its names include those of the pose in `to`."""
     known = pose_names(to) if to is not None else {}
     own = names_of(rig)
     return [
@@ -62,7 +62,7 @@ def plain_channels(rig: RigPack, to: PoseSet | None) -> list[dict[str, Any]]:
 
 
 def pose_names(poseset: PoseSet) -> dict[str, list[str]]:
-    """Return how models spell each pose otherwise, braces written out."""
+    """Map each pose to its other names in models, braces expanded."""
     return {
         pose: list(dict.fromkeys(name for spelt in stated.names for name in expanded(spelt)))
         for pose, stated in poseset.poses.items()

@@ -1,4 +1,4 @@
-"""JSON Schemas of packs, for editors that complete and check while one types."""
+"""JSON Schemas of packs, for completion and checks in text editors."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ def schema(kind: str) -> dict[str, Any]:
     Raises
     ------
     PackError
-        There is no such kind.
+        The kind is unknown.
     """
     if kind not in MODELS:
         raise PackError(f"unknown kind of pack '{kind}': {did_you_mean(kind, MODELS)}")

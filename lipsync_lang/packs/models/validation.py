@@ -1,4 +1,7 @@
-"""A file's form against the model of its kind: what pydantic says, in the words of the file."""
+"""Validate a file against the model of its kind, and turn pydantic's errors into faults.
+
+Messages use the words of the file, never names of Python classes.
+"""
 
 from collections.abc import Mapping, Sequence
 from types import UnionType
@@ -9,21 +12,21 @@ from pydantic import BaseModel, ValidationError
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.packs.models import MODELS, PackModel
 from lipsync_lang.packs.models.attribute_docs import descriptions
-from lipsync_lang.packs.models.fields import FORMAT
+from lipsync_lang.packs.models.fields import PACK_FORMAT
 from lipsync_lang.packs.yaml.faults import Fault
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 Data = Any
-"""A value as YAML holds it, or a type as `typing` holds it."""
+"""A value from a YAML file, or a type annotation."""
 
 Report = Mapping[str, Any]
-"""One of pydantic's errors."""
+"""One entry of `ValidationError.errors()`."""
 
-KEY = "[key]"
-"""The step by which pydantic points at a key."""
+KEY_STEP = "[key]"
+"""Last step of pydantic's location for an error in a key."""
 
-LONGEST_SHOWN = 40
-"""Characters of a value that a message repeats."""
+MAX_QUOTED_CHARS = 40
+"""Characters of a value that a message quotes."""
 
 _MUST = {
     "string_type": "text",
@@ -56,9 +59,9 @@ _PATTERN = "write a BCP 47 tag such as 'pt-BR'"
 def validated(
     source: YamlSource, *, kind: str | None = None, name: str | None = None
 ) -> tuple[PackModel | None, tuple[Fault, ...]]:
-    """Return the pack that a file states, or None, and every fault of the file.
+    """Return the pack in a file (None if faulty), and every fault of the file.
 
-    `kind` and `name` are those that belong where the file lies; None lets the file say.
+    `kind` and `name` are those expected for the file's place; None accepts any.
     """
     model, faults = _kind(source, kind) if source.data is not None else (None, [])
     pack = None
@@ -73,7 +76,7 @@ def validated(
 
 
 def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None, list[Fault]]:
-    """Find the model of a file; without one, nothing more can be said of it."""
+    """Return the model for a file, or None and the fault of its `kind` or `format`."""
     data = source.data
     start = "start it with `kind: ...`, `format: 1` and `name: ...`"
     if not isinstance(data, dict):
@@ -90,8 +93,8 @@ def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None,
         hint = "move the file to its folder, or mend its `kind`"
         return None, [source.fault(("kind",), "P109", what, hint)]
     number = data.get("format")
-    if type(number) is int and number > FORMAT:
-        what = f"the pack is in format {number}; this program reads format {FORMAT}"
+    if type(number) is int and number > PACK_FORMAT:
+        what = f"the pack is in format {number}; this program reads format {PACK_FORMAT}"
         hint = "use a newer version of the program"
         return None, [source.fault(("format",), "P110", what, hint)]
     return MODELS[stated], []
@@ -106,7 +109,7 @@ def _name(source: YamlSource, name: str | None) -> list[Fault]:
 
 
 def _translate(source: YamlSource, model: type[PackModel], error: ValidationError) -> list[Fault]:
-    """Turn pydantic's errors into faults, one for each place and matter."""
+    """Turn pydantic's errors into faults."""
     return [
         _fault(source, model, report)
         for report in error.errors(include_url=False)
@@ -115,7 +118,7 @@ def _translate(source: YamlSource, model: type[PackModel], error: ValidationErro
 
 
 def _echo(report: Report) -> bool:
-    """Say whether a list is only too short because some of its items are faulty themselves."""
+    """Return True for a list that is too short only because pydantic dropped faulty items."""
     value = report["input"]
     return (
         report["type"] == "too_short"
@@ -126,7 +129,7 @@ def _echo(report: Report) -> bool:
 
 def _fault(source: YamlSource, model: type[PackModel], report: Report) -> Fault:
     loc: Loc = tuple(report["loc"])
-    key = bool(loc) and loc[-1] == KEY
+    key = bool(loc) and loc[-1] == KEY_STEP
     loc = loc[:-1] if key else loc
     context = report.get("ctx", {})
     loc += tuple(context[step] for step in ("field", "at") if step in context)
@@ -137,7 +140,7 @@ def _fault(source: YamlSource, model: type[PackModel], report: Report) -> Fault:
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
     source: YamlSource, model: type[PackModel], loc: Loc, report: Report
 ) -> tuple[str, str, str]:
-    """Return the code, the matter and the hint of one error."""
+    """Return the code, message and hint for one error."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     subject = _subject(source, loc)
     if sort == "extra_forbidden":
@@ -180,7 +183,7 @@ def _literal(subject: str, value: Data, expected: str) -> tuple[str, str, str]:
 
 
 def _length(source: YamlSource, loc: Loc, report: Report) -> tuple[str, str, str]:
-    """Say how many items a list or mapping needs, and how many it has."""
+    """Return the fault of a list or mapping with too few or too many items."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
     if sort == "missing":
         need = f"more than {len(value)}"
@@ -201,7 +204,7 @@ def _mend(sort: str, value: Data) -> str:
 
 
 def _subject(source: YamlSource, loc: Sequence[str | int]) -> str:
-    """Name the value at `loc` as the file does: the nearest key, and items from 1."""
+    """Name the value at `loc` for a message: the nearest key, and items counted from 1."""
     steps = [s for n, s in enumerate(loc) if _there(source, loc[:n], s) or n == len(loc) - 1]
     steps = [s for s in steps if not str(s).startswith("<")]
     items = ""
@@ -212,7 +215,7 @@ def _subject(source: YamlSource, loc: Sequence[str | int]) -> str:
 
 
 def _there(source: YamlSource, before: Sequence[str | int], step: str | int) -> bool:
-    """Say whether the file has the step, which pydantic may have put in itself."""
+    """Return True if the file has the step; pydantic's locations contain steps of its own."""
     value = source.at(before)
     if isinstance(value, dict):
         return step in value
@@ -220,7 +223,7 @@ def _there(source: YamlSource, before: Sequence[str | int], step: str | int) -> 
 
 
 def _got(value: Data) -> str:
-    """Describe a value in the words of the file."""
+    """Describe a value for a message."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -228,13 +231,13 @@ def _got(value: Data) -> str:
     if isinstance(value, (int, float)):
         return f"number {float(value):g}"
     if isinstance(value, str):
-        short = value if len(value) <= LONGEST_SHOWN else value[: LONGEST_SHOWN - 3] + "..."
+        short = value if len(value) <= MAX_QUOTED_CHARS else value[: MAX_QUOTED_CHARS - 3] + "..."
         return f"text {short!r}"
     return "a mapping" if isinstance(value, dict) else "a list"
 
 
 def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
-    """Describe the fields, by their names in the file, of the model in which `loc` ends."""
+    """Return descriptions of the fields beside the last step of `loc`, by name in the file."""
     types: list[Data] = [model]
     for step in loc[:-1]:
         types = [t for kind in types for t in _inside(kind, step)] or types
@@ -247,7 +250,7 @@ def _fields(model: type[BaseModel], loc: Loc) -> dict[str, str]:
 
 
 def _flat(types: Sequence[Data]) -> list[Data]:
-    """Take annotations and unions apart."""
+    """Return the plain types within annotations and unions."""
     flat: list[Data] = []
     for kind in types:
         origin: Data = get_origin(kind)
@@ -261,7 +264,7 @@ def _flat(types: Sequence[Data]) -> list[Data]:
 
 
 def _inside(kind: Data, step: str | int) -> list[Data]:
-    """Return what a value of some type holds at a step; nothing for a step of pydantic's own."""
+    """Return the types of a value one step down; empty for a step that pydantic inserted."""
     inside: list[Data] = []
     for part in _flat([kind]):
         if isinstance(part, type) and issubclass(part, BaseModel):

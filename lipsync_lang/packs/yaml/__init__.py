@@ -1,1 +1,1 @@
-"""YAML with positions: text to data, where each value stands, and faults that say so."""
+"""YAML with positions: text becomes data, each value keeps its line and column for faults."""

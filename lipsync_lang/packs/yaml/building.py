@@ -1,6 +1,8 @@
-"""The data and marks of a YAML file, built from the parser's events.
+"""Build the data and marks of a YAML file from the parser's events.
 
-Building is iterative and bounded: no file, however made, takes the program down.
+The builder keeps its own stack instead of recursing, and limits size, nesting and aliases. So no
+file can exhaust the stack or the memory. Lines and columns count from 1; the parser's own marks
+count from 0.
 """
 
 import gc
@@ -13,16 +15,23 @@ from typing import Any, Final, NamedTuple
 
 from lipsync_lang.packs.yaml.events import Event, Parser, YamlError, parsers
 from lipsync_lang.packs.yaml.faults import Fault, shown
-from lipsync_lang.packs.yaml.source import LARGEST, TOP, Data, Position, SourceMark, YamlSource
+from lipsync_lang.packs.yaml.source import (
+    FILE_START,
+    MAX_PACK_BYTES,
+    Data,
+    Position,
+    SourceMark,
+    YamlSource,
+)
 
-DEEPEST = 40
+MAX_NESTING_LEVELS = 40
 """Levels of nesting; packs use about eight."""
 
-LONGEST_NUMBER = 64
-"""Digits; a longer integer is read as a float, which is all a pack could mean by it."""
+MAX_INTEGER_DIGITS = 64
+"""Digits of an integer; a longer one becomes a float, as `int` refuses thousands of digits."""
 
-TAG = "P014"
-"""The code of a tag."""
+TAG_FAULT = "P014"
+"""The fault code of a tag."""
 
 _INT = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -40,7 +49,7 @@ _NOT_TEXT = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f\ud800-\udf
 
 
 def build(path: Path, content: bytes) -> YamlSource:
-    """Read YAML as far as it goes; see `source.scan`."""
+    """Read YAML as far as possible; see `source.scan`."""
     try:
         return _built(path, _text(path, content))
     except _StopError as stop:
@@ -48,7 +57,7 @@ def build(path: Path, content: bytes) -> YamlSource:
 
 
 def _built(path: Path, text: str) -> YamlSource:
-    """Build from the events of the first parser that can read the text."""
+    """Build a source with the first parser that can read the text."""
     try:
         asked = parsers(text)
     except YamlError as error:
@@ -58,22 +67,23 @@ def _built(path: Path, text: str) -> YamlSource:
         builder = _Builder(path)
         try:
             source = builder.build(text, parse)
-            if parse is asked[-1] or all(fault.code != TAG for fault in source.faults):
-                return source  # else the parsers may differ on the tag: one faulty, one unknown
+            if parse is asked[-1] or all(fault.code != TAG_FAULT for fault in source.faults):
+                return source
+            # Some tags are a syntax error to one parser only; the last parser decides.
         except YamlError as error:
             stop = _StopError(*builder.faults, _syntax(path, text, error))
     raise stop
 
 
 class _StopError(Exception):
-    """Reading cannot go on."""
+    """Stops reading; carries the faults found so far."""
 
     def __init__(self, *faults: Fault) -> None:
         self.faults = faults
 
 
 def _text(path: Path, content: bytes) -> str:
-    """Decode a file, or say what and where is not text."""
+    """Decode a file; raise `_StopError` at the first byte or character that is not text."""
 
     def stop(at: int, code: str, what: str, hint: str) -> _StopError:
         before = content[:at].decode("utf-8", "replace")
@@ -81,9 +91,9 @@ def _text(path: Path, content: bytes) -> str:
         column = len(before) - (before.rfind("\n") + 1) + 1
         return _StopError(Fault(shown(path), line, column, code, what, hint))
 
-    if len(content) > LARGEST:
+    if len(content) > MAX_PACK_BYTES:
         hint = "split it into several packs"
-        raise stop(0, "P002", f"the file is larger than {LARGEST >> 20} MB", hint)
+        raise stop(0, "P002", f"the file is larger than {MAX_PACK_BYTES >> 20} MB", hint)
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise stop(0, "P003", "the file is UTF-16", "save it as UTF-8")
     if content.startswith(b"\xef\xbb\xbf"):
@@ -112,18 +122,18 @@ def _scalar(text: str) -> Data:
     if text[0] not in "+-.0123456789":
         return text
     if _INT.fullmatch(text):
-        return int(text) if len(text) <= LONGEST_NUMBER else float(text)
+        return int(text) if len(text) <= MAX_INTEGER_DIGITS else float(text)
     if _FLOAT.fullmatch(text):
         return float(text)
     if _BASED.fullmatch(text):
         number = int(text[2:], 8 if text[1] == "o" else 16)
-        return number if len(text) <= LONGEST_NUMBER else float("inf")
+        return number if len(text) <= MAX_INTEGER_DIGITS else float("inf")
     return text
 
 
 def _syntax(path: Path, text: str, error: YamlError) -> Fault:
-    """Put the parser's complaint into a fault."""
-    line, column = error.place or TOP
+    """Turn the parser's error into a fault."""
+    line, column = error.place or FILE_START
     lines = text.splitlines()
     rest = lines[line - 1][: column + 1] if line <= len(lines) else ""
     if "'\\t'" in error.problem or "\t" in rest[: len(rest) - len(rest.lstrip())]:
@@ -140,22 +150,22 @@ def _syntax(path: Path, text: str, error: YamlError) -> Fault:
 
 @dataclass(slots=True)
 class _Frame:
-    """A mapping or sequence that is being read."""
+    """A mapping or sequence whose end has not been read yet."""
 
     data: Data
     inner: Data
     start: Event
-    """The parser's mark, as all marks of events."""
+    """The parser's mark, counted from 0."""
     anchor: str | None
     key: str | None = None
-    """The key whose value comes next; None while a key is due."""
-    key_at: Position = TOP
+    """The key whose value comes next; None while the next event must be a key."""
+    key_at: Position = FILE_START
     dropped: bool = False
-    """The value that comes next belongs to a faulty key."""
+    """The next value belongs to a faulty key and is discarded."""
 
 
 class _Anchored(NamedTuple):
-    """A value that aliases may repeat, and how many characters state it."""
+    """A value that aliases may repeat, with the number of characters that state it."""
 
     data: Data
     mark: SourceMark
@@ -163,7 +173,7 @@ class _Anchored(NamedTuple):
 
 
 class _Builder:
-    """Builds data and marks from the event stream of one file."""
+    """Builds data and marks from the events of one file."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -171,12 +181,12 @@ class _Builder:
         self.frames: list[_Frame] = []
         self.anchors: dict[str, _Anchored] = {}
         self.chars = 0
-        """Characters of the text, and of what its aliases stand for so far."""
+        """Characters of the text, plus those of every value repeated by an alias so far."""
         self.last: Event = None
         self.root: tuple[Any, SourceMark] | None = None
 
     def build(self, text: str, parse: Parser) -> YamlSource:
-        """Read the whole text."""
+        """Return the source of the whole text; raise `_StopError` or `YamlError`."""
         self.chars = len(text)
         with _no_collection():
             self._read(text, parse)
@@ -186,7 +196,7 @@ class _Builder:
         return YamlSource(self.path, data, mark, tuple(sorted(self.faults)))
 
     def _read(self, text: str, parse: Parser) -> None:
-        """Take every event; what the parser cannot read is raised with its place."""
+        """Handle every event; add the place of the last event to an error without one."""
         act = {
             "ScalarEvent": self._on_scalar,
             "SequenceStartEvent": lambda event: self._on_start(event, [], []),
@@ -245,7 +255,7 @@ class _Builder:
             self.anchors[event.anchor] = _Anchored(value, SourceMark(line, column), chars)
 
     def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
-        """Take the text as the key of the value that comes next."""
+        """Store the text as the key of the next value."""
         frame.key, frame.key_at = text, Position(line, column)
         if text == "<<" and plain:
             frame.dropped = True
@@ -263,9 +273,11 @@ class _Builder:
         if event.tag is not None:
             self._tagged(line, column, event.tag)
         self._not_a_key(line, column)
-        if len(self.frames) >= DEEPEST:
+        if len(self.frames) >= MAX_NESTING_LEVELS:
             hint = "packs nest about eight levels deep; is a bracket left open?"
-            raise self._stop(line, column, "P010", f"nests deeper than {DEEPEST} levels", hint)
+            raise self._stop(
+                line, column, "P010", f"nests deeper than {MAX_NESTING_LEVELS} levels", hint
+            )
         self.frames.append(_Frame(data, inner, mark, event.anchor))
 
     def _on_end(self, event: Event) -> None:
@@ -280,8 +292,8 @@ class _Builder:
     def _on_alias(self, event: Event) -> None:
         """Repeat an anchored value.
 
-        Anchored values hold no aliases, so that text which aliases stand for is as long as it
-        looks; all of it together may not be longer than a file. So an alias cannot multiply.
+        Two rules keep aliases from multiplying data. An anchored value may not contain an alias.
+        The text and all repeated values together may not be longer than a file.
         """
         mark = event.start_mark
         line, column = mark.line + 1, mark.column + 1
@@ -298,17 +310,18 @@ class _Builder:
             frame.key, frame.dropped = "", True
             return
         self.chars += found.chars
-        if self.chars > LARGEST:
-            what = f"the file is larger than {LARGEST >> 20} MB once its aliases are written out"
+        if self.chars > MAX_PACK_BYTES:
+            size = f"{MAX_PACK_BYTES >> 20} MB"
+            what = f"the file is larger than {size} once its aliases are written out"
             raise self._stop(line, column, "P011", what, "split it into several packs")
         self._add(found.data, found.mark)
 
     def _tagged(self, line: int, column: int, tag: str) -> None:
         what = f"tags such as '{tag}' are not supported"
-        self._note(line, column, TAG, what, "delete it; quotes make text of anything")
+        self._note(line, column, TAG_FAULT, what, "delete it; quotes make text of anything")
 
     def _not_a_key(self, line: int, column: int) -> bool:
-        """Say whether a value is due; a list, mapping or alias in a key's place is a fault."""
+        """Return True where a value is expected; note a fault where a key is expected."""
         frame = self.frames[-1] if self.frames else None
         if frame is None or frame.data.__class__ is list or frame.key is not None:
             return True
@@ -317,7 +330,7 @@ class _Builder:
         return False
 
     def _add(self, data: Data, mark: SourceMark) -> None:
-        """Put a finished value where it belongs."""
+        """Add a finished value to the innermost open mapping or sequence."""
         if not self.frames:
             self.root = data, mark
             return
@@ -325,7 +338,7 @@ class _Builder:
         if frame.data.__class__ is list:
             frame.data.append(data)
             frame.inner.append(mark)
-        elif frame.key is None:  # a collection in a key's place: its value is dropped too
+        elif frame.key is None:  # a collection as a key is a fault: discard its value as well
             frame.key, frame.dropped = "", True
         else:
             if not frame.dropped:
@@ -336,7 +349,7 @@ class _Builder:
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """Keep the collector from walking the growing data again and again."""
+    """Pause garbage collection, which would walk the growing data again and again."""
     was = gc.isenabled()
     gc.disable()
     try:

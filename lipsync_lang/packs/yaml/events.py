@@ -1,8 +1,8 @@
-"""The events of a YAML text: libyaml's, or those of ruamel.yaml where the two could differ.
+"""Parse a YAML text into events, with libyaml where possible and ruamel.yaml otherwise.
 
-libyaml reads fifteen times as fast. ruamel.yaml reads what libyaml refuses, so that a fault is
-told in the same words with libyaml and without, and the few texts on which the two disagree.
-A text too large to be read slowly has to do with libyaml alone. See decision 0016.
+libyaml is fifteen times as fast. ruamel.yaml reads the few texts on which the two parsers
+disagree. It also reads every text that libyaml refuses, so that messages are the same with and
+without libyaml. A text longer than `MAX_SLOW_CHARS` is read by libyaml alone. See decision 0016.
 """
 
 import re
@@ -16,24 +16,24 @@ Event = Any
 Parser = Callable[[str], Iterator[Event]]
 
 MAX_SLOW_CHARS = 2**18
-"""Characters that ruamel.yaml may read; it takes about three seconds for them."""
+"""Longest text that ruamel.yaml may read, which takes it about three seconds."""
 
 _DISPUTED = re.compile(
     r"[\x85\u2028\u2029\ufeff]|\r(?!\n)|^%|(?<![^\s\[{,:-])[&*][\w-]+[:?%@`]|[|>][-+\d]*#",
     re.MULTILINE,
 )
-"""Unusual line breaks, byte order marks, directives, anchors with punctuation in the name, and
-comments that touch the sign of a block of text: the parsers differ on them."""
+"""Text on which the parsers differ: unusual line breaks, byte order marks, directives, anchors
+with punctuation in the name, and comments that touch a block indicator (`|`, `>`)."""
 
 
 class YamlError(Exception):
-    """A text that a parser cannot read.
+    """A parser cannot read the text.
 
     Parameters
     ----------
-    place : line and column from 1; None where the parser names none
-    problem, context : the parser's words, either may be empty
-    started : the line in which the context starts; None where the parser names none
+    place : line and column from 1; None if the parser gives none
+    problem, context : the parser's words; either may be empty
+    started : line in which the context starts; None if the parser gives none
     """
 
     def __init__(
@@ -47,12 +47,14 @@ class YamlError(Exception):
 
 
 def parsers(text: str) -> tuple[Parser, ...]:
-    """Return the parsers to ask, in order: the next one where one raises `YamlError`.
+    """Return the parsers for a text, in the order to try them.
+
+    The next parser is tried after one raises `YamlError`.
 
     Raises
     ------
     YamlError
-        The text holds what only ruamel.yaml can judge, and is too large for it.
+        Only ruamel.yaml can read the text, which is too long for it.
     """
     if not has_libyaml():
         return (by_ruamel,)
@@ -68,7 +70,7 @@ def parsers(text: str) -> tuple[Parser, ...]:
 
 
 def by_libyaml(text: str) -> Iterator[Event]:
-    """Yield the events of libyaml, which comes with PyYAML."""
+    """Yield the events of libyaml, the C parser within PyYAML."""
     from yaml.cyaml import CParser
     from yaml.error import MarkedYAMLError, YAMLError
 
@@ -77,7 +79,7 @@ def by_libyaml(text: str) -> Iterator[Event]:
         while parser.check_event():
             yield parser.get_event()
     except MarkedYAMLError as error:
-        raise _told(error) from None
+        raise _converted(error) from None
     except YAMLError as error:
         raise YamlError(None, str(error), "", None) from None
 
@@ -90,7 +92,7 @@ def by_ruamel(text: str) -> Iterator[Event]:
     try:
         yield from YAML(typ="safe", pure=True).parse(text)
     except MarkedYAMLError as error:
-        raise _told(error) from None
+        raise _converted(error) from None
     except GeneratorExit:
         raise
     except Exception as error:  # noqa: BLE001 the parser has errors of its own: they are the file's
@@ -99,14 +101,14 @@ def by_ruamel(text: str) -> Iterator[Event]:
 
 
 def has_libyaml() -> bool:
-    """Say whether PyYAML was built with libyaml, as its wheels are."""
+    """Return True if PyYAML was built with libyaml, as its wheels are."""
     import yaml
 
     return bool(yaml.__with_libyaml__)
 
 
 def _disputed(text: str) -> int | None:
-    """Find the first character on which the parsers may differ; None if there is none."""
+    """Return the offset of the first character on which the parsers may differ, or None."""
     found = _DISPUTED.search(text)
     places = [found.start()] if found else []
     if "\t" in text:
@@ -115,10 +117,10 @@ def _disputed(text: str) -> int | None:
 
 
 def _tabs(text: str) -> Iterator[int]:
-    """Yield the first tab of each line, unless a comment or a quoted text holds it for certain.
+    """Yield the offset of the first tab of each line, unless `` #`` precedes it.
 
-    libyaml takes a tab for space in places where YAML forbids it. After `` #`` there is nothing
-    but a comment, or text in which a tab is a tab.
+    libyaml accepts tabs as indentation, which YAML forbids. A tab after `` #`` is harmless: it
+    lies in a comment or in quoted text.
     """
     start = 0
     for line in text.split("\n"):
@@ -128,8 +130,8 @@ def _tabs(text: str) -> Iterator[int]:
         start += len(line) + 1
 
 
-def _told(error: Any) -> YamlError:
-    """Take over the words of either parser."""
+def _converted(error: Any) -> YamlError:
+    """Convert the error of either parser."""
     mark, context_mark = error.problem_mark or error.context_mark, error.context_mark
     place = (mark.line + 1, mark.column + 1) if mark is not None else None
     started = context_mark.line + 1 if context_mark is not None else None

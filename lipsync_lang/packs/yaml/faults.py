@@ -1,4 +1,4 @@
-"""What is wrong in a file: where it stands, what it is, and how to mend it."""
+"""Faults of pack files: each has a place, a code, a message and a hint to mend it."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
@@ -92,21 +92,21 @@ CODES: dict[str, str] = {
     "W314": "A target disagrees with a contact of its phoneme.",
     "W320": "No bank has a style that is asked for.",
 }
-"""What each code means, for ever: a meaning never changes, and a code is never used again."""
+"""The meaning of each code. A meaning never changes, and a retired code is never used again."""
 
 
 @dataclass(frozen=True, order=True)
 class Fault:
-    """One thing wrong at one place of one file; prints itself.
+    """One mistake at one place of one file; `str` gives the message for the user.
 
     Parameters
     ----------
-    file : as shown to the user
+    file : path as shown to the user
     line, column : from 1
     code : one of `CODES`
-    what : the matter in the file's own words
-    hint : how to mend it, or empty
-    severity : a warning does not make a pack unsound
+    what : the mistake, in the file's own words
+    hint : how to mend it; may be empty
+    severity : a pack with warnings only can still be used
     """
 
     file: str
@@ -118,7 +118,7 @@ class Fault:
     severity: Severity = "fault"
 
     def __post_init__(self) -> None:
-        """Refuse a code nobody could look up."""
+        """Refuse a code that the reference does not list."""
         if self.code not in CODES:
             raise ValueError(f"unknown fault code {self.code!r}; add it to CODES first")
 
@@ -129,19 +129,19 @@ class Fault:
         return f"{place}: {self.code} {mark}{_visible(self.what)}{hint}"
 
     def to_dict(self) -> dict[str, str | int]:
-        """Return the fault as JSON holds it."""
+        """Return the fault as a dict for JSON."""
         return asdict(self)
 
 
 def _visible(text: str) -> str:
-    """Write out characters that do not show, so that a message is one line and harmless."""
+    """Escape unprintable characters, so that a message stays on one line and is harmless."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class PackFaults(PackError):  # noqa: N818 it carries faults, and is raised as them
-    """Packs that cannot be used as they stand; prints every fault of theirs."""
+    """Packs are too faulty to be used; `str` lists every fault."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(faults)
@@ -149,7 +149,7 @@ class PackFaults(PackError):  # noqa: N818 it carries faults, and is raised as t
 
 
 def shown(path: Path) -> str:
-    """Return a path as messages show it: relative to the current folder when below it."""
+    """Return a path for a message: relative to the current folder if it lies below."""
     try:
         return str(path.relative_to(Path.cwd()))
     except (ValueError, OSError):

@@ -1,10 +1,9 @@
-"""YAML as plain data, each value with its place in the file.
+"""Read a YAML file into plain data, and keep the place of each value.
 
 Conventions: lines and columns count from 1, columns in characters. Plain scalars follow the
-YAML 1.2 core schema, so that ``no``, ``on`` and ``1:30`` stay text; keys are always the text
-that stands in the file, so that a phoneme may be called ``2``, ``~`` or ``null``. Tags, merge
-keys and a second document are faults. Reading is iterative and bounded: no file, however
-made, takes the program down.
+YAML 1.2 core schema: ``no``, ``on`` and ``1:30`` stay text. Keys always stay text: a phoneme may
+be called ``2``, ``~`` or ``null``. Tags, merge keys and a second document are faults. Size,
+nesting and aliases are limited, so that no file can crash the program.
 """
 
 from collections.abc import Sequence
@@ -15,30 +14,30 @@ from typing import Any, NamedTuple
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 
-LARGEST = 2**20
-"""Bytes; a larger file is not a pack."""
+MAX_PACK_BYTES = 2**20
+"""Largest pack file, in bytes."""
 
 Loc = tuple[str | int, ...]
 
 Data = Any
-"""Dicts with text keys, tuples, text, numbers, booleans and None, as YAML holds them."""
+"""A YAML value: dict with text keys, tuple, text, number, boolean or None."""
 
 
 class Position(NamedTuple):
-    """A place in a text, from 1."""
+    """A place in a text; line and column count from 1."""
 
     line: int
     column: int
 
 
-TOP = Position(1, 1)
+FILE_START = Position(1, 1)
 
 
 class SourceMark(NamedTuple):
-    """Where a value starts, and the marks of what it holds.
+    """The place of a value, and the marks of the values inside.
 
-    `inner` maps a mapping's keys to (line and column of the key, mark of the value), and
-    lists the marks of a sequence's items.
+    For a mapping, `inner` maps each key to (place of the key, mark of the value). For a sequence,
+    `inner` lists the marks of the items.
     """
 
     line: int
@@ -54,7 +53,8 @@ class YamlSource:
     ----------
     path : the file
     data : dicts, tuples, text, numbers, booleans and None
-    faults : what the reader found wrong without having to stop
+    root : the mark of `data`
+    faults : mistakes in the YAML
     """
 
     path: Path
@@ -65,8 +65,8 @@ class YamlSource:
     def where(self, loc: Sequence[str | int], *, key: bool = False) -> Position:
         """Return the place of the value at `loc`, or of its key.
 
-        Steps that the file does not have are passed over, so that the place is that of the
-        nearest value it does have. A text step into a list finds the item of that text.
+        Steps missing from the file are skipped: the result is then the place of the nearest
+        ancestor. A text step into a list finds the first item equal to that text.
         """
         mark, place = self.root, Position(self.root.line, self.root.column)
         data = self.data
@@ -78,7 +78,7 @@ class YamlSource:
         return place
 
     def known(self, loc: Sequence[str | int]) -> int:
-        """Return how many steps of `loc` the file has before the first that it does not."""
+        """Return the number of leading steps of `loc` that exist in the file."""
         mark, data = self.root, self.data
         for count, step in enumerate(loc):
             found = _step(mark, data, step)
@@ -88,7 +88,7 @@ class YamlSource:
         return len(loc)
 
     def at(self, loc: Sequence[str | int]) -> Data:
-        """Return the value at `loc`, passing over steps that the file does not have."""
+        """Return the value at `loc`; steps missing from the file are skipped."""
         mark, data = self.root, self.data
         for step in loc:
             found = _step(mark, data, step)
@@ -111,7 +111,7 @@ def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
     PackError
         The file cannot be opened.
     PackFaults
-        It is not sound YAML; every fault of it that can be seen at once.
+        The file is not sound YAML; the error lists every fault found.
     """
     if content is None:
         content = read_bytes(path)
@@ -122,18 +122,26 @@ def read_yaml(path: Path, content: bytes | None = None) -> YamlSource:
 
 
 def read_bytes(path: Path) -> bytes:
-    """Return what a pack file holds; a file that cannot be opened is a `PackError`."""
+    """Return the bytes of a pack file, cut off just above the size limit.
+
+    The cut lets the builder refuse an endless file (a device, a pipe) for its size.
+
+    Raises
+    ------
+    PackError
+        The file cannot be opened.
+    """
     try:
         with path.open("rb") as stream:
-            return stream.read(LARGEST + 1)
+            return stream.read(MAX_PACK_BYTES + 1)
     except OSError as error:
         raise PackError(f"{shown(path)}: cannot be read: {error.strerror or error}") from None
 
 
 def scan(path: Path, content: bytes) -> YamlSource:
-    """Read YAML as far as it goes, keeping what is wrong in ``Source.faults``.
+    """Read YAML as far as possible, and collect mistakes in ``YamlSource.faults``.
 
-    `Source.data` is None after a fault that leaves no data to trust.
+    `YamlSource.data` is None after a fault that stops the reader.
     """
     from lipsync_lang.packs.yaml.building import build
 
@@ -143,7 +151,7 @@ def scan(path: Path, content: bytes) -> YamlSource:
 def _step(
     mark: SourceMark, data: Data, step: str | int
 ) -> tuple[Position, SourceMark, Data] | None:
-    """Go one step down from a value: (place of the key or item, its mark, its data)."""
+    """Go one step down from a value; return (place of key or item, mark, data), or None."""
     inner = mark.inner
     if isinstance(inner, dict):
         found = inner.get(step) if isinstance(step, str) else None
