@@ -409,6 +409,19 @@ def test_what_is_forged_is_not_believed(change, store):
     assert ll.resolve(*PAIR).perform(SCHEDULE).weights.any()
 
 
+@pytest.mark.skipif(os.name == "nt", reason="FIFOs of POSIX")
+def test_a_pack_that_became_a_pipe_is_not_waited_for(store):
+    fill()
+    (store / "pipe").mkdir()
+    os.mkfifo(store / "pipe" / "pack.yaml")
+    endless = [str(store / "pipe" / "pack.yaml"), "/dev/zero"]
+    whole = only(store).read_bytes()
+    for path in endless:
+        changed = forged(whole, lambda head, path=path: head["files"].update({path: ""}))
+        only(store).write_bytes(changed)
+        assert not warm()
+
+
 FOREIGN = {
     "nothing": b"",
     "text": b"hello\n",

@@ -326,6 +326,31 @@ def test_what_is_not_translated_is_named(tmp_path):
         assert [line.text for line in read(path)] == ["b"]
 
 
+@pytest.mark.parametrize(
+    ("tail", "says"),
+    [
+        ("", True),
+        (":", True),
+        (" (a=(1)):", True),
+        (" if a(1) and b:", True),
+        (" (1) if a(1) and b:", True),
+        (" (a=1) with Dissolve(0.5), x", True),
+        (' with dissolve if a == "b":', True),
+        (" nointeract", True),
+        (" if a", False),
+        (" (a", False),
+        (".upper()", False),
+        (' with "b"', False),
+        (") with a if " * 20_000, False),
+        (" (" + ") with a if " * 20_000 + '"b"', False),
+    ],
+    ids=lambda value: str(value)[:30],
+)
+def test_the_ends_of_statements_are_searched_once(tail, says, tmp_path):
+    path = write(tmp_path / "a.rpy", f'e "Hello"{tail}\n')
+    assert [line.text for line in read(path)][:1] == ["Hello"] * says
+
+
 def test_an_open_quote_of_a_script_is_named(tmp_path):
     path = write(tmp_path / "a.rpy", 'e "open\n' + 'e "closed"\n' * 400)
     remarks = []

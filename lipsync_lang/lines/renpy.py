@@ -9,6 +9,7 @@ Python, screens, styles and the like are passed over.
 import re
 from collections import deque
 from collections.abc import Iterator
+from itertools import groupby
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
@@ -20,10 +21,13 @@ TOKENS = re.compile(rf"{TRIPLE}|{STRING}|(?P<comment>#[^\n]*)|(?P<lone>[\"'`])",
 
 SAYS = re.compile(
     rf"(?:(?P<who>[^\W\d]\w*)(?P<attributes>(?:\s+@|\s+-?[^\W\d]\w*)*)\s+|(?P<name>{STRING})\s+)?"
-    rf"(?P<what>{TRIPLE}|{STRING})"
-    r"(?:\s*\(.*\))?(?:\s+(?:nointeract|with|id)\b[^\"']*)?(?P<choice>(?:\s+if\s.*)?:)?\s*",
+    rf"(?P<what>{TRIPLE}|{STRING})",
     re.DOTALL,
 )
+
+ARGUMENTS_END = re.compile(r"\)(?=\s+(?:nointeract|with|id|if)\b)")
+CLAUSE = re.compile(r"(?:nointeract|with|id)\b[^\"']*")
+CONDITION = re.compile(r"(?:^|\s)if\s")
 
 BLOCKS = re.compile(
     r"(?:init\b.*\bpython|python|screen|style|transform|layeredimage|image\s.*:|testcase"
@@ -66,8 +70,8 @@ def read(source: LineFile) -> Iterator[Line]:
 
 
 def _said(source: LineFile, number: int, text: str, name: str) -> Iterator[Line]:
-    found = SAYS.fullmatch(text)
-    if found is None or OTHER.fullmatch(found["who"] or ""):
+    found = SAYS.match(text)
+    if found is None or not _ends(text[found.end() :]) or OTHER.fullmatch(found["who"] or ""):
         return
     who = found["who"] or _inner(found["name"] or "''")
     speaker = "" if who in NARRATOR else who
@@ -76,9 +80,31 @@ def _said(source: LineFile, number: int, text: str, name: str) -> Iterator[Line]
         if _inner(whole).strip():
             yield source.line(number, _inner(whole), name=name, speaker=speaker)
         return
-    for part in re.finditer(r"(?:[^\n]*\S[^\n]*(?:\n|$))+", whole[3:-3]):
-        row = number + whole[: part.start() + 3].count("\n")
-        yield source.line(row, part[0], name=name, speaker=speaker)
+    rows = enumerate(whole[3:-3].split("\n"), start=number)
+    for says, part in groupby(rows, key=lambda row: bool(row[1].strip())):
+        first, *more = part
+        if says:
+            spoken = "\n".join([first[1], *(row for _, row in more)])
+            yield source.line(first[0], spoken, name=name, speaker=speaker)
+
+
+def _ends(tail: str) -> bool:
+    """Say whether a statement may end so: arguments, a clause, and the condition of a choice.
+
+    Each part is looked for once: one expression for all of them takes cubic time to fail.
+    """
+    tail = tail.strip()
+    if tail.startswith("("):
+        end = ARGUMENTS_END.search(tail)
+        cut = end.end() if end else tail.rfind(")") + 1
+        if not cut:
+            return False
+        tail = tail[cut:].lstrip()
+    clause = CLAUSE.match(tail)
+    if clause and clause.end() == len(tail):
+        return True
+    condition = CONDITION.search(tail, 0, clause.end() if clause else len("if "))
+    return tail in ("", ":") or (condition is not None and tail.endswith(":"))
 
 
 def _inner(string: str) -> str:

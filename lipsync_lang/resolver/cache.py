@@ -178,10 +178,14 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
     finder = Finder(paths)
     return all(
         finder.lookup(kind, name) == tuple(found) for kind, name, found in head["lookups"]
-    ) and all(
-        sha256(Path(path).read_bytes()).hexdigest() == digest
-        for path, digest in head["files"].items()
-    )
+    ) and all(_holds(Path(path), digest) for path, digest in head["files"].items())
+
+
+def _holds(path: Path, digest: str) -> bool:
+    """Tell whether a pack file is as it was; devices and pipes, which may never end, are not."""
+    from lipsync_lang.packs.yaml.source import read_bytes
+
+    return path.is_file() and sha256(read_bytes(path)).hexdigest() == digest
 
 
 def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
