@@ -1,8 +1,11 @@
 """Importing costs next to nothing: heavy libraries come in when they are used."""
 
+import importlib
 import json
+import pkgutil
 import subprocess
 import sys
+import typing
 
 import pytest
 
@@ -95,3 +98,52 @@ def test_a_name_that_is_not_there_is_told():
 def test_writers_load_nothing_of_the_network():
     code = "from lipsync_lang.animations.animation_writers import WRITERS; list(WRITERS)"
     assert not {"xml.sax", "urllib.request", "http", "ssl"} & modules_after(code)
+
+
+def exported():
+    """The functions and classes of the package's own that are public."""
+    return [getattr(ll, name) for name in ll.__all__ if callable(getattr(ll, name))]
+
+
+def raised():
+    """Every error of the package's modules that somebody may catch."""
+    for _, name, _ in pkgutil.walk_packages(ll.__path__, "lipsync_lang."):
+        if name.split(".")[-1] not in UNIMPORTED and not name.endswith("_worker"):
+            importlib.import_module(name)
+    ahead, found = [ll.LipsyncError], []
+    while ahead:
+        found.append(ahead.pop())
+        ahead += found[-1].__subclasses__()
+    return [one for one in found if one.__module__.startswith("lipsync_lang.")]
+
+
+UNIMPORTED = {"__main__"}
+"""Modules that do something when they are imported."""
+
+
+def classes_in(hint):
+    """Yield our classes that an annotation names."""
+    if isinstance(hint, type) and hint.__module__.startswith("lipsync_lang."):
+        yield hint
+    for inner in typing.get_args(hint):
+        yield from classes_in(inner)
+
+
+def test_every_error_is_exported():
+    assert {one.__name__ for one in raised()} <= set(ll.__all__)
+
+
+@pytest.mark.parametrize("function", [f for f in exported() if not isinstance(f, type)])
+def test_every_type_that_a_function_returns_is_exported(function):
+    names = {name: getattr(ll, name) for name in ll.__all__}
+    returned = typing.get_type_hints(function, localns=names)["return"]
+    found = {one.__name__ for one in classes_in(returned)}
+    assert found, "public functions return something of ours"
+    assert found <= set(ll.__all__)
+
+
+def test_what_an_animation_tells_is_exported():
+    animation = ll.resolve("english", "facefx").perform(ll.Schedule(("AA",), [0, 1]))
+    told = [animation.explain(0.1), animation.performer.report, ll.check(animation)]
+    told += [animation.performer.motion, *animation.channels, told[-1].figures[0]]
+    assert {type(one).__name__ for one in told} <= set(ll.__all__)

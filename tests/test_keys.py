@@ -138,13 +138,13 @@ def animation(tmp_path_factory):
 
 
 def test_speech_needs_a_fraction_of_its_frames(animation):
-    keys = sum(len(curve.frames) for curve in animation.keys(ERROR))
+    keys = sum(len(curve.frames) for curve in animation.keyframes(ERROR))
     assert keys < animation.weights.size / 3
 
 
 def test_the_tolerance_of_an_animation_comes_before_that_of_a_format(animation):
     def count(tolerance, suits):
-        kept = replace(animation, tolerance=tolerance).keys(suits)
+        kept = replace(animation, tolerance=tolerance).keyframes(suits)
         return sum(len(curve.frames) for curve in kept)
 
     assert count(None, 0.1) == count(0.1, ERROR)

@@ -2,20 +2,26 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, refuse_other
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.animations.keys import Curve
+
+Frames = Literal["pandas", "polars"]
+"""Libraries of data frames, the preferred one first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +87,7 @@ class Animation:
         """(T,) seconds from the start of such files."""
         return np.maximum(self.times + self.begins, 0.0)
 
-    def keys(self, tolerance: float) -> "list[Curve]":
+    def keyframes(self, tolerance: float) -> "list[Curve]":
         """Return the keyframes of every column: as few as keep to a tolerance.
 
         Parameters
@@ -92,6 +98,79 @@ class Animation:
 
         error = tolerance if self.tolerance is None else self.tolerance
         return curves(self.poses, self.timeline, self.weights, error)
+
+    def __repr__(self) -> str:
+        """Say in one line what it is of."""
+        span = f", {self.times[0]:.2f} to {self.times[-1]:.2f} s" if len(self) else ""
+        return (
+            f"<Animation {self.title!r}: {len(self)} frames of {len(self.poses)} poses "
+            f"at {self.fps:g} fps{span}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """Show notebooks the curves."""
+        from lipsync_lang.animations.notebook import curves_html
+
+        return curves_html(self)
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return len(self.times)
+
+    def __bool__(self) -> bool:
+        """Be true without frames, too: an animation is there."""
+        return True
+
+    def __iter__(self) -> "Iterator[tuple[str, npt.NDArray[np.float64]]]":
+        """Yield each pose with its (T,) curve; `dict(animation)` maps one to the other."""
+        return zip(self.poses, self.weights.T, strict=True)
+
+    def __contains__(self, pose: object) -> bool:
+        """Tell whether there is a pose of that name."""
+        return pose in self.poses
+
+    def __array__(
+        self,
+        dtype: npt.DTypeLike | None = None,
+        copy: bool | None = None,  # noqa: FBT001 as numpy calls it
+    ) -> npt.NDArray[Any]:
+        """Return the (T, P) weights for `numpy.asarray`."""
+        if copy:
+            return np.array(self.weights, dtype)
+        return np.asarray(self.weights, dtype)
+
+    def to_frame(self, library: Frames | None = None) -> Any:
+        """Return a data frame: a row for each frame, `time_s` and a column for each pose.
+
+        Parameters
+        ----------
+        library : what makes the frame; None for pandas where it is installed, else polars
+
+        Raises
+        ------
+        LipsyncError
+            The library is not installed.
+
+        Examples
+        --------
+        >>> performer = ll.resolve("english", "facefx")
+        >>> animation = performer.perform(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]))
+        >>> animation.to_frame().columns[:3].tolist()
+        ['time_s', 'open', 'W']
+        """
+        if library is not None:
+            refuse_other("library", library, Frames)
+        wanted = get_args(Frames) if library is None else (library,)
+        for name in wanted:
+            try:
+                module = import_module(name)
+            except ImportError:
+                continue
+            return module.DataFrame({"time_s": self.times, **dict(self)})
+        raise LipsyncError(
+            f"{' and '.join(wanted)} {'are' if library is None else 'is'} not installed; "
+            f"install {' or '.join(wanted)}: pip install {wanted[0]}"
+        )
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""

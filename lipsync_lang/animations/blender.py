@@ -36,7 +36,7 @@ def remarks(animation: Animation) -> Iterator[str]:
 @writer("blender", suffix=".py", remarks=remarks)
 def write_blender(animation: Animation, out: TextIO) -> None:
     """A script for Blender's text editor: keyframes of shape keys."""
-    curves, spellings = animation.keys(ERROR), _spellings(animation)
+    curves, spellings = animation.keyframes(ERROR), _spellings(animation)
     rate = max(1, round(animation.fps))
     channels = []
     for number in shape_columns(animation):

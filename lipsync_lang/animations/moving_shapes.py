@@ -41,7 +41,7 @@ def keys(animation: Animation, found: list[MovingShape], tolerance: float) -> li
     """Return the keyframes of each shape; see `Animation.keys`."""
     names = tuple(shape.name for shape in found)
     values = np.column_stack([shape.values for shape in found])
-    return replace(animation, poses=names, weights=values).keys(tolerance)
+    return replace(animation, poses=names, weights=values).keyframes(tolerance)
 
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:

@@ -36,7 +36,7 @@ def write_smartbody(animation: Animation, out: TextIO) -> None:
     )
     out.write("    </text>\n  </speech>\n  <curves>\n")
     shift = animation.offset - animation.begins
-    curves = animation.keys(ERROR)
+    curves = animation.keyframes(ERROR)
     out.writelines(_curve(curves[number], shift) for number in shape_columns(animation))
     out.write("  </curves>\n</bml>\n")
 

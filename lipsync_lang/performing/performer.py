@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from html import escape
 from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -53,6 +54,15 @@ class Performer:
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)
+
+    def __repr__(self) -> str:
+        """Say in one line whose performer it is."""
+        counts = f"{len(self.compiled.phonemes) - 1} common phonemes, {len(self.poses)} poses"
+        return f"<Performer {self.language} on {self.character}: {counts}>"
+
+    def _repr_html_(self) -> str:
+        """Show notebooks the report."""
+        return f"<pre>{escape(str(self.report))}</pre>"
 
     def __getstate__(self) -> dict[str, object]:
         """Pickle what it was made of; what it worked out since is worked out again."""
