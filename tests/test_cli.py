@@ -5,9 +5,11 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import wave
+from pathlib import Path
 
 import pytest
 from hypothesis import example, given
@@ -215,6 +217,14 @@ def test_run_writes_every_format_and_says_so(animate, folder):
     assert listed(folder) == {"a.csv", "b.json"}
     rows = list(csv.DictReader((folder / "a.csv").read_text("utf-8").splitlines()))
     assert len(rows) == len(json.loads((folder / "b.json").read_bytes())["frames"]) == 30
+
+
+def test_run_names_a_pack_that_stands_in_place_of_a_built_in_one(animate, folder, root):
+    assert "in place of" not in animate("-o", "a.csv").err
+    shutil.copytree(root / "posesets" / "facefx", folder / "posesets" / "facefx")
+    ended = animate("-o", "a.csv")
+    own = Path("posesets", "facefx", "poseset.yaml")
+    assert ended.err.count(f"{own} is used in place of the built-in pack of that name") == 1
 
 
 def test_run_without_outputs_says_how_to_name_one(animate, folder):

@@ -35,7 +35,8 @@ def run(options: Namespace) -> int:
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
         raise LipsyncError("--beside draws; name the picture with --plot FILE")
-    animation = _perform(options)
+    performer = performer_for(options)
+    animation = perform_line(options, performer, schedule_for(options, performer))
     offset = parse_offset(options.offset, animation.fps)
     shown = replace(_shown(options, animation, writers), offset=offset, tolerance=options.tolerance)
 
@@ -47,6 +48,8 @@ def run(options: Namespace) -> int:
         outputs[options.plot] = _plotting(options, animation)
     write_all(outputs)
     print(_summary(shown, list(outputs)), file=sys.stderr)
+    for remark in _overriding(options, performer):
+        print(remark, file=sys.stderr)
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
         print(remark, file=sys.stderr)
     if options.check:
@@ -54,6 +57,20 @@ def run(options: Namespace) -> int:
 
         print(check(animation), file=sys.stderr)
     return SOUND
+
+
+def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
+    """Name the current folder's packs of the pair that stand in place of built-in ones."""
+    from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.packs.yaml.faults import shown
+
+    finder, compiled = Finder(options.path), performer.compiled
+    paths = (
+        *finder.overriding("language", compiled.language),
+        *finder.overriding("poseset", compiled.poseset),
+        *finder.overriding("character", compiled.character),
+    )
+    return (f"{shown(path)} is used in place of the built-in pack of that name" for path in paths)
 
 
 def _shown(options: Namespace, animation: "Animation", paths: Iterable[Path]) -> "Animation":

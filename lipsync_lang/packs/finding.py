@@ -117,6 +117,12 @@ class Finder:
                 first.setdefault(name, path)
         return sorted(found, key=lambda f: f.name)
 
+    def overriding(self, kind: Kind, name: str) -> tuple[Path, ...]:
+        """Return the project's pack that is found in place of a built-in one, if it is."""
+        first = {f.root.origin: f for f in self.names(kind) if f.name == name}
+        own, shipped = first.get("project"), first.get("built-in")
+        return (own.path,) if own and shipped and shipped.shadowed_by == own.path else ()
+
     def find(self, kind: Kind, name: str) -> Path:
         """Return the file of the first pack of that name.
 
