@@ -14,7 +14,7 @@ import inspect
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from functools import cache
 from itertools import pairwise
@@ -25,6 +25,7 @@ from typing import Any, get_args, get_type_hints
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
 from lipsync_lang.cli import parser
+from lipsync_lang.commands.completion import leaves
 from lipsync_lang.extensions import PROGRAM, F, Formats
 from lipsync_lang.lines.line_readers import READERS as LINE_READERS
 from lipsync_lang.packs.finding import built_in
@@ -73,11 +74,11 @@ def commands() -> str:
             ("command", "what it does"),
             [
                 (f"[`{' '.join(path)}`](#{'-'.join(path)})", made.description or "")
-                for path, made in _leaves(top)
+                for path, made in leaves(top)
             ],
         ),
     ]
-    for path, made in _leaves(top):
+    for path, made in leaves(top):
         parts += [f"## {' '.join(path)}", made.description or "", _usage(path, made)]
         rows = [(_called(a), _explained(a)) for a in _arguments(made)]
         if rows:
@@ -90,19 +91,6 @@ def commands() -> str:
 
 def _first_small(text: str) -> str:
     return text[:1].lower() + text[1:]
-
-
-def _leaves(
-    made: argparse.ArgumentParser, path: tuple[str, ...] = ()
-) -> Iterator[tuple[tuple[str, ...], argparse.ArgumentParser]]:
-    below = [a for a in made._actions if isinstance(a, argparse._SubParsersAction)]  # noqa: SLF001
-    if not below:
-        yield path, made
-    for action in below:
-        for name, child in action.choices.items():
-            if child.description is None:
-                child.description = ""
-            yield from _leaves(child, (*path, name))
 
 
 def _arguments(made: argparse.ArgumentParser) -> list[argparse.Action]:
@@ -153,7 +141,7 @@ def _explained(action: argparse.Action) -> str:
 
 # Packs
 
-ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes", "ipa")
+ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes", "ipa", "project")
 
 WHERE = {
     "language": "`languages/NAME.yaml`",
@@ -163,6 +151,7 @@ WHERE = {
     "rig": "`posesets/POSESET/rigs/NAME.yaml`",
     "phonemes": "`languages/common.yaml`",
     "ipa": "`languages/ipa.yaml`",
+    "project": "`lipsync.yaml`, in a project's folder",
 }
 
 EXAMPLES = {
@@ -261,6 +250,15 @@ channels:
   jawOpen: {gains: {jaw: 0.7}, range: [0, 1]}
 names: {jawOpen: [Kinn]}
 lost: {shut: this head has no lips}
+""",
+    "lipsync.yaml": """\
+kind: project
+format: 1
+language: stage-english
+character: anna
+fps: 30
+motion: {window: 0.1}
+outputs: ["takes/{line}.csv", "rhubarb:takes/{line}.tsv"]
 """,
 }
 """A small project with one pack of each kind that people write; the tests validate it."""

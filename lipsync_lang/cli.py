@@ -10,8 +10,10 @@ from collections.abc import Sequence
 from contextlib import suppress
 from io import TextIOWrapper
 
+from lipsync_lang.commands.defaults import fill
 from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND
 from lipsync_lang.commands.parser import Command, parser
+from lipsync_lang.commands.words import saying
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.signals import Terminated, terminating
 from lipsync_lang.terminal import safe_streams
@@ -54,7 +56,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     try:
         options = parser().parse_args(arguments)
         command: Command = options.command
-        return command(options)
+        with saying(options):
+            fill(options)
+            return command(options)
     finally:
         if sys.stdout is not None:
             sys.stdout.flush()

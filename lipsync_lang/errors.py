@@ -38,6 +38,15 @@ class OutputError(LipsyncError):
     """An output cannot be written to the given path."""
 
 
+def spelled(name: str, known: "Iterable[str]") -> str:
+    """Return the known name that a name is in other letters, or the name itself."""
+    names = list(known)
+    if name in names:
+        return name
+    same = [one for one in names if one.casefold() == name.casefold()]
+    return same[0] if len(same) == 1 else name
+
+
 def did_you_mean(word: str, known: "Iterable[str]") -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
     names = sorted(known)

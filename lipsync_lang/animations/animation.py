@@ -174,11 +174,12 @@ class Animation:
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:
         """Return the (T,) curve of one pose."""
-        if pose not in self.poses:
-            from lipsync_lang.errors import did_you_mean
+        from lipsync_lang.errors import did_you_mean, spelled
 
+        name = spelled(pose, self.poses)
+        if name not in self.poses:
             raise LipsyncError(f"no pose '{pose}' here; {did_you_mean(pose, self.poses)}")
-        return self.weights[:, self.poses.index(pose)]
+        return self.weights[:, self.poses.index(name)]
 
     def cut(self) -> Self:
         """Return the frames within the schedule only: no lead-in or tail, so no promise of rest."""

@@ -4,10 +4,18 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands import banks, coverage, listing, packs, performing
 from lipsync_lang.commands import quality as check
 from lipsync_lang.commands import validation as checking
+from lipsync_lang.commands.completion import SHELLS, completion, leaves
+from lipsync_lang.commands.shared_options import (
+    add_json,
+    add_json_form,
+    add_line,
+    add_pair,
+    add_path,
+    add_words,
+)
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.files import argument_path
 from lipsync_lang.version import __version__
@@ -51,9 +59,18 @@ def parser() -> argparse.ArgumentParser:
     voices_.add_argument(
         "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
     )
-    _add_json(voices_)
+    add_json(voices_)
     formats_ = add("formats", listing.formats, "list what can be read and written", "formats")
-    _add_json(formats_)
+    add_json(formats_)
+    completion_ = add(
+        "completion",
+        completion,
+        "print a script by which a shell completes commands, options and names",
+        "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
+    )
+    completion_.add_argument("shell", choices=SHELLS, help="the shell")
+    for _, made in leaves(top):
+        add_words(made)
     return top
 
 
@@ -64,40 +81,41 @@ def _add_performing(add: Add) -> None:
         "animate text or timed phonemes",
         "run 'Hello, world' -l english -c facefx -o hello.csv -o hello.wav --plot hello.png",
     )
-    _add_line(run_)
-    run_.add_argument(
+    add_line(run_)
+    written = run_.add_argument_group("what is written")
+    written.add_argument(
         "-o", "--output", metavar="FILE", action="append", default=[],
         help="write the animation; the suffix names the format, or FORMAT:FILE does; csv:- is "
         "standard output; may be repeated",
     )  # fmt: skip
-    run_.add_argument(
+    written.add_argument(
         "--plot",
         metavar="FILE",
         type=argument_path,
         help="draw every stage to a picture; - is standard output, as PNG",
     )
-    run_.add_argument(
+    written.add_argument(
         "--model", metavar="GLB", type=Path,
         help="the model for -o line.glb, instead of the character's own",
     )  # fmt: skip
-    run_.add_argument(
+    written.add_argument(
         "--poses", action="store_true", help="write poses although the character has a rig"
     )
-    run_.add_argument(
+    written.add_argument(
         "--beside", metavar="CHARACTER", action="append", default=[],
         help="draw this character below the other instead of the stages; may be repeated",
     )  # fmt: skip
-    run_.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
-    run_.add_argument(
+    written.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
+    written.add_argument(
         "--offset", metavar="TIME", default="0",
         help="where the sound begins in the files: seconds, or a timecode 01:00:00:00 [0]",
     )  # fmt: skip
-    run_.add_argument(
+    written.add_argument(
         "--tolerance", metavar="ERROR", type=float,
         help="how far keyframes may stray from the curves; 0 keeps them all "
         "[0.005 in formats that are edited by hand, else 0]",
     )  # fmt: skip
-    run_.add_argument(
+    written.add_argument(
         "--check", action="store_true", help="judge the animation's poses as well, as `check` does"
     )
 
@@ -115,10 +133,10 @@ def _add_performing(add: Add) -> None:
         help="read its lines, instead of a TEXT; - is standard input",
     )
     transcribe_.add_argument(
-        "-l", "--language", metavar="LANGUAGE", required=True, help="name or tag of a language"
+        "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
     )
-    _add_path(transcribe_)
-    _add_json(transcribe_)
+    add_path(transcribe_)
+    add_json(transcribe_)
 
     explain_ = add(
         "explain",
@@ -126,11 +144,11 @@ def _add_performing(add: Add) -> None:
         "say why each pose stands where it stands at a time",
         "explain 'Hello, world' -l english -c facefx --at 0.42",
     )
-    _add_line(explain_)
+    add_line(explain_)
     explain_.add_argument(
         "--at", metavar="SECONDS", type=float, required=True, help="the time asked about"
     )
-    _add_json(explain_)
+    add_json(explain_)
 
 
 def _add_checking(add: Add) -> None:
@@ -140,8 +158,8 @@ def _add_checking(add: Add) -> None:
         "show what of a language-character pair comes from which layer, and its gaps",
         "resolve -l english -c facefx",
     )
-    _add_pair(resolve_)
-    _add_json(resolve_)
+    add_pair(resolve_)
+    add_json(resolve_)
 
     validate_ = add(
         "validate",
@@ -155,8 +173,9 @@ def _add_checking(add: Add) -> None:
         action="store_true",
         help="leave out the languages' own tests (those of built-in ones run when they are named)",
     )
-    _add_path(validate_)
-    _add_json(validate_)
+    add_path(validate_)
+    validate_.set_defaults(in_project=False)  # it checks the project itself
+    add_json(validate_)
 
     schema_ = add(
         "schema",
@@ -165,6 +184,7 @@ def _add_checking(add: Add) -> None:
         "schema language > language.json",
     )
     schema_.add_argument("kind", metavar="KIND", nargs="?", help="without it, the kinds are listed")
+    add_json(schema_)
 
 
 def _add_coverage(add: Add) -> None:
@@ -186,8 +206,8 @@ def _add_coverage(add: Add) -> None:
         ("-c", "character", "a character or a pose set"),
     ):
         coverage_.add_argument(
-            short, f"--{name}", metavar=name.upper(), action="append", required=True,
-            help=f"{what}; may be repeated",
+            short, f"--{name}", metavar=name.upper(), action="append", default=[],
+            help=f"{what} [the project's]; may be repeated",
         )  # fmt: skip
     coverage_.add_argument(
         "--format",
@@ -201,6 +221,7 @@ def _add_coverage(add: Add) -> None:
         type=argument_path,
         help="write to a file; - is standard output [print it]",
     )
+    add_json_form(coverage_)
     coverage_.add_argument(
         "--column", metavar="NAME", action="append", default=[],
         help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's, "
@@ -218,7 +239,7 @@ def _add_coverage(add: Add) -> None:
         "--against", metavar="OLD.json", type=Path, help="tell what changed since an older JSON"
     )
     coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
-    _add_path(coverage_)
+    add_path(coverage_)
 
     _add_check(add)
 
@@ -230,7 +251,7 @@ def _add_check(add: Add) -> None:
         "measure how good an animation is, and hold it against limits",
         "check 'Hello, world' -l english -c facefx --baseline",
     )
-    _add_line(check_)
+    add_line(check_)
     check_.add_argument(
         "--animation", metavar="FILE", type=Path,
         help="judge what this file holds, of any program, instead of performing the line",
@@ -248,6 +269,7 @@ def _add_check(add: Add) -> None:
     check_.add_argument(
         "--format", choices=("text", "json", "junit"), default="text", help="how it is told [text]"
     )
+    add_json_form(check_)
     check_.add_argument(
         "-o",
         "--output",
@@ -273,8 +295,8 @@ def _add_packs(add: Add) -> None:
             _add_new_poseset(packs_)
         if kind == "characters":
             _add_new_character(packs_)
-        _add_path(packs_)
-        _add_json(packs_)
+        add_path(packs_)
+        add_json(packs_)
 
 
 def _add_new_language(made: argparse.ArgumentParser) -> None:
@@ -379,7 +401,7 @@ def _add_bank(add: Add) -> None:
 
 def _add_draft(made: argparse.ArgumentParser) -> None:
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
-    _add_pair(made)
+    add_pair(made)
     made.add_argument(
         "--write", action="store_true", help="put them into a bank; what is there already stays"
     )
@@ -392,8 +414,8 @@ def _add_draft(made: argparse.ArgumentParser) -> None:
 def _add_import(made: argparse.ArgumentParser) -> None:
     made.add_argument("files", metavar="FILE", type=Path, nargs="+", help="a script or text export")
     made.add_argument(
-        "-c", "--character", metavar="POSESET", required=True,
-        help="the pose set whose poses the bank moves, or a character of it",
+        "-c", "--character", metavar="POSESET",
+        help="the pose set whose poses the bank moves, or a character of it [the project's]",
     )  # fmt: skip
     made.add_argument(
         "--to", metavar="FILE", type=Path,
@@ -413,13 +435,13 @@ def _add_import(made: argparse.ArgumentParser) -> None:
         "--map", metavar="THEIRS=OURS", action="append", default=[],
         help="our phoneme or pose for a name of theirs; may be repeated",
     )  # fmt: skip
-    _add_path(made)
-    _add_json(made)
+    add_path(made)
+    add_json(made)
 
 
 def _add_diff(made: argparse.ArgumentParser) -> None:
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
-    _add_pair(made)
+    add_pair(made)
     made.add_argument(
         "--against", metavar="CHARACTER",
         help="another character of the pose set, or the bare pose set [what lies beneath]",
@@ -431,88 +453,4 @@ def _add_diff(made: argparse.ArgumentParser) -> None:
         help="draw those that differ most to a picture; - is standard output, as PNG",
     )
     made.add_argument("--all", action="store_true", help="list every bigram that differs")
-    _add_json(made)
-
-
-def _add_path(made: argparse.ArgumentParser) -> None:
-    made.add_argument(
-        "--path", metavar="FOLDER", type=Path, action="append", default=[],
-        help="look for packs here first; may be repeated",
-    )  # fmt: skip
-
-
-def _add_json(made: argparse.ArgumentParser) -> None:
-    made.add_argument("--json", action="store_true", help="print JSON")
-
-
-def _add_pair(made: argparse.ArgumentParser) -> None:
-    made.add_argument(
-        "-l", "--language", metavar="LANGUAGE", required=True, help="name or tag of a language"
-    )
-    made.add_argument(
-        "-c", "--character", metavar="CHARACTER", required=True, help="a character or a pose set"
-    )
-    _add_path(made)
-
-
-def _add_line(made: argparse.ArgumentParser) -> None:
-    made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
-    _add_pair(made)
-    made.add_argument(
-        "--audio", metavar="FILE", type=Path,
-        help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
-    )  # fmt: skip
-    made.add_argument("--aligner", metavar="NAME", help="another aligner than the language's")
-    made.add_argument("--recogniser", metavar="NAME", help="another recogniser than the language's")
-    made.add_argument(
-        "--schedule",
-        metavar="FILE",
-        type=argument_path,
-        help="timed phonemes, instead of text; - is standard input",
-    )
-    made.add_argument(
-        "--read-as", metavar="FORMAT", help="the schedule's format, where the file does not tell"
-    )
-    made.add_argument(
-        "--tier", metavar="NAME", help="the schedule's tier, speaker or channel, of several"
-    )
-    made.add_argument(
-        "--rate", metavar="N", type=float,
-        help="units per second of the schedule's times: 1000 for milliseconds, 16000 for samples",
-    )  # fmt: skip
-    made.add_argument("--encoding", metavar="NAME", help="the schedule's encoding [UTF-8]")
-    made.add_argument("--notation", metavar="NAME", help="the notation of the schedule's labels")
-    made.add_argument("--line", metavar="NAME", help="the character's own edits of this line")
-    made.add_argument(
-        "--tts",
-        metavar="ENGINE",
-        help="another speech engine than the language's; none estimates times",
-    )
-    made.add_argument(
-        "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
-        help="blend a style in: --style angry:0.5, or over seconds --style angry:0@1,1@2.5",
-    )  # fmt: skip
-    made.add_argument(
-        "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
-        help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
-    )  # fmt: skip
-    made.add_argument(
-        "--intensity", metavar="X", type=float, default=0.0,
-        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 [0]",
-    )  # fmt: skip
-    made.add_argument(
-        "--fps", metavar="N", type=parse_rate, default=60.0,
-        help="frames per second, such as 24, 23.976 or 24000/1001 [60]",
-    )  # fmt: skip
-    made.add_argument(
-        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
-        help="change a motion setting, or take a preset: --set motion=paper",
-    )  # fmt: skip
-    made.add_argument(
-        "--gaps", choices=("error", "rest"), default="error",
-        help="bigrams that nothing answers [error]",
-    )  # fmt: skip
-    made.add_argument(
-        "--unknown", choices=("error", "rest", "nearest"), default="error",
-        help="labels that no notation maps; nearest is for IPA, by its features [error]",
-    )  # fmt: skip
+    add_json(made)

@@ -63,7 +63,7 @@ def schema(options: Namespace) -> int:
     from lipsync_lang.packs.models.schema import schema as make_schema
 
     if options.kind is None:
-        print("\n".join(kinds()))
+        print(as_json(kinds()) if options.json else "\n".join(kinds()))
     else:
         print(as_json(make_schema(options.kind)))
     return SOUND

@@ -167,7 +167,12 @@ class Finder:
         return PackError(f"unknown {KIND_WORDS[kinds[0]]} '{name}': {did_you_mean(name, known)}")
 
     def _first(self, kind: Kind, name: str) -> Path | None:
-        found = (self._list(root.path, kind).get(name) for root in self.roots)
+        """Find the first pack of a name; a face's in other letters, where none is spelled so."""
+        found = [self._list(root.path, kind).get(name) for root in self.roots]
+        if kind != "language" and not any(found):
+            spelled = {folded(one.name): one.name for one in reversed(self.names(kind))}
+            own = spelled.get(folded(name), name)
+            found = [self._list(root.path, kind).get(own) for root in self.roots]
         return next((path for path in found if path is not None), None)
 
     def _parts(self, kind: str, poseset: str) -> Iterator[Path]:

@@ -4,6 +4,7 @@ The library records every look-up and every file it reads. The cache of compiled
 as long as both are unchanged.
 """
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from lipsync_lang.packs import models
+
+_log = logging.getLogger(__name__)
 
 M = TypeVar("M", bound="models.PackModel")
 
@@ -207,8 +210,8 @@ class Library:
         from lipsync_lang.packs.models import Character
 
         poseset = self.poseset(name)
-        title = poseset.model.title
-        bare = Character(kind="character", format=1, name=name, poseset=name, title=title)
+        title, own = poseset.model.title, poseset.model.name
+        bare = Character(kind="character", format=1, name=own, poseset=own, title=title)
         return Pack(bare, poseset.sources)
 
     def character_banks(self, character: "Pack[models.Character]") -> "list[Pack[models.BankPack]]":
@@ -247,6 +250,7 @@ class Library:
         if key not in self._loaded:
             from lipsync_lang.packs.models.validation import validated
 
+            _log.debug("reading %s", path)
             content = read_bytes(path)
             self.files[str(path)] = sha256(content).hexdigest()
             source = scan(path, content)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.errors import LipsyncError, did_you_mean, spelled
 from lipsync_lang.pipeline.levels import Blend, Dial, Level
 
 if TYPE_CHECKING:
@@ -74,7 +74,8 @@ def _levels(
         for name, points in stated.get(f"{what}s", {}).items():
             if name in known:  # what is not was warned of when the packs were read
                 found[name] = _spoken(name, points, schedule)
-    for name, level in asked.items():
+    for stated_name, level in asked.items():
+        name = spelled(stated_name, known)
         if name not in known:
             raise LipsyncError(f"no {_called(what)} '{name}' here; {did_you_mean(name, known)}")
         found[name] = _timed(what, name, level)

@@ -7,6 +7,7 @@ is compiled anew. Nothing in it is executed.
 """
 
 import json
+import logging
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -26,6 +27,8 @@ from lipsync_lang.version import __version__
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
     from lipsync_lang.resolver.compiled import Compiled, Origin
+
+_log = logging.getLogger(__name__)
 
 MARK = b"lipsync-lang compiled pair, v1.\n"
 DIGEST = 32
@@ -85,9 +88,11 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | No
     path = _path(key)
     try:
         content = path.read_bytes() if path else b""
-        return _decode(content, key, paths) if content else None
+        compiled = _decode(content, key, paths) if content else None
     except Exception:  # noqa: BLE001 a forged file can fail anywhere: it is not believed
-        return None
+        compiled = None
+    _log.info("%s on %s: %s", language, character, "cached" if compiled else "to be compiled")
+    return compiled
 
 
 def save(compiled: "Compiled", language: str, character: str, library: "Library") -> None:

@@ -4,6 +4,7 @@ A file's content tells its format, before its suffix does: many programs write `
 `.csv` and `.txt`.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,8 @@ from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile, read_timings
+
+_log = logging.getLogger(__name__)
 
 Read = Callable[[TimingFile], Schedule]
 Sniff = Callable[[TimingFile], bool]
@@ -85,6 +88,7 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
 def schedule_of(source: TimingFile, read_as: str | None = None) -> Schedule:
     """Read timed phonemes from what a file holds; see `read_schedule`."""
     found = find_reader(source, read_as)
+    _log.info("%s is read as %s", source.path, found.name)
     if source.tier is not None and not found.tiers:
         raise source.fault(f"{found.name} files have no tiers; leave out --tier {source.tier}")
     return found.read(source)

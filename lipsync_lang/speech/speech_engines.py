@@ -1,11 +1,14 @@
 """Which speech engines are known, and speaking with one of them."""
 
+import logging
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extensions import Extensions
 from lipsync_lang.schedules import Schedule
+
+_log = logging.getLogger(__name__)
 
 
 class Engine(Protocol):
@@ -60,5 +63,6 @@ def speak(
     SpeechError
         There is nothing to say, no such engine or voice, or the engine failed.
     """
+    _log.info("%s speaks with the voice %s", engine, voice)
     speaking = ENGINES.find(engine, SpeechError)
     return speaking.speak(text, voice, words_per_minute=words_per_minute)

@@ -21,6 +21,7 @@ from lipsync_lang.packs.finding import (
     POSESET,
     SHARED,
     FoundPack,
+    Kind,
     beside,
     entries,
     yaml_files,
@@ -28,6 +29,9 @@ from lipsync_lang.packs.finding import (
 from lipsync_lang.packs.known import added_by, known
 from lipsync_lang.packs.library import Library, Pack
 from lipsync_lang.packs.models import Language
+from lipsync_lang.packs.project import FILE as PROJECT_FILE
+from lipsync_lang.packs.project import KIND as PROJECT
+from lipsync_lang.packs.project import find_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
@@ -79,6 +83,10 @@ class _Validation:
         for root in self.library.roots:
             for folder in FOLDERS.values():
                 self.check_folder(root.path / folder)
+        project = self.library.project
+        found = None if project is None else find_project(project)
+        if found is not None:
+            self.check_file(_placed(found))
         self._tags()
 
     def check_path(self, path: Path) -> None:
@@ -141,6 +149,7 @@ class _Validation:
             "bank": self._bank,
             "rig": self._rig,
             "character": self._character,
+            PROJECT: self._project,
         }
         act[pack.model.kind](pack)
 
@@ -189,6 +198,19 @@ class _Validation:
             path = beside(pack.path, file)
             if path is not None:
                 self.check_file(File(path, "bank", path.stem))
+
+    def _project(self, pack: "Pack[models.Project]") -> None:
+        stated, finder = pack.model, self.library.finder
+        language, face = stated.language, stated.character
+        if language and ":" not in language and not finder.lookup("language", language):
+            known = {found.name for found in self.library.names("language")}
+            what, hint = f"unknown language '{language}'", did_you_mean(language, known)
+            self._note(pack.fault(("language",), "P210", what, hint))
+        kinds: tuple[Kind, ...] = ("character", "poseset")
+        if face and not any(finder.lookup(kind, face) for kind in kinds):
+            known = {found.name for kind in kinds for found in self.library.names(kind)}
+            what, hint = f"unknown character '{face}'", did_you_mean(face, known)
+            self._note(pack.fault(("character",), "P203", what, hint))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""
@@ -278,6 +300,8 @@ def _quietly(load: Callable[[], T]) -> T | None:
 def _placed(path: Path) -> File:
     """Return a file with the kind and name that its place requires."""
     folder = path.parent.name
+    if path.name == PROJECT_FILE:
+        return File(path, PROJECT, None)
     if path.name == POSESET:
         return File(path, "poseset", folder)
     kind = PARTS.get(folder)

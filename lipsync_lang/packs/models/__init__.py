@@ -36,6 +36,7 @@ from lipsync_lang.packs.models.pose_models import (
     Threshold,
     WordCurves,
 )
+from lipsync_lang.packs.models.project_models import Project
 
 __all__ = [
     "G2P",
@@ -61,6 +62,7 @@ __all__ = [
     "Phonemes",
     "Pose",
     "PoseSet",
+    "Project",
     "Rewrite",
     "RigChannel",
     "RigPack",
@@ -73,6 +75,6 @@ __all__ = [
 
 MODELS: dict[str, type[PackModel]] = {
     get_args(model.model_fields["kind"].annotation)[0]: model
-    for model in (Phonemes, Language, PoseSet, BankPack, Character, RigPack, Ipa)
+    for model in (Phonemes, Language, PoseSet, BankPack, Character, RigPack, Ipa, Project)
 }
 """The model of each kind of pack, keyed by the value of its `kind` field."""

@@ -46,6 +46,7 @@ _RANGE = {
     "less_than_equal": ("le", "at most"),
 }
 _PATTERNS = {
+    r"^\d+(\.\d+)?(/\d+)?$": "write a number such as 23.976, or a fraction such as 24000/1001",
     "^[a-z]+$": "a sound is called by small letters a to z; silence demands no contact",
     "^([a-z]+|_)$": "a common phoneme is called by small letters a to z, or '_'",
     "^[A-Za-z0-9][A-Za-z0-9_-]*$": "a name is letters, digits, '-' and '_'",

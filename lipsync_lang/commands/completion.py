@@ -1,0 +1,64 @@
+"""The command that prints what a shell completes our commands by."""
+
+from argparse import Action, ArgumentParser, Namespace, _SubParsersAction
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.commands.output import SOUND
+from lipsync_lang.errors import LipsyncError
+
+SHELLS = ("bash", "zsh", "tcsh")
+FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB"}
+"""Placeholders of arguments that are files."""
+
+
+def leaves(
+    made: ArgumentParser, path: tuple[str, ...] = ()
+) -> Iterator[tuple[tuple[str, ...], ArgumentParser]]:
+    """Yield every command that has none below it, with the words that name it."""
+    below = [action for action in made._actions if isinstance(action, _SubParsersAction)]  # noqa: SLF001
+    if not below:
+        yield path, made
+    for action in below:
+        for name, child in action.choices.items():
+            yield from leaves(child, (*path, name))
+
+
+def completion(options: Namespace) -> int:
+    """Print a script that completes commands, options, files, and names of packs found now."""
+    try:
+        import shtab
+    except ImportError:
+        raise LipsyncError(
+            'completion needs shtab: pip install "lipsync-lang[completion]"'
+        ) from None
+    from lipsync_lang.commands.parser import parser
+
+    top = parser()
+    names = _names()
+    for _, command in leaves(top):
+        for action in command._actions:  # noqa: SLF001 argparse has no other list of them
+            _complete(action, names, shtab.FILE)
+    print(shtab.complete(top, options.shell))
+    return SOUND
+
+
+def _complete(action: Action, names: dict[str, list[str]], files: Any) -> None:
+    if action.type is Path or str(action.metavar) in FILES:
+        action.complete = files  # type: ignore[attr-defined] # where shtab looks for it
+    elif action.metavar in names and action.option_strings:
+        action.choices = names[str(action.metavar)]
+
+
+def _names() -> dict[str, list[str]]:
+    """Return the names of packs, by the placeholder of the options that take them."""
+    from lipsync_lang.packs.finding import Finder
+
+    finder = Finder()
+    languages, posesets, characters = (
+        sorted({found.name for found in finder.names(kind)})
+        for kind in ("language", "poseset", "character")
+    )
+    faces = sorted({*posesets, *characters})
+    return {"LANGUAGE": languages, "POSESET": faces, "CHARACTER": faces}

@@ -1,0 +1,89 @@
+"""What a command leaves out, from the project's `lipsync.yaml`."""
+
+import logging
+import os
+import re
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.project import FILE, find_project, load_project
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Project
+
+USUAL_FPS = 60.0
+"""Frames per second where nobody says."""
+
+MAX_SLUG_CHARS = 40
+
+_log = logging.getLogger(__name__)
+
+
+def fill(options: Namespace) -> None:
+    """Put into the options what the command line leaves out and the project states.
+
+    Raises
+    ------
+    LipsyncError
+        The project is unsound, or neither says which language or face is meant.
+    """
+    path = find_project() if getattr(options, "in_project", False) else None
+    if path is not None:
+        _log.info("project %s", path)
+        _take(options, load_project(path).model, path.parent)
+    if getattr(options, "fps", 0) is None:
+        options.fps = USUAL_FPS
+    for name, option in (("language", "-l"), ("character", "-c")):
+        if not getattr(options, name, True):
+            raise LipsyncError(
+                f"no {name} is named: give {option} {name.upper()}, or state `{name}: ...` in "
+                f"{FILE}"
+            )
+
+
+def _take(options: Namespace, project: "Project", folder: Path) -> None:
+    own = [] if folder == Path.cwd() else [folder]
+    options.path = [*options.path, *(folder / path for path in project.paths), *own]
+    for name in ("language", "character"):
+        stated, given = getattr(project, name), getattr(options, name, True)
+        if stated is not None and not given:
+            setattr(options, name, [stated] if given == [] else stated)
+    if getattr(options, "fps", 0) is None and project.fps is not None:
+        from lipsync_lang.animations.rates import parse_rate
+
+        options.fps = parse_rate(project.fps)
+    if project.motion is not None and hasattr(options, "settings"):
+        stated = project.motion.model_dump(exclude_none=True)
+        again = any(one.startswith("motion=") for one in options.settings)
+        own_settings = [] if again else [_setting(name, value) for name, value in stated.items()]
+        options.settings = [*own_settings, *options.settings]
+    if getattr(options, "output", None) == []:
+        options.output = [_output(one, folder, _line(options)) for one in project.outputs]
+
+
+def _setting(name: str, value: object) -> str:
+    return f"motion={value}" if name == "preset" else f"motion.{name}={value}"
+
+
+def _output(stated: str, folder: Path, line: str) -> str:
+    """Return an output as the command line would name it."""
+    from lipsync_lang.animations.animation_writers import WRITERS
+
+    name, colon, rest = stated.partition(":")
+    if not (colon and name in WRITERS):
+        name, colon, rest = "", "", stated
+    path = folder / rest.replace("{line}", line)
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise LipsyncError(f"{FILE}: {stated} leads outside {folder}; name it with -o instead")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return f"{name}{colon}{os.path.relpath(path)}"
+
+
+def _line(options: Namespace) -> str:
+    """Name the line that is performed: as it is asked for, by its file, or by its words."""
+    file = options.schedule or options.audio
+    said = options.line or (file.stem if file else options.text) or ""
+    slug = re.sub(r"[^\w]+", "-", said).strip("-")[:MAX_SLUG_CHARS].strip("-")
+    return slug or "line"

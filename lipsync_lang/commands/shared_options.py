@@ -1,0 +1,118 @@
+"""Options that several commands share: whose line, what is said, how it is performed."""
+
+import argparse
+from pathlib import Path
+
+from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.files import argument_path
+
+Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of its options
+
+
+def add_words(made: argparse.ArgumentParser) -> None:
+    """Add how much is said."""
+    words = made.add_mutually_exclusive_group()
+    words.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
+    words.add_argument("-v", "--verbose", action="store_true", help="say what is done, and why")
+
+
+def add_path(made: Options) -> None:
+    """Add where packs are looked for; the project says what is left out."""
+    made.set_defaults(in_project=True)
+    made.add_argument(
+        "--path", metavar="FOLDER", type=Path, action="append", default=[],
+        help="look for packs here first; may be repeated",
+    )  # fmt: skip
+
+
+def add_json(made: Options) -> None:
+    """Add machine output."""
+    made.add_argument("--json", action="store_true", help="print JSON")
+
+
+def add_json_form(made: Options) -> None:
+    """Add machine output where `--format` has several forms."""
+    made.add_argument(
+        "--json",
+        action="store_const",
+        const="json",
+        dest="format",
+        help="the same as --format json",
+    )
+
+
+def add_pair(made: Options) -> None:
+    """Add a language and a character."""
+    made.add_argument(
+        "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
+    )
+    made.add_argument(
+        "-c", "--character", metavar="CHARACTER", help="a character or a pose set [the project's]"
+    )
+    add_path(made)
+
+
+def add_line(made: argparse.ArgumentParser) -> None:
+    """Add a line: who says it, what is said, and how."""
+    made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
+    add_pair(made.add_argument_group("who says it"))
+    said = made.add_argument_group("what is said")
+    said.add_argument(
+        "--audio", metavar="FILE", type=Path,
+        help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
+    )  # fmt: skip
+    said.add_argument("--aligner", metavar="NAME", help="another aligner than the language's")
+    said.add_argument("--recogniser", metavar="NAME", help="another recogniser than the language's")
+    said.add_argument(
+        "--schedule",
+        metavar="FILE",
+        type=argument_path,
+        help="timed phonemes, instead of text; - is standard input",
+    )
+    said.add_argument(
+        "--read-as", metavar="FORMAT", help="the schedule's format, where the file does not tell"
+    )
+    said.add_argument(
+        "--tier", metavar="NAME", help="the schedule's tier, speaker or channel, of several"
+    )
+    said.add_argument(
+        "--rate", metavar="N", type=float,
+        help="units per second of the schedule's times: 1000 for milliseconds, 16000 for samples",
+    )  # fmt: skip
+    said.add_argument("--encoding", metavar="NAME", help="the schedule's encoding [UTF-8]")
+    said.add_argument("--notation", metavar="NAME", help="the notation of the schedule's labels")
+    said.add_argument("--line", metavar="NAME", help="the character's own edits of this line")
+    said.add_argument(
+        "--tts",
+        metavar="ENGINE",
+        help="another speech engine than the language's; none estimates times",
+    )
+    how = made.add_argument_group("how it is performed")
+    how.add_argument(
+        "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
+        help="blend a style in: --style angry:0.5, or over seconds --style angry:0@1,1@2.5",
+    )  # fmt: skip
+    how.add_argument(
+        "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
+        help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
+    )  # fmt: skip
+    how.add_argument(
+        "--intensity", metavar="X", type=float, default=0.0,
+        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 [0]",
+    )  # fmt: skip
+    how.add_argument(
+        "--fps", metavar="N", type=parse_rate, default=None,
+        help="frames per second, such as 24, 23.976 or 24000/1001 [the project's, or 60]",
+    )  # fmt: skip
+    how.add_argument(
+        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
+        help="change a motion setting, or take a preset: --set motion=paper",
+    )  # fmt: skip
+    how.add_argument(
+        "--gaps", choices=("error", "rest"), default="error",
+        help="bigrams that nothing answers [error]",
+    )  # fmt: skip
+    how.add_argument(
+        "--unknown", choices=("error", "rest", "nearest"), default="error",
+        help="labels that no notation maps; nearest is for IPA, by its features [error]",
+    )  # fmt: skip

@@ -1,0 +1,165 @@
+"""How much the command line says, what a shell completes, and names in any case."""
+
+import json
+import logging
+import shutil
+import subprocess
+import sys
+import warnings
+
+import pytest
+
+import lipsync_lang as ll
+from lipsync_lang.commands.completion import leaves
+from lipsync_lang.commands.parser import parser
+from lipsync_lang.commands.words import saying
+from lipsync_lang.extensions import PluginWarning
+
+SAYING = {path: made for path, made in leaves(parser()) if path}
+LINE = '[{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY", "start": 0.1, "end": 0.3}]'
+PAIR = ("-l", "english", "-c", "facefx")
+
+
+@pytest.fixture
+def line(tmp_path, monkeypatch):
+    """A file of timed phonemes in an empty folder."""
+    (tmp_path / "line.json").write_text(LINE)
+    monkeypatch.chdir(tmp_path)
+    return "line.json"
+
+
+@pytest.mark.parametrize("path", SAYING, ids=" ".join)
+def test_every_command_can_be_quiet_or_tell_more(path):
+    assert {"--quiet", "--verbose"} <= SAYING[path]._option_string_actions.keys()  # noqa: SLF001
+
+
+@pytest.mark.parametrize("path", SAYING, ids=" ".join)
+def test_what_has_a_format_has_json(path):
+    known = SAYING[path]._option_string_actions  # noqa: SLF001
+    if "--format" in known:
+        assert "--json" in known
+        assert known["--json"].dest == "format"
+
+
+def test_the_log_is_silent_unless_it_is_asked_for(cli, line, monkeypatch):
+    monkeypatch.delenv("LIPSYNC_LANG_LOG", raising=False)
+    usual = cli("run", "--schedule", line, *PAIR)
+    assert "lipsync_lang." not in usual.err
+    told = cli("run", "--schedule", line, *PAIR, "-v")
+    assert "lipsync_lang.schedules.timing_readers: line.json is read as json" in told.err
+    assert "lipsync_lang.resolver.cache: english on facefx:" in told.err
+    assert told.err.endswith(usual.err)
+    monkeypatch.setenv("LIPSYNC_LANG_LOG", "info")
+    assert "is read as json" in cli("run", "--schedule", line, *PAIR).err
+    assert not logging.getLogger("lipsync_lang").handlers
+
+
+def test_an_unknown_level_of_the_log_is_a_message(cli, monkeypatch):
+    monkeypatch.setenv("LIPSYNC_LANG_LOG", "all")
+    ended = cli("formats")
+    assert ended.code == 2
+    assert ended.err == (
+        "lipsync-lang: LIPSYNC_LANG_LOG=all: say debug, info, warning, or leave it out\n"
+    )
+
+
+def test_quiet_leaves_data_and_errors(cli, line):
+    assert cli("run", "--schedule", line, *PAIR, "-q", "-o", "line.csv") == (0, "", "")
+    assert cli("formats", "--quiet").out == cli("formats").out
+    ended = cli("run", "--schedule", "gone.json", *PAIR, "-q")
+    assert (ended.code, ended.out) == (2, "")
+    assert ended.err.startswith("lipsync-lang: gone.json: ")
+
+
+def test_quiet_and_verbose_exclude_each_other(cli):
+    assert "not allowed with argument -q" in cli("formats", "-q", "-v").err
+
+
+def test_a_plug_ins_warning_is_a_line(capsys):
+    options = parser().parse_args(["formats"])
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        usual = []
+        warnings.showwarning = lambda message, *_: usual.append(str(message))
+        with saying(options):
+            warnings.warn("paint is left out", PluginWarning, stacklevel=1)
+            warnings.warn("other", UserWarning, stacklevel=1)
+    assert (usual, capsys.readouterr().err) == (["other"], "paint is left out\n")
+
+
+def test_json_is_the_same_as_the_form(cli, line):
+    for command in (
+        ("check", "--schedule", line, *PAIR),
+        ("coverage", line, *PAIR),
+    ):
+        assert cli(*command, "--json").out == cli(*command, "--format", "json").out
+        assert json.loads(cli(*command, "--json").out)
+    assert json.loads(cli("schema", "--json").out) == cli("schema").out.split()
+
+
+def test_an_unknown_form_of_a_coverage_tells_the_nearest(cli, line):
+    ended = cli("coverage", line, *PAIR, "--format", "jsn")
+    assert "no form of a coverage 'jsn'; did you mean 'json'?" in ended.err
+
+
+@pytest.mark.parametrize("name", ["facefx", "FaceFX", "FACEFX"])
+def test_faces_are_found_in_any_case(name):
+    performer = ll.resolve("English", name)
+    assert performer.character == "facefx"
+
+
+def test_a_name_as_it_is_spelled_comes_before_one_in_other_letters(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    for name in ("ann", "Ann"):
+        text = f"kind: character\nformat: 1\nname: {name}\nposeset: facefx\n"
+        (tmp_path / f"characters/{name}.yaml").write_text(text)
+    for name in ("ann", "Ann"):
+        assert ll.resolve("english", name).character == name
+    assert ll.resolve("english", "ANN").character in ("ann", "Ann")
+
+
+def test_poses_are_found_in_any_case():
+    schedule = ll.Schedule(("HH", "AY"), [0, 0.1, 0.3])
+    animation = ll.resolve("english", "facefx").perform(schedule)
+    assert (animation["OPEN"] == animation["open"]).all()
+    with pytest.raises(ll.LipsyncError, match="no pose 'opne' here; did you mean 'open'"):
+        animation["opne"]
+
+
+def test_regions_are_found_in_any_case(cli, line):
+    usual = cli("explain", "--schedule", line, *PAIR, "--at", "0.2", "--dial", "jaw:0.5")
+    assert usual.code == 0
+    assert cli("explain", "--schedule", line, *PAIR, "--at", "0.2", "--dial", "JAW:0.5") == usual
+
+
+COMPLETED = [
+    ("run -l finn", "finnish"),
+    ("resolve -c face", "facefx"),
+    ("transc", "transcribe"),
+    ("bank dra", "draft"),
+    ("run --toler", "--tolerance"),
+]
+
+
+@pytest.mark.parametrize(("typed", "wanted"), COMPLETED)
+def test_bash_completes(cli, typed, wanted, tmp_path):
+    pytest.importorskip("shtab", reason="the completion extra is not installed")
+    if shutil.which("bash") is None:
+        pytest.skip("bash is not installed")
+    ended = cli("completion", "bash")
+    assert ended.code == 0
+    (tmp_path / "script").write_text(ended.out)
+    words = f"lipsync-lang {typed}".split()
+    ask = (
+        f"source {tmp_path / 'script'}; COMP_WORDS=({' '.join(words)}); "
+        f"COMP_CWORD={len(words) - 1}; COMP_LINE='{' '.join(words)}'; COMP_POINT=${{#COMP_LINE}}; "
+        "_shtab_lipsync_lang lipsync-lang; echo ${COMPREPLY[@]}"
+    )
+    done = subprocess.run(["bash", "-c", ask], capture_output=True, encoding="utf-8", check=False)  # noqa: S607
+    assert wanted in done.stdout.split(), done
+
+
+def test_a_missing_shtab_names_the_extra(cli, monkeypatch):
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert 'pip install "lipsync-lang[completion]"' in cli("completion", "zsh").err
