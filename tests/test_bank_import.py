@@ -12,7 +12,7 @@ from lanes import costly
 
 from lipsync_lang.authoring.bank_import import import_bank
 from lipsync_lang.banks.fit import DECIMALS, MOST_KEYS
-from lipsync_lang.banks.smartbody import LARGEST, Remarks, read_smartbody
+from lipsync_lang.banks.smartbody import MAX_SCRIPT_BYTES, Remarks, read_smartbody
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
@@ -414,7 +414,7 @@ def test_a_file_too_large_is_not_even_read(cli, folder):
     ended = cli("bank", "import", "bank.py", "-c", "facefx")
     assert time.perf_counter() - start < 5
     assert ended.code == 2
-    assert f"has more than {LARGEST // 1_000_000} MB" in ended.err
+    assert f"has more than {MAX_SCRIPT_BYTES // 1_000_000} MB" in ended.err
 
 
 @pytest.mark.parametrize("name", ["gone.py", ".", "\udc80.py", "a\nb.py"])

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from lipsync_lang import SpeechError
-from lipsync_lang.phonology.g2p.kana import LONGEST, dictionary, respell
+from lipsync_lang.phonology.g2p.kana import MAX_READ_CHARS, dictionary, respell
 
 needs_dictionary = pytest.mark.skipif(
     "not __import__('importlib.util').util.find_spec('pyopenjtalk')",
@@ -94,11 +94,11 @@ def test_what_cannot_be_read_keeps_its_spelling_to_be_named():
 
 
 @needs_dictionary
-@pytest.mark.parametrize("text", ["水を買う、" * LONGEST, "あ" * (3 * LONGEST)])
+@pytest.mark.parametrize("text", ["水を買う、" * MAX_READ_CHARS, "あ" * (3 * MAX_READ_CHARS)])
 def test_a_text_without_an_end_is_read_in_parts(text):
     pieces = respell(text)
     assert "".join(piece for piece, _ in pieces) == text
-    assert "".join(spelling for _, spelling in pieces).count("ミズ") in (0, LONGEST)
+    assert "".join(spelling for _, spelling in pieces).count("ミズ") in (0, MAX_READ_CHARS)
 
 
 @needs_dictionary

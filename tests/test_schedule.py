@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules import SILENCE
-from lipsync_lang.schedules.schedule import SNAP, words_from_spans
+from lipsync_lang.schedules.schedule import SNAP_SECONDS, words_from_spans
 from lipsync_lang.schedules.timing_readers import READERS
 
 LABELS = ("HH", "AH0", "L", "OW1")
@@ -119,13 +119,13 @@ def test_contiguous_rows_become_a_schedule(rows):
 
 @given(intervals(), st.data())
 def test_rounding_between_rows_is_closed(rows, data):
-    noise = st.floats(-0.9 * SNAP, 0.9 * SNAP)
+    noise = st.floats(-0.9 * SNAP_SECONDS, 0.9 * SNAP_SECONDS)
     shaken = [(label, start + data.draw(noise), end) for label, start, end in rows]
     schedule = ll.Schedule.from_intervals(shaken)
     assert schedule.times.tolist() == [shaken[0][1], *(end for _, _, end in rows)]
 
 
-@given(intervals(), st.floats(2 * SNAP, 1), st.booleans())
+@given(intervals(), st.floats(2 * SNAP_SECONDS, 1), st.booleans())
 def test_gaps_and_overlaps_are_refused_with_the_row(rows, by, later):
     label, start, end = rows[-1]
     by = by if later else -by

@@ -39,7 +39,7 @@ from typing import NamedTuple, TypeAlias
 
 from lipsync_lang.errors import PackError
 
-LARGEST = 10_000_000
+MAX_SCRIPT_BYTES = 10_000_000
 """Bytes of a file; the largest bank published has 0.24 million."""
 
 MOST_REMARKS = 1000
@@ -132,13 +132,13 @@ def _text(path: Path) -> str:
     """Return what a file holds, with plain line ends."""
     shown = visible(str(path))
     try:
-        if path.stat().st_size > LARGEST:
+        if path.stat().st_size > MAX_SCRIPT_BYTES:
             raise PackError(
-                f"{shown}: has more than {LARGEST // 1_000_000} MB, which no bank needs; "
+                f"{shown}: has more than {MAX_SCRIPT_BYTES // 1_000_000} MB, which no bank needs; "
                 "give the script or text that holds the bank alone"
             )
         with path.open("rb") as stream:
-            content = stream.read(LARGEST + 1)
+            content = stream.read(MAX_SCRIPT_BYTES + 1)
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise PackError(f"{shown}: cannot be read: {why}") from None
@@ -148,7 +148,7 @@ def _text(path: Path) -> str:
         text, why = "\0", f"byte {error.start} is not UTF-8"
     else:
         why = "it holds a zero byte"
-    if "\0" in text or len(content) > LARGEST:
+    if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
         raise PackError(f"{shown}: is no script or text of SmartBody: {why}")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 

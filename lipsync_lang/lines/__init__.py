@@ -1,7 +1,7 @@
-"""Lines of a script: what is to be spoken, read from the files that dialogue is kept in.
+"""Lines of a script, read from the files of games and films.
 
-`read_lines` streams them: files, and folders in order of name. Each `Line` has its spoken text
-without markup and placeholders, and where it stands.
+`read_lines` streams the lines of files, and of folders in order of name. Each `Line` has its
+spoken text, without markup and placeholders, and its place in the file.
 """
 
 from lipsync_lang.lines.line import Line

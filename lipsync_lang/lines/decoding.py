@@ -1,7 +1,7 @@
-"""Files as numbered lines of text, whatever their encoding and line ends.
+"""Decode files into numbered lines, one line in memory at a time.
 
-UTF-8 with or without its mark, UTF-16 and UTF-32 by theirs, or the encoding that is asked for.
-Line ends may be mixed. Only so much is held at a time as one line is long.
+The encoding is the one given, or UTF-16 or UTF-32 if the file has their byte-order mark, or UTF-8.
+Line ends may be mixed.
 """
 
 import codecs
@@ -12,31 +12,31 @@ from typing import BinaryIO, TextIO
 
 from lipsync_lang.errors import LipsyncError
 
-MARKS = {
+BYTE_ORDER_MARKS = {
     codecs.BOM_UTF32_LE: "utf-32",
     codecs.BOM_UTF32_BE: "utf-32",
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
-"""Marks at the start of a file, longer ones first, and what they are the mark of."""
+"""Byte-order marks, longest first, with their encodings."""
 
-LONGEST = 1_000_000
-"""Characters; a longer line is no line of a script."""
+MAX_LINE_CHARS = 1_000_000
+"""Characters of the longest line."""
 
 
 Open = Callable[[], BinaryIO]
-"""Opens a file from its start, as often as wanted."""
+"""Opens a file at its start; called more than once."""
 
 
 def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a file with their numbers from 1, without their ends.
+    """Yield (number from 1, line without its end) for the lines of a file.
 
-    `path` is the file as messages call it.
+    `path` is for messages only.
 
     Raises
     ------
     LipsyncError
-        The file cannot be read, is no text, or is in another encoding.
+        The file cannot be read, is not text, or is in another encoding.
     """
     try:
         with opened() as stream:
@@ -57,21 +57,24 @@ def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[
 
 
 def _marked(head: bytes) -> str:
-    return next((name for mark, name in MARKS.items() if head.startswith(mark)), "utf-8-sig")
+    return next(
+        (name for mark, name in BYTE_ORDER_MARKS.items() if head.startswith(mark)), "utf-8-sig"
+    )
 
 
 def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
     number = 0
-    while line := text.readline(LONGEST):
+    while line := text.readline(MAX_LINE_CHARS):
         number += 1
         if "\0" in line:
             raise LipsyncError(
                 f"{path}:{number}: holds zero bytes, so it is no text; leave the file out, or, if "
                 "it is UTF-16 without its mark, say --encoding utf-16-le"
             )
-        if len(line) == LONGEST:
+        if len(line) == MAX_LINE_CHARS:
             raise LipsyncError(
-                f"{path}:{number}: this line is longer than {LONGEST:,} characters; is it a script?"
+                f"{path}:{number}: this line is longer than {MAX_LINE_CHARS:,} characters; "
+                "is it a script?"
             )
         yield number, line.removesuffix("\n")
 

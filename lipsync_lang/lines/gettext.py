@@ -1,7 +1,7 @@
 """Translations of gettext: an entry is a line, each of its plural forms too.
 
-Where a file translates anything, the translations are the lines, and what has none is left out with
-a remark; a template's lines are its originals. Fuzzy and obsolete entries are left out.
+If a file has any translation, its lines are the translations, and a remark counts the entries left
+out. The lines of a template are its originals. Fuzzy and obsolete entries are left out.
 """
 
 import re
@@ -19,20 +19,20 @@ CHARSET = re.compile(rb"charset=([\w.:-]+)", re.ASCII)
 
 @dataclass
 class Entry:
-    """One entry: what it states by key (`msgstr 1` is a plural form), and at which line."""
+    """One entry: its texts by key (`msgstr 1` is a plural form), and their lines."""
 
     texts: dict[str, str] = field(default_factory=dict)
     places: dict[str, int] = field(default_factory=dict)
     fuzzy: bool = False
 
     def translations(self) -> Iterator[tuple[int, str]]:
-        """Yield the forms that are translated."""
+        """Yield (line, text) of each translated form."""
         for key, text in self.texts.items():
             if key.startswith("msgstr") and text.strip():
                 yield self.places[key], text
 
     def originals(self) -> Iterator[tuple[int, str]]:
-        """Yield the original and its plural."""
+        """Yield (line, text) of the original and its plural."""
         for key in ("msgid", "msgid_plural"):
             if self.texts.get(key, "").strip():
                 yield self.places[key], self.texts[key]
@@ -57,7 +57,7 @@ def read(source: LineFile) -> Iterator[Line]:
 
 
 def _charset(source: LineFile) -> str | None:
-    """Return what the header says of the encoding, where nothing else tells."""
+    """Return the encoding stated in the header; None for UTF-8 or none."""
     try:
         with source.open() as stream:
             head = stream.read(4096)

@@ -1,4 +1,4 @@
-"""A line: one thing that somebody says, and where it is written."""
+"""`Line`, one spoken line of a script with its place in the file."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,13 +13,13 @@ class Line:
 
     Parameters
     ----------
-    text : what is spoken, markup and placeholders removed
+    text : the spoken text, without markup and placeholders
     place : `file:line`
-    name : the line's own name in its file; empty where it has none
-    speaker : who says it; empty where the file does not tell
-    schedule : its timed phonemes, where the file holds some
+    name : the line's own name in its file; may be empty
+    speaker : the speaker's name; empty if unknown
+    schedule : its timed phonemes, if the file has some
     dropped : markup and placeholders that are not spoken, in order
-    gaps : places in the text, in order, where something is said that the text does not tell
+    gaps : offsets in the text, in order, of speech that the file does not contain
     """
 
     text: str

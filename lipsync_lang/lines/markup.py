@@ -1,17 +1,18 @@
-r"""What of a written line is spoken.
+r"""Separate the spoken text of a line from its markup.
 
-Left out, and returned so that it can be named:
+These are dropped, and listed in the result:
 
 - tags: ``<i>``, ``{i}``, ``{/color}``, ``{\an8}``; the words between two tags stay,
 - ruby, the small reading above a word: ``<rt>..</rt>``, ``{rt}..{/rt}``,
 - placeholders whose value only the game knows: ``{name}``, ``[name]``, ``%s``, ``%(name)s``,
-  ``$name``; what stands in square brackets for people, ``[sighs]``, is not spoken either,
+  ``$name``; notes in square brackets, such as ``[sighs]``, look the same and are dropped too,
 - notes of music.
 
 Doubled marks stand for themselves (``{{``, ``[[``, ``%%``), and ``\n`` is a space.
 
-Where a placeholder or a note in brackets was, something is heard that the text does not tell: a
-gap. A tag leaves none. One in braces is a tag where it is closed, or has a value (``{w=0.5}``).
+A placeholder or a note in square brackets leaves a gap: speech that the file does not contain. A
+tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it has a value
+(``{w=0.5}``); otherwise it is a placeholder.
 """
 
 import re
@@ -35,11 +36,11 @@ LOOSE = re.compile(r" ([,.])(?!\S)")
 MARKS = frozenset("<{[%$\\}]♩♪♫♬")
 CLOSING = re.compile(r"\{/(\w+)\}")
 SOUNDLESS = re.compile(r"[<♩♪♫♬]|\{(?:[/\\]|rt\}|\w+=)")
-"""What markup begins with in whose place nothing is heard."""
+"""Start of markup that leaves no gap."""
 
 
 class SpokenText(NamedTuple):
-    """What of a text is spoken, what was dropped in order, and where in the former the gaps are."""
+    """The spoken text, the markup dropped, in order, and the offsets of gaps in the text."""
 
     text: str
     dropped: tuple[str, ...] = ()
@@ -47,7 +48,11 @@ class SpokenText(NamedTuple):
 
 
 def spoken(text: str) -> SpokenText:
-    """Tell what of a text is spoken."""
+    """Return the spoken part of a text.
+
+    >>> spoken("Hello, {i}dear{/i} [name]!").text
+    'Hello, dear !'
+    """
     if MARKS.isdisjoint(text):
         return SpokenText(" ".join(text.split()))
     closed = {f"{{{name}}}" for name in CLOSING.findall(text)}
@@ -69,19 +74,22 @@ def spoken(text: str) -> SpokenText:
 
 
 def _said(found: re.Match[str]) -> str:
-    """Return what markup says itself."""
+    """Return the text that an escape or a doubled mark stands for; other markup has none."""
     if found[0][0] == "\\":
         return found["kept"] or " "
     return DOUBLED.get(found[0], "")
 
 
 def _solid(text: str) -> int:
-    """Count characters that are no spaces."""
+    """Count the characters that are not spaces."""
     return len("".join(text.split()))
 
 
 def _places(text: str, counts: Sequence[int]) -> tuple[int, ...]:
-    """Return where in a text so many of its characters, spaces apart, have gone before."""
+    """Turn counts of preceding characters, without spaces, into offsets in a text.
+
+    Gaps are counted without spaces, because dropping markup changes the spaces around it.
+    """
     if not counts:
         return ()
     ends = [0, *(at for at, character in enumerate(text, 1) if not character.isspace())]

@@ -1,9 +1,9 @@
 """Ren'Py scripts: dialogue, menus and translations.
 
-Read are statements that say something: ``e "Hello"``, ``e happy @ wave "Hello"``, ``"Eileen"
-"Hello"``, a lone ``"Narration"``, ``extend "and more"``, the choices of menus, texts in triple
-quotes (an empty line in them starts another line), and ``new`` of translations. Blocks of
-Python, screens, styles and the like are passed over.
+The reader takes say statements: ``e "Hello"``, ``e happy @ wave "Hello"``, ``"Eileen" "Hello"``, a
+lone ``"Narration"``, and ``extend "and more"``. It also takes the choices of menus, texts in triple
+quotes (an empty line in them starts another line), and ``new`` of translations. It skips blocks of
+Python, screens, styles and the like.
 """
 
 import re
@@ -17,7 +17,7 @@ from lipsync_lang.lines.line_readers import LineFile, reader
 STRING = r"""(?:\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|`(?:\\.|[^`\\])*`)"""
 TRIPLE = r"(?:\"\"\"(?:\\.|[^\\])*?\"\"\"|'''(?:\\.|[^\\])*?''')"
 TOKENS = re.compile(rf"{TRIPLE}|{STRING}|(?P<comment>#[^\n]*)|(?P<lone>[\"'`])", re.DOTALL)
-"""What may hold a `#` or an end of line; and a quote that does not close."""
+"""Strings, which may contain `#` and line ends; comments; and a quote that is never closed."""
 
 SAYS = re.compile(
     rf"(?:(?P<who>[^\W\d]\w*)(?P<attributes>(?:\s+@|\s+-?[^\W\d]\w*)*)\s+|(?P<name>{STRING})\s+)?"
@@ -33,7 +33,7 @@ BLOCKS = re.compile(
     r"(?:init\b.*\bpython|python|screen|style|transform|layeredimage|image\s.*:|testcase"
     r"|translate\s+\w+\s+(?:python|style))\b"
 )
-"""What opens a block that holds no dialogue."""
+"""Starts of blocks without dialogue."""
 
 TRANSLATES = re.compile(r"translate\s+\w+\s+(?P<name>\w+)\s*:")
 
@@ -41,13 +41,13 @@ OTHER = re.compile(
     r"(?:call|camera|default|define|elif|else|hide|if|image|import|in|init|jump|label|menu|nvl|old|on"
     r"|pass|pause|play|queue|return|rpy|scene|show|stop|translate|voice|while|window|with)"
 )
-"""First words of statements that say nothing."""
+"""First words of statements without dialogue."""
 
 NARRATOR = frozenset(("extend", "new", "narrator"))
-"""Those that say something, but are nobody's name."""
+"""First words of say statements that are not the name of a speaker."""
 
-LONGEST = 200
-"""Lines of a file; a statement that goes on for longer is none."""
+MAX_STATEMENT_LINES = 200
+"""Most lines of the file in one statement."""
 
 QUOTES = {'"""': 3, "'''": 3}
 
@@ -112,14 +112,14 @@ def _inner(string: str) -> str:
 
 
 def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
-    """Yield statements without comments; one goes on while a text in it is open."""
+    """Yield (line, statement without comments); a statement ends when its strings are closed."""
     ahead: deque[tuple[int, str]] = deque()
     lines = source.numbered()
     while ahead or (ahead := deque(_next(lines))):
         number, text = ahead.popleft()
         whole, closed = _without_comments(text)
         taken: list[tuple[int, str]] = []
-        while not closed and len(taken) < LONGEST:
+        while not closed and len(taken) < MAX_STATEMENT_LINES:
             more = [ahead.popleft()] if ahead else _next(lines)
             if not more:
                 break
@@ -140,7 +140,7 @@ def _next(lines: Iterator[tuple[int, str]]) -> list[tuple[int, str]]:
 
 
 def _without_comments(text: str) -> tuple[str, bool]:
-    """Return a statement without its comment, and whether all its texts are closed."""
+    """Return a statement without its comment, and True if all its strings are closed."""
     closed = True
 
     def kept(found: re.Match[str]) -> str:

@@ -32,7 +32,7 @@ def read(source: LineFile) -> Iterator[Line]:
 
 
 def _parts(source: LineFile) -> Iterator[Part]:
-    """Yield what stands between empty lines."""
+    """Yield groups of lines, separated by empty lines."""
     part: Part = []
     for number, text in source.numbered():
         if text.strip():

@@ -1,7 +1,7 @@
 """Tables: a row is a line, and one column its text.
 
-The first row names the columns. What parts cells is told by it: of tab, comma, semicolon and bar
-the one that makes the most of them.
+The first row names the columns. The delimiter is the one of tab, comma, semicolon and bar that
+gives this row the most cells.
 """
 
 import csv
@@ -16,10 +16,10 @@ DELIMITERS = "\t,;|"
 TEXTS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
 NAMES = ("id", "line_id", "lineid", "key", "name", "identifier")
 SPEAKERS = ("speaker", "character", "who", "actor", "role")
-"""Names of columns, in small letters, likeliest first."""
+"""Names of columns, in small letters, most likely first."""
 
-OPEN = 100
-"""Lines of a file; a cell that goes on for longer has lost a quote."""
+MAX_CELL_LINES = 100
+"""Most lines of the file in one cell; a longer cell has lost its closing quote."""
 
 
 @reader("table", suffixes=[".csv", ".tsv"])
@@ -49,15 +49,16 @@ def _cell(row: Sequence[str], at: int) -> str:
 def _rows(
     source: LineFile, lines: Iterator[tuple[int, str]], delimiter: str
 ) -> Iterator[tuple[int, list[str]]]:
-    """Yield rows with the number of the line where each starts."""
+    """Yield (first line, cells) for each row."""
     last = start = 1
 
     def counted() -> Iterator[str]:
         nonlocal last
         for last, line in lines:
-            if last - start > OPEN:
+            if last - start > MAX_CELL_LINES:
                 raise source.fault(
-                    start + 1, f'a cell goes on for more than {OPEN} lines; is a " left open?'
+                    start + 1,
+                    f'a cell goes on for more than {MAX_CELL_LINES} lines; is a " left open?',
                 )
             yield line + "\n"
 
@@ -71,7 +72,7 @@ def _rows(
 
 
 def _text_column(source: LineFile, head: Sequence[str]) -> int:
-    """Return which column is the text."""
+    """Return the index of the text column: the one asked for, or the most likely."""
     asked = source.column
     if asked is None:
         return _likeliest(source, head)
@@ -100,6 +101,6 @@ def _lacking(source: LineFile, head: Sequence[str], what: str) -> LipsyncError:
 
 
 def _first(head: Sequence[str], known: Sequence[str], taken: int = -1) -> int:
-    """Return the column of the first known name that there is, or -1."""
+    """Return the index of the column with the first known name, or -1."""
     folded = {name.casefold(): at for at, name in reversed(list(enumerate(head))) if at != taken}
     return next((folded[name] for name in known if name in folded), -1)

@@ -1,10 +1,10 @@
-"""Timed phonemes: a file is a line, and its phonemes come as they are."""
+"""Timed phonemes: each file is one line with its schedule."""
 
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
-from lipsync_lang.schedules.timing_file import HEAD, TimingFile, read_timings
+from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile, read_timings
 from lipsync_lang.schedules.timing_readers import READERS, schedule_of
 
 NAME = "schedule"
@@ -14,7 +14,7 @@ def is_timed(source: LineFile) -> bool:
     """Tell whether a file begins like a format of timed phonemes that has its suffix."""
     try:
         with source.open() as stream:
-            begins = TimingFile(source.path, stream.read(HEAD))
+            begins = TimingFile(source.path, stream.read(HEAD_BYTES))
     except OSError:
         return False
     return any(one.sniff(begins) for one in READERS.ending(source.path))

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 NEAR, FAR, ALONE, PAUSE = 0.8, 1.9, 1.0, 0.2
-BAND = 200
+BAND_SOUNDS = 200
 """Sounds that the two may drift apart."""
 
 TINY = 1e-9
@@ -58,7 +58,7 @@ def _moves(
     That is (n + 1, band), the column of each row's first place (n + 1,), and m.
     """
     n, m = len(rows), len(columns)
-    width = BAND + abs(n - m) + m // max(n, 1)
+    width = BAND_SOUNDS + abs(n - m) + m // max(n, 1)
     lows = np.array([max(0, i * m // max(n, 1) - width) for i in range(n + 1)], np.intp)
     highs = np.array([min(m, i * m // max(n, 1) + width) for i in range(n + 1)], np.intp)
     moves = np.full((n + 1, int((highs - lows).max()) + 1), _HEARD, np.int8)

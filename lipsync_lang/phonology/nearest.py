@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, Self
 from lipsync_lang.phonology.ipa import Features, LabelReading, Numbers, key
 from lipsync_lang.phonology.labels import Value
 
-CLEAR = 0.9
+CLEAR_DIFFERENCE = 0.9
 """A difference in a feature that nobody can miss."""
 
 
@@ -143,7 +143,7 @@ class NearestPhonemes:
                 zip(self.features.names, self.features.weights, strict=True)
             )
             if weight >= self.features.fights_from
-            and abs(_most(sounds, number) - _most(shown, number)) >= CLEAR
+            and abs(_most(sounds, number) - _most(shown, number)) >= CLEAR_DIFFERENCE
         ]
 
     @cached_property

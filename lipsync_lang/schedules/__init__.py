@@ -1,4 +1,4 @@
-"""Schedules: timed phonemes, whoever timed them.
+"""Schedules: timed phonemes, read from the files of many programs.
 
 Times are seconds. A schedule is contiguous: phoneme i lasts from ``times[i]`` to
 ``times[i + 1]``. Silence is a phoneme like any other, written `SILENCE`. Labels are kept as

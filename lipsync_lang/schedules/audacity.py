@@ -1,6 +1,6 @@
 """Audacity's label track: a start, an end and a text in every line, with tabs between.
 
-Lines that begin with a backslash hold the frequencies of the label above, and are passed over.
+A line that begins with a backslash holds the frequencies of the label above, and is skipped.
 """
 
 import re
@@ -14,7 +14,7 @@ LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether the first line is a label, with fractions of seconds as Audacity writes them."""
+    """Return True if the first line is a label with two decimal times, as Audacity writes them."""
     found = LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0])
     return bool(found and not found[1].isdecimal() and not found[2].isdecimal())
 

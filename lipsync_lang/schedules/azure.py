@@ -20,10 +20,10 @@ from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "azure"
 
-TICKS = 1e7
+TICKS_PER_SECOND = 1e7
 """Ticks per second."""
 
-LAST = 21
+LAST_VISEME = 21
 """The last viseme; the first, 0, is silence."""
 
 VISEME = re.compile(r'"(priv)?viseme_?id"\s*:', re.IGNORECASE)
@@ -32,7 +32,7 @@ Event = dict[str, Any]
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it starts with an object or a list, and has viseme numbers."""
+    """Return True for a JSON object or list with viseme numbers."""
     return source.head.lstrip()[:1] in ("{", "[") and VISEME.search(source.head) is not None
 
 
@@ -51,12 +51,14 @@ def read_azure(source: TimingFile) -> Schedule:
         elif isinstance(event.get("text"), dict) and event["text"].get("BoundaryType") == "Word":
             length = source.number(event.get("duration"), line)
             words.append(LabelRow(str(event["text"].get("Text")), at, at + length, line))
-    rows, told = until_next(source, starts, rest="0", end=end, rate=TICKS)
-    return shapes_of(source, rows, notation=NOTATION, words=words, rate=TICKS, remarks=told)
+    rows, told = until_next(source, starts, rest="0", end=end, rate=TICKS_PER_SECOND)
+    return shapes_of(
+        source, rows, notation=NOTATION, words=words, rate=TICKS_PER_SECOND, remarks=told
+    )
 
 
 def _events(source: TimingFile) -> Iterator[tuple[int | None, Event]]:
-    """Yield events under one spelling of their names, and the line of each."""
+    """Yield (line, event); field names have one spelling for all SDKs."""
     for line, value in source.events:
         inner = value.get("Metadata") if isinstance(value, dict) else None
         for one in inner if isinstance(inner, list) else [value]:
@@ -68,12 +70,14 @@ def _events(source: TimingFile) -> Iterator[tuple[int | None, Event]]:
 
 
 def _plain(name: str) -> str:
-    """Return the name of a field without its SDK's way of writing it."""
+    """Return the name of a field without the prefixes and the case of its SDK."""
     return re.sub(r"^(priv)?(audio)?", "", name.replace("_", "").lower())
 
 
 def _number(source: TimingFile, value: object, line: int | None) -> str:
     """Return the label of a viseme."""
-    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST:
+    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST_VISEME:
         return str(value)
-    raise source.fault(f"{str(value)[:20]!r} is no viseme; they are numbered 0 to {LAST}", line)
+    raise source.fault(
+        f"{str(value)[:20]!r} is no viseme; they are numbered 0 to {LAST_VISEME}", line
+    )

@@ -23,7 +23,7 @@ NOTATION = "smartbody"
 
 
 class LipShape(NamedTuple):
-    """A shape, how strongly it is articulated, and its times; no end in replies."""
+    """A shape with its times and the weight of its articulation; replies give no end."""
 
     label: str
     start: float
@@ -32,7 +32,7 @@ class LipShape(NamedTuple):
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it is XML with lips or visemes."""
+    """Return True for XML with lips or visemes."""
     return source.root is not None and ("<lips " in source.head or "<viseme " in source.head)
 
 
@@ -82,7 +82,7 @@ def _text(source: TimingFile, element: "Element", name: str) -> str:
 
 
 def _words(source: TimingFile) -> Iterator[LabelRow]:
-    """Yield words between marks of time."""
+    """Yield the words between time marks."""
     marks = [mark for mark in source.xml.iter("sync") if mark.get("time") is not None]
     times = [source.time(mark.get("time")) for mark in marks]
     for number, mark in enumerate(marks[:-1]):

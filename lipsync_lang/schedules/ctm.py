@@ -1,7 +1,7 @@
-"""CTM, of phones: ``file channel start duration label [confidence]`` in every line.
+"""CTM of phones: ``file channel start duration label [confidence]`` in every line.
 
-Lines that begin with two semicolons are comments. What Kaldi adds to a phone to say where in its
-word it stands (``_B``, ``_I``, ``_E`` or ``_S``) is no part of the label.
+Lines that begin with two semicolons are comments. Kaldi appends the place in the word to a phone
+(``_B``, ``_I``, ``_E`` or ``_S``), which is removed from the label.
 """
 
 import re
@@ -18,7 +18,7 @@ SOUND = re.compile(r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIE
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether the first line that is no comment is a sound."""
+    """Return True if the first line that is not a comment is a phone."""
     lines = [line for line in source.head.split("\n") if line.strip()]
     return bool(SOUND.fullmatch(next((x for x in lines if not x.startswith(COMMENT)), "")))
 
@@ -39,6 +39,6 @@ def read_ctm(source: TimingFile) -> Schedule:
 
 
 def _named(tiers: dict[tuple[str, str], list[LabelRow]]) -> list[Tier]:
-    """Name them after the file, the channel or both, as far as these tell them apart."""
+    """Return tiers named after the file, the channel or both, whichever differ."""
     telling = [at for at in (0, 1) if len({key[at] for key in tiers}) > 1] or [0]
     return [Tier(" ".join(key[at] for at in telling), tuple(rows)) for key, rows in tiers.items()]

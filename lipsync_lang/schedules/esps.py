@@ -1,8 +1,8 @@
 """ESPS (xwaves) labels: a header, a line with `#` alone, then a time, a colour and a label.
 
-The time is when a label ends, in seconds; it starts where the one before it ends. Festival and
-the Edinburgh speech tools write their segments so, and so is the Buckeye corpus, whose `.phones`
-have a file of the same name with `.words` beside them. After `;` a line has further fields.
+The time is the end of the label, in seconds; its start is the end of the label before. Festival
+and the Edinburgh speech tools write segments in this format. The Buckeye corpus uses it too, with
+a `.words` file beside each `.phones` file. After `;` a line has further fields.
 """
 
 import re
@@ -18,11 +18,11 @@ START = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.M
 LINE = re.compile(r"\s*(\d+(?:\.\d*)?)\s+-?\d+(?:\s+([^;]*))?(?:;.*)?", re.ASCII)
 
 MARKED = ("<", "{")
-"""How what is no word starts."""
+"""Starts of labels that are not words."""
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether the header ends, and a time, a number and a label follow."""
+    """Return True if the header ends, followed by a time, a number and a label."""
     return START.search(source.head) is not None
 
 

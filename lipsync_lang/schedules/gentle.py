@@ -1,7 +1,8 @@
 """Gentle's JSON: words with their times, and the lengths of the phones in each.
 
-Times are seconds. A phone such as `ae_I` says after the underscore where in the word it stands.
-Words that were not found in the sound have no times, and are told of; the mouth rests there.
+Times are seconds. The letter after the underscore of a phone such as `ae_I` is its place in the
+word. Words that Gentle did not find in the sound have no times: the mouth rests there, and a
+remark names them.
 """
 
 import re
@@ -12,13 +13,13 @@ from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
 
 PLACE = re.compile(r"_[BEIS]$")
-"""Begins, ends, is inside, or is all of a word."""
+"""A phone at the beginning, end or inside of a word, or a single phone."""
 
 FORM = '{"words": [{"word": "a", "start": 0.1, "phones": [{"phone": "ah_S", "duration": 0.1}]}]}'
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether its words say whether they were found, or have phones."""
+    """Return True if the first word has phones, or states how it was aligned."""
     words = source.document.get("words") if source.holds("words") else None
     first = words[0] if isinstance(words, list) and words else None
     return isinstance(first, dict) and bool(first.keys() & {"case", "phones", "alignedWord"})

@@ -1,9 +1,9 @@
 """HTK and HTS labels: a start, an end and a label on each line, in units of 100 ns.
 
-Scores may follow the label, and after them the word that starts there. HTS writes the phone
-between `-` and `+`, with its context around it; states of one phone, `[2]` to `[6]`, are joined.
-Times with a decimal point are seconds: WaveSurfer and others write those. A master label file
-holds many utterances, each under its name in quotes; `tier` says which one.
+Scores may follow the label, and then the word that starts there. HTS writes the phone between `-`
+and `+`, within its context. The states of one phone, `[2]` to `[6]`, are joined. Times with a
+decimal point are seconds, as in files of WaveSurfer. A master label file holds many utterances,
+each under its name in quotes; `tier` selects one.
 """
 
 import re
@@ -15,13 +15,13 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
 
-UNITS = 1e7
+UNITS_PER_SECOND = 1e7
 """Units of 100 ns per second."""
 
 MASTER = "#!MLF!#"
 
 OTHER = "///"
-"""What stands between one transcription and the next best."""
+"""The line between one transcription and the next best."""
 
 NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 TIMED = re.compile(rf"\s*({NUMBER})[ \t]+({NUMBER})[ \t]+(\S+)([^\n]*)", re.ASCII)
@@ -34,9 +34,9 @@ Lines = list[tuple[int, str]]
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it starts with two times and a label, or is a master file.
+    """Return True if the file starts with two times and a label, or is a master label file.
 
-    So is a `.lab` of words without any number: it is taken for a transcript, and told so.
+    A `.lab` of words without times is accepted as well: `read_htk` then explains the mistake.
     """
     first = source.head.lstrip().split("\n", 1)[0]
     if source.path.suffix.lower() == ".lab" and _is_prose(source.head.strip()):
@@ -45,7 +45,7 @@ def sniff(source: TimingFile) -> bool:
 
 
 def _is_prose(text: str) -> bool:
-    """Tell whether no line starts with a number, and the first not like another format."""
+    """Return True if no line starts with a number, and the text not like another format."""
     start = text[:1]
     numbered = re.search(r"^[ \t]*[-+#\d]", text, re.MULTILINE)
     return start.isprintable() and start not in "<{[" and numbered is None
@@ -57,7 +57,7 @@ def read_htk(source: TimingFile) -> Schedule:
     lines, told = _first(source, _utterance(source))
     rows: list[LabelRow] = []
     words: list[LabelRow] = []
-    state, rate = "", UNITS
+    state, rate = "", UNITS_PER_SECOND
     for number, line in lines:
         found = TIMED.fullmatch(line)
         if found is None:
@@ -82,12 +82,12 @@ def read_htk(source: TimingFile) -> Schedule:
 
 
 def _word(rest: str) -> str:
-    """Return the word after the scores of a line; nothing where there is none."""
+    """Return the word after the scores of a line; may be empty."""
     return next((part for part in rest.split() if not re.fullmatch(NUMBER, part)), "")
 
 
 def _utterance(source: TimingFile) -> Lines:
-    """Return the lines of the utterance asked for, or of the only one."""
+    """Return the lines of the utterance named by ``source.tier``, or of the only one."""
     lines = source.lines
     if not lines or not lines[0][1].startswith(MASTER):
         return lines
@@ -114,7 +114,7 @@ def _utterance(source: TimingFile) -> Lines:
 
 
 def _first(source: TimingFile, lines: Lines) -> tuple[Lines, list[str]]:
-    """Return the first of several transcriptions of one utterance, and a word about it."""
+    """Return the first transcription of an utterance, and a remark if there are others."""
     cuts = [at for at, (_, line) in enumerate(lines) if line.strip() == OTHER]
     if not cuts:
         return lines, []

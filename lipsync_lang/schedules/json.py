@@ -1,4 +1,4 @@
-"""JSON of our own: the plainest schedule."""
+"""Our own JSON: phonemes and words with start and end in seconds."""
 
 from dataclasses import replace
 from typing import Any
@@ -11,7 +11,7 @@ SHAPE = '{"phonemes": [{"label": "HH", "start": 0.0, "end": 0.08}, ...], "words"
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether there are phonemes, or rows with a label, a start and an end."""
+    """Return True if the JSON has phonemes, or rows with a label, a start and an end."""
     if isinstance(source.document, list):
         first = source.document[0] if source.document else None
         return isinstance(first, dict) and first.keys() >= {"label", "start", "end"}
@@ -49,7 +49,7 @@ def _row(
 
 
 def _seconds(source: TimingFile, value: Any) -> Any:
-    """Return a time in seconds; what is none is refused where it stands in the schedule."""
+    """Return a time in seconds; without a rate, `Schedule` refuses what is not a number."""
     return source.number(value) / source.rate if source.rate else value
 
 

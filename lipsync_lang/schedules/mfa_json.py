@@ -16,7 +16,7 @@ SHAPE = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LAB
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether there are tiers."""
+    """Return True if the JSON has tiers."""
     return source.holds("tiers")
 
 
@@ -33,7 +33,7 @@ def read_mfa_json(source: TimingFile) -> Schedule:
 
 
 def _intervals(source: TimingFile, tiers: list[tuple[Any, Any]]) -> list[Tier]:
-    """Return the tiers whose type, or class, is intervals."""
+    """Return the tiers whose type or class is intervals."""
     found = []
     for name, tier in tiers:
         if not isinstance(tier, dict) or not isinstance(tier.get("entries"), list):

@@ -1,9 +1,8 @@
 """Papagayo and Papagayo-NG: `.pgo`, text, and `.pg2`, JSON.
 
-Both count frames from 0. Voices have phrases, phrases have words, and words have the frames at
-which their mouths start; a word's last frame still belongs to it. Between words the mouth rests.
-A `.pg2` names the set its mouths are of; in a `.pgo` they are Preston Blair's, the program's
-default.
+Both count frames from 0. Voices have phrases, phrases have words, and words have the start frames
+of their mouth shapes. A word includes its last frame. Between words the mouth rests. A `.pg2` names
+the set of its shapes; those of a `.pgo` are Preston Blair's, the program's default.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,13 +18,13 @@ from lipsync_lang.schedules.timing_readers import reader
 NOTATION = "preston-blair"
 
 SOUNDS = "cmu"
-"""The start of the name of a set that is of sounds, not of mouths."""
+"""Prefix of the name of a set with sounds instead of mouth shapes."""
 
 HEADER = "lipsync version 1"
 
 
 class PapagayoWord(NamedTuple):
-    """A word: its first and last frame, and the frames at which its mouths start."""
+    """A word: its first and last frame, and the start frames of its mouth shapes."""
 
     text: str
     first: float
@@ -38,7 +37,7 @@ Voices = dict[str, list[PapagayoWord]]
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it has the program's header, or voices and a frame rate."""
+    """Return True if the file has the program's header, or voices and a frame rate."""
     return source.head.startswith(HEADER) or source.holds("voices", "fps")
 
 
@@ -63,7 +62,7 @@ def read_papagayo(source: TimingFile) -> Schedule:
 
 
 def _voice(source: TimingFile, voices: Voices) -> list[PapagayoWord]:
-    """Return the words of the voice that is asked for, or of the only one that speaks."""
+    """Return the words of the voice named by ``source.tier``, or of the only one that speaks."""
     speaking = [name for name, words in voices.items() if words]
     names = ", ".join(map(repr, voices))
     if source.tier is not None:
@@ -85,21 +84,21 @@ class _Lines:
         self.number = 0
 
     def next(self) -> str:
-        """Return the next line; a fault at the end of the file."""
+        """Return the next line; raise an error at the end of the file."""
         if self.number == len(self.rows):
             raise self.source.fault("is cut off here; save it again", self.number)
         self.number += 1
         return self.rows[self.number - 1].strip()
 
     def count(self, text: str | None = None) -> int:
-        """Return a number of frames or of parts."""
+        """Return a number of frames or of items."""
         text = self.next() if text is None else text
         if not text.isdecimal() or len(text) > 9:  # noqa: PLR2004 no line has a billion frames
             raise self.source.fault(f"{text[:40]!r} is not a number of frames", self.number)
         return int(text)
 
     def fields(self, count: int) -> list[str]:
-        """Return the parts of a line; the first may have spaces in it."""
+        """Return the fields of the next line; the first may contain spaces."""
         found = self.next().rsplit(None, count - 1)
         if len(found) != count:
             raise self.source.fault(f"needs {count} parts, but has {len(found)}", self.number)

@@ -1,8 +1,7 @@
-"""BAS Partitur: tiers of a spoken text, each line with the name of its tier before it.
+"""BAS Partitur: tiers of a spoken text; each line begins with the name of its tier.
 
-``MAU: start duration link label``: samples at the rate that `SAM` states, the duration without
-the last one. The link is the number of the word, -1 for none; ``ORT: link word`` is how it is
-spelled.
+``MAU: start duration link label`` is a phone, in samples at the rate of `SAM`; the duration is one
+sample short. The link is the number of the word, or -1. ``ORT: link word`` gives its spelling.
 """
 
 import re
@@ -16,7 +15,7 @@ PHONES, WORDS, RATE = "MAU", "ORT", "SAM"
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it starts with the header."""
+    """Return True if the file starts with Partitur's header."""
     return re.match(r"\s*LHD:", source.head) is not None
 
 
@@ -47,7 +46,7 @@ def read_partitur(source: TimingFile) -> Schedule:
 
 
 def _phone(source: TimingFile, number: int, rest: str) -> tuple[LabelRow, str]:
-    """Return a phone with its samples, and the number of its word."""
+    """Return a phone with its times in samples, and the number of its word."""
     parts = rest.split(None, 3)
     if len(parts) != 4:  # noqa: PLR2004 start, duration, link, label
         raise source.fault("a phone needs a start, a duration, a link and a label", number)

@@ -1,8 +1,7 @@
 """Amazon Polly's speech marks: a JSON object on every line, or one list of them.
 
-``{"time": 6, "type": "viseme", "value": "p"}``: the time is in milliseconds from the start of the
-sound, and a mark says when something starts, not when it ends. Words have marks of their own.
-Their `start` and `end` are bytes of the text, not times.
+``{"time": 6, "type": "viseme", "value": "p"}``: a mark has a start only, in milliseconds from the
+start of the sound. Words have marks of their own; their `start` and `end` are offsets in the text.
 """
 
 import re
@@ -15,7 +14,7 @@ from lipsync_lang.schedules.timing_readers import reader
 
 NOTATION = "polly"
 
-MILLISECONDS = 1000.0
+MILLISECONDS_PER_SECOND = 1000.0
 
 REST = "sil"
 
@@ -24,7 +23,7 @@ MARK = re.compile(r"""\s*\[?\s*\{[^{}]*"type"\s*:\s*"(viseme|word|sentence|ssml)
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it starts with a speech mark."""
+    """Return True if the file starts with a speech mark."""
     found = MARK.match(source.head)
     return found is not None and '"time"' in found[0]
 
@@ -42,19 +41,19 @@ def read_polly(source: TimingFile) -> Schedule:
         raise source.fault(
             "has no visemes; ask for them where the marks are made (--speech-mark-types)"
         )
-    rows, told = until_next(source, marks["viseme"], rest=REST, rate=MILLISECONDS)
+    rows, told = until_next(source, marks["viseme"], rest=REST, rate=MILLISECONDS_PER_SECOND)
     return shapes_of(
         source,
         rows,
         notation=NOTATION,
         words=_words(marks["word"], rows),
-        rate=MILLISECONDS,
+        rate=MILLISECONDS_PER_SECOND,
         remarks=told,
     )
 
 
 def _words(words: list[Start], rows: list[LabelRow]) -> list[LabelRow]:
-    """End each word where the next one, or a rest, starts."""
+    """Return the words; each ends at the start of the next word or rest."""
     stops = sorted([w[1] for w in words] + [row.start for row in rows if row.label == REST])
     last = max((row.end for row in rows), default=0.0)
     return [

@@ -22,7 +22,7 @@ FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether there are mouth cues, or lines of a time and one capital letter."""
+    """Return True if the file has mouth cues, or a line of a time and one capital letter."""
     if source.root == "rhubarbResult" or source.holds("mouthCues"):
         return True
     first = source.head.lstrip().split("\n", 1)[0]

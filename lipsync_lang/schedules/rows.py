@@ -1,7 +1,7 @@
-"""Rows of a label and its times, as files have them, made into a schedule.
+"""Make a schedule of rows with a label and its times.
 
-Files leave gaps, keep their rows in any order, and count in milliseconds or frames; here all
-that becomes one contiguous schedule in seconds, or a fault that names the line.
+Files leave gaps, have rows in any order, and count in milliseconds or frames. Here they become one
+contiguous schedule in seconds, or an error that names the line.
 """
 
 from collections.abc import Iterable, Sequence
@@ -11,21 +11,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.schedules.schedule import SILENCE, SNAP, Schedule, words_from_spans
+from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule, words_from_spans
 from lipsync_lang.schedules.timing_file import TimingFile
 
-SOUND = 0.08
-"""Seconds that a phoneme lasts, about."""
+TYPICAL_SOUND_SECONDS = 0.08
+"""Typical duration of a phoneme, in seconds."""
 
-LONG = 1.0
-"""Seconds; where half of all sounds last longer, they are not in seconds."""
+LONG_SOUND_SECONDS = 1.0
+"""Longest plausible median duration in seconds; longer sounds are in another unit."""
 
-RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
-"""Units per second that files count in where they should count seconds."""
+LIKELY_RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
+"""Units per second of files that do not count in seconds."""
 
 
 class LabelRow(NamedTuple):
-    """A label from `start` to `end`, in seconds, and the line of the file it stands in."""
+    """A label from `start` to `end`, in the file's unit or seconds, and its line in the file."""
 
     label: str
     start: float
@@ -47,13 +47,13 @@ def schedule_of(  # noqa: PLR0913 each says one thing that a format may
 
     Parameters
     ----------
-    source : the file, for messages; where a `rate` is asked for, it comes before the format's
+    source : the file, for messages; its `rate`, if given, overrides that of the format
     rows : labels with their times, in any order; a blank label is silence
-    words : texts with their times; each has the phonemes whose middle lies in it
-    notation : of the labels, where the format states one
+    words : texts with their times; each gets the phonemes whose middle lies in it
+    notation : of the labels, if the format has one
     rate : units per second of all times; None for seconds
-    guess : where a format does not say its unit, take one that fits, and say so
-    remarks : what is doubtful about the file, in words
+    guess : guess the unit of a format that does not state one, and add a remark
+    remarks : doubts about the file
 
     Raises
     ------
@@ -85,7 +85,7 @@ def schedule_of(  # noqa: PLR0913 each says one thing that a format may
 
 
 def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) -> Schedule:
-    """Return a schedule with words, given their text, start and end; silent ones are left out."""
+    """Return a schedule with words from (text, start, end); silent words are left out."""
     from dataclasses import replace
 
     found = words_from_spans(schedule, list(spans))
@@ -98,7 +98,7 @@ def _order(row: LabelRow) -> tuple[float, float]:
 
 
 def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
-    """Return the line of every row; of silence that was filled in, that of what follows it."""
+    """Return the line of every row; a filled gap has the line of the row after it."""
     if any(row.line is None for row in rows if row.label != SILENCE):
         return ()
     lines: list[int] = []
@@ -110,13 +110,13 @@ def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
 
 
 def _guessed(source: TimingFile, rows: Sequence[LabelRow]) -> tuple[float | None, tuple[str, ...]]:
-    """Return the units per second that times are likely to be in, and a word about it."""
+    """Return the likely units per second and a remark about them; None for seconds."""
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
     typical = median(lengths) if lengths else 0.0
-    if typical <= LONG:
+    if typical <= LONG_SOUND_SECONDS:
         return None, ()
-    rate = min(RATES, key=lambda one: abs(log(typical / one / SOUND)))
-    unit = "milliseconds" if rate == RATES[0] else f"frames at {rate:g} a second"
+    rate = min(LIKELY_RATES, key=lambda one: abs(log(typical / one / TYPICAL_SOUND_SECONDS)))
+    unit = "milliseconds" if rate == LIKELY_RATES[0] else f"frames at {rate:g} a second"
     told = (
         f"{source.path}: its sounds would last {typical:g} s each, so its times are taken for "
         f"{unit}; if they are not, say how many make a second (--rate {rate:g})"
@@ -129,20 +129,20 @@ def _seconds(rows: Sequence[LabelRow], rate: float) -> list[LabelRow]:
 
 
 def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow]:
-    """Fill gaps with silence, join what is only rounding apart, and refuse all else."""
+    """Fill gaps with silence and close those due to rounding; raise an error for overlaps."""
     filled: list[LabelRow] = []
     end = 0.0
     for row in rows:
         label = row.label.strip() or SILENCE
-        if row.start < -SNAP:
+        if row.start < -SNAP_SECONDS:
             raise source.fault(
                 f"{_told(row)}, starts below 0; shift all times so that the sound starts at 0",
                 row.line,
             )
         _check_order(source, row)
-        if row.end - row.start < SNAP and label == SILENCE:
+        if row.end - row.start < SNAP_SECONDS and label == SILENCE:
             continue
-        if row.start < end - SNAP:
+        if row.start < end - SNAP_SECONDS:
             before = filled[-1]
             raise source.fault(
                 f"{_told(row)}, starts before {before.label!r} ends ({before.end:g} s): they "
@@ -153,7 +153,7 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
             raise source.fault(
                 f"{_told(row)}, has no length; give it some time, or leave it out", row.line
             )
-        if row.start > end + SNAP:
+        if row.start > end + SNAP_SECONDS:
             _append(filled, LabelRow(SILENCE, end, row.start, None))
             end = row.start
         _append(filled, LabelRow(label, end, row.end, row.line))

@@ -8,7 +8,7 @@ list, or one on each line.
 
 import re
 
-from lipsync_lang.schedules.azure import LAST, TICKS
+from lipsync_lang.schedules.azure import LAST_VISEME, TICKS_PER_SECOND
 from lipsync_lang.schedules.mouth_shapes import shapes_of
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.schedule import Schedule
@@ -22,7 +22,7 @@ SPAN = re.compile(r"(?:(\d{1,4})\.)?(\d\d):(\d\d):(\d\d(?:\.\d{1,9})?)", re.ASCI
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it starts with an object or a list, and has visemes at audio positions."""
+    """Return True for a JSON object or list with visemes at audio positions."""
     return source.head.lstrip()[:1] in ("{", "[") and all(
         f'"{name}"' in source.head for name in ("AudioPosition", "Viseme")
     )
@@ -33,9 +33,9 @@ def read_sapi(source: TimingFile) -> Schedule:
     """Viseme events of Windows speech (SAPI), in a JSON list or one on each line."""
     rows: list[LabelRow] = []
     for line, event in source.events:
-        if not isinstance(event, dict) or event.get("Viseme") not in range(LAST + 1):
+        if not isinstance(event, dict) or event.get("Viseme") not in range(LAST_VISEME + 1):
             raise source.fault(
-                f"an event needs AudioPosition, Duration and a Viseme from 0 to {LAST}", line
+                f"an event needs AudioPosition, Duration and a Viseme from 0 to {LAST_VISEME}", line
             )
         start = _seconds(source, event.get("AudioPosition"), line)
         length = _seconds(source, event.get("Duration"), line)
@@ -45,7 +45,7 @@ def read_sapi(source: TimingFile) -> Schedule:
 
 def _seconds(source: TimingFile, value: object, line: int | None) -> float:
     if isinstance(value, dict):
-        return source.number(value.get("Ticks"), line) / TICKS
+        return source.number(value.get("Ticks"), line) / TICKS_PER_SECOND
     found = SPAN.fullmatch(value) if isinstance(value, str) else None
     if found is None:
         shown = repr(value)[:40]

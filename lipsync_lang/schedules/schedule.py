@@ -1,4 +1,7 @@
-"""The one form in which timed phonemes travel through the program."""
+"""`Schedule`, the common form of timed phonemes.
+
+Times are seconds. Phoneme i lasts from ``times[i]`` to ``times[i + 1]``.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -14,14 +17,14 @@ from lipsync_lang.errors import ScheduleError
 SILENCE = "_"
 """The label of silence, in every notation."""
 
-SNAP = 5e-4
-"""Seconds; smaller gaps and overlaps between neighbours are rounding, and are closed."""
+SNAP_SECONDS = 5e-4
+"""Seconds; smaller gaps and overlaps between neighbours are rounding errors, and are closed."""
 
-LONGEST = 86_400.0
-"""Seconds; a boundary past this is not in seconds."""
+MAX_SCHEDULE_SECONDS = 86_400.0
+"""Latest boundary in seconds; later times must be in another unit."""
 
-LASTING = 10.0
-"""Seconds; where most sounds last longer than this, they are not in seconds."""
+MAX_MEDIAN_SECONDS = 10.0
+"""Longest median duration of sounds in seconds; longer ones must be in another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ class Audio:
 
 @dataclass(frozen=True)
 class Word:
-    """A word and the phonemes that speak it: ``labels[first:stop]``."""
+    """A word and its phonemes: ``labels[first:stop]``."""
 
     text: str
     first: int
@@ -48,7 +51,7 @@ class Word:
 
 @dataclass(frozen=True, eq=False)
 class Schedule:
-    """Contiguous timed phonemes, with words and sound where there are some.
+    """Contiguous timed phonemes, with optional words and sound.
 
     Parameters
     ----------
@@ -56,15 +59,15 @@ class Schedule:
     times : (n + 1,) boundaries in seconds, strictly rising
     words : in order, not overlapping
     notation : the labels' notation, or None to let the language pack recognise it
-    language : name of the language pack the labels were made for, if known
-    audio : the sound, whose zero is time zero
-    estimated : True where the times come from a rule, not from a voice
-    source : what to call this schedule in messages
-    unread : characters of the text it was made of that nothing could read
-    lines : the line of the file each label stands in, or empty where there is none to tell
-    remarks : what is doubtful about it, in words
-    recognised : True where a machine heard the words, so that they may be wrong
-    confidence : from 0 to 1, how well times or words fit the sound; None where nobody can tell
+    language : name of the labels' language pack, if known
+    audio : the sound; it starts at time zero
+    estimated : True if the times come from a rule instead of a voice
+    source : name of this schedule in messages
+    unread : characters of the original text that could not be read
+    lines : line in the file of each label; empty if unknown
+    remarks : doubts about the schedule
+    recognised : True if speech recognition found the words, so that they may be wrong
+    confidence : in [0, 1], the fit of times or words to the sound; None if unknown
     """
 
     labels: tuple[str, ...]
@@ -82,7 +85,7 @@ class Schedule:
     confidence: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be performed, saying where and how to mend it."""
+        """Refuse faulty times, labels and words."""
         times = _boundaries(self.source, self.times)
         times.setflags(write=False)
         object.__setattr__(self, "times", times)
@@ -92,11 +95,11 @@ class Schedule:
         _check_words(self.source, self.words, len(self.labels))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle by its fields, so that its times are read-only again."""
+        """Pickle by fields, so that a copy's times are read-only as well."""
         return type(self), tuple(getattr(self, f.name) for f in fields(self))
 
     def place(self, index: int) -> str:
-        """Return where phoneme `index` stands in the file, as messages say it."""
+        """Return the place of phoneme `index` in the file, for messages."""
         return f"{self.source}:{self.lines[index]}" if self.lines else self.source
 
     @classmethod
@@ -105,8 +108,7 @@ class Schedule:
     ) -> Self:
         """Build a schedule from (label, start, end) rows.
 
-        Neighbours may miss each other by `SNAP`; a larger gap or overlap is an error that
-        names the row.
+        Neighbours may be apart or overlap by `SNAP_SECONDS`; a larger gap or overlap is an error.
         """
         rows = list(intervals)
         labels: list[str] = []
@@ -115,12 +117,12 @@ class Schedule:
             here = f"{source}: phoneme {number} ({label!r})"
             _check_number(here, start)
             _check_number(here, end)
-            if times and start > times[-1] + SNAP:
+            if times and start > times[-1] + SNAP_SECONDS:
                 raise ScheduleError(
                     f"{here} starts at {start:g} s, but the one before ends at {times[-1]:g} s: "
                     f"a gap. Write silence there: ({SILENCE!r}, {times[-1]:g}, {start:g})"
                 )
-            if times and start < times[-1] - SNAP:
+            if times and start < times[-1] - SNAP_SECONDS:
                 raise ScheduleError(
                     f"{here} starts at {start:g} s, before the one before ends at {times[-1]:g} s: "
                     "they overlap. Move one of the two boundaries, or put the rows in order"
@@ -142,15 +144,15 @@ class Schedule:
         return float(self.times[-1])
 
     def moved(self, seconds: float) -> Self:
-        """Return this schedule later by some seconds, without its sound."""
+        """Return a copy shifted by some seconds, without its sound."""
         return replace(self, times=self.times + seconds, audio=None)
 
     def stretched(self, factor: float) -> Self:
-        """Return this schedule slower by a factor about its start, without its sound."""
+        """Return a copy slowed down by a factor, with the same start and without its sound."""
         return replace(self, times=self.start + (self.times - self.start) * factor, audio=None)
 
     def word_at(self, index: int) -> Word | None:
-        """Return the word that phoneme `index` belongs to."""
+        """Return the word of phoneme `index`, or None."""
         return next((w for w in self.words if w.first <= index < w.stop), None)
 
     def __len__(self) -> int:
@@ -158,7 +160,7 @@ class Schedule:
 
 
 def words_from_spans(schedule: Schedule, spans: list[tuple[str, float, float]]) -> tuple[Word, ...]:
-    """Give each timed word the phonemes whose middle lies in it; words without any are dropped."""
+    """Give each timed word the phonemes whose middle lies in it; drop words without phonemes."""
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []
     for number, (text, start, end) in enumerate(spans):
@@ -224,13 +226,13 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
     if (steps <= 0).any():
         at = int(np.flatnonzero(steps <= 0)[0])
         _check_length(f"{source}: phoneme {at} ({labels[at]!r})", times[at], times[at + 1])
-    if np.abs(times).max() > LONGEST:
+    if np.abs(times).max() > MAX_SCHEDULE_SECONDS:
         raise ScheduleError(
             f"{source}: reaches {np.abs(times).max():g} s, past a day; are the times in "
             "milliseconds, samples or frames? They must be seconds"
         )
     sounds = steps[[label != SILENCE for label in labels]]
-    if sounds.size and np.median(sounds) > LASTING:
+    if sounds.size and np.median(sounds) > MAX_MEDIAN_SECONDS:
         raise ScheduleError(
             f"{source}: its sounds last {np.median(sounds):g} s each; are the times in "
             "milliseconds, samples or frames? They must be seconds"

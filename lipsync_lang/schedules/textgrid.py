@@ -1,9 +1,9 @@
-"""Praat TextGrid: what most aligners write.
+"""Praat TextGrid, the format of most aligners.
 
-As Praat does, only what stands free is read: numbers, texts in quotes (a quote within is
-doubled) and flags in angle brackets. All else, such as ``xmin =`` and ``intervals [1]:``, is there
-for people, and so is what follows a ``!``. That makes the long, the short and the old short form
-one. Binary files are refused.
+Like Praat, the reader takes only free-standing tokens: numbers, texts in quotes (a quote within is
+doubled) and flags in angle brackets. It skips everything else, such as ``xmin =``,
+``intervals [1]:`` and comments after ``!``. So one reader serves the long, the short and the old
+short form. Binary files are refused.
 """
 
 import re
@@ -31,16 +31,16 @@ TOKEN = re.compile(
 )
 
 HOLDS = {"IntervalTier": "interval", "TextTier": "point"}
-"""Classes of tiers, and what they hold."""
+"""Classes of tiers, with the word for their items."""
 
 BINARY = b"ooBinaryFile"
 
-DIGITS = 9
-"""No file holds as many intervals as take more."""
+MAX_COUNT_DIGITS = 9
+"""Most digits of a number of intervals."""
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it says that it is Praat's."""
+    """Return True if the file has Praat's header."""
     return "ooTextFile" in source.head[:300] or source.content.startswith(BINARY)
 
 
@@ -53,7 +53,7 @@ def read_textgrid(source: TimingFile) -> Schedule:
 
 
 def _tiers(tokens: "_Tokens") -> Iterator[Tier]:
-    """Yield the tiers of intervals; a fault where there is more or less than the file says."""
+    """Yield the interval tiers; raise an error if the file's own counts are wrong."""
     tokens.take("text", "the type of the file")
     if tokens.take("text", "what it holds") != "TextGrid":
         raise tokens.fault("it holds no TextGrid; in Praat, select one and save that")
@@ -79,7 +79,7 @@ def _tiers(tokens: "_Tokens") -> Iterator[Tier]:
 
 
 class _Tokens:
-    """What stands free in a file, to be taken one by one."""
+    """The free-standing tokens of a file, taken one by one."""
 
     def __init__(self, source: TimingFile) -> None:
         self.source = source
@@ -89,15 +89,15 @@ class _Tokens:
 
     @property
     def line(self) -> int:
-        """The line of what was taken last."""
+        """The line of the last token taken."""
         return bisect_left(self.ends, self.at) + 1
 
     def fault(self, what: str) -> ScheduleError:
-        """Return an error at what was taken last."""
+        """Return an error at the last token taken."""
         return self.source.fault(what, self.line)
 
     def take(self, group: str, what: str) -> str:
-        """Return the next of all, a text, number or flag; a fault where it is another."""
+        """Return the next token; raise an error unless it is of the given group."""
         found = next(self.left, None)
         if found is None:
             raise self.fault(f"nothing follows, but {what} should; is the file cut off?")
@@ -115,19 +115,19 @@ class _Tokens:
     def count(self, what: str) -> int:
         """Return a whole number."""
         text = self.take("number", what)
-        if not text.isdecimal() or len(text) > DIGITS:
+        if not text.isdecimal() or len(text) > MAX_COUNT_DIGITS:
             raise self.fault(f"here should be {what}, not {text[:40]}; save it anew in Praat")
         return int(text)
 
     def row(self, what: str) -> LabelRow:
-        """Return an interval."""
+        """Take an interval."""
         start = self.take("number", what)
         line = self.line
         end, label = self.take("number", what), self.take("text", what)
         return LabelRow(label, self.source.time(start, line), self.source.time(end, line), line)
 
     def end(self) -> None:
-        """Refuse to leave anything."""
+        """Raise an error if tokens are left."""
         found = next(self.left, None)
         if found:
             self.at = found.start(found.lastgroup or 0)

@@ -1,8 +1,8 @@
-"""Tiers: several rows of labels over the same time, of which one holds the phones.
+"""Tiers: parallel rows of labels, one of which holds the phones.
 
-It is known by its name (`phones`, `MAU`, `Name - phones`, ...) or, if no name says so, by its
-looks: many short labels, quickly one after the other. The words of the same speaker are taken
-along.
+The phone tier is recognised by its name (`phones`, `MAU`, `Name - phones`, ...). If no name
+matches, the tier with many short and brief labels is taken. The words of the same speaker come
+with it.
 """
 
 import re
@@ -16,10 +16,10 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 
 PHONES = re.compile(r"(phon(e(me)?)?s?|segments?|mau|phonalign)", re.IGNORECASE)
-"""Names of phone tiers: MFA, FAVE, Praat users; MAUS; SPPAS."""
+"""Names of phone tiers in MFA, FAVE, MAUS, SPPAS, and among users of Praat."""
 
 WORDS = re.compile(r"(words?|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
-"""Names of word tiers, of the same tools."""
+"""Names of word tiers in the same programs."""
 
 SPEAKER = re.compile(r"(?:(?P<speaker>.*\S)\s+-\s+)?(?P<role>.*)", re.DOTALL)
 """Aligners put the speaker before the tier's name: `Name - phones`."""
@@ -27,7 +27,7 @@ SPEAKER = re.compile(r"(?:(?P<speaker>.*\S)\s+-\s+)?(?P<role>.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Tier:
-    """One tier: its name, its rows, and the line of the file its name stands in."""
+    """One tier: name, rows, and the line of its name in the file."""
 
     name: str
     rows: tuple[LabelRow, ...]
@@ -35,7 +35,7 @@ class Tier:
 
     @property
     def speaker(self) -> str:
-        """Who speaks, where the name says so."""
+        """The speaker named before the role; may be empty."""
         return self._part("speaker")
 
     @property
@@ -45,11 +45,11 @@ class Tier:
 
     @property
     def spoken(self) -> list[LabelRow]:
-        """The rows that have a label."""
+        """The rows with a label."""
         return [row for row in self.rows if row.label.strip()]
 
     def looks_like_phones(self) -> bool:
-        """Whether the labels are short, varied, and soon over."""
+        """Return True if the labels are short, varied and brief."""
         labels = [row.label for row in self.spoken]
         short = [label for label in labels if len(label) <= 4]  # noqa: PLR2004 letters and marks
         return (
@@ -65,10 +65,10 @@ class Tier:
 
 
 def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False) -> Schedule:
-    """Make a schedule of the tier that holds the phones, with its speaker's words.
+    """Make a schedule of the phone tier, with the words of its speaker.
 
-    `guess` is as in `schedule_of`. ``source.tier`` names the tier, or a speaker; without it
-    there must be only one that looks like phones.
+    ``source.tier`` names the tier or a speaker. Without it, only one tier may look like phones.
+    `guess` is as in `schedule_of`.
     """
     phones = only(source, tiers if source.tier is not None else _phones(source, tiers))
     words = [t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == phones.speaker]
@@ -78,9 +78,9 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
-    """Return the tier that is asked for, by name or by speaker, or else the only one there is.
+    """Return the tier named by ``source.tier`` or, without it, the only one.
 
-    A fault lists them and, where they are too many, says `what`.
+    `what` describes the tiers in the error about several.
     """
     if not tiers:
         raise source.fault("has no phonemes in it; check that it was written to the end")
@@ -108,7 +108,7 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
 
 
 def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
-    """Return the tiers that hold phones, or none where there are no tiers."""
+    """Return the tiers that hold phones; raise an error if none of the tiers does."""
     named = [tier for tier in tiers if PHONES.fullmatch(tier.role)]
     found = [tier for tier in named if tier.spoken] or named
     found = found or [tier for tier in tiers if tier.looks_like_phones()]

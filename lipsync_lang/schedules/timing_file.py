@@ -1,4 +1,4 @@
-"""A file of timings on its way to a schedule: its text, its JSON, its XML, and its faults."""
+"""A file of timings, decoded as text, JSON or XML on demand."""
 
 import json
 import re
@@ -14,22 +14,25 @@ from lipsync_lang.files.reading import MIB_BYTES, read_input
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-MARKS = {
+BYTE_ORDER_MARKS = {
     BOM_UTF32_LE: "utf-32",
     BOM_UTF32_BE: "utf-32",
     BOM_UTF16_LE: "utf-16",
     BOM_UTF16_BE: "utf-16",
 }
-"""Marks at the start of a file, longer ones first, and what they are the mark of."""
+"""Byte-order marks, longest first, with their encodings.
+
+The UTF-32 mark begins with that of UTF-16, so the order matters.
+"""
 
 MAX_TIMINGS_BYTES = 64 * MIB_BYTES
-"""Bytes; a larger file of timings is not one."""
+"""Largest file of timings, in bytes."""
 
-HEAD = 4096
+HEAD_BYTES = 4096
 """Bytes that a format is told by."""
 
-FAR = 1e15
-"""No time is as large, in any unit."""
+MAX_TIME = 1e15
+"""Upper limit of times, in any unit."""
 
 TAG = re.compile(r"\s*+(?:(?><\?.*?\?>|<!--.*?-->)\s*+)*+<([A-Za-z_][\w.:-]*)", re.DOTALL)
 """The first element of an XML file."""
@@ -37,15 +40,15 @@ TAG = re.compile(r"\s*+(?:(?><\?.*?\?>|<!--.*?-->)\s*+)*+<([A-Za-z_][\w.:-]*)", 
 
 @dataclass(frozen=True, eq=False)
 class TimingFile:
-    """A file of timings, and what is asked of it.
+    """A file of timings, with the options for reading it.
 
     Parameters
     ----------
-    path : the file, as messages call it
+    path : the file, for messages
     content : its bytes
-    tier : the tier, speaker or channel to read, by name; None where there must be only one
-    rate : units per second of the times it holds; None for what the format says
-    encoding : of its text; None to tell it by the file
+    tier : name of the tier, speaker or channel to read; None if the file has only one
+    rate : units per second of its times; None for the format's own
+    encoding : encoding of its text; None to detect it
     """
 
     path: Path
@@ -55,15 +58,15 @@ class TimingFile:
     encoding: str | None = None
 
     def fault(self, what: str, line: int | None = None, column: int | None = None) -> ScheduleError:
-        """Return an error that says where: `what` is wrong, and how to mend it."""
+        """Return an error at a place of the file; `what` is the mistake and the cure."""
         where = ":".join(str(part) for part in (self.path, line, column) if part is not None)
         return ScheduleError(f"{where}: {what}")
 
     @cached_property
     def text(self) -> str:
-        """The text; lines end in a newline alone.
+        r"""The text; every line ends in ``\n``.
 
-        UTF-8, UTF-16 and UTF-32, with a byte order mark or, of the first two, without.
+        UTF-8 and UTF-16 are detected with or without a byte order mark, UTF-32 only with one.
         """
         encoding = self.encoding or _encoding(self.content)
         try:
@@ -93,22 +96,22 @@ class TimingFile:
 
     @cached_property
     def head(self) -> str:
-        """The start of the text, to tell a format by; nothing is refused in it."""
+        """The start of the text, for recognising a format; decoding errors are ignored."""
         encoding = self.encoding or _encoding(self.content)
         try:
-            text = self.content[:HEAD].decode(encoding, "ignore")
+            text = self.content[:HEAD_BYTES].decode(encoding, "ignore")
         except (LookupError, ValueError):
             return ""
         return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
 
     @cached_property
     def json(self) -> Any:
-        """What it says as JSON; a fault where it is none."""
+        """The file as JSON; raises an error if it is not JSON."""
         return self._loaded(self.text)
 
     @cached_property
     def events(self) -> list[tuple[int | None, Any]]:
-        """What it lists as JSON, with the line of each: one list, or a value on every line."""
+        """(line, value) of each JSON value: the items of one list, or one value per line."""
         if self.document is not None:
             whole = self.document
             return [(None, one) for one in (whole if isinstance(whole, list) else [whole])]
@@ -128,7 +131,7 @@ class TimingFile:
 
     @cached_property
     def document(self) -> Any:
-        """What it says as JSON; None where it is none."""
+        """The file as JSON; None if it is not JSON."""
         if self.head.lstrip()[:1] not in ("{", "["):
             return None
         try:
@@ -137,18 +140,18 @@ class TimingFile:
             return None
 
     def holds(self, *keys: str) -> bool:
-        """Tell whether it is a JSON object with all these keys."""
+        """Return True if the file is a JSON object with all these keys."""
         return isinstance(self.document, dict) and self.document.keys() >= set(keys)
 
     @property
     def root(self) -> str | None:
-        """The name of the outermost element, where it looks like XML."""
+        """The name of the outermost element; None if the file does not look like XML."""
         found = TAG.match(self.head)
         return found[1] if found else None
 
     @cached_property
     def xml(self) -> "Element":
-        """What it says as XML; a fault where it is none, or declares entities."""
+        """The file as XML; raises an error if it is not XML, or declares entities."""
         from xml.etree import ElementTree as ET
 
         declared = re.search(r"<!(DOCTYPE|ENTITY)", self.text)
@@ -166,14 +169,18 @@ class TimingFile:
             ) from None
 
     def number(self, value: object, line: int | None = None) -> float:
-        """Return a number of JSON as a time; a fault where it is none."""
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < FAR:
+        """Return a number from JSON as a time; raise an error for any other value."""
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, (int, float))
+            or not abs(value) < MAX_TIME
+        ):
             shown = type(value).__name__ if isinstance(value, (list, dict)) else repr(value)[:40]
             raise self.fault(f"{shown} is not a time; times are finite numbers", line)
         return float(value)
 
     def time(self, text: str | None, line: int | None = None) -> float:
-        """Return the time that a text says; a fault where it says none."""
+        """Return the time in a text; raise an error if it is not a number."""
         try:
             number = float(text or "")
         except ValueError:
@@ -181,7 +188,7 @@ class TimingFile:
         return self.number(number, line)
 
     def beside(self, suffix: str) -> "TimingFile | None":
-        """Return the file of the same name with another suffix, in small or capital letters."""
+        """Return the file of the same name with another suffix, in either case; None if missing."""
         for one in (suffix, suffix.upper()):
             path = self.path.with_suffix(one)
             if path.is_file():
@@ -190,18 +197,20 @@ class TimingFile:
 
 
 def read_timings(path: Path) -> bytes:
-    """Return what a file of timings holds.
+    """Return the bytes of a file of timings.
 
     Raises
     ------
     ScheduleError
-        It cannot be read, or is too large.
+        The file cannot be read, or is too large.
     """
     return read_input(path, MAX_TIMINGS_BYTES, error=ScheduleError, mend="is it a schedule?")
 
 
 def _encoding(content: bytes) -> str:
-    marked = next((name for mark, name in MARKS.items() if content.startswith(mark)), None)
+    marked = next(
+        (name for mark, name in BYTE_ORDER_MARKS.items() if content.startswith(mark)), None
+    )
     if marked:
         return marked
     if content[1:2] == b"\0" and content[:1] != b"\0":

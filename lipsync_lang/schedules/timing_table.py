@@ -1,13 +1,11 @@
 """Tables of phonemes: CSV and TSV of your own, the Montreal Forced Aligner's, and SPPAS's.
 
-A row is a phoneme. The first row names the columns; without names there are three, and either
-the first or the last is the label, as their numbers tell, or four: the type of the row, its start,
-end and label. What parts cells is told by the first
-row: of tab, comma, semicolon and bar the one that makes the most of them. Decimals may have a
-comma. In other columns there may be
+A row is a phoneme. The first row names the columns. A table without names has three columns, the
+label first or last, or four: type, start, end and label. The delimiter is the most frequent one of
+tab, comma, semicolon and bar in the first row. Decimals may have a comma. Optional columns are
 
-- the word a phoneme is part of; rows that follow each other with the same word are one,
-- what a row is, a phone or a word (`type`), and who speaks.
+- `word`, the word of a phoneme; successive rows with the same word are one word,
+- `type`, phone or word, and `speaker`.
 """
 
 import csv
@@ -32,21 +30,21 @@ COLUMNS = {
     "type": ("type",),
     "speaker": ("speaker",),
 }
-"""What a column is, and the names it may have, likeliest first."""
+"""Roles of columns, with their possible names, most likely first."""
 
 UNNAMED: Mapping[tuple[bool, ...], Mapping[str, int]] = {
     (False, True, True): {"label": 0, "start": 1, "end": 2},
     (True, True, False): {"start": 0, "end": 1, "label": 2},
     (False, True, True, False): {"type": 0, "start": 1, "end": 2, "label": 3},
 }
-"""By which cells of the first row are numbers, what the columns are."""
+"""Column layouts for tables without a header, chosen by which cells are numeric."""
 
 DELIMITERS = "\t,;|"
 NUMBER = re.compile(r"\s*-?\d+(?:[.,]\d*)?(?:[eE][-+]?\d+)?\s*")
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether the first row names a label and times, or has them."""
+    """Return True if the first row names a label and times, or contains them."""
     first = source.head.lstrip().split("\n", 1)[0]
     try:
         return bool(_columns(next(csv.reader([first], delimiter=_delimiter(first)), [])))
@@ -61,7 +59,7 @@ def read_table(source: TimingFile) -> Schedule:
 
 
 def _tiers(source: TimingFile) -> list[Tier]:
-    """Return a tier of phones, and maybe one of words, of every speaker."""
+    """Return the phones of each speaker as a tier, and the words, if any, as another."""
     rows = _rows(source)
     line, first = next(rows, (1, []))
     columns = _columns(first)
@@ -82,7 +80,7 @@ def _tiers(source: TimingFile) -> list[Tier]:
 
 
 def _join(words: list[LabelRow], row: LabelRow) -> None:
-    """Add a phoneme to the word it goes on with, or as the first of another."""
+    """Extend the last word by a phoneme with the same text, or start another word."""
     if words and words[-1].label == row.label:
         row = row._replace(start=words.pop().start)
     words.append(row)
@@ -108,7 +106,7 @@ def _cell(cells: Sequence[str], columns: Mapping[str, int], what: str) -> str:
 
 
 def _rows(source: TimingFile) -> Iterator[tuple[int, list[str]]]:
-    """Yield rows that are not blank with the number of the line where each starts."""
+    """Yield (first line, cells) for each row that is not blank."""
     first = source.lines[0][1] if source.lines else ""
     rows = csv.reader(StringIO(source.text), delimiter=_delimiter(first), strict=True)
     start = 1
@@ -126,7 +124,7 @@ def _delimiter(first: str) -> str:
 
 
 def _columns(first: Sequence[str]) -> Mapping[str, int]:
-    """Return where what stands, by the names in the first row or its numbers; or nothing."""
+    """Map roles to column indices, by the names or numbers in the first row; may be empty."""
     names = [cell.strip().casefold() for cell in first]
     found = {
         what: names.index(name)

@@ -10,13 +10,13 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
 
-HERTZ = 16_000.0
+SAMPLES_PER_SECOND = 16_000.0
 
 LINE = re.compile(r"\s*(\d+)\s+(\d+)\s+(\S+)\s*", re.ASCII)
 
 
 def sniff(source: TimingFile) -> bool:
-    """Tell whether it starts with two whole numbers and a label."""
+    """Return True if the file starts with two whole numbers and a label."""
     return LINE.fullmatch(source.head.lstrip().split("\n", 1)[0]) is not None
 
 
@@ -25,7 +25,7 @@ def read_timit(source: TimingFile) -> Schedule:
     """TIMIT's .PHN, in samples at 16 kHz unless a rate is given; words from .WRD beside it."""
     beside = source.beside(".wrd") if source.path.suffix.lower() == ".phn" else None
     words = _rows(beside) if beside is not None else []
-    return schedule_of(source, _rows(source), words=words, rate=HERTZ)
+    return schedule_of(source, _rows(source), words=words, rate=SAMPLES_PER_SECOND)
 
 
 def _rows(source: TimingFile) -> list[LabelRow]:

@@ -23,7 +23,7 @@ MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
 READER = Path(__file__).with_name("phonemizer_worker.py")
 
-BATCH = 2000
+BATCH_TEXTS = 2000
 """Texts that one process reads."""
 
 _SHOWN = 60
@@ -66,8 +66,8 @@ class EspeakProcess:
         SpeechError
             No such voice, phonemizer or the library is missing, or it failed.
         """
-        for start in range(0, len(texts), BATCH):
-            yield from self._read([blank(t) for t in texts[start : start + BATCH]], voice)
+        for start in range(0, len(texts), BATCH_TEXTS):
+            yield from self._read([blank(t) for t in texts[start : start + BATCH_TEXTS]], voice)
 
     def _read(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
         library, data = _library()

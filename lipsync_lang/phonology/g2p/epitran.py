@@ -7,7 +7,7 @@ from unicodedata import category
 
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
-from lipsync_lang.phonology.g2p.rules import KEPT
+from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import LENGTH, normalise
 
@@ -27,7 +27,7 @@ def engine(settings: Settings) -> Engine:
     transliterate = _transliterator(settings)
     known = frozenset(map(normalise, settings.labels))
 
-    @lru_cache(KEPT)
+    @lru_cache(CACHED_WORDS)
     def read_word(word: str) -> WordReading:
         labels = segments(transliterate(plain(word)), known)
         read = tuple(label for label in labels if not label.isdigit())

@@ -18,13 +18,13 @@ from lipsync_lang.phonology.g2p.g2p_engines import (
     Settings,
     respeller,
 )
-from lipsync_lang.phonology.g2p.rules import KEPT
+from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.phonology.labels import looser, normalise
 
 Words = Sequence[tuple[str, ...]]
 
-PATIENCE = 120.0
+PATIENCE_SECONDS = 120.0
 """Seconds; many texts are read in many turns, and a busy computer may let one of them wait."""
 
 
@@ -38,7 +38,7 @@ def engine(settings: Settings) -> Engine:
 
         spelled = [_spelled(text, respell) for text in texts]
         plain = ["".join(spelling for _, spelling in parts) for parts in spelled]
-        voice, reader = settings.voice or "", EspeakProcess(patience=PATIENCE)
+        voice, reader = settings.voice or "", EspeakProcess(patience=PATIENCE_SECONDS)
         odd = {
             p.text for text in plain for p in pieces(text) if p.kind != "pause" and not _surely(p)
         }
@@ -54,7 +54,7 @@ def engine(settings: Settings) -> Engine:
     lengths: dict[str, int] = {}
     known = frozenset(map(normalise, settings.labels))
 
-    @lru_cache(KEPT)
+    @lru_cache(CACHED_WORDS)
     def apart(labels: tuple[str, ...]) -> tuple[str, ...]:
         """Take apart what the engine ran together where words meet: no label that there is."""
         return tuple(

@@ -16,7 +16,7 @@ from typing import Any
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS
 
-LONGEST = 1000
+MAX_READ_CHARS = 1000
 """Characters that are read at once; the dictionary has no room for many more."""
 
 _SENTENCE = re.compile(r"[^。！？!?\n]+")
@@ -72,10 +72,10 @@ def _sentences(text: str) -> Iterator[tuple[int, int]]:
 
 def _cut(text: str, start: int, stop: int) -> int:
     """Return where to end a part that is not too long: after a comma or a space if it can be."""
-    if stop - start <= LONGEST:
+    if stop - start <= MAX_READ_CHARS:
         return stop
-    gap = max(text.rfind(mark, start, start + LONGEST) for mark in "、，, \u3000")
-    return gap + 1 if gap > start else start + LONGEST
+    gap = max(text.rfind(mark, start, start + MAX_READ_CHARS) for mark in "、，, \u3000")
+    return gap + 1 if gap > start else start + MAX_READ_CHARS
 
 
 def _read(sentence: str) -> list[tuple[str, str]]:

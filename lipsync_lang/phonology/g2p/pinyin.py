@@ -244,7 +244,7 @@ def _syllables(phrase: str) -> list[str]:
 # Pinyin in Latin letters
 
 MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
-LONGEST = 60
+MAX_WORD_CHARS = 60
 """Letters; what is longer is no word."""
 
 _TAIL = re.compile(r"(r(?![aeiouv]))?([0-5]?)(r(?![aeiouv]))?'?")
@@ -269,7 +269,7 @@ def spelled(word: str, *, toneless: bool) -> tuple[str, ...]:
     toneless : whether a word without any tone can be pinyin; it is read in the first
     """
     letters, marks = _unmarked(word)
-    cut = len(word) <= LONGEST and (_cut(letters, 0) or _cut(letters, 0, loose=True))
+    cut = len(word) <= MAX_WORD_CHARS and (_cut(letters, 0) or _cut(letters, 0, loose=True))
     tones = bool(marks) or any(map(str.isdigit, letters))
     if not cut or not (tones or toneless):
         return ()
@@ -321,7 +321,7 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
 # Numbers
 
 DIGITS = "零一二三四五六七八九"
-LONGEST_NUMBER = 10
+MAX_NUMBER_DIGITS = 10
 """Digits; a longer one is a telephone number or the like, if it has no separators."""
 
 _PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
@@ -342,7 +342,7 @@ def number(digits: str, following: str = "") -> str:
     year = len(whole) == len("2024") and following == "年"
     if whole == "2" and not decimals and _PAIR.match(following):
         counted = "两"
-    elif year or re.fullmatch(rf"0[0-9]+|[0-9]{{{LONGEST_NUMBER + 1},}}", whole):
+    elif year or re.fullmatch(rf"0[0-9]+|[0-9]{{{MAX_NUMBER_DIGITS + 1},}}", whole):
         counted = _one_by_one(whole)
     else:
         counted = _cardinal(whole.replace(",", ""))

@@ -28,7 +28,7 @@ from lipsync_lang.phonology.labels import normalise
 SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
-KEPT = 20_000
+CACHED_WORDS = 20_000
 """Words of which the reading is remembered."""
 
 
@@ -72,7 +72,7 @@ class Rewriter:
                 self._labels.setdefault(letters[0], []).append((letters, label))
         for known in self._labels.values():
             known.sort(key=lambda pair: -len(pair[0]))
-        self.read = lru_cache(KEPT)(self._read)
+        self.read = lru_cache(CACHED_WORDS)(self._read)
 
     def _read(self, word: str) -> WordReading:
         """Return the labels of a word, and the characters left over."""
