@@ -281,8 +281,8 @@ def test_many_words_in_other_scripts_are_judged_as_few_are(packs, monkeypatch):
     write(packs / "languages/toy.yaml", WRITTEN)
     texts = ["ta да mi", "ми ta", "mi им", "ta да"]
     whole = coverage(lines(*texts), "toy", "facefx")
-    monkeypatch.setattr("lipsync_lang.coverage.corpus.BATCH", 1)
-    monkeypatch.setattr("lipsync_lang.coverage.scripts.KINDS", 0)
+    monkeypatch.setattr("lipsync_lang.coverage.corpus.BATCH_LINES", 1)
+    monkeypatch.setattr("lipsync_lang.coverage.scripts.MAX_NAMES", 0)
     assert coverage(lines(*texts), "toy", "facefx") == whole
 
 
@@ -346,8 +346,8 @@ def test_minutes_are_a_number_above_zero(minutes):
 def test_many_lines_are_counted_as_few_are(monkeypatch):
     texts = ["tata mi", "ta, ta", "", "ut sa", "yt"] * 5
     whole = coverage(lines(*texts), "toy", "facefx")
-    monkeypatch.setattr("lipsync_lang.coverage.corpus.BATCH", 3)
-    monkeypatch.setattr("lipsync_lang.coverage.corpus.IN_MEMORY", 10)
+    monkeypatch.setattr("lipsync_lang.coverage.corpus.BATCH_LINES", 3)
+    monkeypatch.setattr("lipsync_lang.coverage.corpus.MAX_MEMORY_BYTES", 10)
     assert coverage(iter(lines(*texts)), "toy", "facefx") == whole
 
 

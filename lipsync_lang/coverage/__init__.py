@@ -1,10 +1,10 @@
-"""Coverage: which bigrams a corpus needs, which a character has, and what to author next.
+"""Coverage: the bigrams that a corpus needs, those that a character has, and those to draw next.
 
 - `coverage` reads lines in one or several languages, for one or several characters.
-- `Coverage.to_dict` is the document that all other forms are made of.
+- `Coverage.to_dict` returns the document that all other forms are made of.
 
-A bigram is *authored* where a bank has it edited or approved. A draft is not, and neither is what
-an added phoneme borrows from the one it is like.
+A bigram is *authored* if a bank has it edited or approved. Drafts are not authored, and neither are
+curves that an added phoneme borrows from a similar one.
 """
 
 from typing import TYPE_CHECKING
@@ -17,7 +17,7 @@ __all__ = ["Coverage", "coverage"]
 
 
 def __getattr__(name: str) -> object:
-    """Import what is public when it is asked for."""
+    """Import a public name at its first use."""
     if name == "coverage":
         from lipsync_lang.coverage.matrix import coverage
 

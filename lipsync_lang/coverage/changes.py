@@ -1,4 +1,4 @@
-"""What changed since an older document."""
+"""Changes since an older coverage document."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 
 MAX_DOCUMENT_BYTES = 256 * MIB_BYTES
-"""Bytes; a coverage of the largest corpora has a few."""
+"""The largest corpora give a few MiB."""
 
 
 def read_document(path: Path) -> Coverage:
@@ -18,7 +18,7 @@ def read_document(path: Path) -> Coverage:
     Raises
     ------
     LipsyncError
-        There is none, or it is of another form or version.
+        The file is missing, or is no coverage document of this version.
     """
     content = read_input(path, MAX_DOCUMENT_BYTES, mend="is it a coverage?")
     try:
@@ -33,7 +33,7 @@ def read_document(path: Path) -> Coverage:
 
 
 def since(old: Coverage, new: Coverage, file: str) -> Coverage:
-    """Return a document with what changed since an older one."""
+    """Return the new document with its changes since an older one."""
     before, now = _by_pair(old), _by_pair(new)
     both = [pair for pair in now if pair in before]
     return new.model_copy(

@@ -1,8 +1,8 @@
 """Counting a corpus: phonemes and bigrams of many lines, a batch at a time.
 
-A bigram (a, b) of n phonemes is the number ``a * n + b``; silence is phoneme 0. Of each line no
-more is kept than the set of its bigrams, as small integers, and its text and place, on disk once
-they are many.
+A bigram (a, b) of n phonemes is the code ``a * n + b``; silence is phoneme 0. Memory stays small:
+each line leaves the set of its bigrams, as small integers, and its text and place, which go to the
+disk when they are many.
 """
 
 import json
@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.coverage.kinds import Kinds
 from lipsync_lang.coverage.report import Corpus
 from lipsync_lang.coverage.scripts import OtherScripts
+from lipsync_lang.coverage.tally_counter import TallyCounter
 from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
 
 if TYPE_CHECKING:
@@ -31,30 +31,30 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.speech.speaking import Transcript
 
-BATCH = 1000
-"""Lines that are read at a time."""
+BATCH_LINES = 1000
+"""Lines that a voice reads at a time."""
 
-PLACES = 3
-"""Lines that are kept of each bigram."""
+MAX_PLACES = 3
+"""Places that a bigram keeps."""
 
-IN_MEMORY = 2**24
-"""Bytes of text that are kept in memory."""
+MAX_MEMORY_BYTES = 2**24
+"""Text beyond this goes to the disk."""
 
-SMALL = 2**16
-"""Numbers that two bytes hold."""
+UINT16_VALUES = 2**16
+"""Number of codes that two bytes hold."""
 
-WORD = 40
-"""Characters; a longer word is no example."""
+MAX_WORD_CHARS = 40
+"""A longer word is no example of a bigram."""
 
 SILENT, BREAK = 0, -1
-"""Silence, and what stands between phonemes where it is not known what does."""
+"""Ids of silence, and of a gap whose sound is unknown."""
 
 
 class Pages:
-    """Text and place of lines by number, on disk once they are many."""
+    """Text and place of each line by number, on disk when they are many."""
 
     def __init__(self) -> None:
-        self._file = SpooledTemporaryFile(IN_MEMORY)  # noqa: SIM115 closed by `close`
+        self._file = SpooledTemporaryFile(MAX_MEMORY_BYTES)  # noqa: SIM115 closed by `close`
         self._starts = array("Q", [0])
 
     def __enter__(self) -> Self:
@@ -72,7 +72,7 @@ class Pages:
         return len(self._starts) - 1
 
     def add(self, line: "Line") -> None:
-        """Keep one more line."""
+        """Append a line."""
         self._file.seek(self._starts[-1])
         self._file.write(json.dumps([line.place, line.text]).encode())
         self._starts.append(self._file.tell())
@@ -85,16 +85,16 @@ class Pages:
 
 
 @dataclass
-class Facts:
-    """What is said of a corpus in any language."""
+class CorpusTotals:
+    """Totals of a corpus, the same in every language."""
 
     files: dict[str, None] = field(default_factory=dict)
     lines: int = 0
     words: int = 0
-    dropped: Kinds = field(default_factory=Kinds)
+    dropped: TallyCounter = field(default_factory=TallyCounter)
 
     def add(self, line: "Line") -> None:
-        """Take one more line into account."""
+        """Count a line."""
         self.files.setdefault(line.file or line.place)
         self.lines += 1
         self.words += sum(piece.kind == "word" for piece in pieces(line.text))
@@ -102,7 +102,7 @@ class Facts:
             self.dropped.add(what, line.place)
 
     def corpus(self) -> Corpus:
-        """Return them as a document holds them."""
+        """Return the totals as the document holds them."""
         return Corpus(
             files=tuple(self.files),
             lines=self.lines,
@@ -112,19 +112,19 @@ class Facts:
 
 
 class SaidLine(NamedTuple):
-    """What a language makes of a line: numbers of common phonemes and breaks, and words."""
+    """A line as a language speaks it: ids of common phonemes and breaks, and words."""
 
     ids: list[int]
     words: list[str]
 
 
 class Count:
-    """What lines need of a language, counted as they come.
+    """Phonemes and bigrams of lines in one language.
 
     Parameters
     ----------
-    performer : who reads them; of its character, only the words of its own matter
-    scripts : those that its language is written in, where they are known
+    performer : reads the lines; the character matters only by its own pronunciations
+    scripts : that the language is written in; empty if unknown
     """
 
     def __init__(self, performer: "Performer", scripts: "Iterable[str]" = ()) -> None:
@@ -136,19 +136,19 @@ class Count:
         self.phonemes = np.zeros(self.size, np.int64)
         self.bigrams = np.zeros(self.size**2, np.int64)
         self.first: list[list[int]] = [[] for _ in range(self.size**2)]
-        self.unread, self.unmapped = Kinds(), Kinds()
+        self.unread, self.unmapped = TallyCounter(), TallyCounter()
         self.others = OtherScripts(self._speaker, scripts)
         self._words: dict[str, None] = {}
-        self._sets = array("H" if self.size**2 <= SMALL else "I")
+        self._sets = array("H" if self.size**2 <= UINT16_VALUES else "I")
         self._starts = array("Q", [0])
 
     def sets(self) -> "tuple[Ints, Ints]":
-        """Return the bigrams without silence of all lines, and where each line's start."""
+        """Return the codes of all lines, without silence, and the index of each line's first."""
         kind = np.uint16 if self._sets.typecode == "H" else np.uint32
         return np.frombuffer(self._sets, kind), np.frombuffer(self._starts, np.uint64)
 
     def add(self, start: int, lines: "Sequence[Line]") -> None:
-        """Count lines, the first of which has number `start`."""
+        """Count lines that are numbered from `start`."""
         written = [line for line in lines if line.schedule is None]
         spelled = self.others.spelled(written)
         cut = [_parts(line, spans) for line, spans in zip(written, spelled, strict=True)]
@@ -162,10 +162,10 @@ class Count:
                 said = self._joined(next(left), heard, line.place)
             is_first = self._count(number, said)
             if is_first and line.schedule is None:
-                self._words.update(dict.fromkeys(w for w in said.words if len(w) <= WORD))
+                self._words.update(dict.fromkeys(w for w in said.words if len(w) <= MAX_WORD_CHARS))
 
     def _count(self, number: int, said: SaidLine) -> bool:
-        """Count a line, and tell whether it is the first for any bigram."""
+        """Count a line; return True if any of its bigrams is new."""
         ids = np.array(said.ids, np.int64)
         codes = ids[:-1] * self.size + ids[1:]
         codes = codes[(ids[:-1] != BREAK) & (ids[1:] != BREAK)]
@@ -178,7 +178,7 @@ class Count:
         is_first = False
         for code in kinds.tolist():
             is_first |= not self.first[code]
-            if len(self.first[code]) < PLACES:
+            if len(self.first[code]) < MAX_PLACES:
                 self.first[code].append(number)
         spoken = kinds[self.sounding(kinds)]
         self._sets.extend(spoken.tolist())
@@ -186,13 +186,13 @@ class Count:
         return is_first
 
     def sounding(self, codes: "Ints") -> "npt.NDArray[np.bool_]":
-        """Tell which bigrams are without silence."""
+        """Return True for codes without silence, in the shape of `codes`."""
         return (codes >= self.size) & (codes % self.size > 0)
 
     def _joined(
         self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str
     ) -> SaidLine:
-        """Take the parts of a line together, with breaks between them."""
+        """Join the parts of a line, with a break between each two."""
         ids: list[int] = [SILENT]
         words: list[str] = []
         for number, part in enumerate(parts):
@@ -210,7 +210,7 @@ class Count:
         words = [word for word in transcript.words if word.labels]
         for word in transcript.words if transcript.unread else ():
             if word.unread:
-                whole = len(word.text.split()) == 1 and len(word.text) <= WORD
+                whole = len(word.text.split()) == 1 and len(word.text) <= MAX_WORD_CHARS
                 self.unread.add(word.text if whole else word.unread, place)
         if transcript.unmapped:
             missing = set(transcript.unmapped)
@@ -242,7 +242,7 @@ class Count:
         return SaidLine([SILENT, *said, SILENT], [word.text for word in schedule.words])
 
     def examples(self) -> dict[int, str]:
-        """Return, for bigrams that lie within a word of the first lines, such a word."""
+        """Return an example word by code, for bigrams within a word."""
         examples: dict[int, str] = {}
         for transcript in self._speaker.transcribe(self._words) if self._words else ():
             for first, second in pairwise(self._ids(transcript)):
@@ -252,7 +252,7 @@ class Count:
 
 
 def _parts(line: "Line", spelled: "Spans") -> list[str]:
-    """Cut a line where something stands of which it is not known how it sounds."""
+    """Cut a line at parts whose sound is unknown: gaps, and words that are spelled."""
     parts, at = [], 0
     for start, stop in sorted([*spelled, *((gap, gap) for gap in line.gaps)]):
         parts.append(line.text[at:start].strip())
@@ -266,22 +266,28 @@ def count(
     scripts: "Sequence[Iterable[str]]",
     pages: Pages,
 ) -> tuple[Corpus, list[Count]]:
-    """Count lines in several languages at once; texts and places go to `pages`.
+    """Count lines in several languages at once.
 
-    Each performer has the scripts that its language is written in.
+    Parameters
+    ----------
+    performers, scripts : one for each language, and the scripts it is written in
+    pages : receives text and place of each line
     """
-    facts, counts = Facts(), [Count(*each) for each in zip(performers, scripts, strict=True)]
+    totals, counts = (
+        CorpusTotals(),
+        [Count(*each) for each in zip(performers, scripts, strict=True)],
+    )
     for batch in _batches(lines):
         start = len(pages)
         for line in batch:
-            facts.add(line)
+            totals.add(line)
             pages.add(line)
         for one in counts:
             one.add(start, batch)
-    return facts.corpus(), counts
+    return totals.corpus(), counts
 
 
 def _batches(lines: "Iterable[Line]") -> "Iterator[list[Line]]":
     left = iter(lines)
-    while batch := list(islice(left, BATCH)):
+    while batch := list(islice(left, BATCH_LINES)):
         yield batch

@@ -1,4 +1,4 @@
-"""The JSON Schema of a coverage, as `docs/reference/coverage.schema.json` has it.
+"""Prints the JSON Schema of a coverage document, for `docs/reference/coverage.schema.json`.
 
 python -m lipsync_lang.coverage.document_schema > docs/reference/coverage.schema.json
 """
@@ -10,7 +10,7 @@ from lipsync_lang.coverage.report import schema
 
 
 def written() -> str:
-    """Return the schema as its file holds it."""
+    """Return the text of the schema file."""
     return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""Several languages on several characters, from one reading of the lines."""
+"""Reports for every language on every character, from one reading of the lines."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -40,14 +40,14 @@ def coverage(
     paths: Paths = (),
     minutes: float = 5.0,
 ) -> Coverage:
-    """Count the bigrams that lines need, and what characters have of them.
+    """Count the bigrams that lines need, and those that characters have.
 
     Parameters
     ----------
-    lines : what is to be spoken, such as `read_lines` yields; it is gone through once
+    lines : to be spoken, such as `read_lines` yields; iterated over once
     language, character : names or files, one or several: there is a report for each pair
     paths : a folder to search for packs before all others, or several
-    minutes : how long it takes to author a bigram
+    minutes : to author a bigram
 
     Raises
     ------
@@ -58,7 +58,7 @@ def coverage(
         raise LipsyncError(f"{minutes:g} minutes a bigram: give a number above 0")
     pairs = _resolved(_names(language), _names(character), folders_of(paths))
     reading: list[Performer] = []
-    reads = [_reader(performer, reading) for performer in pairs]
+    reader_of = [_reader_index(performer, reading) for performer in pairs]
     packs = {performer.language: _pack(performer) for performer in pairs}
     scripts = [scripts_of(packs[performer.language]) for performer in reading]
     with Pages() as pages:
@@ -67,21 +67,21 @@ def coverage(
             raise LipsyncError(
                 "there are no lines to count; give files, or folders, that hold some text"
             )
-        told = [CountRemark(one, pages) for one in counts]
+        counted_lines = [CountFigures(one, pages) for one in counts]
         reports = tuple(
-            _report(performer, told[at], minutes, packs[performer.language].title)
-            for performer, at in zip(pairs, reads, strict=True)
+            _report(performer, counted_lines[at], minutes, packs[performer.language].title)
+            for performer, at in zip(pairs, reader_of, strict=True)
         )
-    shared = {p.language: _shared(p, counts[at]) for p, at in zip(pairs, reads, strict=True)}
+    shared = {p.language: _shared(p, counts[at]) for p, at in zip(pairs, reader_of, strict=True)}
     return Coverage(corpus=corpus, minutes=minutes, reports=reports, shared=tuple(shared.values()))
 
 
 def joined(documents: Mapping[str | None, Coverage]) -> Coverage:
-    """Join what was found in columns of a table to one document.
+    """Join the documents of a table's columns into one.
 
     Parameters
     ----------
-    documents : by column; reports of a language that is in several of them name theirs
+    documents : by column; reports name their column if a language is in several
     """
     if len(documents) == 1:
         return next(iter(documents.values()))
@@ -91,7 +91,7 @@ def joined(documents: Mapping[str | None, Coverage]) -> Coverage:
         known = dropped.get(tally.what)
         total = tally.count + (known.count if known else 0)
         dropped[tally.what] = (known or tally).model_copy(update={"count": total})
-    reports = tuple(_told_apart(documents))
+    reports = tuple(_with_columns(documents))
     return Coverage(
         corpus=Corpus(
             files=tuple(dict.fromkeys(file for corpus in corpora for file in corpus.files)),
@@ -105,8 +105,8 @@ def joined(documents: Mapping[str | None, Coverage]) -> Coverage:
     )
 
 
-def _told_apart(documents: Mapping[str | None, Coverage]) -> Iterator[CoverageReport]:
-    """Yield all reports; where a language has several columns, each says which is its own."""
+def _with_columns(documents: Mapping[str | None, Coverage]) -> Iterator[CoverageReport]:
+    """Yield all reports, with their columns where a language has several."""
     languages = [{report.language for report in d.reports} for d in documents.values()]
     columns = Counter(language for found in languages for language in found)
     for column, document in documents.items():
@@ -118,7 +118,7 @@ def _told_apart(documents: Mapping[str | None, Coverage]) -> Iterator[CoverageRe
 def _used_by_any(
     documents: Iterable[Coverage], reports: Sequence[CoverageReport]
 ) -> Iterator[Shared]:
-    """Yield what each language adds, once, and how much of it any of its columns needs."""
+    """Yield the additions of each language, with the number that any of its columns needs."""
     found = {one.language: one for document in documents for one in document.shared}
     for one in found.values():
         needed = {
@@ -147,8 +147,8 @@ def _resolved(
     ]
 
 
-def _reader(performer: "Performer", reading: "list[Performer]") -> int:
-    """Return who of those that read already reads the same, or add this one."""
+def _reader_index(performer: "Performer", reading: "list[Performer]") -> int:
+    """Return the index of a performer that reads the same; append this one if there is none."""
     for number, other in enumerate(reading):
         mine, others = performer.compiled, other.compiled
         if (mine.manner, mine.words) == (others.manner, others.words):
@@ -163,8 +163,8 @@ def _pack(performer: "Performer") -> "Language":
     return Library(performer.paths).language(performer.language).model
 
 
-class CountRemark:
-    """A count, with what is told of it whoever the character is."""
+class CountFigures:
+    """A count, with the figures that are the same for every character."""
 
     def __init__(self, counted: Count, pages: Pages) -> None:
         self.count = counted
@@ -179,7 +179,7 @@ class CountRemark:
     def bigrams(
         self, counts: plan.Ints, origins: "dict[int, Origin]", names: Sequence[str]
     ) -> tuple[BigramNeed, ...]:
-        """Return ranked bigrams with where each comes from."""
+        """Return the ranked bigrams with layer and status of each."""
         total, running = int(counts.sum()), 0
         found = []
         for code in plan.ranked(counts):
@@ -200,7 +200,7 @@ class CountRemark:
         return tuple(found)
 
     def sentences(self, missing: Sequence[int], names: Sequence[str]) -> tuple[Sentence, ...]:
-        """Return a short list of lines that hold all bigrams that are missing."""
+        """Return a short list of lines that together hold all missing bigrams."""
         sets, starts = self.count.sets()
         return tuple(
             Sentence(
@@ -213,13 +213,13 @@ class CountRemark:
 
 
 def _report(
-    performer: "Performer", told: CountRemark, minutes: float, title: str
+    performer: "Performer", counted_lines: CountFigures, minutes: float, title: str
 ) -> CoverageReport:
-    counted, phonemes = told.count, performer.compiled.phonemes
+    counted, phonemes = counted_lines.count, performer.compiled.phonemes
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
     codes = {name: code for code, name in enumerate(names)}
     origins = {codes["-".join(o.pair)]: o for o in performer.compiled.origins[1:]}
-    rows = told.bigrams(told.spoken, origins, names)
+    rows = counted_lines.bigrams(counted_lines.spoken, origins, names)
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]
     done = [row for row in rows if row.authored]
@@ -234,13 +234,13 @@ def _report(
         phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
         occurrences=total,
         bigrams=rows,
-        silence=told.bigrams(told.silent, origins, names),
-        unused=tuple(names[code] for code in told.unused),
+        silence=counted_lines.bigrams(counted_lines.silent, origins, names),
+        unused=tuple(names[code] for code in counted_lines.unused),
         needed=plan.needed([row.count for row in rows]),
         authored=Authored(bigrams=len(done), percent=_share(done, total)),
         left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
         next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_share(soon, total)),
-        sentences=told.sentences([codes[row.bigram] for row in missing], names),
+        sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names),
         unread=counted.unread.tallies(),
         unmapped=counted.unmapped.tallies(),
         other_scripts=counted.others.tallies(),

@@ -1,6 +1,7 @@
-"""What to author, and in which order: counts in, plans out.
+"""The order of authoring, from counts: rankings, shares, and short lists of lines.
 
-Bigrams are numbers here. What occurs most often comes first; of equals, the smaller number.
+Bigrams are codes, that is, indices of counts. The most frequent comes first; of equals, the smaller
+code.
 """
 
 from collections.abc import Sequence
@@ -11,23 +12,23 @@ import numpy.typing as npt
 
 Ints = npt.NDArray[np.integer]
 
-SHARES = (90, 95, 99, 100)
-"""Percent of all occurrences that are asked for."""
+PERCENTS = (90, 95, 99, 100)
+"""Shares of all occurrences that `needed` reports."""
 
 
 def ranked(counts: Ints) -> list[int]:
-    """Return the numbers of what occurs, most frequent first."""
+    """Return the indices of counts above 0, most frequent first."""
     order = np.argsort(-counts.astype(np.int64), kind="stable")
     return [int(n) for n in order if counts[n] > 0]
 
 
 def percent(part: float, whole: float) -> float:
-    """Return a share of 100, to four digits; of nothing, none."""
+    """Return part of whole in percent, to four digits; 0 if the whole is 0."""
     return round(100 * part / whole, 4) if whole else 0.0
 
 
 def needed(counts: Sequence[int]) -> dict[str, int]:
-    """Return how many of ranked counts cover each of the `SHARES`.
+    """Return how many of the ranked counts cover each of the `PERCENTS`.
 
     The most frequent ones are the smallest set that covers a share of the occurrences.
     """
@@ -37,31 +38,31 @@ def needed(counts: Sequence[int]) -> dict[str, int]:
         str(share): sum(100 * before < share * total for before in (0, *running[:-1]))
         if total
         else 0
-        for share in SHARES
+        for share in PERCENTS
     }
 
 
 def affordable(minutes: float, hours: float = 1.0) -> int:
-    """Return how many bigrams can be authored in some hours."""
+    """Return the number of bigrams that can be authored in some hours."""
     return int(60 * hours / minutes + 1e-9)
 
 
 def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]:
-    """Choose few sets that hold, together, everything wanted that any of them holds.
+    """Choose few sets that together hold every wanted member.
 
-    Greedy: each time the set with most that is still missing, of equals the smallest, then the
-    first. Afterwards those are left out whose members all are in others. The gain of every set is
-    kept up to date, so that each member is looked at once, when it is covered.
+    Greedy: the next set is the one with most missing members; of equals, the smallest, then the
+    first. At the end, sets whose wanted members are all in others are dropped. Gains are updated as
+    members are covered, so that each member is searched for once.
 
     Parameters
     ----------
     sets : all members of all sets, one set after the other; a set holds a member once
-    starts : (n + 1,) where each set starts, and where the last ends
-    wanted : members to cover
+    starts : (n + 1,) index of each set's first member, and the length of `sets`
+    wanted : members to cover; those that no set holds are ignored
 
     Returns
     -------
-    The numbers of the sets in the order of choosing, with what each is the first to hold.
+    Indices of the sets, in the order of choosing, with the members that each is the first to hold.
     """
     inside = np.isin(sets, wanted)
     starts = np.asarray(starts, np.int64)
@@ -87,7 +88,7 @@ def _members(sets: Ints, starts: Ints, number: int) -> list[int]:
 
 
 def _spared(chosen: Sequence[int], sets: Ints, starts: Ints, wanted: Ints) -> list[int]:
-    """Leave out sets whose wanted members are all in others, the last chosen first."""
+    """Drop sets whose wanted members are all in others; the last chosen is tried first."""
     asked = set(wanted.tolist())
     held = {n: asked.intersection(_members(sets, starts, n)) for n in chosen}
     times: dict[int, int] = {}

@@ -1,4 +1,4 @@
-"""What coverage tells, as a document: the models say its form, and make its JSON Schema.
+"""The coverage document: models of its parts, and the JSON Schema made of them.
 
 Counts are of bigrams as they occur. Bigrams with silence are counted apart, and no percentage
 elsewhere includes them. Percentages are of 100.
@@ -22,7 +22,7 @@ class Fact(BaseModel):
 
 
 class Tally(Fact):
-    """Something that was met, how often, and where first."""
+    """A name in the corpus, how often it occurs, and where first."""
 
     what: str
     count: int
@@ -34,13 +34,13 @@ class OtherScript(Tally):
     """A word in a script that the language is not written in."""
 
     script: str
-    """By the first word of its letters' names in Unicode."""
+    """First word of its letters' Unicode names."""
     counted: bool
-    """Whether it is read as a word. What would be spelled by its letters is not counted."""
+    """True if a voice reads the word; spelled words are not counted."""
 
 
 class Corpus(Fact):
-    """What was read."""
+    """The lines that were read."""
 
     files: tuple[str, ...]
     lines: int
@@ -56,50 +56,50 @@ class BigramNeed(Fact):
     count: int
     percent: float
     running: float
-    """Percent that this and all more frequent ones make up."""
+    """Percent of all occurrences that this and all more frequent bigrams make up."""
     layer: str
-    """Where it comes from: character, language, shared, like, draft or gap."""
+    """Source of its curves: character, language, shared, like, draft or gap."""
     status: str
     """drafted, edited or approved; empty for a gap."""
     example: str
-    """A word that has it, or nothing."""
+    """A word with this bigram; empty if there is none."""
     places: tuple[str, ...]
-    """The first lines that have it."""
+    """The first lines with this bigram."""
 
     @property
     def authored(self) -> bool:
-        """Whether somebody drew it, for this very pair."""
+        """True if a person drew curves for this very pair."""
         return authored(self.layer, self.status)
 
 
 class Authored(Fact):
-    """What is authored of what the corpus needs."""
+    """The needed bigrams that are authored."""
 
     bigrams: int
     percent: float
 
 
 class Left(Fact):
-    """What is left to author."""
+    """The needed bigrams that are left to author."""
 
     bigrams: int
     hours: float
 
 
 class NextHour(Fact):
-    """What another hour buys."""
+    """The bigrams to author in the next hour."""
 
     bigrams: tuple[str, ...]
     percent: float
 
 
 class Sentence(Fact):
-    """A line to try bigrams with."""
+    """A line that shows bigrams which are not authored."""
 
     place: str
     text: str
     bigrams: tuple[str, ...]
-    """Those that no sentence before it has."""
+    """Bigrams that no sentence before has."""
 
 
 class CoverageReport(Fact):
@@ -112,13 +112,13 @@ class CoverageReport(Fact):
     lines: int
     words: int
     phonemes: dict[str, int]
-    """How often each common phoneme occurs, all of the language's."""
+    """Occurrences of each common phoneme of the language."""
     occurrences: int
-    """Of bigrams, silence apart."""
+    """Occurrences of bigrams without silence."""
     bigrams: tuple[BigramNeed, ...]
-    """Those that occur, most frequent first."""
+    """Bigrams that occur, most frequent first."""
     silence: tuple[BigramNeed, ...]
-    """Those into and out of silence; their percentages are of each other."""
+    """Bigrams into and out of silence; percentages are of these alone."""
     unused: tuple[str, ...]
     """Bigrams of the language that never occur."""
     needed: dict[str, int]
@@ -135,32 +135,32 @@ class CoverageReport(Fact):
     other_scripts: tuple[OtherScript, ...] = ()
     """Words in scripts that the language is not written in."""
     column: str = ""
-    """The column that was read, where the language has several."""
+    """The column that was read; empty unless the language has several."""
 
     @property
     def label(self) -> str:
-        """The language, with what tells it from other reports of it."""
+        """The language, with its column if there is one."""
         return labelled(self.language, self.column)
 
 
 class Shared(Fact):
-    """What a language adds to the phonemes that all languages share."""
+    """Phonemes and bigrams that a language adds to those that all languages share."""
 
     language: str
     phonemes: tuple[str, ...]
     bigrams: int
-    """Those with one of these phonemes."""
+    """Number of bigrams with one of these phonemes."""
     used: int = 0
-    """How many of them the corpus needs."""
+    """Number of these bigrams that the corpus needs."""
 
 
 class ReportChange(Fact):
-    """What changed of one report since an older document."""
+    """Changes of one report since an older document."""
 
     language: str
     character: str
     percent: tuple[float, float]
-    """Authored, before and now."""
+    """Authored share, before and now."""
     left: tuple[int, int]
     """Bigrams to author, before and now."""
     authored: tuple[str, ...]
@@ -170,23 +170,23 @@ class ReportChange(Fact):
     new: tuple[str, ...]
     """Bigrams that the corpus did not need before."""
     gone: tuple[str, ...]
-    """Bigrams that it needs no longer."""
+    """Bigrams that the corpus needs no longer."""
     column: str = ""
     """As in the report."""
 
     @property
     def label(self) -> str:
-        """The language, with what tells it from other reports of it."""
+        """The language, with its column if there is one."""
         return labelled(self.language, self.column)
 
 
 class Since(Fact):
-    """What changed since an older document."""
+    """Changes since an older document."""
 
     file: str
     reports: tuple[ReportChange, ...]
     unmatched: tuple[str, ...]
-    """Language and character of reports that only one of the two documents has."""
+    """Language and character of reports that are in one of the two documents only."""
 
 
 class Coverage(Fact):
@@ -199,10 +199,10 @@ class Coverage(Fact):
     reports: tuple[CoverageReport, ...]
     shared: tuple[Shared, ...]
     since: Since | None = None
-    """Only where the document is compared with an older one."""
+    """Present if the document is compared with an older one."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the document as JSON holds it."""
+        """Return the document as plain JSON data."""
         data = self.model_dump(mode="json", exclude={"since"} if self.since is None else None)
         if self.minutes.is_integer():
             data["minutes"] = int(self.minutes)
@@ -210,12 +210,12 @@ class Coverage(Fact):
 
 
 def labelled(language: str, column: str) -> str:
-    """Name a language, and of several of its columns which."""
+    """Return the language with its column in brackets, if there is one."""
     return f"{language} ({column})" if column else language
 
 
 def authored(layer: str, status: str) -> bool:
-    """Tell whether somebody drew a bigram: neither a draft nor what is borrowed counts."""
+    """Return True if a person drew a bigram; drafts and borrowed curves do not count."""
     return status in AUTHORED and layer != BORROWED
 
 

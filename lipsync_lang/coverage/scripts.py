@@ -1,9 +1,9 @@
 """Words in a script that a language is not written in.
 
-Which scripts a language is written in, its pack's own tests tell. What else stands in a line its
-voice reads as another language's words, or it spells them, letter by letter. Which of the two is
-found by asking for the letters alone. What is spelled, nobody would say that way; if somebody does,
-a pronunciation of the pack's or the character's own says how.
+The scripts of a language are those of its pack's own tests. A voice reads a word in another script
+as another language's, or it spells the word letter by letter. The two are told apart by comparing
+the sounds of the word with those of its letters. No actor spells, so spelled words are not counted;
+a pronunciation of the pack or the character says how they are spoken.
 """
 
 import re
@@ -13,8 +13,8 @@ from functools import cache
 from typing import TYPE_CHECKING
 from unicodedata import category, name, normalize
 
-from lipsync_lang.coverage.kinds import KINDS, Kinds
 from lipsync_lang.coverage.report import OtherScript
+from lipsync_lang.coverage.tally_counter import MAX_NAMES, TallyCounter
 from lipsync_lang.phonology.g2p.tokens import PAUSES, counts, pieces, plain
 
 if TYPE_CHECKING:
@@ -23,25 +23,28 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 Spans = list[tuple[int, int]]
-"""Where parts of a text start and stop."""
+"""Start and stop of parts of a text."""
 
 LETTERS = frozenset(("Lu", "Ll", "Lt", "Lo"))
 
-SPELLED = 0.9
-"""How like its letters a phrase sounds at least where it is spelled: their names may be worn."""
+SPELLED_SIMILARITY = 0.9
+"""Least similarity of a spelled phrase to its letters; voices slur the names of letters."""
 
-JUDGED = 40
-"""Characters by which a phrase is judged, and of a word that are named."""
+MAX_PHRASE_CHARS = 40
+"""Start of a phrase that is judged, and of a word that is named."""
 
 _PHRASE = re.compile(r"([^- m])(?:(?:\1|[ m])*\1)?m*")
-"""Over the classes of characters: one for each other script, `m` for marks, `-` for an end."""
+"""A phrase in one other script, over the classes of characters.
+
+Each other script has a class of its own; marks are `m`, ends `-`, all else is a space.
+"""
 
 
 @cache
 def script(character: str) -> str:
-    """Return the script of a letter, by the first word of its Unicode name; of others, nothing.
+    """Return the script of a letter, by its Unicode name; empty for all else.
 
-    A letter of another width or style is of the plain one's script.
+    The script is the first word of the name, for other widths and styles of the plain letter's name.
     """
     if category(character) not in LETTERS:
         return ""
@@ -49,17 +52,17 @@ def script(character: str) -> str:
 
 
 def scripts_of(language: "Language") -> frozenset[str]:
-    """Return the scripts that a pack's own tests are written in."""
+    """Return the scripts of a pack's own tests."""
     return frozenset(script(c) for test in language.tests for c in test.text) - {""}
 
 
 class OtherScripts:
-    """The words in other scripts that lines have, and which of them are spelled.
+    """Words of lines in other scripts, read or spelled.
 
     Parameters
     ----------
-    speaker : who reads the lines
-    own : the scripts that its language is written in; where none is known, there are no others
+    speaker : reads the lines
+    own : scripts that the language is written in; if empty, no script counts as another
     """
 
     def __init__(self, speaker: "Speaker", own: Iterable[str]) -> None:
@@ -67,10 +70,10 @@ class OtherScripts:
         self._own = frozenset(own)
         self._classes: dict[str, str] = {}
         self._spells: dict[str, bool] = {}
-        self._read, self._spelled = Kinds(), Kinds()
+        self._read, self._spelled = TallyCounter(), TallyCounter()
 
     def spelled(self, lines: "Sequence[Line]") -> list[Spans]:
-        """Name the words of lines that are in other scripts; return where they are spelled."""
+        """Count the words of lines in other scripts; return the spans of those that are spelled."""
         spans = [self._phrases(line.text) for line in lines]
         self._judge(
             {
@@ -92,13 +95,13 @@ class OtherScripts:
                 script=next(filter(None, map(script, tally.what))),
                 counted=counted,
             )
-            for kinds, counted in ((self._read, True), (self._spelled, False))
-            for tally in kinds.tallies()
+            for counter, counted in ((self._read, True), (self._spelled, False))
+            for tally in counter.tallies()
         ]
         return tuple(sorted(found, key=lambda one: (-one.count, one.what)))
 
     def _phrases(self, text: str) -> Spans:
-        """Return where a text is in another script, with what lies between such words."""
+        """Return the phrases of a text in another script."""
         if not self._own or not any(map(self._foreign, set(text))):
             return []
         shape = "".join(map(self._class, text))
@@ -115,8 +118,8 @@ class OtherScripts:
         return "m" if counts(character) and not character.isdigit() else " "
 
     def _judge(self, phrases: set[str]) -> None:
-        """Find out which phrases are spelled."""
-        if len(self._spells) > KINDS:
+        """Remember whether the voice spells each phrase."""
+        if len(self._spells) > MAX_NAMES:
             self._spells.clear()
         unmet = sorted(phrases - self._spells.keys())
         letters = sorted({c for phrase in unmet for c in phrase if counts(c)})
@@ -126,19 +129,21 @@ class OtherScripts:
         for phrase, sounds in zip(unmet, said, strict=True):
             spelled = [sound for c in phrase for sound in names.get(c, ())]
             like = SequenceMatcher(None, sounds, spelled, autojunk=False).ratio()
-            self._spells[phrase] = like >= SPELLED
+            self._spells[phrase] = like >= SPELLED_SIMILARITY
 
     def _named(self, phrase: str, place: str) -> bool:
-        """Name the words of a phrase, and tell whether it is spelled."""
+        """Count the words of a phrase; return True if the phrase is spelled."""
         spelled = self._spells[_judged(phrase)]
-        kinds = self._spelled if spelled else self._read
+        counter = self._spelled if spelled else self._read
         for piece in pieces(phrase):
             if any(map(script, piece.text)) and plain(piece.text) not in self._speaker.manner.words:
-                short = len(piece.text) <= JUDGED
-                kinds.add(piece.text if short else piece.text[: JUDGED - 1] + "…", place)
+                short = len(piece.text) <= MAX_PHRASE_CHARS
+                counter.add(
+                    piece.text if short else piece.text[: MAX_PHRASE_CHARS - 1] + "…", place
+                )
         return spelled
 
 
 def _judged(phrase: str) -> str:
-    """Return what a phrase is judged by: small letters, for capitals may be meant to be spelled."""
-    return phrase[:JUDGED].lower()
+    """Return the start of a phrase in small letters: voices may spell capitals on purpose."""
+    return phrase[:MAX_PHRASE_CHARS].lower()

@@ -1,4 +1,7 @@
-"""Forms of a coverage: one file and one function ``(coverage, stream, asked) -> None`` each."""
+"""Output forms of a coverage document.
+
+Each form is a module with a function ``write(coverage, stream, asked) -> None``.
+"""
 
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 

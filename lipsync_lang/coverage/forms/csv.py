@@ -1,7 +1,7 @@
 """CSV: one row per bigram, for spreadsheets.
 
-Words and names of files come from the corpus. A spreadsheet would calculate one that begins like
-a formula, so an apostrophe stands before it, as OWASP advises.
+Words and file names come from the corpus. Spreadsheets would calculate text that begins like a
+formula, so an apostrophe stands before such text, as OWASP advises.
 """
 
 import csv
@@ -18,12 +18,12 @@ HEAD = (
 )  # fmt: skip
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
-"""Characters that a formula begins with in some spreadsheet."""
+"""First characters of formulas in any spreadsheet."""
 
 
 @FORMS.register("csv")
 def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
-    """Write a row for each bigram that occurs; those with silence come last."""
+    """Write a row for each bigram that occurs; bigrams with silence come last."""
     del asked  # it is always whole
     rows = csv.writer(out, lineterminator="\n")
     rows.writerow(HEAD)
@@ -42,6 +42,6 @@ def _row(report: "CoverageReport", one: "BigramNeed", silence: str) -> tuple[obj
 
 
 def _cell(value: object) -> object:
-    """Mark text that a spreadsheet would calculate as text; numbers stay numbers."""
+    """Quote text that a spreadsheet would calculate; numbers stay numbers."""
     starts = isinstance(value, str) and value.startswith(FORMULA_STARTS)
     return f"'{value}" if starts else value

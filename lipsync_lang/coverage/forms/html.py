@@ -1,4 +1,4 @@
-"""HTML: a page that needs nothing else."""
+"""HTML: one page with its style and script inside."""
 
 from typing import TYPE_CHECKING, TextIO
 

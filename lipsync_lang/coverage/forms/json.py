@@ -1,4 +1,4 @@
-"""JSON: the document itself, whose schema is `docs/reference/coverage.schema.json`."""
+"""JSON: the whole document; its schema is `docs/reference/coverage.schema.json`."""
 
 import json
 from typing import TYPE_CHECKING, TextIO

@@ -1,7 +1,7 @@
-"""JUnit XML, which builds show: a suite per report, a case per bigram.
+"""JUnit XML for build servers: a suite per report, a case per bigram.
 
-The first case of a suite is the only one that can fail: whether enough is authored. A bigram that
-is not authored is skipped, not failed.
+The first case of a suite fails if less than the demanded share is authored. Bigrams that are not
+authored are skipped, not failed.
 """
 
 import re
@@ -39,25 +39,27 @@ def _suite(report: "CoverageReport", fail_under: float | None) -> ET.Element:
         errors="0",
         skipped=str(report.left.bigrams),
     )
-    told = f"{report.authored.percent:g} % of {report.occurrences} occurrences are authored"
+    summary = f"{report.authored.percent:g} % of {report.occurrences} occurrences are authored"
     whole = ET.SubElement(suite, "testcase", classname=name, name="authored")
     if failed:
-        ET.SubElement(whole, "failure", message=f"{told}, under {fail_under:g} %")
+        ET.SubElement(whole, "failure", message=f"{summary}, under {fail_under:g} %")
     for one in report.bigrams:
         case = ET.SubElement(suite, "testcase", classname=name, name=one.bigram)
         if not one.authored:
-            met = f"{one.layer}, {one.status or 'unanswered'}; {one.count} times"
-            ET.SubElement(case, "skipped", message=_sound(f"{met}: {', '.join(one.places)}"))
-    lost = [f"{one.place}: not read: {one.what} ({one.count} times)" for one in report.unread]
-    lost += [f"{one.place}: no map for: {one.what} ({one.count} times)" for one in report.unmapped]
-    lost += [
+            origin = f"{one.layer}, {one.status or 'unanswered'}; {one.count} times"
+            ET.SubElement(case, "skipped", message=_xml_text(f"{origin}: {', '.join(one.places)}"))
+    unknown = [f"{one.place}: not read: {one.what} ({one.count} times)" for one in report.unread]
+    unknown += [
+        f"{one.place}: no map for: {one.what} ({one.count} times)" for one in report.unmapped
+    ]
+    unknown += [
         f"{one.place}: in another script{'' if one.counted else ', not counted'}: {one.what} "
         f"({one.count} times)"
         for one in report.other_scripts
     ]
-    ET.SubElement(suite, "system-out").text = _sound("\n".join([told, *lost]))
+    ET.SubElement(suite, "system-out").text = _xml_text("\n".join([summary, *unknown]))
     return suite
 
 
-def _sound(text: str) -> str:
+def _xml_text(text: str) -> str:
     return FORBIDDEN.sub("�", text)

@@ -1,4 +1,4 @@
-"""Text for a terminal: what to do next, then the bigrams, then the rest of the facts."""
+"""Text for a terminal: the next bigrams to draw, the ranking, then the other figures."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
@@ -17,16 +17,16 @@ if TYPE_CHECKING:
         Tally,
     )
 
-TOP = 20
-"""Bigrams that are listed unless all are asked for."""
+MAX_ROWS = 20
+"""Rows of the ranking, unless all are asked for."""
 
-FEW = 8
-"""Things that are named of a longer list."""
+MAX_NAMES = 8
+"""Names that are shown of a longer list."""
 
 
 @FORMS.register("text")
 def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
-    """Write all reports, one below the other; several begin with a table of them."""
+    """Write all reports below each other, after a table of them if there are several."""
     blocks = [_read(coverage.corpus)]
     if len(coverage.reports) > 1:
         blocks += [_matrix(coverage.reports)]
@@ -105,7 +105,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
 
 
 def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
-    shown = report.bigrams if everything else report.bigrams[:TOP]
+    shown = report.bigrams if everything else report.bigrams[:MAX_ROWS]
     rows = [("rank", "bigram", "count", "%", "running", "from", "status", "in", "first at")]
     rows += [
         (
@@ -198,8 +198,8 @@ def _tallies(found: "Sequence[Tally]") -> str:
 
 
 def _few(names: Sequence[str]) -> str:
-    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
-    return ", ".join(names[:FEW]) + more
+    more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
+    return ", ".join(names[:MAX_NAMES]) + more
 
 
 def _count(number: int, thing: str) -> str:

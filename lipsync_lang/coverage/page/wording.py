@@ -1,6 +1,7 @@
-"""Numbers and lists as a producer reads them.
+"""Numbers and lists in the words of the page.
 
-A space that may not break is a no-break space; shares are rounded down, so that 100 % is all.
+A no-break space stands between number and unit. Percentages are rounded down, so that 100 % means
+all.
 """
 
 from collections.abc import Iterable, Sequence
@@ -8,12 +9,14 @@ from math import floor
 from os.path import commonprefix
 
 NBSP = "\N{NO-BREAK SPACE}"
-SHOWN = 3  # names that a list holds before the rest is counted
+MAX_NAMES = 3
+"""Names in a list before the rest is counted."""
+
 WHOLE, FINE, TENTHS = 100, 99, 10
 
 
 def percent(share: float) -> str:
-    """Write a share of 100: `7.3 %`, `31 %`, `99.9 %`."""
+    """Write a percentage: `7.3 %`, `31 %`, `99.9 %`."""
     if share >= WHOLE:
         return f"100{NBSP}%"
     fine = share > FINE or 0 < share < TENTHS
@@ -32,11 +35,11 @@ def hours(time: float) -> str:
 
 
 def count(number: int, noun: str, nouns: str = "") -> str:
-    """Write how many there are: `1 bigram`, `1,240 bigrams`."""
+    """Write a number with its noun: `1 bigram`, `1,240 bigrams`."""
     return f"{number:,}{NBSP}{noun if number == 1 else nouns or noun + 's'}"
 
 
-def listed(names: Sequence[str], shown: int = SHOWN) -> str:
+def listed(names: Sequence[str], shown: int = MAX_NAMES) -> str:
     """Write names as a sentence does: `a`, `a and b`, `a, b and 3 more`."""
     most = list(names[:shown])
     if len(names) > shown:
@@ -46,13 +49,13 @@ def listed(names: Sequence[str], shown: int = SHOWN) -> str:
 
 
 def folder(paths: Sequence[str]) -> str:
-    """Return what all paths begin with, up to its last separator."""
+    """Return the folder that all paths lie in, with its separator; empty if there is none."""
     start = commonprefix(list(paths))  # noqa: RUF071 it is cut at a separator
     return start[: max(start.rfind("/"), start.rfind("\\")) + 1]
 
 
 def gathered(places: Iterable[str]) -> str:
-    """Write places in files, each file once: `act1.csv:3, 17; act2.csv:5`."""
+    """Write places, each file once: `act1.csv:3, 17; act2.csv:5`."""
     lines: dict[str, list[str]] = {}
     for place in places:
         file, colon, line = place.rpartition(":")
