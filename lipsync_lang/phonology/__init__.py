@@ -1,1 +1,1 @@
-"""Phonology: labels and the notations they are written in."""
+"""Phonology: text to labels, and labels of any notation to common phonemes."""

@@ -1,11 +1,10 @@
-"""Two ways to say one thing, side by side: which sound of one is which of the other.
+"""Align two sequences of common phonemes: an expected pronunciation and the one heard.
 
-What a pronunciation says and what a voice was heard to say differ by a sound here and there. The
-alignment is the cheapest by dynamic programming: the same common phoneme costs nothing, another
-of its kind (vowel for vowel) `NEAR`, any other `FAR`, one that only one of the two has `ALONE`.
-Pauses, which only the voice knows for sure, cost `PAUSE`, and are never taken for a sound.
+Dynamic programming finds the cheapest alignment. A pair of equal phonemes costs nothing, a pair of
+one class (vowel for vowel) `NEAR`, any other pair `FAR`. A phoneme without a partner costs `ALONE`.
+A pause without a partner costs `PAUSE`, and a pause is never paired with a sound.
 
-It is searched in a band along the diagonal, so that its cost grows linearly with length.
+The search stays in a band along the diagonal, so that time and memory grow linearly with length.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +14,7 @@ import numpy.typing as npt
 
 NEAR, FAR, ALONE, PAUSE = 0.8, 1.9, 1.0, 0.2
 BAND_SOUNDS = 200
-"""Sounds that the two may drift apart."""
+"""Half the width of the band, in sounds."""
 
 TINY = 1e-9
 _BOTH, _SAID, _HEARD = range(3)
@@ -24,17 +23,17 @@ _BOTH, _SAID, _HEARD = range(3)
 def align(
     said: Sequence[str], heard: Sequence[str], kinds: Mapping[str, str], silence: str
 ) -> npt.NDArray[np.intp]:
-    """Find for each sound that is heard the one that is said.
+    """Return the index of the expected sound for each sound heard.
 
     Parameters
     ----------
-    said, heard : (n,) and (m,) common phonemes, `silence` among them
-    kinds : of each common phoneme; sounds of one kind are near
+    said, heard : (n,) and (m,) common phonemes, with `silence` for pauses
+    kinds : the class of each common phoneme
     silence : the phoneme of pauses
 
     Returns
     -------
-    (m,) indices into `said`, never falling; -1 for a sound that nothing says
+    (m,) indices into `said`, never decreasing; -1 for a sound without a partner
     """
     if not said or not heard:
         return np.full(len(heard), -1, np.intp)
@@ -53,9 +52,14 @@ def _moves(
     cost: npt.NDArray[np.float64],
     alone: npt.NDArray[np.float64],
 ) -> tuple[npt.NDArray[np.int8], npt.NDArray[np.intp], int]:
-    """Return the last move of the cheapest way to each place of the band, by row.
+    """Fill the table of the dynamic programme, one row at a time.
 
-    That is (n + 1, band), the column of each row's first place (n + 1,), and m.
+    Moves along a row are vectorised. With ``gap[j]`` the cost of the first j heard sounds without
+    partners, the row is ``gap + running minimum of (best - gap)``.
+
+    Returns
+    -------
+    (n + 1, band) last moves of the cheapest paths, (n + 1,) first column of each row, and m
     """
     n, m = len(rows), len(columns)
     width = BAND_SOUNDS + abs(n - m) + m // max(n, 1)
@@ -82,7 +86,7 @@ def _moves(
 
 
 def _back(moves: npt.NDArray[np.int8], lows: npt.NDArray[np.intp], m: int) -> npt.NDArray[np.intp]:
-    """Walk the cheapest way back from its end."""
+    """Follow the cheapest path back from its end, and collect the pairs."""
     found = np.full(m, -1, np.intp)
     i, j = len(lows) - 1, m
     while i or j:
@@ -94,7 +98,7 @@ def _back(moves: npt.NDArray[np.int8], lows: npt.NDArray[np.intp], m: int) -> np
 
 
 def _costs(names: Sequence[str], kinds: Mapping[str, str], silence: str) -> npt.NDArray[np.float64]:
-    """Return what it costs to take one phoneme for another: (p, p)."""
+    """Return the (p, p) costs of pairs of phonemes."""
     kind = [kinds.get(name, name) for name in names]
     cost = np.array([[NEAR if a == b else FAR for b in kind] for a in kind])
     np.fill_diagonal(cost, 0)

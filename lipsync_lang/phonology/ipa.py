@@ -7,7 +7,7 @@ What letters and marks do is data (`kind: ipa`); here it is only looked up. Conv
   is read as its parts.
 - A mark belongs to the letter before it; marks that stand first, to the letter after them.
 - Features are numbers from 0 to 1, in the order of `Features.names`; None where a letter has none.
-- What nobody knows is passed over and named; nothing fails.
+- Unknown characters are skipped and reported; no label causes an error.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -29,7 +29,7 @@ Words = frozenset[str]
 
 
 class LetterSound(NamedTuple):
-    """One letter of a label, as its marks leave it."""
+    """One letter of a label, with the effect of its marks."""
 
     letter: str
     words: Words
@@ -38,7 +38,7 @@ class LetterSound(NamedTuple):
 
 
 class LabelReading(NamedTuple):
-    """A label taken apart: what sounds in order, what of it does not show, what nobody knows."""
+    """A label as its sounds in order, its invisible properties, and its unknown characters."""
 
     sounds: tuple[LetterSound, ...]
     losses: tuple[str, ...]
@@ -56,7 +56,7 @@ class Case(NamedTuple):
     lost: str
 
     def fits(self, sound: LetterSound) -> bool:
-        """Say whether the case is for a letter: it is described so, and has what is changed."""
+        """Return True if a letter fits the description and has a feature that changes."""
         return _described(sound.words, self.on) and (
             not (self.set or self.add) or bool(self.changes(sound.features))
         )
@@ -71,7 +71,7 @@ class Case(NamedTuple):
         return changed
 
     def change(self, sound: LetterSound) -> LetterSound:
-        """Return a letter as the mark leaves it."""
+        """Return a letter with the mark's effect."""
         values = list(sound.features)
         for number, value in self.changes(sound.features).items():
             values[number] = value
@@ -79,7 +79,7 @@ class Case(NamedTuple):
 
 
 class Join(NamedTuple):
-    """Which of two letters side by side are seen."""
+    """A rule for two adjacent letters: which of them are visible."""
 
     first: tuple[Words, ...]
     second: tuple[Words, ...]
@@ -173,12 +173,12 @@ class Features:
         )
 
     def read(self, label: str, own: Iterable[str] = ()) -> LabelReading:
-        """Take a label apart.
+        """Read a label as letters with features.
 
         Parameters
         ----------
         label : any text
-        own : letters that are taken as they are, whatever `prefer` says
+        own : letters that `prefer` does not replace
         """
         tokens, unknown = self._tokens(key(label))
         kept = frozenset(own)
@@ -224,7 +224,7 @@ class Features:
         return any(abs(value - (sound.features[n] or 0)) >= self.told_from for n, value in changes)
 
     def _groups(self, tokens: Sequence[str]) -> list[tuple[str, list[str], list[str]]]:
-        """Return each letter with its marks: those that stand first, and those after it."""
+        """Return each letter with the marks before it (first letter only) and after it."""
         groups: list[tuple[str, list[str], list[str]]] = []
         first: list[str] = []
         for token in tokens:
@@ -239,7 +239,7 @@ class Features:
     def _marked(
         self, sound: LetterSound, before: Sequence[str], after: Sequence[str], losses: list[str]
     ) -> list[LetterSound]:
-        """Return a letter as its marks leave it, among the letters that come with them."""
+        """Return a letter with its marks' effects, and the letters that the marks add."""
         follow: list[LetterSound] = []
         lead: list[LetterSound] = []
         for mark, beside in (*((m, lead) for m in before), *((m, follow) for m in after)):
@@ -253,7 +253,7 @@ class Features:
         return [*lead, sound, *follow]
 
     def _tokens(self, text: str) -> tuple[list[str], list[str]]:
-        """Cut text into letters and marks, longest first, and name what is neither."""
+        """Cut text into letters and marks, longest first; return them and unknown characters."""
         tokens: list[str] = []
         unknown: list[str] = []
         start = 0
@@ -278,7 +278,7 @@ class Features:
         return tokens, unknown
 
     def _joined(self, sounds: Sequence[LetterSound], losses: list[str]) -> list[LetterSound]:
-        """Drop what is not seen beside its neighbour; a letter written twice is a long one."""
+        """Drop letters that a neighbour hides, and merge a doubled letter into one long one."""
         left: list[LetterSound] = []
         for sound in sounds:
             left.append(sound)
@@ -303,18 +303,18 @@ class Features:
 
 
 def key(text: str) -> str:
-    """Return the form in which labels and the keys of the data are compared."""
+    """Return a label or key in the form used for comparison."""
     return normalise(text.replace(CARRIER, ""))
 
 
 def _parts(letter: str) -> str:
-    """Return a composed letter as the letter and the mark it is composed of; nothing of others."""
+    """Return the letter and the mark of a composed letter; empty for any other character."""
     codes = decomposition(letter).split()
     return "" if not codes or codes[0].startswith("<") else "".join(chr(int(c, 16)) for c in codes)
 
 
 def _described(words: Words, phrases: tuple[Words, ...]) -> bool:
-    """Say whether one of some phrases describes a letter; none at all describes every letter."""
+    """Return True if one of the phrases fits a letter; an empty list fits every letter."""
     return not phrases or any(phrase <= words for phrase in phrases)
 
 

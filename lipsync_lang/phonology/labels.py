@@ -1,18 +1,16 @@
-"""Phoneme labels: one sound, many spellings.
+"""Find phoneme labels in tables, whatever their spelling.
 
-Two spellings of a label are the same when they differ in what carries no sound:
+Spellings of a label are equal in spite of these differences:
 
-- Unicode composition, ligatures and tie bars, and which of two look-alike letters is typed:
-  `normalise`, done to the tables and to what is looked up.
-- Stress, tone and length, and upper or lower case where the notation uses one case only.
-  These are dropped one after the other, and only while the label as it stands is unknown:
-  in SAMPA digits and case tell phonemes apart.
-- Marks that are not seen, in a notation that was told which those are (`unseen`), and only where
-  all else fails: of the labels that differ in nothing else, the one of most such marks in common
-  is meant.
+- Unicode composition, ligatures, tie bars and look-alike letters. `normalise` removes these from
+  tables and labels.
+- Stress, tone and length, and case in a notation with one case only. These are dropped one after
+  the other, and only while the label is unknown: in SAMPA, digits and case distinguish phonemes.
+- Invisible marks (`unseen`), as the last resort. Of the labels that differ in such marks only, the
+  one with the most marks in common is chosen.
 
-What the tables lack has no value, unless the notation was given what finds the `nearest`;
-`Notation.suggest` names the nearest label.
+A label missing from the table has no value, unless the notation has a `nearest` function.
+`Notation.suggest` names the nearest label of the table.
 """
 
 from collections import Counter
@@ -27,13 +25,13 @@ Value = tuple[tuple[str, float], ...]
 """Common phonemes in sequence, each with its share of the label's time."""
 
 TIES = "\u035c\u0361\u203f\u200b\u200c\u200d\ufeff"
-"""Tie bars over and under, and what joins letters invisibly."""
+"""Tie bars over and under letters, and invisible joiners."""
 
 LIGATURES = {"ʣ": "dz", "ʤ": "dʒ", "ʥ": "dʑ", "ʦ": "ts", "ʧ": "tʃ", "ʨ": "tɕ"}
-"""Letters for affricates that the IPA gave up."""
+"""Letters for affricates that the IPA has withdrawn."""
 
 LOOKALIKES = {"\u0261": "g", "\u02d0": ":", "\u04d9": "ə", "\u03b5": "ɛ", "\u2019": "'"}
-"""What is typed for one another, towards ASCII: two forms of g, of the length mark, ..."""
+"""Look-alike characters and their replacements: two forms of g, of the length mark, ..."""
 
 SAME = str.maketrans({**dict.fromkeys(TIES), **LIGATURES, **LOOKALIKES})
 
@@ -46,7 +44,7 @@ TONE = "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩"
 
 
 def normalise(label: str) -> str:
-    """Return the one spelling of a label among those that cannot mean different sounds."""
+    """Return the canonical spelling of a label; equal spellings always mean the same sound."""
     return normalize("NFC", normalize("NFC", label).translate(SAME).strip())
 
 
@@ -55,7 +53,7 @@ def _toneless(label: str) -> str:
 
 
 def looser(label: str) -> Iterator[str]:
-    """Yield ever looser spellings of a normalised label, itself first."""
+    """Yield a normalised label, then without stress, tone, length, and tone and length."""
     plain = label.lstrip(STRESS) or label
     toneless = _toneless(plain)
     yield from (label, plain, toneless)
@@ -64,11 +62,11 @@ def looser(label: str) -> Iterator[str]:
 
 
 def bare(label: str, unseen: Mapping[str, str]) -> tuple[str, Counter[str]]:
-    """Return a normalised label without the marks that are not seen, and those marks.
+    """Return a normalised label without invisible marks, and those marks.
 
     Parameters
     ----------
-    unseen : marks, each with the letters on which it is seen all the same
+    unseen : marks, each with the letters on which it is visible all the same
     """
     kept, letter = "", ""
     marks: Counter[str] = Counter()
@@ -88,11 +86,11 @@ class Notation:
 
     Parameters
     ----------
-    table : for each label, the common phonemes it stands for
-    silences : spellings of silence, in any case; the table's own labels come first
-    silence : what those stand for
-    nearest : answers for labels that the table lacks; None for those it cannot read
-    unseen : marks that may be dropped, each with the letters on which it is seen all the same
+    table : the common phonemes of each label
+    silences : spellings of silence, in any case; the table's own labels take precedence
+    silence : the value of these spellings
+    nearest : returns a value for a label missing from the table, or None
+    unseen : marks that may be dropped, each with the letters on which it is visible all the same
     """
 
     table: Mapping[str, Value]
@@ -115,27 +113,27 @@ class Notation:
         object.__setattr__(self, "_silent", silent)
 
     def find(self, label: str) -> Value | None:
-        """Return what a label stands for; None if nobody knows it."""
+        """Return the value of a label, from the table or by likeness; None if unknown."""
         known = self.stated(label)
         return self.likely(label) if known is None else known
 
     def text(self, label: str) -> str | None:
-        """Return a label as the table spells it; None where it cannot be spelled so."""
+        """Return a label in the table's spelling; None if it cannot be converted."""
         return label
 
     def likely(self, label: str) -> Value | None:
-        """Return what a label stands for that the table does not state; None if nobody knows."""
+        """Return a value by likeness for a label missing from the table; None if unknown."""
         return self._seen_alike(label) if self.nearest is None else self.nearest(label)
 
     def _seen_alike(self, label: str) -> Value | None:
-        """Return what the label stands for that looks the same and shares most marks."""
+        """Return the value of the label that looks the same and shares the most marks."""
         kept, marks = bare(normalise(label).lstrip(STRESS), self.unseen)
         alike = self._bare.get(kept, ()) if kept else ()
         return min(alike, key=lambda one: _apart(marks, one[0]), default=(marks, None))[1]
 
     @cached_property
     def _bare(self) -> dict[str, list[tuple[Counter[str], Value]]]:
-        """The labels by what is seen of them, each with its other marks."""
+        """Visible part of labels -> (invisible marks, value) of each label."""
         alike: dict[str, list[tuple[Counter[str], Value]]] = {}
         for label, value in self._exact.items() if self.unseen else ():
             kept, marks = bare(label, self.unseen)
@@ -143,7 +141,7 @@ class Notation:
         return alike
 
     def stated(self, label: str) -> Value | None:
-        """Return what the table says a label stands for; None if it does not know it."""
+        """Return the value of a label in the table; None if it is missing."""
         try:
             return self._seen[label]
         except KeyError:
@@ -164,17 +162,17 @@ class Notation:
         return None
 
     def is_silence(self, label: str) -> bool:
-        """Whether a label is one of the spellings of silence."""
+        """Return True if a label is a spelling of silence."""
         return normalise(label).casefold() in self._silent
 
     def suggest(self, label: str) -> str:
-        """Return a hint for a label the table does not know."""
+        """Return a hint for a label missing from the table."""
         return did_you_mean(normalise(label), self.table)
 
     def conflicts(self) -> list[tuple[str, str]]:
-        """Return the pairs of labels that are one spelling but stand for different things.
+        """Return the pairs of labels with equal spellings but different values.
 
-        Of each pair the first wins, except where the second is spelled out exactly.
+        The first of a pair wins, except for a label spelled exactly like the second.
         """
         first: dict[str, str] = {}
         return [
@@ -190,16 +188,16 @@ def _apart(marks: Counter[str], others: Counter[str]) -> int:
 
 
 def one_case(labels: Iterable[str]) -> bool:
-    """Whether all labels are plain ASCII in one case, so that case tells nothing apart."""
+    """Return True if all labels are ASCII in one case, so that case can be ignored."""
     letters = "".join(labels)
     return letters.isascii() and (letters.islower() or letters.isupper())
 
 
 def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
-    """Return the name of the notation that knows most of the labels; of equals, the first.
+    """Return the name of the notation that knows the most labels; in a tie, the first.
 
-    What tables state comes before what is only nearest. Silence counts for nothing: every
-    notation knows it.
+    Labels stated in tables count before labels found by likeness. Silence does not count, because
+    every notation has it.
     """
     spoken = list(labels)
     if not notations:

@@ -1,4 +1,4 @@
-"""How a language's text is read and spoken, as plain data: what its pack says, and no more."""
+"""The engines and voices of a language, taken from its pack as plain data."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
@@ -10,7 +10,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import Rule, Settings
 
 @dataclass(frozen=True)
 class Hearing:
-    """How recordings of a language become phonemes.
+    """The aligner and the recogniser for recordings of a language.
 
     Parameters
     ----------

@@ -23,20 +23,20 @@ from lipsync_lang.phonology.ipa import Features, LabelReading, Numbers, key
 from lipsync_lang.phonology.labels import Value
 
 CLEAR_DIFFERENCE = 0.9
-"""A difference in a feature that nobody can miss."""
+"""Difference in a feature that is obvious to the eye."""
 
 
 class Nearest(NamedTuple):
     """The common phonemes that look most like a label."""
 
     value: Value
-    """Common phonemes in sequence with their shares; none where nothing of it is seen."""
+    """Common phonemes in sequence with their shares; empty if nothing of the label is visible."""
     losses: tuple[str, ...]
-    """What of the label is not shown."""
+    """Properties of the label that are not shown."""
     distance: float
-    """How far the label is from what is shown; 0 where a phoneme names it."""
+    """Distance from the label to its value; 0 if a common phoneme names the label."""
     unknown: tuple[str, ...]
-    """Characters that are no IPA, passed over."""
+    """Characters that are not IPA; they are skipped."""
 
 
 class Exemplar(NamedTuple):
@@ -97,7 +97,7 @@ class NearestPhonemes:
                 self._own.add(label)
 
     def _named(self) -> Iterator[tuple[str, str]]:
-        """Yield what each common phoneme names, in order."""
+        """Yield (common phoneme, label that it names), in order."""
         known = "".join(map(key, self.labels))
         moved = {
             letter: phoneme
@@ -118,7 +118,7 @@ class NearestPhonemes:
         return cls(Features.from_data(data["features"]), data["candidates"], data["labels"])
 
     def value(self, label: str) -> Value | None:
-        """Return the nearest common phonemes; None where a label is no IPA, or nothing answers."""
+        """Return the nearest common phonemes; None if the label is not IPA, or none is near."""
         found = self.nearest(label)
         return None if found.unknown or found.distance == inf else found.value
 
@@ -129,9 +129,10 @@ class NearestPhonemes:
         return self._seen[label]
 
     def fights(self, label: str, phonemes: Sequence[str]) -> list[str]:
-        """Return the features, of those seen at once, that common phonemes show otherwise.
+        """Return the conspicuous features of a label that common phonemes contradict.
 
-        A label shows what any of its letters has; a phoneme what the first letter it names has.
+        A label has a feature if any of its letters has it. A common phoneme has the features of
+        the first label it names.
         """
         sounds = [sound.features for sound in self.features.read(label, own=self._own).sounds]
         shown = [run for name in phonemes for run in self._typical.get(name, ())]
@@ -148,7 +149,7 @@ class NearestPhonemes:
 
     @cached_property
     def _typical(self) -> dict[str, tuple[Numbers, ...]]:
-        """The letters of what each common phoneme names first."""
+        """Common phoneme -> the letters of the first label it names."""
         typical: dict[str, tuple[Numbers, ...]] = {}
         for runs in self._runs.values():
             for exemplar in runs:
@@ -175,7 +176,10 @@ class NearestPhonemes:
         return Nearest(value, losses, far, reading.unknown)
 
     def _cut(self, runs: tuple[Numbers, ...]) -> tuple[LabelPiece, ...] | None:
-        """Cut a label into pieces at the least cost; None where nothing answers."""
+        """Cut a label into the cheapest pieces by dynamic programming; None if impossible.
+
+        The state is the end of the cut and the last phoneme: repeating it costs nothing extra.
+        """
         best: list[dict[str, _Cut]] = [{"": _Cut(0.0, 0, ())}]
         for stop in range(1, len(runs) + 1):
             best.append({})
@@ -191,14 +195,14 @@ class NearestPhonemes:
         return min(best[-1].values(), key=_cost).pieces if best[-1] else None
 
     def _exemplar(self, run: tuple[Numbers, ...]) -> tuple[float, Exemplar] | None:
-        """Return the exemplar nearest to a run of as many letters; of equals, the first."""
+        """Return the nearest exemplar of the same length as a run; in a tie, the first."""
         if run not in self._near:
             known = ((self.distance(run, e.run), e) for e in self._runs.get(len(run), ()))
             self._near[run] = min(known, key=lambda d: round(d[0], 9), default=None)
         return self._near[run]
 
     def distance(self, run: Sequence[Numbers], other: Sequence[Numbers]) -> float:
-        """Return how far two runs of as many letters are from each other."""
+        """Return the distance between two runs of equal length."""
         far = 0.0
         for number, (one, two) in enumerate(zip(run, other, strict=True)):
             far += self._differ(one, two) * (self.features.later if number else 1.0)
@@ -214,7 +218,7 @@ class NearestPhonemes:
         )
 
     def _losses(self, piece: LabelPiece, runs: tuple[Numbers, ...]) -> Iterator[str]:
-        """Yield the features in which a piece is shown as something else."""
+        """Yield the features of a piece that its common phoneme does not show."""
         here = runs[piece.start : piece.stop]
         for sound, shown in zip(here, piece.exemplar.run, strict=True):
             for name, a, b in zip(self.features.names, sound, shown, strict=True):
@@ -223,7 +227,7 @@ class NearestPhonemes:
 
 
 def _most(sounds: Iterable[Numbers], number: int) -> float:
-    """Return the greatest value of a feature among some sounds."""
+    """Return the largest value of a feature among the sounds."""
     return max(sound[number] or 0.0 for sound in sounds)
 
 
@@ -232,5 +236,5 @@ def _cost(cut: _Cut) -> tuple[float, int]:
 
 
 def _move(one: Numbers, other: Numbers) -> Numbers:
-    """Return how features change from one letter to the next."""
+    """Return the change of each feature from one letter to the next."""
     return tuple(None if a is None or b is None else b - a for a, b in zip(one, other, strict=True))

@@ -1,7 +1,7 @@
-"""The notations of a language, made ready: its own, those of shapes, and those that spell its IPA.
+"""Make the notations of a language: its own, and those that spell its IPA in other signs.
 
-How the IPA is spelled in other signs, such as X-SAMPA, and which of its marks are not seen, is data
-of the IPA: `{"spelled": {notation: {sign: IPA}}, "unseen": {mark: letters it is seen on}}`.
+The signs of notations such as X-SAMPA, and the invisible marks, come from the IPA pack:
+`{"spelled": {notation: {sign: IPA}}, "unseen": {mark: letters on which it is visible}}`.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -18,7 +18,7 @@ class Spelled(Notation):
     signs: Mapping[str, str] = field(default_factory=dict)
 
     def text(self, label: str) -> str | None:
-        """Return a label as the table spells it; None where a sign of it is unknown."""
+        """Return a label in the table's spelling; None if it has an unknown sign."""
         longest = max(map(len, self.signs), default=0)
         text, rest = "", label.strip()
         while rest:
@@ -29,12 +29,12 @@ class Spelled(Notation):
         return text
 
     def likely(self, label: str) -> Value | None:
-        """Return what a label stands for that the table does not state; None if nobody knows."""
+        """Return a value by likeness for a label missing from the table; None if unknown."""
         text = self.text(label)
         return None if text is None else super().likely(text)
 
     def suggest(self, label: str) -> str:
-        """Return a hint for a label the table does not know."""
+        """Return a hint for a label missing from the table."""
         text = self.text(label)
         return "a sign of it is unknown" if text is None else f"it is read as '{text}'"
 

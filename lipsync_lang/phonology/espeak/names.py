@@ -1,4 +1,4 @@
-"""Names of phonemes as eSpeak NG writes them, and the labels they are."""
+"""Convert eSpeak NG's names of phonemes to labels."""
 
 import re
 
@@ -31,5 +31,5 @@ def label_of(name: str) -> str:
 
 
 def modifies(label: str) -> bool:
-    """Return whether a label is only a modifier letter or a combining mark."""
+    """Return True for a label that is only a modifier letter or a combining mark."""
     return 0x2B0 <= ord(label[0]) <= 0x36F  # noqa: PLR2004 the two blocks in Unicode

@@ -30,7 +30,7 @@ def clauses(api: Any, text: str) -> Iterator[str]:
 
 
 def select(api: Any, voice: str, data: str) -> dict[str, Any]:
-    """Choose a voice as speech does; return what went wrong, or nothing."""
+    """Select a voice in the same way as speech; return the error, or an empty dict."""
     import espeak_worker as speech  # type: ignore[import-not-found]  # it lies beside
 
     listed = ctypes.cast(api.list_voices(None), ctypes.POINTER(ctypes.POINTER(speech.VoiceRecord)))

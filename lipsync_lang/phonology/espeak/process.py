@@ -150,7 +150,7 @@ def _library() -> tuple[str, Path]:
 
 
 def blank(text: str) -> str:
-    """Blank out what steers the library, and what some voices read out by its name."""
+    """Replace characters that control the library, or that some voices read out by name."""
     for marks, order in _ORDER:
         text = marks.sub(order, text)
     dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
@@ -158,7 +158,7 @@ def blank(text: str) -> str:
 
 
 def _steers(character: str) -> bool:
-    """Tell whether a character is a command, a lone surrogate, unassigned or a hidden mark."""
+    """Return True for a control character, a lone surrogate, an unassigned or a hidden one."""
     if unicodedata.category(character) in {"Cc", "Cs", "Co", "Cn"}:
         return character != "\n"
     return ord(character) in _IGNORED

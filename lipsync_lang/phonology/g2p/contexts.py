@@ -1,14 +1,15 @@
-r"""Contexts of spelling rules: regular expressions of strangers, in a form that cannot run away.
+r"""Contexts of spelling rules: regular expressions whose running time is bounded beforehand.
 
-Two limits hold before a context is compiled, so that no clock is needed while it is matched:
+Packs come from strangers, and `re` has no time limit. Two limits replace a clock:
 
-- a context sees at most ``SEEN_LETTERS`` letters on its side of the place,
+- a context sees at most ``SEEN_LETTERS`` letters before or after the rule's spelling,
 - ``MAX_STEPS`` bounds the steps of a backtracking engine over those letters.
 
-The bound is read off the expression. Alternatives add their ways to match, and parts in sequence
-multiply them, for each way of the earlier is tried with each of the later. Looks beside, atomic
-groups and possessive repeats match in one way: an engine never returns into them. A group of one
-way may repeat without end; a group of more would take exponential time, and is refused.
+The number of steps follows from the expression. Alternatives add their ways to match. Parts in
+sequence multiply them, because each way of one part is tried with each way of the next.
+Lookarounds, atomic groups and possessive repeats match in one way: the engine never backtracks
+into them. A group with one way may repeat without limit. A group with several ways would take
+exponential time, and is refused.
 
 The text is folded (composed, in small letters), so literals are folded too. Escapes, names of
 groups and sets are left as they are, and the expression ignores case.
@@ -28,10 +29,10 @@ SEEN_LETTERS = 50
 """Letters of a word that a context sees."""
 
 MAX_STEPS = 2_000_000
-"""Steps that one look at a word may take at worst: some hundredths of a second."""
+"""Most steps of one match in a word: some hundredths of a second."""
 
 MAX_STEPS_PER_LETTER = 50_000_000
-"""Steps of all rules that are tried at one letter of a word."""
+"""Most steps of all rules tried at one letter of a word."""
 
 MAX_CONTEXT_CHARS = 1_000
 """Characters of a context."""
@@ -58,13 +59,13 @@ _SET_ALGEBRA = re.compile(r"(?<!\\)\[|--|&&|~~|\|\|")
 
 
 class ContextError(ValueError):
-    """A context that cannot be used; says why, and how to mend it.
+    """A context cannot be used.
 
     Parameters
     ----------
-    what : the matter
-    cure : how to mend it, or empty
-    slow : whether it is sound but could take too long
+    what : the mistake
+    cure : how to mend it; may be empty
+    slow : True if the context is valid but could take too long
     """
 
     def __init__(self, what: str, cure: str = "", *, slow: bool = False) -> None:
@@ -75,13 +76,13 @@ class ContextError(ValueError):
 
 
 class Context(NamedTuple):
-    """What must stand beside the letters of a rule.
+    """A condition on the letters before or after the spelling of a rule.
 
     Parameters
     ----------
-    pattern : compiled
-    precedes : whether it is about what precedes, and must reach up to the letters
-    steps : of the engine for one look at a word, at worst
+    pattern : the compiled expression
+    precedes : True for the letters before; the match must then end at the spelling
+    steps : most steps of the engine for one match
     """
 
     pattern: re.Pattern[str]
@@ -89,9 +90,9 @@ class Context(NamedTuple):
     steps: int
 
     def fits(self, word: str, at: int) -> bool:
-        """Tell whether the context fits at a place of a folded word.
+        """Return True if the context fits at a place of a folded word.
 
-        A context for what precedes sees the letters up to `at`, any other those from there on.
+        With `precedes`, the letters before `at` are matched, otherwise those from `at` on.
         """
         if self.precedes:
             return bool(self.pattern.search(word, max(0, at - SEEN_LETTERS), at))
@@ -100,12 +101,12 @@ class Context(NamedTuple):
 
 @lru_cache(4096)
 def compile_context(text: str, *, precedes: bool) -> Context:
-    r"""Compile a context; what compiles here works on every word.
+    r"""Compile a context; the result works on every word.
 
     Raises
     ------
     ContextError
-        It is not a regular expression, uses what contexts do not have, or could take too long.
+        The text is not a regular expression, uses a feature that contexts lack, or is too slow.
 
     Examples
     --------
@@ -139,7 +140,7 @@ def compile_context(text: str, *, precedes: bool) -> Context:
 
 
 def _parts(text: str) -> Iterator[tuple[str, str]]:
-    """Yield (kind, part) along a regular expression, where it keeps to what contexts have."""
+    """Yield (kind, part) along a regular expression; refuse features that contexts lack."""
     for found in _TOKEN.finditer(text):
         kind, part = str(found.lastgroup), found[0]
         if kind == "opening" and part == "(" and text.startswith("(?", found.start()):
@@ -152,7 +153,7 @@ def _parts(text: str) -> Iterator[tuple[str, str]]:
 
 
 def _folded(kind: str, part: str) -> str:
-    """Return a part as it is compared with folded text."""
+    """Return a part of an expression in folded form, to match folded text."""
     if kind == "literal":
         return plain(part)
     if kind != "set":
@@ -174,13 +175,13 @@ def _folded(kind: str, part: str) -> str:
 
 
 class _Cost(NamedTuple):
-    """What a part of an expression may cost.
+    """The worst-case cost of a part of an expression.
 
     Parameters
     ----------
-    ways : in which it may match, when what follows fails again and again
-    steps : to try all of them
-    group : whether it is a group
+    ways : number of different matches that backtracking can try
+    steps : steps to try all of them
+    group : True for a group
     """
 
     ways: int = 1
@@ -190,7 +191,7 @@ class _Cost(NamedTuple):
 
 @dataclass
 class _Group:
-    """A group while its parts are read: alternatives so far, and the one at hand."""
+    """A group whose end has not been read: finished alternatives, and the current one."""
 
     opened: str = "("
     ways: int = 0
@@ -199,26 +200,26 @@ class _Group:
     last: _Cost = field(default_factory=_Cost)
 
     def add(self, item: _Cost) -> None:
-        """Take an item; the one before is not repeated, then."""
+        """Add an item, and finish the item before, which a repeat could still have changed."""
         ways = min(self.here.ways * self.last.ways, _TOO_MANY)
         steps = min(self.here.steps + self.here.ways * self.last.steps, _TOO_MANY)
         self.here, self.last = _Cost(ways, steps), item
 
     def next_alternative(self) -> None:
-        """End the alternative at hand."""
+        """Finish the current alternative."""
         self.add(_Cost())
         self.ways, self.steps = self.ways + self.here.ways, self.steps + self.here.steps
         self.here = _Cost()
 
     def total(self) -> _Cost:
-        """Return what the group costs; a look beside, and an atomic group, match in one way."""
+        """Return the cost of the group; lookarounds and atomic groups match in one way."""
         self.next_alternative()
         whole = self.opened.startswith(_WHOLE)
         return _Cost(1 if whole else self.ways, self.steps, group=True)
 
 
 def _steps(parts: list[tuple[str, str]]) -> int:
-    """Return the most steps that an expression takes from one start; it is well formed."""
+    """Return the most steps of a well-formed expression from one start."""
     groups = [_Group()]
     for kind, part in parts:
         here = groups[-1]
@@ -264,7 +265,7 @@ def _repeated(item: _Cost, repeat: str) -> _Cost:
 
 
 def _counts(repeat: str) -> tuple[int, int | None]:
-    """Return the least and most times of a repeat; None is without end."""
+    """Return the least and most times of a repeat; None means no limit."""
     if repeat[0] != "{":
         return {"*": (0, None), "+": (1, None), "?": (0, 1)}[repeat[0]]
     least, comma, most = repeat[1 : repeat.index("}")].partition(",")

@@ -12,7 +12,7 @@ from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import LENGTH, normalise
 
 _JOINED = {"Mn", "Lm", "Sk"}
-"""Categories of what belongs to the letter before: diacritics and modifier letters."""
+"""Unicode categories of diacritics and modifier letters, which belong to the letter before."""
 
 
 @ENGINES.register("epitran")
@@ -62,7 +62,7 @@ def _transliterator(settings: Settings) -> Callable[[str], str]:
 
 
 def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:
-    """Cut a string of IPA into segments: the longest known ones, else a letter and its marks."""
+    """Cut IPA into segments: the longest known ones, otherwise a letter with its marks."""
     text = normalise(ipa)
     longest = max(map(len, known), default=1)
     found: list[str] = []
@@ -81,7 +81,7 @@ def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:
 
 
 def _length(text: str, at: int) -> int:
-    """Return how many characters a letter and its marks have; tie bars join two letters."""
+    """Return the length of a letter with its marks, in characters."""
     end = at + 1
     while end < len(text) and _belongs(text, end):
         end += 1
@@ -93,7 +93,7 @@ def _belongs(text: str, at: int) -> bool:
 
 
 def _whole(text: str, at: int, end: int) -> int:
-    """Return the length of what starts at `at` and ends at `end` or after, marks included."""
+    """Return the length from `at` to `end`, extended by the marks that follow."""
     while end < len(text) and _belongs(text, end):
         end += 1
     return end - at

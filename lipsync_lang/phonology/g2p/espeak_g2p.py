@@ -56,7 +56,7 @@ def engine(settings: Settings) -> Engine:
 
     @lru_cache(CACHED_WORDS)
     def apart(labels: tuple[str, ...]) -> tuple[str, ...]:
-        """Take apart what the engine ran together where words meet: no label that there is."""
+        """Split unknown labels, which eSpeak makes by joining sounds of adjacent words."""
         return tuple(
             part
             for label in labels
@@ -67,12 +67,12 @@ def engine(settings: Settings) -> Engine:
 
 
 def known_as(label: str, known: Collection[str]) -> bool:
-    """Tell whether a label is known in one of its spellings."""
+    """Return True if a label is known in one of its spellings."""
     return any(spelling in known for spelling in looser(normalise(label)))
 
 
 def parts(label: str, known: Collection[str]) -> tuple[str, ...]:
-    """Return the known labels that a label is made of; itself where it is of none."""
+    """Split a label into known labels; return it whole if that is impossible."""
     found = segments(label, known)
     return found if all(known_as(part, known) for part in found) else (label,)
 
@@ -84,9 +84,9 @@ def _spelled(text: str, respell: Respeller | None) -> list[tuple[str, str]]:
 def paired(
     text: str, clauses: Sequence[Words], lengths: Mapping[str, int] = MappingProxyType({})
 ) -> Iterator[Said]:
-    """Give the words of each clause the user's spelling, and pauses between the clauses.
+    """Yield the words of each clause in the user's spelling, with pauses between clauses.
 
-    `lengths` are the words that numbers, compounds and the like are by themselves.
+    `lengths` gives the number of spoken words for numbers, compounds and the like.
     """
     written = _clauses(text)
     spoken = [words for words in clauses if words]
@@ -124,10 +124,10 @@ def _clauses(text: str) -> list[list[TextPiece]]:
 def _matched(
     tokens: Sequence[TextPiece], words: Words, lengths: Mapping[str, int]
 ) -> list[Said] | None:
-    """Give each token its words where it is sure which they are.
+    """Give each token its spoken words; None if the assignment is uncertain.
 
-    It is where there are as many as the tokens are by themselves: words that are run together are
-    fewer.
+    The assignment is certain if the clause has as many words as its tokens have when spoken alone.
+    Words that eSpeak joins make the number smaller.
     """
     alone = len(tokens) == len(words) == 1
     counted = [1 if alone or _surely(t) else lengths.get(t.text, 0) for t in tokens]
@@ -143,7 +143,7 @@ def _matched(
 
 
 def _surely(token: TextPiece) -> bool:
-    """Tell whether a token is one word: no number, no abbreviation, no compound."""
+    """Return True if a token is one word: not a number, an abbreviation or a compound."""
     return (
         token.kind == "word"
         and all(counts(c) and not c.isdigit() for c in token.text)

@@ -17,7 +17,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS
 
 MAX_READ_CHARS = 1000
-"""Characters that are read at once; the dictionary has no room for many more."""
+"""Characters read at once; the dictionary's buffer is not much larger."""
 
 _SENTENCE = re.compile(r"[^。！？!?\n]+")
 _EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"
@@ -60,7 +60,7 @@ def respell(text: str) -> list[tuple[str, str]]:
 
 
 def _sentences(text: str) -> Iterator[tuple[int, int]]:
-    """Yield where the parts of a text are that may have something to say."""
+    """Yield (start, stop) of the parts of a text that may be spoken."""
     for found in _SENTENCE.finditer(text):
         stop = found.end()
         start = stop - len(found[0].lstrip(_EDGES))
@@ -71,7 +71,7 @@ def _sentences(text: str) -> Iterator[tuple[int, int]]:
 
 
 def _cut(text: str, start: int, stop: int) -> int:
-    """Return where to end a part that is not too long: after a comma or a space if it can be."""
+    """Return the end of a part of limited length, after a comma or a space if there is one."""
     if stop - start <= MAX_READ_CHARS:
         return stop
     gap = max(text.rfind(mark, start, start + MAX_READ_CHARS) for mark in "、，, \u3000")
@@ -109,7 +109,7 @@ def _read(sentence: str) -> list[tuple[str, str]]:
 
 
 def _said(morpheme: dict[str, str]) -> str:
-    """Return the kana of a morpheme; none for what is not spoken or cannot be read."""
+    """Return the kana of a morpheme; empty if it is silent or unreadable."""
     said = str(morpheme["pron"]).translate(_MARKS)
     if said == "イウ" and morpheme["pos"] == "動詞":
         return "ユー"  # 言う: the dictionary writes the spelling
@@ -117,7 +117,7 @@ def _said(morpheme: dict[str, str]) -> str:
 
 
 def _belongs(before: dict[str, str], morpheme: dict[str, str]) -> bool:
-    """Tell whether a morpheme ends the word of the one before it; さん after a name does not."""
+    """Return True if a morpheme continues the word before; さん after a name does not."""
     if _number(before) and _number(morpheme):
         return True
     group = morpheme["pos_group1"]

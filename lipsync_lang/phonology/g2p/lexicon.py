@@ -19,7 +19,7 @@ from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 COMMENTS = (";;;", "#")
 
 MAX_LEXICON_BYTES = 256 * MIB_BYTES
-"""Bytes; the largest of WikiPron has 30 million."""
+"""Largest lexicon in bytes; the largest of WikiPron has 30 million."""
 
 _VARIANT = re.compile(r"\(\d+\)$")
 _PARTS = re.compile(r"-|'")

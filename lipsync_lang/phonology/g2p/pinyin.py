@@ -53,7 +53,7 @@ _SIGNS = {"+": "加", "=": "等于", "&": "和", "×": "乘", "÷": "除以", "�
 
 
 class _Piece(NamedTuple):
-    """A part of a text of one kind: in the user's spelling, in plain letters, and what follows."""
+    """A part of a text of one kind: the user's spelling, plain letters, next character."""
 
     kind: str
     text: str
@@ -101,12 +101,12 @@ def _pieces(text: str) -> Iterator[_Piece]:
 
 
 def _means(character: str) -> bool:
-    """Tell whether a character means something, and is no bracket, quote or mark on another."""
+    """Return True for a letter, number or symbol that is spoken."""
     return category(character)[0] in "LNS" and character not in SILENT
 
 
 def _roman(piece: _Piece, *, among_hanzi: bool) -> Iterator[_Piece]:
-    """Tell pinyin from foreign words, and take the digits off these."""
+    """Yield pinyin as one piece, and anything else as foreign words and numbers."""
     letters = piece.plain.rstrip("012345")
     paper = among_hanzi and len(letters) == 1 and letters.isupper()  # A4纸
     if not paper and spelled(piece.plain, toneless=not among_hanzi):
@@ -140,7 +140,7 @@ def _read(piece: _Piece, heard: Mapping[str, tuple[str, ...]]) -> Iterator[Said]
 
 
 def said(text: str, syllables: Sequence[str]) -> Said:
-    """Return a word of syllables; one of none is left over, and a voice had best pass over it."""
+    """Return a word of syllables; without any, the word is unread and silent."""
     if not syllables:
         return Said(text, (), " ", text)
     labels = tuple(label for syllable in syllables for label in labels_of(syllable))
@@ -162,7 +162,7 @@ def labels_of(syllable: str) -> tuple[str, ...]:
 
 
 def _for_voice(syllable: str) -> str:
-    """Return a syllable as eSpeak NG reads it: some it does not know as they are."""
+    """Return a syllable in a spelling that eSpeak NG knows."""
     name, tone = syllable[:-1], syllable[-1]
     if name in ("jiong", "qiong", "xiong"):
         return f"{name[:2]}{tone}ong{tone}"
@@ -186,11 +186,11 @@ LONE: Sequence[tuple[re.Pattern[str], str]] = (
     (re.compile(r"(?<=.)地(?=.)"), "de5"),
     (re.compile(r"(?<=.)著(?![名作称书者录述])"), "zhe5"),
 )
-"""What a character reads that is a word by itself, where that is not its commonest reading."""
+"""Readings of characters as words by themselves, if they are not the most common ones."""
 
 
 def words_of(hanzi: str) -> Iterator[tuple[str, list[str]]]:
-    """Yield words and their syllables with tone digits, none for what is not read.
+    """Yield words with their syllables and tone digits; unreadable words have no syllables.
 
     An r after a syllable is the syllable ``r5``.
     """
@@ -245,7 +245,7 @@ def _syllables(phrase: str) -> list[str]:
 
 MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
 MAX_WORD_CHARS = 60
-"""Letters; what is longer is no word."""
+"""Letters of the longest word of pinyin."""
 
 _TAIL = re.compile(r"(r(?![aeiouv]))?([0-5]?)(r(?![aeiouv]))?'?")
 
@@ -322,7 +322,7 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
 
 DIGITS = "零一二三四五六七八九"
 MAX_NUMBER_DIGITS = 10
-"""Digits; a longer one is a telephone number or the like, if it has no separators."""
+"""Most digits of a quantity; longer numbers without separators are read digit by digit."""
 
 _PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
 _UNITS = ("", "十", "百", "千")
@@ -369,7 +369,7 @@ def _cardinal(digits: str) -> str:
 # Foreign words
 
 _IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))
-"""Labels that are another sound in pinyin than in IPA, and others of the same mouth."""
+"""IPA labels and their replacements: the same sound in pinyin, or one of the same mouth shape."""
 
 _NAMES = """ei1,bi4,xi1,di4,yi4,ai2 fu5,ji4,ai2 chi5,ai4,zhei4,kei4,ai2 lou5,ai2 mu5,en1,ou1,pi4,
 qiu1,a4 er5,ai2 si5,ti4,you1,wei1,da2 bu5 liu5,ai4 ke5 si5,wai4,zei4"""
@@ -377,11 +377,11 @@ LETTERS = {
     letter: tuple(name.split())
     for letter, name in zip("ABCDEFGHIJKLMNOPQRSTUVWXYZ", _NAMES.split(","), strict=True)
 }
-"""What Latin letters are called."""
+"""Names of Latin letters, as syllables."""
 
 
 def _heard(words: Sequence[str], settings: Settings) -> dict[str, tuple[str, ...]]:
-    """Return those foreign words of which the voice knows the sounds, and the notation has them."""
+    """Return the sounds of those foreign words that the voice reads and the notation covers."""
     from lipsync_lang.phonology.g2p.espeak_g2p import known_as
     from lipsync_lang.phonology.g2p.g2p_engines import engine as engine_named
 

@@ -29,7 +29,7 @@ SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
 CACHED_WORDS = 20_000
-"""Words of which the reading is remembered."""
+"""Words whose readings are cached."""
 
 
 class _Compiled(NamedTuple):
@@ -40,7 +40,7 @@ class _Compiled(NamedTuple):
     after: Context | None
 
     def fits(self, word: str, at: int) -> bool:
-        """Tell whether the rule takes its letters at a place of a word."""
+        """Return True if the rule applies at a place of a word."""
         return (
             word.startswith(self.spelling, at)
             and (self.before is None or self.before.fits(word, at + len(self.spelling)))
@@ -49,7 +49,7 @@ class _Compiled(NamedTuple):
 
 
 class Rewriter:
-    """Rules made ready for words.
+    """Compiled rules.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def engine(settings: Settings) -> Engine:
 
 
 def too_slow(rules: Sequence[Rule]) -> Iterator[int]:
-    """Yield the rules with which the contexts of one first letter pass their steps, once each."""
+    """Yield each rule that brings the steps of its first letter above the limit."""
     steps: dict[str, int] = {}
     for number, rule in enumerate(rules):
         made = _compile(number, rule)
@@ -151,10 +151,10 @@ def too_slow(rules: Sequence[Rule]) -> Iterator[int]:
 
 
 def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
-    """Yield (rule, earlier rule) where the earlier one always takes the letters first.
+    """Yield (rule, earlier rule) for each rule that an earlier one always preempts.
 
-    It does where its spelling begins the later one's, or is it, and its contexts ask for no
-    more than the later one's do.
+    The earlier rule does so if its spelling is a prefix of the other's, and its contexts demand
+    nothing that the other's do not.
     """
     first: dict[tuple[str, str, str], int] = {}
     for number, rule in enumerate(rules):
@@ -172,7 +172,7 @@ def never_fire(rules: Sequence[Rule]) -> Iterator[tuple[int, int]]:
 
 
 def unknown_labels(rules: Sequence[Rule], labels: Iterable[str]) -> Iterator[tuple[int, str]]:
-    """Yield (rule, label) where a rule becomes a label that the notation does not have."""
+    """Yield (rule, label) for each label of a rule that the notation lacks."""
     known = {normalise(label) for label in labels}
     for number, rule in enumerate(rules):
         yield from ((number, label) for label in rule.to if normalise(label) not in known)
