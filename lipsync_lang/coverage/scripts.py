@@ -44,7 +44,7 @@ Each other script has a class of its own; marks are `m`, ends `-`, all else is a
 def script(character: str) -> str:
     """Return the script of a letter, by its Unicode name; empty for all else.
 
-    The script is the first word of the name, for other widths and styles of the plain letter's name.
+    The script is the first word of that name; other widths and styles count as the plain letter.
     """
     if category(character) not in LETTERS:
         return ""
