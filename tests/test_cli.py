@@ -320,9 +320,11 @@ def test_text_is_spoken_and_its_sound_written(cli, folder):
     ("settings_", "changes"),
     [
         (["motion=paper"], True),
-        (["motion=default"], True),
-        (["motion.window=0.01"], True),
-        (["motion.window=0.1"], False),
+        (["motion=default"], False),
+        (["motion.softness=0"], True),
+        (["motion.softness=1"], False),
+        (["motion.window=0.01"], False),  # no valley is filled
+        (["motion.smooth=closing", "motion.window=0.2"], True),
         (["motion=paper", "motion.window=0.01"], True),
         (["motion.speed_limit=5"], True),
         (["motion.warp=linear"], True),
@@ -345,7 +347,7 @@ def test_motion_is_set(settings_, changes, animate, folder):
         ("motion", "write motion.NAME=VALUE .--set motion.window=0.1. or motion=PRESET"),
         ("window=1", "--set window=1: write motion.NAME=VALUE"),
         ("motion.windw=1", "no motion setting 'windw'; did you mean 'window'"),
-        ("motion.=1", "no motion setting ''; known: contacts, hold"),
+        ("motion.=1", "no motion setting ''; known: anticipate, contacts, hold"),
         ("motion.window=", "motion.window is ''; it is a number from 0 to 10, as 0.1"),
         ("motion.window=wide", "motion.window is 'wide'; it is a number"),
         ("motion.window=-1", "motion.window is '-1'; it is a number"),
