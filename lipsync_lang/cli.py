@@ -13,6 +13,7 @@ from io import TextIOWrapper
 from lipsync_lang.commands.defaults import fill
 from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND
 from lipsync_lang.commands.parser import Command, parser
+from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.commands.words import saying
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.signals import Terminated, terminating
@@ -41,8 +42,10 @@ def _worded(arguments: Sequence[str] | None) -> int:
     except BrokenPipeError:
         raise
     except LipsyncError as error:
-        print(f"lipsync-lang: {error}", file=sys.stderr)
-        return FAULTS if hasattr(error, "faults") else MISUSE
+        of_packs = hasattr(error, "faults")  # those quote fields of files, and no arguments
+        told = str(error) if of_packs else as_options(str(error))
+        print(f"lipsync-lang: {told}", file=sys.stderr)
+        return FAULTS if of_packs else MISUSE
     except OSError as error:
         _discard_output()
         print(f"lipsync-lang: {_os_words(error)}", file=sys.stderr)

@@ -311,7 +311,7 @@ def test_of_two_sides_for_one_shape_the_larger_counts(name):
 
 
 def test_azure_has_sixty_frames_a_second():
-    with pytest.raises(OutputError, match=r"is 23\.976; perform it with --fps 60"):
+    with pytest.raises(OutputError, match=r"is 23\.976; perform it with `fps=60`"):
         bytes_of("azure", performed(fps=23.976))
 
 

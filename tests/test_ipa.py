@@ -451,7 +451,7 @@ def test_a_performer_tells_what_it_mapped_by_features():
 def test_unknown_ipa_may_go_to_the_nearest_in_any_language():
     performer = ll.resolve("english", "facefx")
     line = schedule("ɓ", "ɯ", notation="ipa")
-    with pytest.raises(ll.ScheduleError, match="--unknown nearest"):
+    with pytest.raises(ll.ScheduleError, match="`unknown='nearest'`"):
         performer.perform(line)
     nearest = replace(performer, unknown="nearest")
     numbers, _, _ = nearest.common_phonemes(line)

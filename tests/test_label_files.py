@@ -76,7 +76,7 @@ def test_a_master_file_is_read_one_utterance_at_a_time(read):
     assert read("all.mlf", MASTER, tier="two").labels == ("b",)
     assert read("all.mlf", MASTER, tier="one").end == pytest.approx(0.1)
     assert read("all.mlf", MASTER[: MASTER.index('"C:')]).labels == ("a",)
-    with pytest.raises(ScheduleError, match=r"has 2 utterances, such as one, two; .*--tier one\)"):
+    with pytest.raises(ScheduleError, match=r"has 2 utterances, such as one, two; .*`tier=.one.`"):
         read("all.mlf", MASTER)
     with pytest.raises(ScheduleError, match=r"has no utterance 'twoo'; did you mean 'two'\?"):
         read("all.mlf", MASTER, tier="twoo")
@@ -152,7 +152,7 @@ def test_timit_counts_samples_and_has_words_beside_it(read, tmp_path):
 
 def test_two_numbers_and_a_label_need_a_suffix_or_a_name(read):
     text = "0 1600 sh\n1600 3200 iy\n"
-    with pytest.raises(ScheduleError, match=r"may be .*htk.*timit.*; say which \(--read-as"):
+    with pytest.raises(ScheduleError, match=r"may be .*htk.*timit.*; say which \(`read_as="):
         read("line.xyz", text)
     assert read("line.xyz", text, read_as="timit").end == pytest.approx(0.2)
 

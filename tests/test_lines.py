@@ -104,7 +104,7 @@ def test_a_column_that_no_file_has_is_told(tmp_path):
     (tmp_path / "a.txt").write_text("One.", encoding="utf-8")
     told = []
     assert len(list(read_lines([tmp_path], column="en", remark=told.append))) == 1
-    assert told == ["--column en: not used, for none of the files is a table"]
+    assert told == ["`column='en'`: not used, for none of the files is a table"]
     (tmp_path / "b.csv").write_text("id,en\n1,Two.", encoding="utf-8")
     assert len(list(read_lines([tmp_path], column="en", remark=told.append))) == 2
     assert len(told) == 1
@@ -372,7 +372,7 @@ def test_a_column_by_name_or_number(tmp_path):
     [
         ("fr", "a.tsv:1: has no column 'fr'.*Its columns: id, en, de"),
         ("9", "no column '9'"),
-        (None, "which column is the text. Say --column NAME. Its columns: id, en, de"),
+        (None, "which column is the text. Say `column=.NAME.`. Its columns: id, en, de"),
     ],
 )
 def test_a_column_that_is_not_there_names_the_columns(tmp_path, column, match):
@@ -448,9 +448,9 @@ def test_a_path_that_cannot_be_read_is_named_at_once(tmp_path, name, match):
 @pytest.mark.parametrize(
     ("content", "match"),
     [
-        ("One\nGrüße\n".encode("latin-1"), r"a.txt:2: is not UTF-8 .* UTF-16 .*--encoding"),
+        ("One\nGrüße\n".encode("latin-1"), r"a.txt:2: is not UTF-8 .* UTF-16 .*`encoding="),
         (b"One\n\0\x01\x02", r"a.txt:2: holds zero bytes"),
-        ("One".encode("utf-16-le"), r"a.txt:1: holds zero bytes.*--encoding utf-16-le"),
+        ("One".encode("utf-16-le"), r"a.txt:1: holds zero bytes.*`encoding='utf-16-le'`"),
         (b"\xff\xfea\0b", r"a.txt: has the mark of UTF-16 but is not"),
         (b"x" * 1_000_001, r"a.txt:1: this line is longer"),
     ],

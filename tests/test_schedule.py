@@ -326,7 +326,7 @@ def test_a_tier_is_asked_for_where_there_may_be_several(reader, tmp_path):
     if reader.name == "htk":  # only a master file has several
         assert ll.read_schedule(path, tier="x").labels == LABELS
         return
-    told = "'x'" if reader.tiers else f"{reader.name} files have no tiers; leave out --tier x"
+    told = "'x'" if reader.tiers else f"{reader.name} files have no tiers; leave out `tier='x'`"
     with pytest.raises(ScheduleError, match=told):
         ll.read_schedule(path, tier="x")
 

@@ -102,7 +102,7 @@ def test_a_speaker_is_read_when_asked_for():
     assert told.startswith(
         "line.csv: 2 tiers look like phones: 'Ann - phones', 'Bob - phones'; say"
     )
-    assert told.endswith('(--tier "Ann - phones")')
+    assert told.endswith('(`tier="Ann - phones"`)')
     assert "no tier is called 'Anne'; known: Ann - phones, Ann - words" in refusal(MFA, tier="Anne")
 
 
@@ -125,7 +125,7 @@ def test_other_units_are_guessed_with_a_remark_or_named(unit, told):
     text = "\n".join(["label,start,end", *lines])
     guessed, named = read(text), read(text, rate=unit)
     assert (
-        f"taken for {told}; if they are not, say how many make a second (--rate {unit})"
+        f"taken for {told}; if they are not, say how many make a second (`rate={unit}`)"
         in (guessed.remarks[0])
     )
     np.testing.assert_allclose(guessed.times, [0, 0.1, 0.3, 0.4])
@@ -228,7 +228,7 @@ def test_a_ctm_is_read_without_what_is_added_to_its_labels():
 def test_files_and_channels_of_a_ctm_are_read_when_asked_for(others, names):
     text = f"a 1 0 0.1 HH\n{others}"
     shown = ", ".join(f"'{name}'" for name in names)
-    told = f'{len(names)} files or channels: {shown}; say which (--tier "{names[0]}")'
+    told = f'{len(names)} files or channels: {shown}; say which (`tier="{names[0]}"`)'
     assert refusal(text, "line.ctm") == f"line.ctm: {told}"
     assert [read(text, "line.ctm", tier=name).labels[0] for name in names[:2]] == ["HH", "OW"]
 
@@ -264,7 +264,7 @@ def test_tiers_of_json_are_chosen_like_those_of_a_textgrid():
     }
     text = json.dumps(tiers(**both))
     assert words(read(text, "line.json", tier="Ann")) == [("hi", 0, 2)]
-    assert 'say which (--tier "Ann - phones")' in refusal(text, "line.json")
+    assert 'say which (`tier="Ann - phones"`)' in refusal(text, "line.json")
 
 
 @pytest.mark.parametrize("form", ["json", "textgrid_json"])

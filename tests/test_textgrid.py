@@ -110,9 +110,7 @@ def test_a_speaker_keeps_to_his_own_words():
             ("Bob - phones", [("HH", 0, 0.3), ("OW", 0.3, 0.6)]),
         ]
     )
-    message = (
-        "2 tiers look like phones: 'Ann - phones', 'Bob - phones'; say which .--tier \"Ann - p"
-    )
+    message = "2 tiers look like phones: 'Ann - phones', 'Bob - phones'; say which .`tier=\"Ann - p"
     with pytest.raises(ScheduleError, match=message):
         read(text)
     assert [w.text for w in read(text, tier="Ann").words] == ["hi"]
@@ -206,7 +204,7 @@ def test_words_that_run_backwards_are_refused_with_their_line():
         ([("phones", [])], "no phonemes"),
         (
             [("words", WORDS)],
-            "no tier looks like phones; there is 'words'. Say which it is .--tier NAME",
+            "no tier looks like phones; there is 'words'. Say which it is .`tier=.NAME.`",
         ),
         ([], "has no phonemes in it; check that it was written to the end"),
     ],
@@ -235,7 +233,7 @@ def test_tiers_of_one_name_are_told_with_both_lines():
         (b'File type = "ooTextFile"\nObject class = "PitchTier"\n', ":2: it holds no TextGrid"),
         (b"hello", "is no TextGrid in text"),
         (b"[" * 100_000, "is no TextGrid in text"),
-        (long_form([("phones", [("\xe9", 0, 0.6)])]).encode("latin-1"), "18: is not UTF-8.*--enc"),
+        (long_form([("phones", [("\xe9", 0, 0.6)])]).encode("latin-1"), "18: is not UTF-8.*`enc"),
         (long_form(TIERS).encode("utf-16")[:-1], "not UTF-8 or UTF-16"),
     ],
 )

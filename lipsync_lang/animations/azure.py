@@ -31,7 +31,7 @@ def write_azure(animation: Animation, out: TextIO) -> None:
     if animation.fps != FPS:
         raise OutputError(
             f"{PROGRAM}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}; "
-            f"perform it with --fps {FPS}"
+            f"perform it with `fps={FPS}`"
         )
     table = laid_out(animation, names(HELD), PROGRAM)
     rows = ",\n".join(json.dumps(row) for row in table.round(6).tolist())

@@ -100,7 +100,7 @@ def late(animation: Animation, program: str) -> Iterator[str]:
     if animation.begins > animation.offset:
         yield (
             f"{program} has no time below zero, so the sound begins {animation.begins:.3f} s into "
-            "the file: start it so much later, or leave out what comes before it with --cut"
+            "the file: start it so much later, or leave out what comes before it (`cut`)"
         )
 
 

@@ -73,7 +73,7 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     """The character's 3D model with the animation added, all else in it kept."""
     if animation.model is None:
         raise OutputError(
-            "there is no model to move; name one with --model FILE, or `model:` in the character"
+            "there is no model to move; name one (`model`), or `model:` in the character"
         )
     channels = animation.columns
     model = _model(animation.model, channels)

@@ -6,6 +6,7 @@ from io import TextIOWrapper
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
+from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files import STANDARD_STREAM
 from lipsync_lang.terminal import progress, wipe
@@ -77,7 +78,7 @@ def _columns(languages: list[str], stated: list[str]) -> dict[str | None, list[s
 
 
 def _remark(remark: str) -> None:
-    print(remark, file=sys.stderr)
+    print(as_options(remark), file=sys.stderr)
 
 
 def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, working
+from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files import STANDARD_STREAM
 
@@ -51,7 +52,7 @@ def run(options: Namespace) -> int:
     for remark in _overriding(options, performer):
         print(remark, file=sys.stderr)
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
-        print(remark, file=sys.stderr)
+        print(as_options(remark), file=sys.stderr)
     if options.check:
         from lipsync_lang.quality.check_animation import check
 
@@ -269,7 +270,7 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
     if animation.schedule.confidence is not None:
         how = "recognised" if animation.schedule.recognised else "aligned"
         told += f"\n{how} with a confidence of {animation.schedule.confidence:.2f}"
-    told += "".join(f"\n{remark}" for remark in animation.schedule.remarks)
+    told += "".join(f"\n{as_options(remark)}" for remark in animation.schedule.remarks)
     if not written:
         return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
     return told + "".join(f"\nwrote {path}" for path in written if path != STANDARD_STREAM)

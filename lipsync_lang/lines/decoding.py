@@ -48,7 +48,7 @@ def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[
         raise LipsyncError(_misread(path, opened, encoding, chosen, error)) from None
     except LookupError:
         raise LipsyncError(
-            f"--encoding {encoding}: no encoding has this name; try utf-8, utf-16, cp1252 or "
+            f"`encoding={encoding!r}`: no encoding has this name; try utf-8, utf-16, cp1252 or "
             "shift_jis"
         ) from None
     except (OSError, ValueError) as error:
@@ -69,7 +69,7 @@ def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
         if "\0" in line:
             raise LipsyncError(
                 f"{path}:{number}: holds zero bytes, so it is no text; leave the file out, or, if "
-                "it is UTF-16 without its mark, say --encoding utf-16-le"
+                "it is UTF-16 without its mark, say `encoding='utf-16-le'`"
             )
         if len(line) == MAX_LINE_CHARS:
             raise LipsyncError(
@@ -83,12 +83,12 @@ def _misread(path: Path, opened: Open, asked: str | None, chosen: str, error: Un
     where = f"{path}:{_faulty(opened)}" if chosen == "utf-8-sig" else str(path)
     why = getattr(error, "reason", error)
     if asked:
-        return f"{where}: is not {asked} ({why}); name another --encoding, or save it as UTF-8"
+        return f"{where}: is not {asked} ({why}); name another `encoding`, or save it as UTF-8"
     if chosen != "utf-8-sig":
         return f"{where}: has the mark of {chosen.upper()} but is not ({why}); save it as UTF-8"
     return (
         f"{where}: is not UTF-8 ({why}), and has no mark of UTF-16 or UTF-32 at its start; name "
-        "its encoding (--encoding cp1252), save it as UTF-8, or leave it out if it is no text"
+        "its encoding (`encoding='cp1252'`), save it as UTF-8, or leave it out if it is no text"
     )
 
 

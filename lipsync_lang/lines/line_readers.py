@@ -137,7 +137,7 @@ def read_lines(
         for file in files:
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
     if column is not None and not any(_has_columns(file) for file, _ in found.values()):
-        remark(f"--column {column}: not used, for none of the files is a table")
+        remark(f"`column={column!r}`: not used, for none of the files is a table")
     return _read(found.values(), column, encoding, remark)
 
 

@@ -93,7 +93,7 @@ def _likeliest(source: LineFile, head: Sequence[str]) -> int:
     other = [i for i, name in enumerate(head) if name.casefold() not in (*NAMES, *SPEAKERS)]
     if len(other) == 1:
         return other[0]
-    raise _lacking(source, head, "which column is the text? Say --column NAME")
+    raise _lacking(source, head, "which column is the text? Say `column='NAME'`")
 
 
 def _lacking(source: LineFile, head: Sequence[str], what: str) -> LipsyncError:

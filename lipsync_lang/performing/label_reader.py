@@ -188,9 +188,9 @@ class LabelReader:
         more = f"\n... and {len(at) - 8} more" if len(at) > 8 else ""  # noqa: PLR2004 a screenful
         mend = (
             f"\nAdd them to {self.compiled.language}'s notations, name the notation they are in "
-            "(--notation NAME), or ask for unknown labels at rest (--unknown rest)"
+            "(`notation='NAME'`), or ask for unknown labels at rest (`unknown='rest'`)"
         )
-        mend += " or by their features (--unknown nearest)" if name == IPA else ""
+        mend += " or by their features (`unknown='nearest'`)" if name == IPA else ""
         return "\n".join(lines) + more + mend
 
 

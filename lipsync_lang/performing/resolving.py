@@ -81,5 +81,5 @@ def _gap_message(report: Report) -> str:
     return (
         f"{report.character} has nothing for {len(report.gaps)} bigrams of {report.language}: "
         f"{shown}. Give {report.poseset} targets for their phonemes, "
-        "or ask for gaps at rest (--gaps rest)"
+        "or ask for gaps at rest (`gaps='rest'`)"
     )

@@ -62,7 +62,8 @@ def read_for(
     spoken = schedule or recording.schedule
     if spoken is None:
         raise AnimationError(
-            f"{recording.source}: does not tell what was said; give a TEXT or --schedule FILE"
+            f"{recording.source}: does not tell what was said; give a TEXT, or timed phonemes "
+            "(`schedule`)"
         )
     return fit(recording, performer, spoken, channels=channels)
 
@@ -75,7 +76,7 @@ def fit(
     if channels:
         faces = faces[1:]
     if not faces:
-        raise AnimationError(f"{performer.character} has no rig; leave out --channels")
+        raise AnimationError(f"{performer.character} has no rig; leave out `channels`")
     shapes = [placed(face, recording.names) for face in faces]
     best = max(range(len(faces)), key=lambda n: (len(shapes[n].shapes), -n))
     face, found = faces[best], shapes[best].shapes

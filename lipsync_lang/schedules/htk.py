@@ -107,8 +107,8 @@ def _utterance(source: TimingFile) -> Lines:
         raise source.fault("names no utterance; check that it was written to the end")
     if source.tier is None and len(names) > 1:
         raise source.fault(
-            f"has {len(names)} utterances, such as {', '.join(names[:3])}; say which (--tier "
-            f"{names[0]})"
+            f"has {len(names)} utterances, such as {', '.join(names[:3])}; say which "
+            f"(`tier={names[0]!r}`)"
         )
     return parts[source.tier or names[0]]
 
@@ -127,6 +127,6 @@ def _untimed(source: TimingFile, number: int, line: str) -> Exception:
         return source.fault(f"{line.strip()[:40]!r} is not a start, an end and a label", number)
     return source.fault(
         "is a transcript without times; align it with its recording, and give the TextGrid that "
-        "comes out, or give the recording with its text (--audio)",
+        "comes out, or give the recording with its text (`audio`)",
         number,
     )

@@ -71,7 +71,7 @@ def _voice(source: TimingFile, voices: Voices) -> list[PapagayoWord]:
             raise source.fault(f"no voice is called {source.tier!r}; {hint}")
         speaking = [source.tier]
     if len(speaking) > 1:
-        raise source.fault(f"has several voices: {names}; say which (--tier {speaking[0]!r})")
+        raise source.fault(f"has several voices: {names}; say which (`tier={speaking[0]!r}`)")
     return sorted(voices[speaking[0]], key=lambda word: word.first) if speaking else []
 
 
@@ -139,7 +139,7 @@ def _of_json(source: TimingFile) -> tuple[float, str | None, Voices]:
     whole = source.json
     fps = source.number(whole["fps"])
     if fps <= 0:
-        raise source.fault("`fps` must be above 0")
+        raise source.fault("the field fps must be above 0")
     name = str(whole.get("phoneme_set") or NOTATION)
     notation = None if name.lower().startswith(SOUNDS) else name.lower().replace("_", "-")
     voices: Voices = {}

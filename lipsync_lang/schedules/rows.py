@@ -119,7 +119,7 @@ def _guessed(source: TimingFile, rows: Sequence[LabelRow]) -> tuple[float | None
     unit = "milliseconds" if rate == LIKELY_RATES[0] else f"frames at {rate:g} a second"
     told = (
         f"{source.path}: its sounds would last {typical:g} s each, so its times are taken for "
-        f"{unit}; if they are not, say how many make a second (--rate {rate:g})"
+        f"{unit}; if they are not, say how many make a second (`rate={rate:g}`)"
     )
     return rate, (told,)
 

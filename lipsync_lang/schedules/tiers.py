@@ -102,7 +102,7 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
         )
     if others:
         raise source.fault(
-            f'{len(found)} {what}: {_list(found)}; say which (--tier "{first.name}")'
+            f'{len(found)} {what}: {_list(found)}; say which (`tier="{first.name}"`)'
         )
     return first
 
@@ -114,7 +114,7 @@ def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     found = found or [tier for tier in tiers if tier.looks_like_phones()]
     if tiers and not found:
         raise source.fault(
-            f"no tier looks like phones; there is {_list(tiers)}. Say which it is (--tier NAME), "
+            f"no tier looks like phones; there is {_list(tiers)}. Say which it is (`tier='NAME'`), "
             "or align the file first"
         )
     return found

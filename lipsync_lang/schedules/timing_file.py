@@ -76,7 +76,7 @@ class TimingFile:
             asked = encoding if self.encoding else "UTF-8 or UTF-16"
             raise self.fault(
                 f"is not {asked} text (byte {error.start}); save it as UTF-8, or name its "
-                "encoding (--encoding cp1252)",
+                "encoding (`encoding='cp1252'`)",
                 line,
             ) from None
         except (LookupError, ValueError):

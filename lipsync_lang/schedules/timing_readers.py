@@ -90,7 +90,7 @@ def schedule_of(source: TimingFile, read_as: str | None = None) -> Schedule:
     found = find_reader(source, read_as)
     _log.info("%s is read as %s", source.path, found.name)
     if source.tier is not None and not found.tiers:
-        raise source.fault(f"{found.name} files have no tiers; leave out --tier {source.tier}")
+        raise source.fault(f"{found.name} files have no tiers; leave out `tier={source.tier!r}`")
     return found.read(source)
 
 
@@ -104,7 +104,7 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
         found = [one for one in alike if one in named] or alike
         if len(found) > 1:
             names = " or ".join(one.name for one in found)
-            raise source.fault(f"may be {names}; say which (--read-as {found[0].name})")
+            raise source.fault(f"may be {names}; say which (`read_as={found[0].name!r}`)")
         if found:
             return found[0]
     if len(named) == 1:

@@ -108,7 +108,7 @@ class Speaker:
         if manner.engine is None:
             raise SpeechError(
                 f"{manner.language} does not read text: give its pack a `g2p`, "
-                "or give timed phonemes (--schedule)"
+                "or give timed phonemes (`schedule`)"
             )
         if manner.notation not in self.notations:
             raise SpeechError(
@@ -271,7 +271,7 @@ class Speaker:
         if self.manner.engine is None:
             raise SpeechError(
                 f"{self.manner.language} names no voice: give its pack a `tts`, a `g2p` to "
-                "estimate times by, or give timed phonemes (--schedule)"
+                "estimate times by, or give timed phonemes (`schedule`)"
             )
         (transcript,) = self.transcribe([text])
         return estimate(transcript, self.manner, self.notations[self.manner.notation])

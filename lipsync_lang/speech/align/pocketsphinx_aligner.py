@@ -66,7 +66,7 @@ class PocketsphinxAligner:
             raise SpeechError(
                 f"nothing of the text fits the sound (confidence {sure:.2f}): is it the text of "
                 "this recording, in this language, and can the voice be heard? Another aligner "
-                "may do better (--aligner)"
+                "may do better (`aligner`)"
             )
         remarks = doubts(heard, sayings)
         if sure < DOUBTFUL:

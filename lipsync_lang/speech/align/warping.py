@@ -81,7 +81,7 @@ class SpokenVoice(NamedTuple):
         if said.audio is None:
             raise SpeechError(
                 f"{speaker.manner.language} has no voice to compare the recording with; give its "
-                "pack a `tts`, or align with another program and give its file (--schedule)"
+                "pack a `tts`, or align with another program and give its file (`schedule`)"
             )
         kept = [n for n, label in enumerate(said.labels) if label != SILENCE]
         place = {n: at for at, n in enumerate(kept)}
