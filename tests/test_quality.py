@@ -16,7 +16,7 @@ from strategies import any_lines  # noqa: F401 its profile is wanted
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.packs.models.check_models import Checks
-from lipsync_lang.quality.baselines import BASELINES, LEAST, compare, held
+from lipsync_lang.quality.baselines import BASELINES, HOLD_SECONDS, compare, held
 from lipsync_lang.quality.check_animation import check
 from lipsync_lang.quality.figures import Figure, Finding, Quality
 from lipsync_lang.quality.measures import load_measures
@@ -451,7 +451,7 @@ def test_held_shapes_are_held_one_at_a_time():
     shown = animation.weights.argmax(axis=1) + 1
     shown[animation.weights.max(axis=1) == 0] = 0
     starts = animation.times[np.flatnonzero(np.diff(shown)) + 1]
-    assert min(b - a for a, b in pairwise(starts)) >= LEAST - 1 / 240
+    assert min(b - a for a, b in pairwise(starts)) >= HOLD_SECONDS - 1 / 240
     assert animation["PBM"].max() == 1.0
     assert animation.weights[0].max() == animation.weights[-1].max() == 0
 

@@ -1,1 +1,1 @@
-"""How good an animation is: plain methods to compare with, and what a recording would say."""
+"""Quality of animations: measures with limits, and plain methods to compare with."""

@@ -1,4 +1,7 @@
-"""Plain methods on the same targets, so that ours is compared with something."""
+"""Plain methods of lip sync on the same targets, to compare a performance with.
+
+Conventions: P poses, T frames, m targets of a phoneme; times are in seconds.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -19,12 +22,12 @@ if TYPE_CHECKING:
 
     from lipsync_lang.packs.models.pose_models import PhonemeTarget
 
-FALL = 50.0
-"""Per second: how fast a target's say falls away in `dominance`; of 10 to 80, what follows three
-recordings of real mouths best."""
+FALL_PER_SECOND = 50.0
+"""Decay of a target's dominance with distance; of 10 to 80, the value that follows three recordings
+of real mouths best."""
 
-LEAST = 2 / 24
-"""Seconds that a shape stays at least in `held`: drawings last two frames of film."""
+HOLD_SECONDS = 2 / 24
+"""Shortest hold of a shape in `held`: drawings last two frames of film."""
 
 
 def keyframes(
@@ -32,8 +35,8 @@ def keyframes(
 ) -> Animation:
     """Animate by one key per phoneme at its centre, straight lines between them.
 
-    What most viseme tables do. A phoneme that moves has a key for each of its targets, evenly
-    spread over its time. The targets are those the pose set's bigrams are drafted from.
+    Most viseme tables work this way. A phoneme with several targets has a key for each, evenly
+    spread over its time. Bigrams are drafted from the same targets.
 
     Returns
     -------
@@ -59,16 +62,16 @@ def keyframes(
 def dominance(
     performer: Performer, schedule: Schedule, fps: float = 60, library: Library | None = None
 ) -> Animation:
-    """Animate by targets that pull at every time, the less the farther they are.
+    """Animate by targets that all pull on every frame, the weaker the farther away.
 
-    The model that bigrams are drafted from, over a whole utterance: nothing is cut into pairs,
-    stitched, smoothed, held or limited::
+    Drafts of bigrams come from the same model. Here it covers a whole utterance: nothing is cut
+    into pairs, stitched, smoothed, held or limited::
 
-        f(t) = sum_i D_i(t) T_i / sum_i D_i(t),   D_i(t) = dominance_i exp(-FALL |t - m_i|)
+        f(t) = sum_i D_i(t) T_i / sum_i D_i(t),   D_i(t) = dominance_i exp(-c |t - m_i|)
 
-    with m the middle of each phoneme, of each target of one that moves, and of the part of a
-    silence that is near. After Cohen and Massaro, "Modeling coarticulation in synthetic visual
-    speech", in Models and Techniques in Computer Animation, 1993.
+    with c `FALL_PER_SECOND` and m the middle of each target, or of the near part of a silence.
+    After Cohen and Massaro, "Modeling coarticulation in synthetic visual speech", in Models and
+    Techniques in Computer Animation, 1993.
 
     Returns
     -------
@@ -77,37 +80,39 @@ def dominance(
     targets = _targets(performer, library)
     performance = performer.performance(schedule, fps)
     track, frames = performance.track, performance.frames.times()
-    wishes, insists, away = [], [], []
+    wishes, strengths, away = [], [], []
     for number, start, end, reach in zip(
         track.ids, track.bounds, track.bounds[1:], track.reach, strict=False
     ):
         steps = targets.get(performer.compiled.phonemes[number], ())
-        rows, strength = _insisting(steps, performer)
+        rows, strength = _dominances(steps, performer)
         for step, row in enumerate(rows):
             share = (step + 0.5) / len(rows)
             early, late = start + reach * share, end - reach * (1 - share)
             wishes.append(row)
-            insists.append(strength)
+            strengths.append(strength)
             away.append(np.maximum(0, np.maximum(early - frames, frames - late)))
     far = np.array(away)
-    fall = np.exp(FALL * (far.min(axis=0) - far))  # beside the nearest, so that not all vanish
-    pull = fall.T @ np.array(insists)
-    weights = fall.T @ (np.array(insists) * np.array(wishes)) / pull
+    # Relative to the nearest target, so that no frame underflows to 0 / 0.
+    fall = np.exp(FALL_PER_SECOND * (far.min(axis=0) - far))
+    pull = fall.T @ np.array(strengths)
+    weights = fall.T @ (np.array(strengths) * np.array(wishes)) / pull
     return Animation(frames, performer.poses, weights, fps, schedule)
 
 
 def _targets(
     performer: Performer, library: Library | None
 ) -> "Mapping[str, tuple[PhonemeTarget, ...]]":
-    """Return the targets of the performer's pose set, from where its packs were found."""
+    """Return the targets of the performer's pose set, found on the performer's own paths."""
     packs = library or Library(performer.paths)
     return packs.poseset(performer.compiled.poseset).model.targets
 
 
-def _insisting(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:
+def _dominances(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:
     """Return the poses at each step of a phoneme, (m, P), and the dominance of each pose, (P,).
 
-    As in drafts: a pose that is not named yields, unless a constraint sets it against one that is.
+    As in drafts, poses without a target are passive, unless a constraint opposes them to one with a
+    target.
     """
     if not steps:
         return np.zeros((1, len(performer.poses))), np.ones(len(performer.poses))
@@ -127,12 +132,11 @@ def _insisting(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tupl
 def held(
     performer: Performer, schedule: Schedule, fps: float = 60, library: Library | None = None
 ) -> Animation:
-    """Animate by one shape at a time, each held, as programs for drawn mouths do.
+    """Animate by one held shape at a time, as programs for drawn mouths do.
 
-    The shape of a phoneme is the strongest pose of its target, at its weight; one that moves has
-    one for each of its targets, evenly spread. A shape stays for `LEAST` at least: one that is not
-    through when the next begins delays it, and one whose time is over by then is left out. Nothing
-    is blended, held or limited.
+    The shape of a target is its strongest pose, at its weight; the targets of a phoneme are evenly
+    spread over its time. Every shape stays for `HOLD_SECONDS` at least and delays the next one; a
+    shape whose time is over by then is dropped. Nothing is blended or limited.
 
     Returns
     -------
@@ -145,11 +149,13 @@ def held(
     for number, start, end in zip(ids, bounds, bounds[1:], strict=False):
         steps = targets.get(performer.compiled.phonemes[number], ())
         for step, shape in enumerate(_strongest(steps, performer)):
-            begin = max(start + (end - start) * step / max(1, len(steps)), starts[-1] + LEAST)
+            begin = max(
+                start + (end - start) * step / max(1, len(steps)), starts[-1] + HOLD_SECONDS
+            )
             if begin < start + (end - start) * (step + 1) / max(1, len(steps)):
                 starts.append(begin)
                 shapes.append(shape)
-    starts.append(max(bounds[-1], starts[-1] + LEAST))
+    starts.append(max(bounds[-1], starts[-1] + HOLD_SECONDS))
     shapes.append(np.zeros(len(performer.poses)))
     frames = performer.performance(schedule, fps).frames.times()
     shown = np.searchsorted(starts, frames + 1e-9, side="right") - 1
@@ -157,7 +163,7 @@ def held(
 
 
 def _strongest(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
-    """Return the strongest pose of each target alone: (m, P)."""
+    """Return the targets with all but their strongest pose at 0: (m, P)."""
     rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
     weights = np.array(rows or [[0.0] * len(performer.poses)])
     most = weights.argmax(axis=1)
@@ -177,7 +183,7 @@ def compare(
 
     Returns
     -------
-    What each method came to: `performed`, and the names of `BASELINES`
+    Quality by method: `performed`, and the names of `BASELINES`
     """
     library = Library(performer.paths)
     performed = {"performed": performer.perform(schedule, fps)}
@@ -189,6 +195,6 @@ def compare(
 
 
 def read_out(animation: Animation, gains: dict[str, float]) -> Floats:
-    """Return what a measure of a pose set shows over an animation: (T,) sum of gain x pose."""
+    """Return a pose set's measure over an animation: (T,), the sum of gain x pose."""
     shown: Floats = np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
     return shown

@@ -1,4 +1,4 @@
-"""Judge a finished animation: every measure, against the limits of its face."""
+"""Judging a finished animation: every measure, held against the limits of its face."""
 
 from collections.abc import Iterator, Mapping
 from math import isfinite
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 Limits = Mapping[str, float]
-"""The most of a measure that is sound, by its name."""
+"""The highest acceptable value by the name of the measure."""
 
 
 def check(
@@ -29,14 +29,15 @@ def check(
     Parameters
     ----------
     animation : of a performer's poses, or of its rig's channels
-    performer : what knows the face and what was said; that which performed it unless given
-    limits : by a measure's name, over those of the pose set and the character
-    remarks : what is worth a word about how the animation came here
+    performer : of this face; by default the one that performed the animation
+    limits : by measure; they override those of the pose set and the character
+    remarks : notes to print with the result, such as those of the reader
 
     Raises
     ------
     LipsyncError
-        Nobody knows the face, a limit is of no measure, or the animation is of another face.
+        The animation has no performer and none is given, a limit names no measure or is no number
+        of at least 0, or the animation is of another face.
     """
     performer = performer or animation.performer
     if performer is None:

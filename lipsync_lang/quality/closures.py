@@ -1,4 +1,4 @@
-"""Whether the mouth makes what is heard: contacts, their time, and the rules of a pose set."""
+"""Measures of contacts, of the timing of closures, and of the rules of a pose set."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
@@ -10,14 +10,14 @@ from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measures import Measured, measure, one, places, runs, share, unjudged
 from lipsync_lang.quality.take import Take, Touch
 
-SEARCHED = 0.25
-"""Seconds around a sound in which a closure may be meant for it."""
+SEARCH_SECONDS = 0.25
+"""A closure farther from a sound than this is not for the sound."""
 
-ROUNDED = 1e-4
-"""By how much a file that rounds its numbers may miss a rule."""
+RULE_TOLERANCE = 1e-4
+"""Shortfall from a rule that rounding in files may cause."""
 
-WORST = 8
-"""As many closures as are named."""
+MAX_CLOSURES = 8
+"""Closures that findings name."""
 
 NO_CONTACT = "the pose set has no contacts"
 
@@ -53,19 +53,21 @@ def contacts(scene: Take) -> Iterable[Measured]:
 
 
 def _missed(scene: Take, touch: Touch, missed: Ints) -> Iterator[Finding]:
-    """Say of each sound which pose comes closest to a contact, and how close."""
+    """Name, for each sound without its contact, the pose that prevents it, at the best frame."""
     margins = scene.margins(touch)
     least = margins.min(axis=0, initial=np.inf)
     first, stop = scene.frames(scene.track.bounds[missed], scene.track.bounds[missed + 1])
-    told = {}
+    descriptions = {}
     for number, a, b in zip(missed.tolist(), first.tolist(), stop.tolist(), strict=True):
         frame = a + int(least[a:b].argmax()) if a < b else None
-        told[number] = "has no frame" if frame is None else _short(scene, touch, margins, frame)
-    return places(scene, told)
+        descriptions[number] = (
+            "has no frame" if frame is None else _short(scene, touch, margins, frame)
+        )
+    return places(scene, descriptions)
 
 
 def _short(scene: Take, touch: Touch, margins: Floats, frame: int) -> str:
-    """Say which pose keeps a frame from making a contact."""
+    """Describe the pose that keeps a frame from making a contact."""
     pose = int(margins[:, frame].argmin())
     value, low, high = scene.curves[pose, frame], touch.low[pose], touch.high[pose]
     wanted = f"{low:g} or more" if value < low else f"{high:g} or less"
@@ -74,9 +76,9 @@ def _short(scene: Take, touch: Touch, margins: Floats, frame: int) -> str:
 
 @measure("false_contacts", "of sounds", limit=0)
 def false_contacts(scene: Take) -> Iterable[Measured]:
-    """Sounds in whose middle a contact is made that they do not demand, for each contact.
+    """Sounds whose middle frame makes a contact that they do not demand, for each contact.
 
-    Only contacts that hold something up: any other is made by a face at rest, too::
+    Contacts that raise no pose are left out, because a face at rest makes them too::
 
         value = made / sounds that do not demand it
     """
@@ -99,22 +101,24 @@ def false_contacts(scene: Take) -> Iterable[Measured]:
 
 
 class Offset(NamedTuple):
-    """By how much the closure for a sound is off."""
+    """Time between a sound and its closure."""
 
     seconds: float
-    """Later than the sound where above 0."""
+    """Above 0 if the closure is late."""
     phoneme: int
     touch: str
 
 
 def offsets(scene: Take) -> tuple[Offset, ...]:
-    """Return by how much each closure of an animation is off."""
+    """Return the offset of each closure of an animation."""
     return tuple(offset for touch in scene.face.touches for offset in _offsets(scene, touch))
 
 
 def _offsets(scene: Take, touch: Touch) -> Iterator[Offset]:
     bounds = scene.track.bounds
-    begin, past = runs(scene.demanded(touch))  # neighbours that demand it close once
+    begin, past = runs(
+        scene.demanded(touch)
+    )  # neighbours that demand the contact share one closure
     first, stop = runs(scene.margin(touch) >= 0)
     if not begin.size or not first.size:
         return
@@ -123,14 +127,16 @@ def _offsets(scene: Take, touch: Touch) -> Iterator[Offset]:
     owner = _nearest(middles, (start + end) / 2)
     sound = middles[owner]
     off = (start + end) / 2 - sound
-    if not touch.raised:  # a face at rest goes on for as long as it likes
+    if (
+        not touch.raised
+    ):  # the rest before and after a sound makes the contact too, so its middle says nothing
         owner = np.arange(len(begin))
         start, end = _covering(start, end, middles)
         sound = middles
         off = np.maximum(0, start - sound) + np.minimum(0, end - sound)
     crowded = np.searchsorted(bounds[begin], end) - np.searchsorted(bounds[past], start) > 1
     away = np.maximum(start - bounds[past][owner], bounds[begin][owner] - end)
-    off[(crowded & touch.raised) | (away > SEARCHED)] = np.inf
+    off[(crowded & touch.raised) | (away > SEARCH_SECONDS)] = np.inf
     for number, phoneme in enumerate(begin.tolist()):
         own = off[owner == number]
         if own.size and np.isfinite(own).any():
@@ -138,7 +144,7 @@ def _offsets(scene: Take, touch: Touch) -> Iterator[Offset]:
 
 
 def _covering(start: Floats, end: Floats, at: Floats) -> tuple[Floats, Floats]:
-    """Return the run that covers each time, or else the nearest one."""
+    """Return start and end of the run that covers each time, or of the nearest run."""
     before = (np.searchsorted(start, at, side="right") - 1).clip(0)
     after = np.minimum(before + 1, len(start) - 1)
     nearer = (start[after] - at < at - end[before]) & (at > end[before])
@@ -147,7 +153,7 @@ def _covering(start: Floats, end: Floats, at: Floats) -> tuple[Floats, Floats]:
 
 
 def _nearest(places: Floats, to: Floats) -> Ints:
-    """Return which of rising places is the nearest to each of others."""
+    """Return the index of the nearest of `places`, which rise, for each of `to`."""
     if len(places) == 1:
         return np.zeros(len(to), np.intp)
     after = np.searchsorted(places, to).clip(1, len(places) - 1)
@@ -155,47 +161,47 @@ def _nearest(places: Floats, to: Floats) -> Ints:
     return np.where(nearer, after - 1, after)
 
 
-def _off(scene: Take, sign: int) -> Iterable[Measured]:
-    """Return the closure that is off the most one way."""
+def _largest_offset(scene: Take, sign: int) -> Iterable[Measured]:
+    """Return the largest offset in one direction: late for sign 1, early for -1."""
     every = offsets(scene)
     if not every:
-        return unjudged("no closure can be told")
+        return unjudged("no closure can be descriptions")
     found = [offset for offset in every if offset.seconds * sign > 0]
     word = "late" if sign > 0 else "early"
-    told = {o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in found}
-    worst = sorted(found, key=lambda offset: -offset.seconds * sign)[:WORST]
-    shown = {offset.phoneme: told[offset.phoneme] for offset in worst}
+    descriptions = {o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in found}
+    worst = sorted(found, key=lambda offset: -offset.seconds * sign)[:MAX_CLOSURES]
+    shown = {offset.phoneme: descriptions[offset.phoneme] for offset in worst}
     return one(abs(worst[0].seconds) if worst else 0.0, {}, places(scene, shown))
 
 
 @measure("closure_late", "s", limit=0.045)
 def closure_late(scene: Take) -> Iterable[Measured]:
-    """How late the latest closure is.
+    """Lateness of the latest closure.
 
-    A closure is a run of frames that make a contact; the one whose middle is nearest to that of the
-    sounds that demand it, within 0.25 s of them, is theirs. Where a face at rest makes the contact
-    too, a closure is off only as far as it misses the sound's middle. Beyond 0.045 s viewers notice
-    that the picture is late (ITU-R BT.1359)::
+    A closure is a run of frames that make a contact. It belongs to the sounds that demand it and
+    whose middle is nearest, within 0.25 s. If a face at rest makes the contact too, the offset is
+    the time by which the closure misses the sound's middle. Viewers notice a late picture beyond
+    0.045 s (ITU-R BT.1359)::
 
         value = max(0, max over closures of (middle of closure - middle of sound))
     """
-    return _off(scene, 1)
+    return _largest_offset(scene, 1)
 
 
 @measure("closure_early", "s", limit=0.125)
 def closure_early(scene: Take) -> Iterable[Measured]:
-    """How early the earliest closure is; viewers notice it beyond 0.125 s.
+    """Earliness of the earliest closure; viewers notice an early picture beyond 0.125 s.
 
     It is::
 
         value = max(0, max over closures of (middle of sound - middle of closure))
     """
-    return _off(scene, -1)
+    return _largest_offset(scene, -1)
 
 
 @measure("closure_offset", "s", limit=0.045)
 def closure_offset(scene: Take) -> Iterable[Measured]:
-    """How far the median closure is off; `median` says which way: above 0, it comes late.
+    """Offset of the median closure, without its sign; `median` has the sign, above 0 for late.
 
     It is::
 
@@ -203,18 +209,18 @@ def closure_offset(scene: Take) -> Iterable[Measured]:
     """
     found = [offset.seconds for offset in offsets(scene)]
     if not found:
-        return unjudged("no closure can be told")
+        return unjudged("no closure can be descriptions")
     median = float(np.median(found))
     return one(abs(median), {"median": round(median, 6), "closures": len(found)})
 
 
 @measure("rules", "of sounds", limit=0)
 def rules(scene: Take) -> Iterable[Measured]:
-    """Phonemes that never show what a rule of the pose set asks of them, for each rule.
+    """Phonemes that miss a rule of the pose set, for each rule.
 
-    A rule names phonemes, a measure of the pose set, and what that must reach (`at_least`) or come
-    down to (`at_most`) at one frame within half a frame of the phoneme. Its own `missed` is the
-    limit::
+    A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
+    phoneme, half a frame wider, the measure must reach `at_least` or come down to `at_most`. The
+    limit is the rule's own `missed`::
 
         value = missed / phonemes of the rule
     """
@@ -235,11 +241,11 @@ def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     shown = gains @ scene.curves
     room = np.minimum(shown - rule.get("at_least", -np.inf), rule.get("at_most", np.inf) - shown)
     best = scene.over(which, room, np.maximum)
-    missed = ~(best >= -ROUNDED)
-    told = {
+    missed = ~(best >= -RULE_TOLERANCE)
+    descriptions = {
         int(number): f"misses it by {-short:.2f} of {rule['measure']}"
         for number, short in zip(which[missed], best[missed], strict=True)
     }
     parts = {"kept": int((~missed).sum()), "missed": int(missed.sum())}
-    found = tuple(places(scene, told))
+    found = tuple(places(scene, descriptions))
     return [Measured(share(missed), parts, found, of=name, limit=rule["missed"])]

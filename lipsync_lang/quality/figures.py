@@ -1,4 +1,4 @@
-"""What judging an animation gives: figures, what was found where, and a verdict."""
+"""Results of judging an animation: figures with findings, and a verdict."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 
-ROUNDING = 1e-3
-"""Share of a limit by which files that round their numbers may pass it."""
+LIMIT_TOLERANCE = 1e-3
+"""Share of a limit by which rounding in files may exceed it."""
 
-MANY = 5
-"""As many findings of one figure as text lists."""
+MAX_FINDINGS = 5
+"""Findings of one figure that text lists."""
 
 
 class Finding(NamedTuple):
@@ -23,17 +23,17 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True)
 class Figure:
-    """What one measure came to.
+    """The value of one measure.
 
     Parameters
     ----------
-    name : the measure, and of what it is one of several
-    value : None where it could not be judged
+    name : the measure, with its contact or rule if it has several figures
+    value : None if it could not be judged
     unit : of value and limit
-    limit : the most that is sound; None where nothing is asked
-    parts : what the value is made of: by pose, pair or count
-    findings : where, in order of time
-    why : what kept it from being judged
+    limit : the highest acceptable value; None for no limit
+    parts : components of the value, by pose, pair or count
+    findings : places that count against the figure, in order of time
+    why : the reason why it could not be judged; else empty
     """
 
     name: str
@@ -46,14 +46,14 @@ class Figure:
 
     @property
     def passed(self) -> bool:
-        """Whether the value keeps to its limit; what is not judged does."""
+        """False if the value exceeds its limit."""
         if self.value is None or self.limit is None:
             return True
-        return self.value <= self.limit * (1 + ROUNDING) + 1e-9
+        return self.value <= self.limit * (1 + LIMIT_TOLERANCE) + 1e-9
 
     @property
     def verdict(self) -> str:
-        """The same in a word: `ok`, `FAIL`, or `-` where nothing is asked."""
+        """`ok`, `FAIL`, or `-` without value or limit."""
         if self.value is None or self.limit is None:
             return "-"
         return "ok" if self.passed else "FAIL"
@@ -65,9 +65,9 @@ class Quality:
 
     Parameters
     ----------
-    subject : what was judged, in words
-    figures : in the order in which measures are told
-    remarks : what is worth knowing about how it was judged
+    subject : language, character, frame rate and text
+    figures : in the order of the measures
+    remarks : notes of the reader
     """
 
     subject: str
@@ -76,16 +76,22 @@ class Quality:
 
     @property
     def failed(self) -> tuple[Figure, ...]:
-        """The figures past their limits."""
+        """The figures that exceed their limits."""
         return tuple(figure for figure in self.figures if not figure.passed)
 
     @property
     def passed(self) -> bool:
-        """Whether no figure is past its limit."""
+        """True if no figure exceeds its limit."""
         return not self.failed
 
     def __getitem__(self, name: str) -> Figure:
-        """Return the figure of a name."""
+        """Return a figure by name.
+
+        Raises
+        ------
+        LipsyncError
+            There is no such figure.
+        """
         known = {figure.name: figure for figure in self.figures}
         if name not in known:
             raise LipsyncError(f"no figure '{name}' here; {did_you_mean(name, known)}")
@@ -99,16 +105,18 @@ class Quality:
         yield from (f"  {remark}" for remark in self.remarks)
         width = max((len(figure.name) for figure in self.figures), default=0)
         for figure in self.figures:
-            yield f"  {figure.verdict:<6}{figure.name:<{width}}  {told(figure)}".rstrip()
+            yield f"  {figure.verdict:<6}{figure.name:<{width}}  {describe(figure)}".rstrip()
             if not figure.passed:
-                yield from (f"{' ' * 10}{f.at:.3f} s: {f.what}" for f in figure.findings[:MANY])
-                if len(figure.findings) > MANY:
-                    yield f"{' ' * 10}and {len(figure.findings) - MANY} more"
+                yield from (
+                    f"{' ' * 10}{f.at:.3f} s: {f.what}" for f in figure.findings[:MAX_FINDINGS]
+                )
+                if len(figure.findings) > MAX_FINDINGS:
+                    yield f"{' ' * 10}and {len(figure.findings) - MAX_FINDINGS} more"
         judged = [figure for figure in self.figures if figure.limit is not None]
         yield f"{len(judged) - len(self.failed)} of {len(judged)} limits kept"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures as JSON holds them."""
+        """Return the figures as plain JSON data."""
         rows = [
             asdict(figure)
             | {
@@ -126,7 +134,7 @@ class Quality:
         }
 
 
-def told(figure: Figure) -> str:
+def describe(figure: Figure) -> str:
     """Return a figure's value, limit and worst part in words."""
     if figure.value is None:
         return f"not judged: {figure.why}"

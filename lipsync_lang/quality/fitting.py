@@ -1,4 +1,4 @@
-"""Bring an animation of any program onto the face of a performer, so that it can be judged."""
+"""Animations of other programs, as poses or rig channels of a performer, for `check` to read."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.schedules.schedule import Schedule
 
-UNEVEN = 0.02
-"""Share of a frame by which frames may be apart unevenly before they are laid out anew."""
+UNEVEN_FRAMES = 0.02
+"""Share of a frame by which intervals may differ; more uneven frames are resampled."""
 
-MOST_RATE = 240.0
-"""Frames per second; a file with more keys is read at so many."""
+MAX_FPS = 240.0
+"""Files with more keys per second are resampled at this rate."""
 
-PERCENT = 5.0
-"""Weights past this are no shares of 1."""
+PERCENT_ABOVE = 5.0
+"""Weights above this are percentages, not shares of 1."""
 
-FEW = 8
-"""As many names as a remark lists."""
+MAX_NAMES = 8
+"""Names that a remark lists."""
 
 Read = tuple[Animation, tuple[str, ...]]
-"""An animation, and what is doubtful about it."""
+"""An animation, and remarks on doubtful points."""
 
 
 def read_for(
@@ -44,19 +44,19 @@ def read_for(
 ) -> Read:
     """Read an animation file as the poses of a performer, or as the channels of its rig.
 
-    Columns are found by name, however they are spelled, as the shapes of a model are. What has no
-    column stays at rest, and is told.
+    Columns are found by name in any spelling, like the shapes of a model. Poses without a column
+    stay at rest, and a remark names them.
 
     Parameters
     ----------
     path : CSV, a take of Live Link Face, a GLB with an animation, or our JSON
-    schedule : what was said; what the file says was, unless given
-    channels : whether to read channels; else poses, or channels where only these are found
+    schedule : the spoken line; by default the file's own
+    channels : read rig channels; by default poses, or channels if the file has only these
 
     Raises
     ------
     AnimationError
-        The file cannot be read, has nothing of the face, or nobody knows what was said.
+        The file cannot be read, has no column of the face, or holds no schedule and none is given.
     """
     recording = read_animation(path)
     spoken = schedule or recording.schedule
@@ -71,7 +71,7 @@ def read_for(
 def fit(
     recording: Recording, performer: "Performer", schedule: "Schedule", *, channels: bool = False
 ) -> Read:
-    """Lay a recording on a face; see `read_for`."""
+    """Return a recording as an animation of a face; see `read_for`."""
     faces = _faces(performer)
     if channels:
         faces = faces[1:]
@@ -91,7 +91,7 @@ def fit(
         own = recording.values[:, [recording.names.index(name) for name in columns]]
         values[:, number] = own.max(axis=1)
     remarks = [*recording.remarks, *(f"{recording.source}: {d}" for d in shapes[best].doubts)]
-    if values.max() > PERCENT:
+    if values.max() > PERCENT_ABOVE:
         values = values / 100
         remarks.append(f"{recording.source}: its weights run to 100, and are taken as percent")
     times, fps = _even(recording.times)
@@ -106,7 +106,7 @@ def fit(
 
 
 def _faces(performer: "Performer") -> "list[tuple[Channel, ...]]":
-    """Return the poses of a performer, and the channels of its rig where it has one."""
+    """Return the poses of a performer, and the channels of its rig if it has one."""
     compiled = performer.compiled
     faces = [performer.channels]
     if compiled.rig is not None:
@@ -116,12 +116,12 @@ def _faces(performer: "Performer") -> "list[tuple[Channel, ...]]":
 
 
 def _even(times: Floats) -> tuple[Floats, float]:
-    """Return times that are evenly apart, and how many there are in a second."""
+    """Return evenly spaced times, and frames per second."""
     step = float(np.median(np.diff(times)))
-    fps = min(1 / step, MOST_RATE)
-    fps = round(fps) if abs(fps - round(fps)) < UNEVEN else fps
+    fps = min(1 / step, MAX_FPS)
+    fps = round(fps) if abs(fps - round(fps)) < UNEVEN_FRAMES else fps
     apart = np.abs(np.diff(times) * fps - 1)
-    if apart.max() <= UNEVEN:
+    if apart.max() <= UNEVEN_FRAMES:
         return times, fps
     count = int(np.floor((times[-1] - times[0]) * fps + 1e-6)) + 1
     return times[0] + np.arange(count) / fps, fps
@@ -129,4 +129,4 @@ def _even(times: Floats) -> tuple[Floats, float]:
 
 def _some(names: "Iterable[str]") -> str:
     known = list(names)
-    return ", ".join(known[:FEW]) + (", ..." if len(known) > FEW else "")
+    return ", ".join(known[:MAX_NAMES]) + (", ..." if len(known) > MAX_NAMES else "")

@@ -1,8 +1,8 @@
-"""What is measured of a finished animation, one function each.
+"""Measures of a finished animation: their registry, and the tools they share.
 
-Conventions: every value is the smaller the better, so that one number limits it. Shares are of 1.
-What is visible is told in shares of a column's range: a pose's is 1. Frame rates may be any; what
-is counted in seconds does not change with them, but by the length of a frame.
+Conventions: smaller values are better, so that one number limits each. Shares are of 1. Movement is
+in shares of a column's range, which is 1 for a pose. Figures in seconds hold at any frame rate, to
+within a frame.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -15,34 +15,34 @@ from lipsync_lang.pipeline.arrays import Bools, Ints
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.take import Take
 
-VISIBLE = 0.05
-"""The least change of a pose that a viewer sees."""
+VISIBLE_SHARE = 0.05
+"""The smallest change of a pose that a viewer sees."""
 
-QUICK = 0.07
-"""Seconds; a pose that is there and back within them flickers: one frame of 30 a second."""
+FLICKER_SECONDS = 0.07
+"""A pose that moves and returns within this time flickers."""
 
-SHORT = 0.1
-"""Seconds; a shape that stays less is hardly seen."""
+SHORT_HOLD_SECONDS = 0.1
+"""A shape that stays shorter is hardly seen."""
 
-STIRRING = 0.1
-"""Shares per second; slower than this, a pose stands still."""
+STILL_SPEED = 0.1
+"""Shares per second; a slower pose counts as still."""
 
-BROKEN = 0.01
-"""How far a pose may stand above a constraint unseen."""
+CONSTRAINT_TOLERANCE = 0.01
+"""Excess over a constraint that nobody sees."""
 
-FULL = 1e-3
-"""How near to its most a pose is at its most."""
+FULL_TOLERANCE = 1e-3
+"""Distance from its maximum at which a pose counts as full."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What a measure found.
+    """One figure of a measure, before it gets its name and limit.
 
     Parameters
     ----------
-    value : None where it cannot be judged, and `why`
-    of : which of several, where a measure gives more than one figure
-    limit : one of its own, over that of the measure
+    value : None if it cannot be judged; `why` then has the reason
+    of : the contact or rule, if the measure gives several figures
+    limit : overrides the limit of the measure
     """
 
     value: float | None
@@ -58,21 +58,21 @@ Find = Callable[[Take], Iterable[Measured]]
 
 @dataclass(frozen=True)
 class Measure:
-    """One measure: its name, unit, usual limit, and what finds it."""
+    """A measure: its name, unit, usual limit and function."""
 
     name: str
     unit: str
     limit: float | None
     find: Find
     told: str
-    """What it is and its formula, for people."""
+    """The docstring: meaning and formula."""
 
 
 MEASURES: dict[str, Measure] = {}
 
 
 def measure(name: str, unit: str, limit: float | None = None) -> Callable[[Find], Find]:
-    """Register a function ``scene -> figures`` as a measure; its docstring tells what it is."""
+    """Register a function ``scene -> figures`` as a measure; its docstring describes it."""
 
     def register(find: Find) -> Find:
         MEASURES[name] = Measure(name, unit, limit, find, find.__doc__ or "")
@@ -82,7 +82,7 @@ def measure(name: str, unit: str, limit: float | None = None) -> Callable[[Find]
 
 
 def load_measures() -> dict[str, Measure]:
-    """Return every measure, in the order in which they are told."""
+    """Return every measure by name, in the order of reports."""
     import_module("lipsync_lang.quality.closures")
     import_module("lipsync_lang.quality.movement")
     return MEASURES
@@ -91,29 +91,29 @@ def load_measures() -> dict[str, Measure]:
 def one(
     value: float, parts: Mapping[str, float] | None = None, findings: Iterable[Finding] = ()
 ) -> list[Measured]:
-    """Return the only figure of a measure."""
+    """Return a list with the only figure of a measure."""
     ordered = tuple(sorted(findings))
     return [Measured(float(value), parts or {}, ordered)]
 
 
 def unjudged(why: str, of: str = "") -> list[Measured]:
-    """Return a figure that could not be judged."""
+    """Return a list with a figure that could not be judged."""
     return [Measured(None, of=of, why=why)]
 
 
 def share(part: Bools) -> float:
-    """Return the share of True."""
+    """Return the share of True; 0 for no elements."""
     return float(part.mean()) if part.size else 0.0
 
 
 def runs(mask: Bools) -> tuple[Ints, Ints]:
-    """Return the first frame of each run of True, and the one past its last."""
+    """Return the first frame of each run of True, and the frame past its last."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
     return edges[::2], edges[1::2]
 
 
 def places(scene: Take, told: Mapping[int, str]) -> Iterator[Finding]:
-    """Yield a finding for each phoneme of the track, by its number."""
+    """Yield a finding for each description, by the phoneme's index in the track."""
     for number, what in told.items():
         at = round(float(scene.track.bounds[number]), 4)
         yield Finding(at, f"{scene.labels[number]} {what}")

@@ -1,4 +1,4 @@
-"""How the mouth moves: what poses do to each other, how fast, how often, and when not at all."""
+"""Measures of movement: constraints, speed, flicker, changes of shape, and stillness."""
 
 from collections.abc import Iterable, Iterator
 
@@ -7,12 +7,12 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measures import (
-    BROKEN,
-    FULL,
-    QUICK,
-    SHORT,
-    STIRRING,
-    VISIBLE,
+    CONSTRAINT_TOLERANCE,
+    FLICKER_SECONDS,
+    FULL_TOLERANCE,
+    SHORT_HOLD_SECONDS,
+    STILL_SPEED,
+    VISIBLE_SHARE,
     Measured,
     measure,
     named,
@@ -30,7 +30,7 @@ SILENT = "nothing is said"
 def constraints(scene: Take) -> Iterable[Measured]:
     """Frames in which poses break a constraint by more than 0.01.
 
-    Pose b yields to pose a, which is higher in priority. The parts are how far the worst pairs go::
+    Pose b yields to pose a, which has the higher priority. Parts are the largest excess of a pair::
 
         broken(t) = b(t) - max(0, C(a, b) - a(t)) > 0.01   or   b(t) - a(t) > 0.01 for `at_most`
         value = frames with any broken / frames
@@ -39,9 +39,9 @@ def constraints(scene: Take) -> Iterable[Measured]:
     parts: dict[str, float] = {}
     findings: list[Finding] = []
     for name, over in _over(scene):
-        broken |= over > BROKEN
+        broken |= over > CONSTRAINT_TOLERANCE
         worst = int(over.argmax())
-        if over[worst] > BROKEN:
+        if over[worst] > CONSTRAINT_TOLERANCE:
             parts[name] = round(float(over[worst]), 6)
             at = round(float(scene.times[worst]), 4)
             findings.append(Finding(at, f"{name} by {over[worst]:.2f}"))
@@ -51,7 +51,7 @@ def constraints(scene: Take) -> Iterable[Measured]:
 
 
 def _over(scene: Take) -> Iterator[tuple[str, Floats]]:
-    """Yield, for each constraint, how far each frame goes past it: (T,)."""
+    """Yield name and excess, (T,), of each constraint."""
     names, curves = scene.face.names, scene.curves
     for low, high, threshold in scene.face.caps:
         over = curves[low] - np.maximum(0, threshold - curves[high])
@@ -80,10 +80,10 @@ def speed(scene: Take) -> Iterable[Measured]:
 
 @measure("jitter", "per second", limit=2)
 def jitter(scene: Take) -> Iterable[Measured]:
-    """Flickers of the pose that has most of them, in a second of speech.
+    """Flickers per second of speech, of the pose with the most.
 
-    A flicker is a move of 0.05 or more and one back of as much, both over within 0.07 s: a frame
-    that stands out, or several that tremble::
+    A flicker is a move of 0.05 or more and a move back of 0.05 or more, both within 0.07 s: a
+    single frame that stands out, or several that tremble::
 
         value = max over poses of (flickers / seconds of sound)
     """
@@ -98,7 +98,7 @@ def jitter(scene: Take) -> Iterable[Measured]:
 
 
 def _flickers(curve: Floats, times: Floats) -> Ints:
-    """Return the frames at which a curve turns back so quickly."""
+    """Return the frames at which a curve turns within a flicker."""
     change = np.diff(curve)
     moving = np.flatnonzero(np.abs(change) > 1e-6)  # noqa: PLR2004 rounding
     if not moving.size:
@@ -106,8 +106,8 @@ def _flickers(curve: Floats, times: Floats) -> Ints:
     turned = np.flatnonzero(np.diff(np.sign(change[moving])))
     begin = moving[np.concatenate(([0], turned + 1))]
     end = moving[np.append(turned, -1)] + 1
-    seen = np.abs(curve[end] - curve[begin]) >= VISIBLE
-    quick = times[end[1:]] - times[begin[:-1]] <= QUICK + 1e-9
+    seen = np.abs(curve[end] - curve[begin]) >= VISIBLE_SHARE
+    quick = times[end[1:]] - times[begin[:-1]] <= FLICKER_SECONDS + 1e-9
     found: Ints = end[:-1][seen[:-1] & seen[1:] & quick]
     return found
 
@@ -115,19 +115,19 @@ def _flickers(curve: Floats, times: Floats) -> Ints:
 def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
     """Return the runs of the strongest pose while a line is said: pose, first frame, past last.
 
-    The pose is -1 where none is visible.
+    The pose is -1 if none is visible.
     """
     said = np.flatnonzero(scene.speaking)
     begin, stop = int(said[0]), int(said[-1]) + 1
     part = scene.share[:, begin:stop]
-    strongest = np.where(part.max(axis=0) >= VISIBLE, part.argmax(axis=0), -1)
+    strongest = np.where(part.max(axis=0) >= VISIBLE_SHARE, part.argmax(axis=0), -1)
     first = np.concatenate(([0], np.flatnonzero(np.diff(strongest)) + 1))
     return strongest[first], first + begin, np.append(first[1:], stop - begin) + begin
 
 
 @measure("changes", "per second")
 def changes(scene: Take) -> Iterable[Measured]:
-    """Changes of the strongest pose, in a second of speech. Limited only where a pose set says so.
+    """Changes of the strongest pose per second of speech. Limited only by pose sets that say so.
 
     It is::
 
@@ -142,8 +142,8 @@ def changes(scene: Take) -> Iterable[Measured]:
 def short_holds(scene: Take) -> Iterable[Measured]:
     """Stays of the strongest pose that are shorter than 0.1 s, the first and the last left out.
 
-    Limited only where a pose set says so: poses that blend change places all the time, drawings
-    that do are a flicker::
+    Limited only by pose sets that say so: blended poses change places all the time, while drawings
+    that do so flicker::
 
         value = stays under 0.1 s / stays
     """
@@ -153,7 +153,7 @@ def short_holds(scene: Take) -> Iterable[Measured]:
     if not pose.size:
         return one(0.0)
     seconds = scene.times[stop] - scene.times[first]
-    short = np.flatnonzero(seconds < SHORT - 1e-6)
+    short = np.flatnonzero(seconds < SHORT_HOLD_SECONDS - 1e-6)
     return one(
         len(short) / len(pose),
         {"shortest": round(float(seconds.min()), 6)},
@@ -171,12 +171,12 @@ def _called(scene: Take, pose: int) -> str:
     return scene.face.names[pose] if pose >= 0 else "rest"
 
 
-@measure("silence", "of its range", limit=VISIBLE)
+@measure("silence", "of its range", limit=VISIBLE_SHARE)
 def silence(scene: Take) -> Iterable[Measured]:
-    """How far a pose moves while nothing is said.
+    """Largest movement of a pose in a pause.
 
-    Beside a sound the mouth may move for `silence_reach` and the time a pose takes at its top
-    speed; what is left of a pause is looked at::
+    Beside a sound, the mouth may move for `silence_reach` plus the time that a pose takes at its
+    top speed; only the rest of a pause counts::
 
         value = max over poses and pauses of (max w - min w)
     """
@@ -193,12 +193,14 @@ def silence(scene: Take) -> Iterable[Measured]:
     at = round(float(scene.times[first[pause]]), 4)
     what = f"{scene.face.names[int(pose)]} moves by {moved[pose, pause]:.2f}"
     return one(
-        moved[pose, pause], named(scene.face.names, moved.max(axis=1), VISIBLE), [Finding(at, what)]
+        moved[pose, pause],
+        named(scene.face.names, moved.max(axis=1), VISIBLE_SHARE),
+        [Finding(at, what)],
     )
 
 
 def _quiet(scene: Take, room: float) -> Bools:
-    """Tell which frames lie in silence, and farther from any sound than `room`: (T,)."""
+    """Return True for silent frames, farther than `room` seconds from any sound: (T,)."""
     bounds, sounds = scene.track.bounds, np.flatnonzero(scene.sounds)
     if not sounds.size:
         return np.ones(len(scene.times), bool)
@@ -211,7 +213,7 @@ def _quiet(scene: Take, room: float) -> Bools:
 
 @measure("saturation", "of frames")
 def saturation(scene: Take) -> Iterable[Measured]:
-    """Frames of speech in which some pose stands at its most. Limited only where a set says so.
+    """Frames of speech with a pose at its maximum. Limited only by pose sets that say so.
 
     A curve that is cut off at 1 for long has lost its shape::
 
@@ -220,23 +222,23 @@ def saturation(scene: Take) -> Iterable[Measured]:
     if not scene.speaking.any():
         return unjudged(SILENT)
     said = scene.curves[:, scene.speaking]
-    room = FULL * scene.face.span
+    room = FULL_TOLERANCE * scene.face.span
     full = said >= (scene.face.high - room)[:, None]
     return one(share(np.asarray(full.any(axis=0))), named(scene.face.names, full.mean(axis=1)))
 
 
 @measure("still", "of frames")
 def still(scene: Take) -> Iterable[Measured]:
-    """Frames of speech in which no pose moves. Limited only where a pose set says so.
+    """Frames of speech in which no pose moves. Limited only by pose sets that say so.
 
-    Slower than 0.1 per second is still. A long sound holds still; a mouth that does so for most of
-    a line jumps in between::
+    A pose slower than 0.1 per second is still. Long sounds hold still; a mouth that is still for
+    most of a line jumps in between::
 
         value = frames of sound with all |w'(t)| < 0.1 / frames of sound
     """
     if not scene.speaking.any():
         return unjudged(SILENT)
-    resting = scene.speeds.max(axis=0) < STIRRING
+    resting = scene.speeds.max(axis=0) < STILL_SPEED
     said = scene.speaking[:-1] & scene.speaking[1:]
     first, stop = runs(resting & said)
     longest = float((scene.times[stop] - scene.times[first]).max()) if first.size else 0.0

@@ -1,17 +1,17 @@
-"""Figures for people and for machines: text, JSON and JUnit's XML; one animation or several."""
+"""Reports of one or several animations as text, JSON or JUnit XML."""
 
 import json
 from collections.abc import Callable, Mapping
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from lipsync_lang.quality.figures import Figure, Quality, told
+from lipsync_lang.quality.figures import Figure, Quality, describe
 
 Qualities = Mapping[str, Quality]
-"""Figures by the name of what was judged; the first is the one that counts."""
+"""Results by name; the first is the animation to judge, the others compare."""
 
 
 def as_text(qualities: Qualities) -> str:
-    """Tell the first in full, and beside it, in columns, what the others came to."""
+    """Return the first result in full, then a table of all results if there are several."""
     first, *others = qualities.values()
     if not others:
         return str(first)
@@ -35,13 +35,13 @@ def _cell(figure: Figure | None) -> str:
 
 
 def as_json(qualities: Qualities) -> str:
-    """Return the figures of each, by name."""
+    """Return all results by name as JSON."""
     data = {name: quality.to_dict() for name, quality in qualities.items()}
     return json.dumps(data, ensure_ascii=True, indent=2)
 
 
 def as_junit(qualities: Qualities) -> str:
-    """Return a test suite for each, a case for each figure, as build servers read them."""
+    """Return a test suite for each result, with a case for each figure."""
     root = Element("testsuites")
     for name, quality in qualities.items():
         figures = quality.figures
@@ -59,9 +59,9 @@ def as_junit(qualities: Qualities) -> str:
 
 def _case(case: Element, figure: Figure) -> None:
     if figure.verdict == "-":
-        SubElement(case, "skipped", message=told(figure))
+        SubElement(case, "skipped", message=describe(figure))
     if not figure.passed:
-        failure = SubElement(case, "failure", message=told(figure))
+        failure = SubElement(case, "failure", message=describe(figure))
         failure.text = "\n".join(f"{one.at:.3f} s: {one.what}" for one in figure.findings)
 
 
@@ -70,4 +70,4 @@ FORMATS: dict[str, Callable[[Qualities], str]] = {
     "json": as_json,
     "junit": as_junit,
 }
-"""How figures are told."""
+"""Output formats by name."""

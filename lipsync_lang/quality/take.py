@@ -1,7 +1,7 @@
-"""An animation and what was said, as arrays that every measure reads.
+"""An animation and its phonemes, as arrays that every measure reads.
 
-Conventions: curves are (C, T), a column being a pose or a channel of a rig; times are in seconds
-and rise; phonemes are those of the track, silence first and last, n of them with n + 1 bounds.
+Conventions: curves are (C, T); a column is a pose or a channel of a rig. Times are in seconds and
+rise. The n phonemes are those of the track, silence first and last, with n + 1 bounds.
 """
 
 from dataclasses import dataclass
@@ -20,33 +20,33 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.track import Track
 
-REACHED = 0.9
-"""Share of a floor at which a contact is seen."""
+FLOOR_SHARE = 0.9
+"""Share of a floor that makes a visible contact."""
 
-OVER = 0.05
-"""Share of a column's range by which a ceiling may be passed unseen."""
+CEILING_TOLERANCE = 0.05
+"""Share of a column's range by which nobody sees that a ceiling is exceeded."""
 
 
 class Touch(NamedTuple):
-    """A contact as the columns of an animation show it; infinite bounds ask nothing."""
+    """A contact as bounds of columns; infinite bounds demand nothing."""
 
     name: str
     phonemes: Bools
-    """(N,) True where the common phoneme demands it."""
+    """(N,) True for common phonemes that demand the contact."""
     low: Floats
-    """(C,) the least of each column."""
+    """(C,) lower bound of each column."""
     high: Floats
-    """(C,) the most of each column."""
+    """(C,) upper bound of each column."""
 
     @property
     def raised(self) -> bool:
-        """Whether something is held up; else a face at rest makes the contact too."""
+        """True if the contact raises a column; a face at rest makes all other contacts."""
         return bool(np.isfinite(self.low).any())
 
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """What the columns of an animation are, and what is asked of them."""
+    """The columns of an animation, with their ranges, contacts and constraints."""
 
     names: tuple[str, ...]
     touches: tuple[Touch, ...]
@@ -56,18 +56,18 @@ class Face:
     high: Floats
     """(C,) the range of each column; infinite for bones."""
     span: Floats
-    """(C,) how far each can go."""
+    """(C,) width of each range."""
     measures: dict[str, Floats]
     """By name, (C,) gains."""
 
 
 def face_of(animation: "Animation", performer: "Performer") -> Face:
-    """Return what the columns of an animation are: a performer's poses, or its rig's channels.
+    """Return the face of an animation: a performer's poses, or its rig's channels.
 
     Raises
     ------
     LipsyncError
-        They are neither.
+        The columns are neither.
     """
     compiled = performer.compiled
     if animation.poses == performer.poses:
@@ -106,7 +106,7 @@ def _posed(performer: "Performer") -> Face:
 
 
 def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
-    """Return the face of a rig's channels: contacts as its gains pass them on."""
+    """Return the face of a rig's channels; gains carry the bounds of contacts over to channels."""
     from lipsync_lang.rigs.driver import Driver
 
     compiled = performer.compiled
@@ -130,7 +130,7 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
 
 
 def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
-    """Return the least and the most of every channel while poses keep to floors and ceilings."""
+    """Return lower and upper bound of every channel while poses keep to floors and ceilings."""
     up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
     low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)
     high = np.clip(up @ ceiling + down @ floor, rig.low, rig.high)
@@ -139,7 +139,7 @@ def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """An animation, what was said, and the face that says it."""
+    """An animation with its phonemes and its face."""
 
     times: Floats
     """(T,) seconds, rising."""
@@ -148,7 +148,7 @@ class Take:
     face: Face
     track: "Track"
     labels: tuple[str, ...]
-    """(n,) what each phoneme of the track is called in messages."""
+    """(n,) names of the track's phonemes for messages."""
     silence: int
     motion: "Motion"
     rules: dict[str, dict[str, Any]]
@@ -162,30 +162,30 @@ class Take:
 
     @cached_property
     def sounds(self) -> Bools:
-        """(n,) whether a phoneme is a sound."""
+        """(n,) True for sounds, False for silence."""
         sounds: Bools = self.track.ids != self.silence
         return sounds
 
     @cached_property
     def owner(self) -> Ints:
-        """(T,) the phoneme of each frame; the outermost silences go on for ever."""
+        """(T,) index of each frame's phoneme; the outermost silences have no end."""
         at = np.searchsorted(self.track.bounds, self.times, side="right") - 1
         return np.clip(at, 0, len(self.track.ids) - 1)
 
     @cached_property
     def speaking(self) -> Bools:
-        """(T,) whether a frame lies in a sound."""
+        """(T,) True for frames in a sound."""
         speaking: Bools = self.sounds[self.owner]
         return speaking
 
     @cached_property
     def seconds(self) -> float:
-        """How long the sounds last together."""
+        """Total duration of the sounds."""
         return float(np.diff(self.track.bounds)[self.sounds].sum())
 
     @cached_property
     def share(self) -> Floats:
-        """(C, T) curves as shares of what each column can do."""
+        """(C, T) curves as shares of each column's range."""
         return self.curves / self.face.span[:, None]
 
     @cached_property
@@ -194,14 +194,14 @@ class Take:
         return np.abs(np.diff(self.share, axis=1)) / np.diff(self.times)
 
     def frames(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
-        """Return the first frame of each span and the one past its last, half a frame wider."""
+        """Return the first frame of each span and the frame past its last, half a frame wider."""
         half = self.frame / 2 + 1e-9
         first = np.searchsorted(self.times, start - half, side="left")
         stop = np.searchsorted(self.times, end + half, side="right")
         return first, np.maximum(first, stop)
 
     def over(self, which: Ints, values: Floats, how: np.ufunc) -> Floats:
-        """Reduce (T,) values over the frames of phonemes; nan where a phoneme has none."""
+        """Reduce (T,) values over the frames of each phoneme; nan for phonemes without frames."""
         first, stop = self.frames(self.track.bounds[which], self.track.bounds[which + 1])
         if not which.size:
             return np.zeros(0)
@@ -211,33 +211,34 @@ class Take:
         return np.where(stop > first, reduced, np.nan)
 
     def margin(self, touch: Touch) -> Floats:
-        """Return by how much each frame makes a contact: (T,); below 0 it does not."""
+        """Return the margin by which each frame makes a contact: (T,), below 0 if it does not."""
         margin: Floats = self.margins(touch).min(axis=0, initial=np.inf)
         return margin
 
     def margins(self, touch: Touch) -> Floats:
-        """Return the same for every column: (C, T) in shares of its range."""
+        """Return the margin of every column, in shares of its range: (C, T)."""
         asked = np.isfinite(touch.low)
         low = np.where(asked, touch.low, 0.0)
-        floor = np.where(asked, low - (1 - REACHED) * np.abs(low), -np.inf)
+        floor = np.where(asked, low - (1 - FLOOR_SHARE) * np.abs(low), -np.inf)
         span = self.face.span
         above = (self.curves - floor[:, None]) / span[:, None]
-        below = (touch.high[:, None] - self.curves) / span[:, None] + OVER
+        below = (touch.high[:, None] - self.curves) / span[:, None] + CEILING_TOLERANCE
         margins: Floats = np.minimum(above, below) + 1e-9
         return margins
 
     def demanded(self, touch: Touch) -> Bools:
-        """Tell which phonemes demand a contact: (n,)."""
+        """Return True for phonemes that demand a contact: (n,)."""
         return touch.phonemes[self.track.ids] & ~self.track.waived
 
 
 def scene_of(animation: "Animation", performer: "Performer") -> Take:
-    """Lay an animation beside what was said.
+    """Return an animation as arrays, with its phonemes.
 
     Raises
     ------
     LipsyncError
-        The animation is of another face, has too few frames, or numbers that are none.
+        The animation is of another face, has fewer than two frames, times that do not rise, or
+        weights that are not finite.
     """
     face = face_of(animation, performer)
     times, weights = animation.times, animation.weights
