@@ -13,7 +13,8 @@ Contacts
     ``loss(w) = sum over j of k_j min(F, step max(0, distance from the plateau - w))``. The floor
     is raised by that, as far as there is room, and then held for the least w that leaves no more
     than `GIVEN` to lose. w need not be whole: held at F + w step, the flanks that the speed limit
-    puts to the plateau pass F where they should. Ceilings are the same upside down.
+    puts to the plateau pass F where they should. Ceilings are the same upside down; one that a
+    constraint with a floor of its contact implies is left to the constraint, which is exact.
 Constraints
     A threshold of 1 or more is convex. One below is so if its higher pose never passes it, which
     is seen to, unless a contact needs more of that pose: then the constraints come once more
@@ -36,10 +37,13 @@ from lipsync_lang.pipeline.hold import SHORTEST, Plateau
 from lipsync_lang.pipeline.limit import ramps
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.soften import Blur, kernel, reach_of
-from lipsync_lang.pipeline.tables import Tables
+from lipsync_lang.pipeline.tables import Contact, Tables
 
 GIVEN = 0.02
 """Weight that a contact may lose where there is no room to give it back."""
+
+ROUNDING = 1e-9
+"""1 - 0.9 is no more than 0.1."""
 
 RIGGED = 0.02
 """Seconds: half-width of the kernel that rounds the channels of a rig off once more."""
@@ -110,7 +114,8 @@ def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
     room, convex = _room(tables)
     contacts = tables.contacts if motion.contacts == "hold" else ()
     raised = tuple(keeping.levels(c.floor, c.raised, room) for c in contacts)
-    under = [keeping.levels(1 - c.ceiling, c.lowered, np.ones(len(half))) for c in contacts]
+    ones = np.ones(len(half))
+    under = [keeping.levels(1 - c.ceiling, _unimplied(tables, c), ones) for c in contacts]
     lowered = tuple(tuple(Plateau(p, 1 - weight) for p, weight in levels) for levels in under)
     longer = _longer(raised, lowered, room) / step
     late = np.array([reach_of(width, fps) for width in narrow.tolist()])
@@ -180,6 +185,17 @@ def _room(tables: Tables) -> tuple[Floats, bool]:
             convex &= bool(threshold >= floors[high])
             room[high] = min(room[high], max(threshold, floors[high]))
     return room, convex
+
+
+def _unimplied(tables: Tables, contact: Contact) -> list[int]:
+    """Return the poses whose ceiling no constraint with a floor of the contact keeps anyway."""
+    kept = {
+        cap.low
+        for cap in tables.caps
+        if contact.floor[cap.high] > 0
+        and cap.threshold - contact.floor[cap.high] <= contact.ceiling[cap.low] + ROUNDING
+    }
+    return [pose for pose in contact.lowered if pose not in kept]
 
 
 def _tops(
