@@ -136,6 +136,13 @@ class Performer:
         LipsyncError
             A style, a region or a line is unknown here; or loudness has nothing to move, or
             nothing to be taken from.
+
+        Examples
+        --------
+        >>> performer = ll.resolve("english", "facefx")
+        >>> animation = performer.perform(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]), fps=24)
+        >>> animation.weights.shape == (len(animation), len(performer.poses))
+        True
         """
         fps = exact(fps)
         asked: dict[str, Any] = {

@@ -56,6 +56,11 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
         A pack is missing or unsound; the message holds every fault found.
     LipsyncError
         An argument is none of its choices, or a motion setting is unknown.
+
+    Examples
+    --------
+    >>> ll.resolve("english", "facefx", motion={"speed_limit": 8}).motion.speed_limit
+    8.0
     """
     from lipsync_lang.resolver import cache as store
 

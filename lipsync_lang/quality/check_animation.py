@@ -38,6 +38,13 @@ def check(
     LipsyncError
         The animation has no performer and none is given, a limit names no measure or is no number
         of at least 0, or the animation is of another face.
+
+    Examples
+    --------
+    >>> performer = ll.resolve("english", "facefx")
+    >>> animation = performer.perform(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]))
+    >>> ll.check(animation)["contacts lips"].verdict
+    'ok'
     """
     performer = performer or animation.performer
     if performer is None:

@@ -109,6 +109,11 @@ class Schedule:
         """Build a schedule from (label, start, end) rows.
 
         Neighbours may be apart or overlap by `SNAP_SECONDS`; a larger gap or overlap is an error.
+
+        Examples
+        --------
+        >>> ll.Schedule.from_intervals([("M", 0.0, 0.1), ("AA", 0.1, 0.3)]).end
+        0.3
         """
         rows = list(intervals)
         labels: list[str] = []

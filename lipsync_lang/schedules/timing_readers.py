@@ -74,6 +74,14 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     ------
     ScheduleError
         The file is missing, too large, of no known format, or its timings are unsound.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> Path("line.json").write_text('[{"label": "M", "start": 0, "end": 0.2}]') > 0
+    True
+    >>> ll.read_schedule("line.json", "arpabet").labels
+    ('M',)
     """
     from dataclasses import replace
 

@@ -34,6 +34,12 @@ def align(
     ------
     SpeechError
         The recording cannot be read, or nothing of the text fits it.
+
+    Examples
+    --------
+    >>> spoken = ll.speak("Please buy five maps", "english")
+    >>> [word.text for word in ll.align(spoken.audio, "Please buy five maps", "english").words]
+    ['Please', 'buy', 'five', 'maps']
     """
     return aligned(Speaker.of(language, paths), audio, text, aligner=aligner)
 
@@ -58,6 +64,12 @@ def recognise(
     ------
     SpeechError
         The recording cannot be read, or the language has no recogniser.
+
+    Examples
+    --------
+    >>> spoken = ll.speak("Please buy five maps", "english")
+    >>> ll.recognise(spoken.audio, "english").recognised
+    True
     """
     return recognised(Speaker.of(language, paths), audio, recogniser=recogniser)
 

@@ -311,6 +311,13 @@ def transcribe(
     ------
     SpeechError
         The language does not read text, or its engine failed.
+
+    Examples
+    --------
+    >>> ll.transcribe("map", "english").phonemes
+    ('bmp', 'ah', 'bmp')
+    >>> [one.text for one in ll.transcribe(["map", "moon"], "english")]
+    ['map', 'moon']
     """
     speaker = Speaker.of(language, paths)
     if isinstance(text, str):
@@ -362,6 +369,12 @@ def speak(
     ------
     SpeechError
         There is nothing to say, the language can neither read nor speak it, or the engine failed.
+
+    Examples
+    --------
+    >>> schedule = ll.speak("map", "english")
+    >>> schedule.labels, schedule.words[0].text
+    (('m', 'æ', 'p', '_'), 'map')
     """
     speaker = Speaker.of(language, paths)
     say = partial(speaker.speak, engine=engine, words_per_minute=words_per_minute)
