@@ -25,7 +25,7 @@ tag: qaa
 title: Parent
 adds: [yu]
 g2p: {engine: rules, rules: [{from: m, to: P}, {from: h, to: [], before: "[ao]"}]}
-tts: {engine: espeak, voice: qaa}
+tts: {engine: espeak, voice: eo}
 durations: {vowel: 0.1, stop: 0.07}
 silence: [pau]
 notations:

@@ -205,6 +205,7 @@ EXEMPT = {
     ("schedules/sapi.py", "sapi"): "the name of the format",
     ("schedules/sapi.py", "sapi-visemes"): "the notation that the format is in",
     ("phonology/espeak/process.py", "NG"): "eSpeak NG is the engine's name",
+    ("packs/checking/voices.py", "NG"): "eSpeak NG is the engine's name",
     ("speech/espeak.py", "NG"): "eSpeak NG is the engine's name",
     ("speech/espeak.py", "ipa"): "the notation that the engine itself writes",
     ("speech/festival.py", "arpabet"): "the notation that its phone sets are in",

@@ -134,6 +134,7 @@ BAD = [
     Bad("node without turn", RIG, "rotation: [1, 0, 0], ", "", (("P115", 8, "Jaw, ga"),)),
     Bad("no regular expression", PARENT, '"[ao]"', '"[ao"', (("P117", 7, '"[ao"'),)),
     Bad("a slow expression", PARENT, '"[ao]"', '"(a+)+"', (("P118", 7, '"(a+)+"'),), "atomic"),
+    Bad("no such voice", PARENT, "voice: eo", "voice: isl", (("P226", 8, "isl}"),), "did you mean"),
     Bad("empty text", PARENT, "from: m", "from: ''", (("P116", 7, "'', to:"),)),
     # across places and files
     Bad("pose in a pair", POSESET, "between: [open, PBM]", "between: [open, PMB]",

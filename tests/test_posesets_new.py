@@ -85,7 +85,7 @@ def assert_it_speaks(cli, name):
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 9, 20, 21, 40])
 def test_poses_nobody_knows_move_at_once(count, cli):
     names = [f"zz{chr(97 + n // 26)}{chr(97 + n % 26)}" for n in range(count)]
-    said, model = new(cli, "thing", *names)
+    said, model = new(cli, "thing", *names, "--guess")
     kept = names[:21]
     assert [*model.poses] == kept
     assert f"{len(kept)} pose{'s' * (len(kept) > 1)}, a first guess" in said
@@ -93,6 +93,16 @@ def test_poses_nobody_knows_move_at_once(count, cli):
     moved = {p for (t,) in model.targets.values() for p, weight in t.weights.items() if weight}
     assert moved == set(kept)
     assert_it_speaks(cli, "thing")
+
+
+@pytest.mark.usefixtures("folder")
+def test_poses_nobody_knows_rest_unless_a_guess_is_asked_for(cli):
+    said, model = new(cli, "thing", "zza", "zzb")
+    assert "2 poses, all at rest until you give them targets (or use --guess)" in said
+    assert not any(target.weights for (target,) in model.targets.values())
+    ended = cli("validate", "posesets/thing")
+    assert ended.code == 0
+    assert ended.out.count("W301 warning: no target moves") == len(model.poses)
 
 
 def test_each_pose_nobody_knows_is_for_a_kind_of_sounds():
@@ -112,7 +122,9 @@ def test_each_pose_nobody_knows_is_for_a_kind_of_sounds():
 
 def test_sounds_that_shut_come_from_the_pose_sets_there_are(folder):
     plant(folder)
-    made = draft(Library([folder], project=None), PoseSetWish("thing", ["zz"], like="face"))
+    made = draft(
+        Library([folder], project=None), PoseSetWish("thing", ["zz"], like="face", guess=True)
+    )
     assert "closure: {phonemes: [p], ceiling: {zz: 0.1}}" in made.text
     assert "p:   {zz: 0}" in made.text
     assert not (folder / "posesets/thing").exists(), "drafting alone writes nothing"
@@ -120,7 +132,7 @@ def test_sounds_that_shut_come_from_the_pose_sets_there_are(folder):
 
 @pytest.mark.usefixtures("folder")
 def test_what_is_in_a_draft_explains_itself(cli):
-    new(cli, "thing", "zz top", "true", "zz: zy", "--title", "It's a:\n thing")
+    new(cli, "thing", "zz top", "true", "zz: zy", "--guess", "--title", "It's a:\n thing")
     text = Path("posesets/thing/poseset.yaml").read_text("utf-8")
     assert '# constraints: {pairs: [{between: ["zz top", "true"], threshold: 1}]}' in text
     assert "# No pose set knows these poses" in text
@@ -174,7 +186,7 @@ def test_known_poses_move_as_they_do_elsewhere_under_their_new_names(folder, cli
     assert first.weights == {"Robo_OPEN": 0.45, "Robo_GrinLeft": 0.1, "Robo_GrinRight": 0.1}
     assert second.weights == {"Robo_OPEN": 0.25}
     assert model.targets["bmp"][0].dominance == {"Robo_pbm": 6, "Robo_OPEN": 6}
-    assert [p.model_dump() for p in model.constraints.pairs] == [
+    assert [p.model_dump(exclude_none=True) for p in model.constraints.pairs] == [
         {"between": ("Robo_OPEN", "Robo_pbm"), "threshold": 0.5},
         {"pose": "Robo_GrinLeft", "at_most": "Robo_OPEN"},
         {"pose": "Robo_GrinRight", "at_most": "Robo_OPEN"},
@@ -203,7 +215,7 @@ def test_the_pose_set_that_knows_most_is_asked(folder):
 @pytest.mark.usefixtures("folder")
 def test_a_models_shapes_are_the_poses_and_it_comes_along(cli, tmp_path_factory):
     far = glb(tmp_path_factory.mktemp("far") / "robo face.glb", "zza", "zzb")
-    said, model = new(cli, "robo", "--model", far)
+    said, model = new(cli, "robo", "--model", far, "--guess")
     assert "2 poses, a first guess" in said
     assert "wrote posesets/robo/robo face.glb, a copy" in said
     assert Path("posesets/robo/robo face.glb").read_bytes() == far.read_bytes()

@@ -64,6 +64,8 @@ class PoseSetWish:
     like: str | None = None
     """A pose set that knows how they move, and whose poses they are where none are named."""
     title: str | None = None
+    guess: bool = False
+    """Deal the sounds out to poses that no pose set knows, instead of leaving them at rest."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,12 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
     if called:
         made, why = taken(known, called, common), _named_otherwise(called)
         why[""] = f"Poses move as in pose set '{known.name}' until you change them."
+    elif not wanted.guess:
+        made, why = at_rest(names, common), {}
+        why[""] = (
+            "No pose set knows these poses, so every target is at rest. Give each sound its poses, "
+            "such as {NAME: 0.8}, or draft again with --guess, which deals the sounds out."
+        )
     else:
         made, why = guessed(names[: len(common.base)], _shutting(sets, common), common), {}
         why[""] = (
@@ -136,7 +144,7 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
     absent = [name for name in made.poses if shapes and name not in shapes]
     said = [
         f"{len(made.poses)} pose{'s' * (len(made.poses) != 1)}, "
-        + (f"moving as in {known.name}" if called else "a first guess"),
+        + _manner(known.name if called else None, guess=wanted.guess),
         *([f"not moved yet, in a comment: {len(left)}"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
@@ -283,6 +291,21 @@ def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constr
             one, other = new.get(pair.pose, ()), new.get(pair.at_most, ())
             pairs += [AtMost(pose=a, at_most=b) for a, b in product(one, other)]
     return Constraints(default=known.default, pairs=tuple(pairs))
+
+
+def _manner(known: str | None, *, guess: bool) -> str:
+    """Say where the targets of a draft come from."""
+    if known is not None:
+        return f"moving as in {known}"
+    return "a first guess" if guess else "all at rest until you give them targets (or use --guess)"
+
+
+def at_rest(poses: Sequence[str], common: "Phonemes") -> PoseSet:
+    """Return poses that no sound moves yet."""
+    made = _bare(dict.fromkeys(poses, Pose()))
+    targets = {label: (PhonemeTarget(weights={}),) for label in common.base}
+    motion = MotionFields(speed_limit=PRESETS["default"].speed_limit)
+    return made.model_copy(update={"contacts": {}, "motion": motion, "targets": targets})
 
 
 def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -> PoseSet:

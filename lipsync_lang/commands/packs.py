@@ -94,6 +94,7 @@ def _new_poseset(library: "Library", options: Namespace) -> int:
         model=options.model,
         like=options.like,
         title=options.title,
+        guess=options.guess,
     )
     print(draft(library, wanted).write(), file=sys.stderr)
     return SOUND

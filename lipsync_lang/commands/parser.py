@@ -335,6 +335,10 @@ def _add_new_poseset(made: argparse.ArgumentParser) -> None:
         "--like", metavar="POSESET",
         help="the pose set that says how known poses move, instead of the one that knows most",
     )  # fmt: skip
+    new.add_argument(
+        "--guess", action="store_true",
+        help="deal the sounds out to poses that no pose set knows, for a first look",
+    )  # fmt: skip
     new.add_argument("--title", metavar="TITLE", help="what to call it in lists")
 
 

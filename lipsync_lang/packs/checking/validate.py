@@ -12,6 +12,7 @@ from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.language_checks import check_claims
 from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.checking.salvage import salvaged
+from lipsync_lang.packs.checking.voices import check_voices
 from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import (
     COMMON,
@@ -63,6 +64,7 @@ def validate(library: Library, paths: Sequence[str | Path] | None = None) -> lis
     else:
         for path in paths:
             run.check_path(Path(path))
+    run.faults.update(check_voices(run.spoken))
     return sorted(run.faults)
 
 
@@ -73,6 +75,7 @@ class _Validation:
         self.library = library
         self.faults: set[Fault] = set()
         self.common = _quietly(library.common)
+        self.spoken: list[Pack[Language]] = []
         self.languages = sorted({found.name for found in library.names("language")})
 
     def check_library(self) -> None:
@@ -162,6 +165,7 @@ class _Validation:
         if whole is not None and self.common is not None:
             self.faults.update(checks.check_language(whole, self.common.model))
             self.faults.update(check_claims(whole))
+            self.spoken.append(whole)
 
     def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
         phonemes = self._phonemes()

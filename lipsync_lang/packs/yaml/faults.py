@@ -73,6 +73,7 @@ CODES: dict[str, str] = {
     "P223": "A letter or mark is unknown to the IPA pack.",
     "P224": "Two poses claim one spelling of a model's shapes.",
     "P225": "The face at rest is called like a pose.",
+    "P226": "A voice is unknown to its speech engine.",
     "P230": "A region is unknown to the pose set.",
     "P231": "A measure is unknown to the pose set.",
     # W3: sound, but probably not meant

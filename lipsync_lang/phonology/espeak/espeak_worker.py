@@ -171,7 +171,9 @@ def spell(library: ctypes.CDLL, text: str) -> list[str]:
     return names
 
 
-def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
+def answer(  # noqa: PLR0911 one for each way a request can end
+    request: dict[str, Any],
+) -> tuple[dict[str, Any], bytes | bytearray]:
     """Do what a request asks; return the header and the sound."""
     library = ctypes.CDLL(request["library"])
     rate = library.espeak_Initialize(
@@ -185,6 +187,10 @@ def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
     voices = list_voices(library)
     if request["task"] == "voices":
         return {"voices": names(voices)}, b""
+    if request["task"] == "missing":
+        asked = request["text"].split("\n")
+        missing = [one for one in asked if not find_voice(voices, one.partition("+")[0])]
+        return {"missing": missing, "voices": names(voices)}, b""
     base, plus, variant = request["voice"].partition("+")
     identifier = find_voice(voices, base)
     known = variants(request["data"])

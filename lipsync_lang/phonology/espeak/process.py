@@ -92,6 +92,11 @@ class EspeakProcess:
         header, _ = self.ask("voices")
         return {str(name): str(title) for name, title in header["voices"].items()}
 
+    def missing(self, voices: Sequence[str]) -> dict[str, str]:
+        """Map each voice that the library does not have to a hint at those it has."""
+        header, _ = self.ask("missing", text="\n".join(voices))
+        return {str(voice): did_you_mean(voice, header["voices"]) for voice in header["missing"]}
+
     def ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, bytes]:
         """Run the worker for one request and return its answer's header and sound."""
         library, data = _library()

@@ -1,0 +1,48 @@
+"""Checks of the voices that language packs name, against the speech engine that is installed."""
+
+from collections.abc import Iterable, Iterator
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.yaml.faults import Fault
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Pack
+    from lipsync_lang.packs.yaml.source import Loc
+
+ESPEAK = "espeak"
+"""The engine whose voices are known without a system package."""
+
+
+def check_voices(languages: "Iterable[Pack[models.Language]]") -> Iterator[Fault]:
+    """Yield a fault for each voice that the engine does not have.
+
+    One process answers for all languages. Where the engine is not installed or fails, nothing is
+    known of its voices, and the packs' tests say so.
+    """
+    from lipsync_lang.phonology.espeak.process import EspeakProcess
+
+    named = [(pack, loc, voice) for pack in languages for loc, voice in _voices(pack)]
+    if not named or find_spec("espeakng_loader") is None:
+        return
+    try:
+        missing = EspeakProcess().missing(sorted({voice for _, _, voice in named}))
+    except SpeechError:
+        return
+    for pack, loc, voice in named:
+        if voice in missing:
+            what = f"eSpeak NG has no voice '{voice}'"
+            yield pack.fault(loc, "P226", what, missing[voice])
+
+
+def _voices(pack: "Pack[models.Language]") -> "Iterator[tuple[Loc, str]]":
+    """Yield the voices of the engine that a language names, with their places."""
+    g2p, tts = pack.model.g2p, pack.model.tts
+    if g2p is not None and g2p.engine == ESPEAK and g2p.voice is not None:
+        yield ("g2p", "voice"), g2p.voice
+    if tts is not None and tts.engine == ESPEAK and tts.voice is not None:
+        yield ("tts", "voice"), tts.voice
+    if tts is not None and ESPEAK in tts.others:
+        yield ("tts", "others", ESPEAK), tts.others[ESPEAK]
