@@ -47,6 +47,16 @@ def spelled(name: str, known: "Iterable[str]") -> str:
     return same[0] if len(same) == 1 else name
 
 
+MAX_MESSAGE_CHARS = 4_000
+"""Of a message; names within a file may be of any length."""
+
+
+def brief(text: str) -> str:
+    """Cut the middle out of a message that a file has filled."""
+    half = MAX_MESSAGE_CHARS // 2
+    return text if len(text) <= MAX_MESSAGE_CHARS else f"{text[:half]} ... {text[-half:]}"
+
+
 def did_you_mean(word: str, known: "Iterable[str]") -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
     names = sorted(known)

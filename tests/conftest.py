@@ -2,6 +2,7 @@
 
 import os
 from pathlib import Path
+from random import randrange
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
@@ -26,6 +27,12 @@ def pytest_configure(config):
     config.add_cleanup(cache.cleanup)
     os.environ["LIPSYNC_LANG_CACHE"] = cache.name
     os.environ.pop("LIPSYNC_LANG_PATH", None)
+    os.environ.setdefault("LIPSYNC_LANG_FUZZ_SEED", str(randrange(10**6)))  # noqa: S311 no secret
+
+
+def pytest_report_header():
+    """Print the seed of the damaged files, which repeats them."""
+    return f"LIPSYNC_LANG_FUZZ_SEED={os.environ['LIPSYNC_LANG_FUZZ_SEED']}"
 
 
 @pytest.fixture(scope="session")

@@ -570,3 +570,10 @@ def test_a_spelling_means_one_phoneme(folder, root):
         path.write_text(text.replace("spelled: [z]", wrong), "utf-8")
         with pytest.raises(PackError, match=f"P115 .* but already means '{means}'"):
             Library().common()
+
+
+def test_a_script_is_read_up_to_a_line_that_no_bank_needs(folder):
+    sets, remarks = read(folder, FAH + "x = " + "<" * 10_000 + "\n" + FAH)
+    assert list(sets) == ["default"]
+    assert len(remarks) == 1
+    assert "it has 10,004 characters, and 10,000 are the most; write one call" in str(remarks[0])

@@ -3,12 +3,12 @@
 Edits are seeded by their number, so that one that fails can be run again.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
+from fuzz.mutators import SLIPS, spoil
 from lanes import swept
 from shipped import LIBRARY
 
@@ -29,79 +29,6 @@ ROOT = built_in()
 FILES = sorted([*ROOT.glob("languages/*.yaml"), *ROOT.glob("posesets/*/**/*.yaml")])
 assert FILES, "a sweep over nothing passes"
 
-INSERTS = [
-    ":", ": ", "-", "- ", "[", "]", "{", "}", ",", "#", " #", "'", '"', "&a ", "*a", "!", "!!int ",
-    "|", ">", "%", "@", "`", "?", "? ", "<<: ", "\t", "\n", "\r\n", "\n\n  ", "---\n", "...\n",
-    "\\", "\0", "\x07", "\u2028", "\ufeff", "\ud7ff", "é", "𝕏", "~", "null", "[[", "]]", "{{",
-]  # fmt: skip
-VALUES = [
-    "", "~", "null", "true", "no", "0", "-1", "1e999", ".nan", "-.inf", "9" * 400, "0x", "1,5",
-    "[]", "{}", "[[]]", "[1, 2, 3]", "{a: b}", "'", '"\\ud800"', "text", "_", "a-b-c",
-    "[[1, 0], [0, 1]]",
-    "../../etc/passwd", "kind", "&x [*x]", "*nobody", "!!python/object:os.system x",
-]  # fmt: skip
-
-
-def delete(rng: Random, text: str) -> str:
-    start = rng.randrange(len(text))
-    return text[:start] + text[start + rng.choice((1, 1, 2, 5, 40)) :]
-
-
-def duplicate(rng: Random, text: str) -> str:
-    start = rng.randrange(len(text))
-    stop = start + rng.choice((1, 2, 8, 60))
-    return text[:stop] + text[start:stop] + text[stop:]
-
-
-def swap(rng: Random, text: str) -> str:
-    at = rng.randrange(max(1, len(text) - 1))
-    return text[:at] + text[at + 1 : at + 2] + text[at] + text[at + 2 :]
-
-
-def insert(rng: Random, text: str) -> str:
-    at = rng.randrange(len(text))
-    return text[:at] + rng.choice(INSERTS) + text[at:]
-
-
-def lines(rng: Random, text: str) -> str:
-    """Drop, repeat, move, indent or cut off a line."""
-    rows = text.splitlines(keepends=True)
-    one, other = rng.randrange(len(rows)), rng.randrange(len(rows))
-    kind = rng.randrange(5)
-    if kind == 0:
-        del rows[one]
-    elif kind == 1:
-        rows.insert(other, rows[one])
-    elif kind == 2:
-        rows[one], rows[other] = rows[other], rows[one]
-    elif kind == 3:
-        rows[one] = rng.choice((" ", "  ", "\t", "    ")) + rows[one]
-    else:
-        rows = [*rows[:one], rows[one][: rng.randrange(len(rows[one]) + 1)]]
-    return "".join(rows)
-
-
-def value(rng: Random, text: str) -> str:
-    """Put another value behind a colon or into a list."""
-    places = [at for at, letter in enumerate(text) if letter in ":,["]
-    at = rng.choice(places or [len(text) - 1]) + 1
-    stop = at
-    while stop < len(text) and text[stop] not in ",]}\n":
-        stop += 1
-    return f"{text[:at]} {rng.choice(VALUES)}{text[stop:]}"
-
-
-def spoil(rng: Random, text: str) -> bytes:
-    """Break the bytes themselves."""
-    content = bytearray(text.encode())
-    content[rng.randrange(len(content))] = rng.randrange(256)
-    return bytes(content)
-
-
-SLIPS: tuple[Callable[[Random, str], str], ...] = (
-    delete, duplicate, swap, insert, insert, lines, lines, value, value, value,
-)  # fmt: skip
-
 
 def edited(number: int) -> tuple[Path, bytes]:
     """Return a shipped file, and what it holds after one to three slips."""
@@ -110,7 +37,7 @@ def edited(number: int) -> tuple[Path, bytes]:
     text = path.read_bytes().decode()
     for _ in range(rng.choice((1, 1, 2, 3))):
         text = rng.choice(SLIPS)(rng, text) or "xx"
-    return path, spoil(rng, text) if rng.random() < 0.05 else text.encode()
+    return path, spoil(rng, text.encode()) if rng.random() < 0.05 else text.encode()
 
 
 def compared(pack: Pack) -> list[Fault]:

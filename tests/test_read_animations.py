@@ -201,6 +201,25 @@ def test_steps_and_splines_are_read_at_their_keys(tmp_path):
 
 # What is refused, and where
 
+
+def field(rows, number, **changes):
+    """Return a GLB with fields of one row of a list replaced."""
+    return changed(lambda document: document[rows][number].update(changes))
+
+
+def changed(change):
+    content = glb()
+    length = struct.unpack_from("<I", content, 12)[0]
+    document = json.loads(content[20 : 20 + length])
+    change(document)
+    return glb(**document)
+
+
+def animated(**changes):
+    """Return a GLB with fields of its animation replaced."""
+    return changed(lambda document: document["animations"][0].update(changes))
+
+
 BAD = {
     "no suffix": ("line", "", "has no suffix to tell a format; known: .csv"),
     "unknown": ("line.fbx", "", "no reader for '.fbx'"),
@@ -225,14 +244,45 @@ BAD = {
     "other json": ("a.json", "{}", "no animation of this program"),
     "no animation": ("a.glb", glb(animations=[]), "has no animation"),
     "moves nothing": ("a.glb", glb(animations=[{}]), "moves no morph target"),
-    "too few weights": ("a.glb", glb(values=(0, 0, 1)), "has 3 weights for 3 keys of 2 shapes"),
+    "too few weights": ("a.glb", glb(values=(0, 0, 1)), "has 1 weights at each key of .* 2 shapes"),
     "past the end": (
         "a.glb",
         glb(bufferViews=[{"buffer": 0, "byteLength": 12}, {"buffer": 0, "byteOffset": 60}]),
         "past the end",
     ),
-    "numbers not there": ("a.glb", glb(accessors=[]), "numbers that are not there"),
-    "sparse": ("a.glb", glb(accessors=[{"sparse": {}}, {}]), "sparsely"),
+    "numbers not there": ("a.glb", glb(accessors=[]), "names accessor 0, but has 0"),
+    "no kind": ("a.glb", glb(accessors=[{"sparse": {}}, {}]), "numbers of an unknown kind"),
+    "a count of bytes that are not there": (
+        "a.glb", field("accessors", 1, count=2**40), "accessor 1 states 1099511627776 values in"
+    ),
+    "a count below 0": ("a.glb", field("accessors", 1, count=-1), "accessor 1 states -1 values"),
+    "a count that is true": ("a.glb", field("accessors", 0, count=True), "states True values"),
+    "a kind as a list": ("a.glb", field("accessors", 0, componentType=[5126]), "an unknown kind"),
+    "an offset in text": ("a.glb", field("accessors", 0, byteOffset="0"), "past the end"),
+    "an offset below 0": ("a.glb", field("bufferViews", 0, byteOffset=-4), "past the end"),
+    "no length": ("a.glb", field("bufferViews", 0, byteLength=None), "past the end"),
+    "no view": ("a.glb", field("accessors", 0, bufferView=7), "accessor 0 lies in no buffer view"),
+    "a stride of 0": ("a.glb", field("bufferViews", 0, byteStride=0), "lies 0 bytes apart"),
+    "sparse text": ("a.glb", field("accessors", 1, sparse="x"), "sparse values that are no object"),
+    "sparse places": (
+        "a.glb",
+        field("accessors", 1, sparse={
+            "count": 1, "indices": {"bufferView": 0, "componentType": 5125, "byteOffset": 4},
+            "values": {"bufferView": 1},
+        }),
+        "replaces value 1056964608 of 6",
+    ),
+    "sampler": ("a.glb", animated(samplers=[1]), "samplers of its animation are not a list"),
+    "channels": ("a.glb", animated(channels={"a": 1}), "channels of its animation are not a list"),
+    "target": ("a.glb", animated(channels=[{"sampler": 0, "target": 5}]), "has no target"),
+    "input": ("a.glb", animated(samplers=[{"input": [0], "output": 1}]), r"names accessor \[0\]"),
+    "times that fall": ("a.glb", glb(times=(0, 1, 0.5)), "the times of its animation do not rise"),
+    "times of nan": ("a.glb", glb(times=(0, float("nan"), 1)), "times of its animation do not r"),
+    "weights of nan": (
+        "a.glb", glb(values=(0, 0, float("nan"), 1, 0, 0)), "a value of its animation is no number"
+    ),
+    "a start in text": ("a.glb", animated(extras={"audio_start": "0"}), "audio_start of its anim"),
+    "data as null": ("a.glb", glb(buffers=[{"byteLength": 90, "uri": None}]), "36 bytes of binary"),
     "no glb": ("a.glb", b"Kaydara FBX", "an FBX file"),
 }  # fmt: skip
 
@@ -293,3 +343,27 @@ def test_a_bad_animation_is_noticed_in_a_file(tmp_path):
     here, _ = read_for(performer(), tmp_path / "bad.csv", LINE)
     quality = check(here, performer=performer())
     assert [figure.name for figure in quality.failed] == ["contacts lips"]
+
+
+ODD = {
+    "digits": (ours(start=0).replace('"start": 0', '"start": ' + "9" * 5000), "holds a number th"),
+    "a start beyond floats": (ours(start=10**400), "`start` is larger than any number"),
+    "a weight beyond floats": (ours(frames=[[0], [10**400]]), "larger than any weight"),
+    "a time past a day": (ours(start=1e9), "frame 0: its time is past a day"),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_numbers_that_no_animation_has_are_told(name, tmp_path):
+    content, message = ODD[name]
+    with pytest.raises(AnimationError, match=message):
+        read_animation(written(tmp_path, "a.json", content))
+
+
+def test_frames_apart_too_unevenly_are_refused_and_seldom_ones_have_a_rate():
+    values = np.zeros((4, 1))
+    apart = Recording("x", np.array([0.0, 0.01, 0.02, 80_000]), ("open",), values)
+    with pytest.raises(AnimationError, match="x: has 4 frames over 80000 s, too unevenly"):
+        fit(apart, performer(), LINE)
+    slow = Recording("x", np.array([0.0, 1000, 2000, 3000]), ("open",), values)
+    assert fit(slow, performer(), LINE)[0].fps == pytest.approx(0.001)

@@ -1,5 +1,6 @@
 """Recordings: every usual form is read, and what is no recording is refused in words."""
 
+import struct
 import sys
 
 import numpy as np
@@ -8,6 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import lipsync_lang as ll
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.speech import sound
 from lipsync_lang.speech.sound import FASTEST, LONGEST, SLOWEST, read_audio, resampled
 
 soundfile = pytest.importorskip("soundfile")
@@ -138,3 +141,40 @@ def test_a_resampled_tone_is_the_same_tone():
     back = resampled(there, RATE)
     assert there.rate == 44_100
     assert np.abs(back.samples[200:-200] - TONE[200:-200].astype(int)).max() < 80
+
+
+def header(channels=1, rate=RATE, size=800, stated=None):
+    """Return a WAV of silence whose header may lie."""
+    form = struct.pack("<HHIIHH", 1, channels, rate, rate * 2, 2, 16)
+    body = b"WAVEfmt " + struct.pack("<I", 16) + form
+    body += b"data" + struct.pack("<I", size if stated is None else stated) + bytes(size)
+    return b"RIFF" + struct.pack("<I", len(body)) + body
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (header(channels=0), "no sound that can be read"),
+        (header(rate=0), "no sound that can be read|samples per second"),
+        (header(channels=300, size=600_000), "has 1,000 samples on 300 channels, and .* the most"),
+        (header(stated=2**30), "before its own header says it does"),
+    ],
+    ids=["no channels", "no rate", "many channels", "more than there is"],
+)
+def test_a_header_that_lies_is_told(content, message, tmp_path):
+    path = tmp_path / "a.wav"
+    path.write_bytes(content)
+    with pytest.raises(SpeechError, match=message):
+        read_audio(path)
+
+
+def test_a_small_file_that_unpacks_to_hours_of_samples_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(sound, "MAX_SAMPLES", len(TONE) - 1)
+    with pytest.raises(SpeechError, match="has 8,000 samples on 1 channels, and 7,999 on"):
+        read_audio(written(tmp_path / "a.flac"))
+
+
+def test_samples_that_are_no_numbers_are_heard_as_silence_or_full_scale(tmp_path):
+    odd = np.array([[3e38, 3e38], [np.nan, 0], [np.inf, 0], [-np.inf, -np.inf]] * 50, np.float32)
+    audio = read_audio(written(tmp_path / "a.wav", odd, subtype="FLOAT"))
+    assert audio.samples[:4].tolist() == [32767, 0, 32767, -32768]

@@ -5,6 +5,7 @@ import gzip
 import zlib
 from collections.abc import Iterator, Mapping
 from io import BytesIO
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,7 +79,9 @@ def _text(path: Path) -> str:
 def _unpacked(path: Path, raw: bytes) -> bytes:
     """Unpack gzip as far as the limit: a small file may hold any amount."""
     with gzip.open(BytesIO(raw)) as stream:
-        content = stream.read(MAX_INVENTORY_BYTES + 1)
+        # in blocks: a read of the whole limit would take its memory at once
+        blocks = iter(lambda: stream.read(MIB_BYTES), b"")
+        content = b"".join(islice(blocks, MAX_INVENTORY_BYTES // MIB_BYTES + 1))
     if len(content) > MAX_INVENTORY_BYTES:
         raise LipsyncError(
             f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; is it a table of "

@@ -45,6 +45,9 @@ MAX_SCRIPT_BYTES = 10_000_000
 MOST_REMARKS = 1000
 """Remarks of a kind that are kept; all are counted."""
 
+MAX_LINE_CHARS = 10_000
+"""Of a script; parting a line into tokens takes time that grows with its square."""
+
 ALONE = "-"
 """What the editor writes in the place of a second phoneme for the curve of one phoneme alone."""
 
@@ -118,6 +121,14 @@ def read_smartbody(path: Path, remarks: Remarks) -> Sets:
     words = next((line.split() for line in text.split("\n") if line.strip()), [""])
     if words[0] in {"Map", "Diphone"}:
         return _Export(name, remarks).read(text)
+    lines = text.split("\n")
+    for number, line in enumerate(lines, 1):
+        if len(line) > MAX_LINE_CHARS:
+            what = f"cannot be read from this line on: it has {len(line):,} characters, and "
+            what += f"{MAX_LINE_CHARS:,} are the most; write one call a line"
+            remarks.add("statement", name, number, what)
+            text = "\n".join(lines[: number - 1])
+            break
     return _Script(name, remarks).read(text)
 
 

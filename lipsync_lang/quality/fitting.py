@@ -25,6 +25,12 @@ UNEVEN_FRAMES = 0.02
 MAX_FPS = 240.0
 """Files with more keys per second are resampled at this rate."""
 
+MAX_FRAMES = 1_000_000
+"""Frames at an even rate: more than an hour at the greatest one."""
+
+MAX_FRAMES_EACH = 100
+"""The same for each frame of the file; a longer pause is no recording of a line."""
+
 PERCENT_ABOVE = 5.0
 """Weights above this are percentages, not shares of 1."""
 
@@ -94,7 +100,7 @@ def fit(
     if values.max() > PERCENT_ABOVE:
         values = values / 100
         remarks.append(f"{recording.source}: its weights run to 100, and are taken as percent")
-    times, fps = _even(recording.times)
+    times, fps = _even(recording.source, recording.times)
     if times is not recording.times:
         values = np.column_stack([np.interp(times, recording.times, one) for one in values.T])
     names = tuple(channel.name for channel in face)
@@ -115,15 +121,20 @@ def _faces(performer: "Performer") -> "list[tuple[Channel, ...]]":
     return faces
 
 
-def _even(times: Floats) -> tuple[Floats, float]:
+def _even(source: str, times: Floats) -> tuple[Floats, float]:
     """Return evenly spaced times, and frames per second."""
     step = float(np.median(np.diff(times)))
     fps = min(1 / step, MAX_FPS)
-    fps = round(fps) if abs(fps - round(fps)) < UNEVEN_FRAMES else fps
+    fps = round(fps) if fps >= 1 and abs(fps - round(fps)) < UNEVEN_FRAMES else fps
     apart = np.abs(np.diff(times) * fps - 1)
     if apart.max() <= UNEVEN_FRAMES:
         return times, fps
     count = int(np.floor((times[-1] - times[0]) * fps + 1e-6)) + 1
+    if count > min(MAX_FRAMES, MAX_FRAMES_EACH * len(times)):
+        raise AnimationError(
+            f"{source}: has {len(times)} frames over {times[-1] - times[0]:g} s, too unevenly "
+            "to judge; export it at an even rate"
+        )
     return times[0] + np.arange(count) / fps, fps
 
 

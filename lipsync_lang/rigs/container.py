@@ -154,9 +154,10 @@ def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
     first, *others = document.get("buffers") or [{}]
     for row in (first, *others, *document.get("images", ())):
         _check_within(path, row.get("uri"))
-    data = _decoded(path, first["uri"]) if "uri" in first else _first(path, chunks)
+    uri = first.get("uri")
+    data = _first(path, chunks) if uri is None else _decoded(path, uri)
     length = first.get("byteLength", 0)
-    if not isinstance(length, int) or not 0 <= length <= len(data):
+    if isinstance(length, bool) or not isinstance(length, int) or not 0 <= length <= len(data):
         fail(path, f"has {len(data)} bytes of binary data, fewer than it says")
     return data
 

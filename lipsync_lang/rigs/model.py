@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TypeGuard
 
 from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
 
@@ -116,7 +116,7 @@ def _document(path: Path, text: bytes) -> Json:
     if not str(asset.get("version")).startswith("2."):
         fail(path, f"is glTF version {str(asset.get('version'))[:20]}", f"{EXPORT}, version 2")
     for name in LISTS:
-        _check_list(path, f"its {name}", document.get(name, []))
+        check_list(path, f"its {name}", document.get(name, []))
     found: Json = document
     return found
 
@@ -130,9 +130,11 @@ def _no_number(text: str) -> NoReturn:
     raise ValueError(f"{text[:20]} is not a number")
 
 
-def _check_list(path: Path, name: str, rows: object) -> None:
+def check_list(path: Path, name: str, rows: object) -> list[Json]:
+    """Return the objects of a list in a document, or say that it is none."""
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         fail(path, f"{name} are not a list of objects")
+    return rows
 
 
 def _check_nodes(path: Path, document: Json) -> None:
@@ -144,7 +146,7 @@ def _check_nodes(path: Path, document: Json) -> None:
             fail(path, f"node {number} shows a mesh that is not there")
 
 
-def is_index(value: object, count: int) -> bool:
+def is_index(value: object, count: int) -> TypeGuard[int]:
     """Tell whether a value of a document is a place in a list of `count`."""
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
 
@@ -199,7 +201,7 @@ def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
 def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
     """Return the names of a mesh's morph targets."""
     primitives = row.get("primitives")
-    _check_list(path, f"the primitives of '{label}'", primitives)
+    check_list(path, f"the primitives of '{label}'", primitives)
     counts = {_target_count(path, label, one) for one in primitives or ()}
     if len(counts) > 1:
         fail(path, f"'{label}': its parts have different numbers of morph targets")
@@ -218,7 +220,7 @@ def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
 
 def _target_count(path: Path, label: str, primitive: Json) -> int:
     targets = primitive.get("targets", [])
-    _check_list(path, f"the morph targets of '{label}'", targets)
+    check_list(path, f"the morph targets of '{label}'", targets)
     return len(targets)
 
 

@@ -19,8 +19,23 @@ SLOWEST, FASTEST = 8_000, 192_000
 LONGEST = 7_200.0
 """Seconds: two hours."""
 
+MAX_SAMPLES = 7_200 * 48_000
+"""Samples of a channel; a small file of silence may unpack to any number."""
+
+FLAC_SAMPLES_PER_BYTE = 8_192
+"""Samples that a byte may hold: FLAC, which packs silence best, needs 11 bytes for 65,535."""
+
+SAMPLES_PER_BYTE = {"MP3": 64}
+"""The same of other formats: the slowest MP3 has 24; damaged ones state any length."""
+
+MAX_CHANNELS = 64
+"""Channels of a recording; no microphone for faces has as many."""
+
 BLOCK = 1 << 20
-"""Samples of each channel that are read at a time."""
+"""Samples of all channels that are read at a time."""
+
+LOUDEST = 2.0**16
+"""Of a sample; damaged files hold floats whose sum is infinite."""
 
 OPEN = 0x7FFF_0000
 """Bytes; a size from here on is what programs state that do not know it yet."""
@@ -40,10 +55,12 @@ def read_audio(path: str | Path) -> Audio:
     """
     soundfile = _soundfile()
     try:
+        # libsndfile seeks in the file itself: through a Python stream, a header that points before
+        # the start of the file prints a traceback.
         with Path(path).open("rb") as stream:
             if not stream.seekable():
                 raise SpeechError(f"{path}: is a pipe; put the recording into a file first")
-            with soundfile.SoundFile(stream) as sound:
+            with soundfile.SoundFile(stream.fileno(), closefd=False) as sound:
                 return _read(path, sound)
     except OSError as error:
         raise SpeechError(
@@ -67,8 +84,18 @@ def _read(path: str | Path, sound: Any) -> Audio:
             f"{path}: lasts {sound.frames / rate / 60:.0f} minutes, and {LONGEST / 60:.0f} are the "
             "most; cut it into lines"
         )
+    stated, size = sound.frames, Path(path).stat().st_size
+    if stated > SAMPLES_PER_BYTE.get(sound.format, FLAC_SAMPLES_PER_BYTE) * size:
+        raise SpeechError(f"{path}: states {stated:,} samples in {size:,} bytes; save it anew")
+    if sound.frames > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
+        raise SpeechError(
+            f"{path}: has {sound.frames:,} samples on {sound.channels} channels, and "
+            f"{MAX_SAMPLES:,} on {MAX_CHANNELS} are the most; resample it to 48000 Hz, mono"
+        )
     blocks = [
-        _mono(block) for block in sound.blocks(BLOCK, dtype="float32", always_2d=True) if len(block)
+        _mono(block)
+        for block in sound.blocks(BLOCK // sound.channels, dtype="float32", always_2d=True)
+        if len(block)
     ]
     count = sum(map(len, blocks))
     if count == 0:
@@ -83,7 +110,8 @@ def _read(path: str | Path, sound: Any) -> Audio:
 
 def _mono(block: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
     """Mix channels (N, C) from -1 to 1 down to int16."""
-    return _whole(np.nan_to_num(block.mean(axis=1)) * FULL)
+    sound = np.clip(np.nan_to_num(block), -LOUDEST, LOUDEST)
+    return _whole(sound.mean(axis=1) * FULL)
 
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:

@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.errors import AnimationError
+from lipsync_lang.errors import AnimationError, brief
 from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
@@ -17,6 +17,9 @@ Floats = npt.NDArray[np.float64]
 
 MAX_ANIMATION_BYTES = 2**30
 """Bytes; a larger file is no animation of a line."""
+
+LONGEST_SECONDS = 86_400.0
+"""A frame past this is not timed in seconds."""
 
 LEAST = 2
 """Frames; one alone does not move."""
@@ -55,6 +58,7 @@ class Recording:
         _refuse(self.source, ~np.isfinite(self.times), "its time is no number")
         bad = np.asarray(~np.isfinite(self.values).all(axis=1))
         _refuse(self.source, bad, "a value is no number")
+        _refuse(self.source, np.abs(self.times) > LONGEST_SECONDS, "its time is past a day")
         falls = np.append(False, np.diff(self.times) <= 0)
         _refuse(self.source, falls, "its time does not rise; put the frames in order")
 
@@ -66,7 +70,7 @@ def _refuse(source: str, bad: npt.NDArray[np.bool_], what: str) -> None:
 
 def fail(source: str | Path, what: str, mend: str = "") -> NoReturn:
     """Say what is wrong with an animation file, and how to mend it."""
-    raise AnimationError(f"{source}: {what}{'; ' if mend else ''}{mend}")
+    raise AnimationError(f"{source}: {brief(what)}{'; ' if mend else ''}{mend}")
 
 
 Read = Callable[[Path, bytes], Recording]

@@ -27,6 +27,8 @@ def read_json(path: Path, content: bytes) -> Recording:
         document = json.loads(text_of(path, content))
     except json.JSONDecodeError as error:
         fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", FORM)
+    except ValueError:  # a number of thousands of digits
+        fail(path, "holds a number that is none of an animation", FORM)
     except RecursionError:
         fail(path, "is nested too deep for an animation", FORM)
     if not isinstance(document, dict) or not str(document.get("format")).startswith(MARK):
@@ -50,7 +52,10 @@ def _number(path: Path, document: dict[str, Any], key: str) -> float:
     value = document.get(key)
     if not isinstance(value, (int, float)) or isinstance(value, bool):
         fail(path, f"its `{key}` is no number", FORM)
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        fail(path, f"its `{key}` is larger than any number of an animation", FORM)
 
 
 def _frames(path: Path, document: dict[str, Any]) -> Floats:
@@ -61,7 +66,10 @@ def _frames(path: Path, document: dict[str, Any]) -> Floats:
         good = isinstance(row, list) and len(row) == count
         if not good or not all(isinstance(v, (int, float)) for v in row):
             fail(path, f"frame {number} is not a list of {count} numbers", FORM)
-    return np.array(rows, float).reshape(len(rows), count)
+    try:
+        return np.array(rows, float).reshape(len(rows), count)
+    except OverflowError:
+        fail(path, "a value of its frames is larger than any weight", FORM)
 
 
 def _schedule(path: Path, document: dict[str, Any]) -> Schedule | None:

@@ -1,5 +1,6 @@
-"""What is drawn of a glTF file: the arrays of its accessors, its textures and its nodes."""
+"""The parts of a glTF file that are drawn: its arrays, its textures and its nodes."""
 
+import warnings
 from io import BytesIO
 from itertools import chain
 from pathlib import Path
@@ -9,24 +10,24 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.container import Json, binary_of, fail
+from lipsync_lang.rigs.accessors import COMPRESSIONS, Accessors
+from lipsync_lang.rigs.container import fail
 from lipsync_lang.rigs.model import Model
 
 Floats = npt.NDArray[np.float64]
 Texels = npt.NDArray[np.uint8]
-Array = npt.NDArray[Any]
 
-TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-
-PACKED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}
+PACKED = {"KHR_draco_mesh_compression", *COMPRESSIONS}
 """Extensions that leave nothing to draw to those who do not know them."""
-
-MOST = 2**24
-"""Values of an accessor; with more, nothing is drawn in time."""
 
 LARGEST = 2048
 """Pixels of a texture's longer side; more are not seen."""
+
+MAX_PIXELS = 2**26
+"""Pixels of a picture, 8192 by 8192; a small file may unpack to any number."""
+
+FORMATS = ("PNG", "JPEG", "WEBP")
+"""Formats of pictures that glTF and its extensions have; Pillow's others stay shut."""
 
 
 class Gltf:
@@ -40,38 +41,13 @@ class Gltf:
 
     def __init__(self, model: Model, path: Path) -> None:
         self.path, self.document = path, model.document
-        self._binary = binary_of(model.path, model.document, model.chunks)
-        packed = PACKED.intersection(self.document.get("extensionsRequired", ()))
+        self.arrays = Accessors(model, path)
+        required = self.document.get("extensionsRequired", [])
+        if not isinstance(required, list):
+            fail(path, "its required extensions are no list")
+        packed = PACKED.intersection(filter(lambda name: isinstance(name, str), required))
         if packed:
             fail(path, f"is compressed ({min(packed)})", "export the model without compression")
-
-    def array(self, number: int) -> Array:
-        """Return an accessor's values, (count, n); integers that mean fractions are those."""
-        row = self.document["accessors"][number]
-        kind, count, width = row["componentType"], row["count"], WIDTHS[row["type"]]
-        if not 0 < count <= MOST:
-            raise ValueError(f"an accessor has {count} values")
-        if "bufferView" in row:
-            values = self._values(row, kind, count, width)
-        else:
-            values = np.zeros((count, width), TYPES[kind])
-        if "sparse" in row:
-            few, places, others = (row["sparse"][name] for name in ("count", "indices", "values"))
-            values = values.copy()
-            where = self._values(places, places["componentType"], few, 1)[:, 0]
-            values[where] = self._values(others, kind, few, width)
-        if row.get("normalized"):
-            return np.maximum(values / np.iinfo(values.dtype).max, -1.0)
-        return values
-
-    def _values(self, row: Json, kind: int, count: int, width: int) -> Array:
-        view = self.document["bufferViews"][row["bufferView"]]
-        if view.get("buffer", 0) != 0:
-            fail(self.path, "keeps its data in several places", "export the model as GLB")
-        dtype = np.dtype(TYPES[kind])
-        start = view.get("byteOffset", 0) + row.get("byteOffset", 0)
-        step = view.get("byteStride") or width * dtype.itemsize
-        return np.ndarray((count, width), dtype, self._binary, start, (step, dtype.itemsize))
 
     def texture(self, number: int) -> Texels | None:
         """Return a texture's picture, (H, W, 4); None where it cannot be read."""
@@ -81,9 +57,7 @@ class Gltf:
         image = self.document["images"][sources[0]] if sources else {}
         if "bufferView" not in image:
             return None
-        view = self.document["bufferViews"][image["bufferView"]]
-        start = view.get("byteOffset", 0)
-        return _picture(self._binary[start : start + view["byteLength"]])
+        return _picture(self.arrays.view(image["bufferView"]))
 
     # Nodes
 
@@ -133,8 +107,13 @@ def _axes(quaternion: Floats) -> Floats:
 def _picture(data: bytes) -> Texels | None:
     image = pillow()
     try:
-        picture = image.open(BytesIO(data)).convert("RGBA")
-    except (OSError, ValueError, SyntaxError, image.DecompressionBombError):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # a picture of too many pixels is a warning at first
+            picture = image.open(BytesIO(data), formats=FORMATS)
+            if picture.width * picture.height > MAX_PIXELS:
+                return None
+            picture = picture.convert("RGBA")
+    except Exception:  # noqa: BLE001 each of Pillow's formats has errors of its own
         return None
     picture.thumbnail((LARGEST, LARGEST))
     return np.asarray(picture)

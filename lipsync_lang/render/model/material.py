@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lipsync_lang.render.model.gltf import Array, Floats, Gltf, Texels
+from lipsync_lang.render.model.gltf import Floats, Gltf, Texels
+from lipsync_lang.rigs.accessors import Array
 from lipsync_lang.rigs.container import Json
 
 
@@ -45,7 +46,7 @@ def material(gltf: Gltf, row: Json) -> Material:
     surface = row.get("pbrMetallicRoughness", {})
     mode = row.get("alphaMode", "OPAQUE")
     texture = surface.get("baseColorTexture")
-    cutoff = {"OPAQUE": 0.0, "MASK": row.get("alphaCutoff", 0.5)}.get(mode, 0.5)
+    cutoff = {"OPAQUE": 0.0, "MASK": float(row.get("alphaCutoff", 0.5))}.get(mode, 0.5)
     return Material(
         np.array(surface.get("baseColorFactor", [1.0] * 4), float),
         gltf.texture(texture["index"]) if texture else None,

@@ -13,10 +13,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.render.model.gltf import Array, Floats, Gltf
+from lipsync_lang.render.model.gltf import Floats, Gltf
 from lipsync_lang.render.model.material import Material, material
+from lipsync_lang.rigs.accessors import Array
 from lipsync_lang.rigs.container import Json, fail
-from lipsync_lang.rigs.model import read_model
+from lipsync_lang.rigs.model import Model, read_model
+from lipsync_lang.rigs.tracks import drives
 
 Ints = npt.NDArray[np.intp]
 Bools = npt.NDArray[np.bool_]
@@ -90,18 +92,22 @@ class Scene:
     """
 
     def __init__(self, path: Path, name: Path) -> None:
-        self._gltf = Gltf(read_model(path, bones=True), name)
+        self._model = read_model(path, bones=True)
+        self._gltf = Gltf(self._model, name)
         self.document = self._gltf.document
         self._parts: list[Part] = []
         self._rows: list[tuple[Ints, Floats, Floats, Floats, Ints]] = []
         try:
-            self._read()
-            self.points(0.0)
-        except (AttributeError, LookupError, TypeError, ValueError, OverflowError) as error:
+            with np.errstate(over="raise", invalid="raise", divide="raise"):
+                self._read()
+                for moment in (0.0, self.seconds):
+                    if not np.isfinite(self.points(moment)).all():
+                        raise ValueError("a point moves out of sight")  # noqa: TRY301
+                self._mirror()
+        except (AttributeError, LookupError, TypeError, ValueError, ArithmeticError) as error:
             fail(name, f"its meshes cannot be read ({str(error)[:60]})")
         if not self._parts:
             fail(name, "shows no surfaces", "export the model itself, with its meshes")
-        self._mirror()
         triangles, normals, colours, places, materials = zip(*self._rows, strict=True)
         self.triangles: Ints = np.concatenate(triangles)
         """(F, 3) points."""
@@ -119,7 +125,7 @@ class Scene:
         animation = document["animations"][-1]
         self.sound: float = animation.get("extras", {}).get("audio_start", 0.0)
         """Seconds at which the sound begins."""
-        self._tracks = dict(_tracks(gltf, animation))
+        self._tracks = dict(_tracks(self._model, gltf, animation))
         self.seconds = max(float(track.times[-1]) for track in self._tracks.values())
         """How long it moves."""
         self._order = gltf.order()
@@ -137,12 +143,12 @@ class Scene:
         mode = primitive.get("mode", TRIANGLES)
         if mode not in {TRIANGLES, STRIP, FAN} or "POSITION" not in attributes:
             return
-        base = gltf.array(attributes["POSITION"]).astype(float)
+        base = gltf.arrays[attributes["POSITION"]].astype(float)
         count, first = len(base), self.count
         if base.shape[1] != 3:  # noqa: PLR2004 of space
             raise ValueError("POSITION is no place")
         if "indices" in primitive:
-            corners = gltf.array(primitive["indices"])[:, 0].astype(np.intp)
+            corners = gltf.arrays[primitive["indices"]][:, 0].astype(np.intp)
         else:
             corners = np.arange(count)
         triangles = _triangles(corners, mode)
@@ -150,10 +156,11 @@ class Scene:
         weights = self._weights(number, node, mesh, primitive)
         active = np.flatnonzero(np.abs(weights.values).max(axis=0, initial=0.0) > 0)
         targets = [primitive["targets"][target] for target in active]
+        gltf.arrays.spend(3 * count * len(active))
         deltas = np.zeros((len(active), count, 3))
         for row, target in zip(deltas, targets, strict=True):
             if "POSITION" in target:
-                row[:] = gltf.array(target["POSITION"])
+                row[:] = gltf.arrays[target["POSITION"]]
         if not (np.isfinite(base).all() and np.isfinite(deltas).all()):
             raise ValueError("a point is nowhere")
         points = slice(first, first + count)
@@ -189,10 +196,10 @@ class Scene:
         skin = self.document["skins"][node["skin"]]
         inverse = np.tile(np.eye(4), (len(skin["joints"]), 1, 1))
         if "inverseBindMatrices" in skin:
-            inverse = self._gltf.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4)
+            inverse = self._gltf.arrays[skin["inverseBindMatrices"]].reshape(-1, 4, 4)
         sets = [one for one in range(8) if f"JOINTS_{one}" in attributes]
-        bones = np.hstack([self._gltf.array(attributes[f"JOINTS_{one}"]) for one in sets])
-        shares = np.hstack([self._gltf.array(attributes[f"WEIGHTS_{one}"]) for one in sets])
+        bones = np.hstack([self._gltf.arrays[attributes[f"JOINTS_{one}"]] for one in sets])
+        shares = np.hstack([self._gltf.arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
         _check_below(bones, len(skin["joints"]), "a point hangs on a bone that is not there")
         total = shares.sum(axis=1, keepdims=True)
         shares = shares / np.where(total > 0, total, 1.0)
@@ -202,7 +209,7 @@ class Scene:
         self, attributes: Json, count: int, material: Material
     ) -> tuple[Floats, Floats, Floats]:
         """Return normals, colours and places in the texture of some points."""
-        arrays = {n: self._gltf.array(attributes[n]) for n in LOOKS if n in attributes}
+        arrays = {n: self._gltf.arrays[attributes[n]] for n in LOOKS if n in attributes}
         for name, values in arrays.items():
             if values.shape[0] != count or values.shape[1] not in LOOKS[name]:
                 raise ValueError(f"{name} is of other points")
@@ -311,17 +318,15 @@ def _check_below(numbers: Array, count: int, otherwise: str) -> None:
         raise ValueError(otherwise)
 
 
-def _tracks(gltf: Gltf, animation: Json) -> Iterator[tuple[tuple[int, str], KeyTrack]]:
-    """Yield what the animation drives: a node's property, and its values."""
-    for channel in animation["channels"]:
-        sampler = animation["samplers"][channel["sampler"]]
-        times = gltf.array(sampler["input"])[:, 0].astype(float)
-        values = gltf.array(sampler["output"]).astype(float)
-        values = values.reshape(len(times), -1)
+def _tracks(
+    model: Model, gltf: Gltf, animation: Json
+) -> Iterator[tuple[tuple[int, str], KeyTrack]]:
+    """Yield the driven properties of nodes, and their values."""
+    for drive in drives(model, gltf.arrays, animation):
+        times, values = drive.times, drive.values
         if len(times) == 1:
             times, values = times + np.array([0.0, 1.0]), np.vstack([values, values])
-        target = channel["target"]
-        yield (target["node"], target["path"]), KeyTrack(times, values)
+        yield (drive.node, drive.path), KeyTrack(times, values)
 
 
 def _triangles(corners: Ints, mode: int) -> Ints:

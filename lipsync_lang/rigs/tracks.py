@@ -1,0 +1,100 @@
+"""An animation in a model: which property of which node it drives, and the values over time."""
+
+from collections.abc import Collection, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.rigs.accessors import Accessors
+from lipsync_lang.rigs.container import Json, fail
+from lipsync_lang.rigs.model import Model, check_list, is_index
+
+Floats = npt.NDArray[np.float64]
+
+VALUES_PER_KEY = {"LINEAR": 1, "STEP": 1, "CUBICSPLINE": 3}
+"""Interpolations, and how many values each key has: a spline's are between its two tangents."""
+
+PATHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": None}
+"""Properties of a node, and how many numbers each has; a mesh says how many weights."""
+
+STEP_SECONDS = 1e-4
+"""How long before its key a step begins, so that straight lines step."""
+
+
+class Drive(NamedTuple):
+    """One property of a node over time.
+
+    Parameters
+    ----------
+    node : its place among the document's nodes
+    path : the property, such as `weights`
+    times : (T,) seconds, rising
+    values : (T, n), with straight lines between them
+    """
+
+    node: int
+    path: str
+    times: Floats
+    values: Floats
+
+
+def drives(
+    model: Model, accessors: Accessors, take: Json, paths: Collection[str] = PATHS
+) -> Iterator[Drive]:
+    """Yield what an animation drives.
+
+    Parameters
+    ----------
+    take : an animation of the model's document
+    paths : the properties wanted; others stay unread
+
+    Raises
+    ------
+    ModelError
+        The animation is damaged.
+    """
+    where, nodes = accessors.path, model.document.get("nodes", [])
+    samplers = check_list(where, "samplers of its animation", take.get("samplers", []))
+    for channel in check_list(where, "channels of its animation", take.get("channels", [])):
+        target = channel.get("target")
+        if not isinstance(target, dict):
+            fail(where, "a channel of its animation has no target")
+        node, path, number = target.get("node"), target.get("path"), channel.get("sampler")
+        if node is None or not isinstance(path, str) or path not in paths or path not in PATHS:
+            continue  # as glTF asks: extensions have targets of their own
+        if not is_index(node, len(nodes)) or not is_index(number, len(samplers)):
+            fail(where, "a channel of its animation names a node or sampler that is not there")
+        times, values = _keys(accessors, samplers[number])
+        if values.shape[1] != (PATHS[path] or values.shape[1]):
+            fail(where, f"its animation has {values.shape[1]} numbers for a {path}")
+        yield Drive(node, path, times, values)
+
+
+def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
+    """Return the (T,) times of a sampler and its (T, n) values."""
+    where = accessors.path
+    times = accessors[sampler.get("input")].astype(np.float64)
+    values = accessors[sampler.get("output")].astype(np.float64)
+    way = sampler.get("interpolation", "LINEAR")
+    if not isinstance(way, str) or way not in VALUES_PER_KEY:
+        fail(where, f"its keys are joined in an unknown way ('{str(way)[:20]}')")
+    if times.shape[1] != 1:
+        fail(where, "its animation has times of several numbers")
+    times = times[:, 0]
+    each = VALUES_PER_KEY[way]
+    if values.size % (len(times) * each):
+        fail(where, f"its animation has {values.size} values for {len(times)} keys")
+    if not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        fail(where, "the times of its animation do not rise")
+    if not np.isfinite(values).all():
+        fail(where, "a value of its animation is no number")
+    table = values.reshape(len(times), each, -1)[:, each // 2]
+    return _stepped(times, table) if way == "STEP" else (times, table)
+
+
+def _stepped(times: Floats, table: Floats) -> tuple[Floats, Floats]:
+    """Add a key just before each next one, which holds the value until then."""
+    before = times[1:] - np.minimum(np.diff(times) / 2, STEP_SECONDS)
+    order = np.argsort(np.concatenate((times, before)), kind="stable")
+    return np.concatenate((times, before))[order], np.concatenate((table, table[:-1]))[order]

@@ -1,0 +1,1 @@
+"""Every reader against inputs that no program wrote: sound files with seeded damage."""

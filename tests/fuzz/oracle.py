@@ -1,0 +1,119 @@
+"""The judge of one input: only errors in words escape, no warning, and work stays in a budget.
+
+Work is counted in Python's own calls, and memory in bytes that Python and numpy ask for. Both are
+the same on every machine; no clock is read. An alarm ends an input that hangs in C.
+"""
+
+import signal
+import sys
+import tracemalloc
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+from lipsync_lang import LipsyncError
+
+CALLS, CALLS_PER_BYTE = 400_000, 1_000
+"""Calls that reading may take, whatever the input, and for each byte of it."""
+
+BYTES, BYTES_PER_BYTE = 64 * 2**20, 1_000
+"""Memory that reading may take, whatever the input, and for each byte of it."""
+
+MOST_CHARS = 20_000
+"""Of a message."""
+
+HANG_SECONDS = 60
+"""After which an input is given up; a guard, not a measure."""
+
+
+class Failure(BaseException):
+    """An input that something other than an error in words came of; nothing catches it."""
+
+
+def judge(read: Callable[[Path], object], path: Path) -> str | None:
+    """Read a file; return what is wrong with how it ended, or None.
+
+    Parameters
+    ----------
+    read : the reader
+    path : the input
+    """
+    size = path.stat().st_size
+    counter = _Counter(CALLS + CALLS_PER_BYTE * size)
+    previous = signal.signal(signal.SIGALRM, _hangs)
+    signal.alarm(HANG_SECONDS)
+    tracemalloc.start()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            sys.setprofile(counter)
+            try:
+                read(path)
+            finally:
+                sys.setprofile(None)
+        return _memory(size)
+    except LipsyncError as error:
+        return _message(str(error)) or _memory(size)
+    except Failure as failure:
+        return str(failure)
+    except Exception as error:  # noqa: BLE001 whatever escapes is the finding
+        return f"{_where(error)}: {type(error).__name__}: {str(error)[:200]}"
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, previous)
+        tracemalloc.stop()
+
+
+class _Counter:
+    """Counts calls, and ends what takes more than its budget."""
+
+    def __init__(self, budget: int) -> None:
+        self.left = budget
+
+    def __call__(self, frame: FrameType, event: str, argument: object) -> None:
+        del argument
+        self.left -= 1
+        if self.left < 0:
+            sys.setprofile(None)
+            raise Failure(f"{_line(frame)}: too much work ({event})")
+
+
+def _memory(size: int) -> str | None:
+    _, peak = tracemalloc.get_traced_memory()
+    if peak > BYTES + BYTES_PER_BYTE * size:
+        return f"too much memory: {peak >> 20} MB for {size} bytes"
+    return None
+
+
+def _message(text: str) -> str | None:
+    if not text.strip():
+        return "an error without a message"
+    if len(text) > MOST_CHARS:
+        return f"a message of {len(text)} characters: {text[:80]}"
+    return None
+
+
+def _hangs(number: int, frame: FrameType | None) -> None:
+    del number
+    raise Failure(f"{_line(frame)}: hangs")
+
+
+def _line(frame: FrameType | None) -> str:
+    """Return the line of ours that a frame is in, or was called from."""
+    while frame is not None and "lipsync_lang" not in frame.f_code.co_filename:
+        frame = frame.f_back
+    if frame is None:
+        return "outside"
+    return f"{frame.f_code.co_filename.rpartition('lipsync_lang/')[2]}:{frame.f_lineno}"
+
+
+def _where(error: BaseException) -> str:
+    """Return the last line of ours that an error passed."""
+    found, at = "outside", error.__traceback__
+    while at is not None:
+        if "/lipsync_lang/" in at.tb_frame.f_code.co_filename:
+            name = at.tb_frame.f_code.co_filename.rpartition("lipsync_lang/")[2]
+            found = f"{name}:{at.tb_lineno}"
+        at = at.tb_next
+    return found

@@ -1,0 +1,188 @@
+"""A target for each reader: found in the registries, so that a new reader is one at once.
+
+A target wants a sound file or two, in `seeds/GROUP/NAME/`; inputs that once failed are in
+`corpus/GROUP/NAME/`.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import chdir, suppress
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from io import BytesIO
+from pathlib import Path
+from unittest.mock import patch
+
+import numpy as np
+from packs_tree import TREE, plant
+
+from lipsync_lang import Performer, Schedule, resolve
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.glb import write_glb
+from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATIONS
+from lipsync_lang.authoring.inventories import read_inventory
+from lipsync_lang.banks.smartbody import Remarks, read_smartbody
+from lipsync_lang.coverage.changes import read_document
+from lipsync_lang.errors import PackError
+from lipsync_lang.lines.line_readers import READERS as LINES
+from lipsync_lang.lines.line_readers import read_lines
+from lipsync_lang.packs import finding
+from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import MODELS
+from lipsync_lang.phonology.g2p.lexicon import read_lexicon
+from lipsync_lang.quality.fitting import read_for
+from lipsync_lang.render.staging import staged
+from lipsync_lang.rigs.model import read_model
+from lipsync_lang.schedules.timing_readers import READERS as TIMINGS
+from lipsync_lang.schedules.timing_readers import read_schedule
+from lipsync_lang.speech.sound import read_audio
+
+HERE = Path(__file__).parent
+
+LINE = Schedule.from_intervals(
+    [("HH", 0.0, 0.08), ("AH", 0.08, 0.15), ("P", 0.15, 0.2), ("IY", 0.2, 0.4), ("_", 0.4, 0.9)],
+    notation="arpabet",
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """One reader that is handed damaged files.
+
+    Parameters
+    ----------
+    name : GROUP/NAME, as its folders are called
+    read : reads the file at a path
+    place : where a file of a suffix lies in an empty folder
+    share : how many inputs the target gets for one of another's; less where each takes long
+    """
+
+    name: str
+    read: Callable[[Path], object]
+    place: Callable[[Path, str], Path] = lambda folder, suffix: folder / f"line{suffix}"
+    share: float = 1.0
+
+    @property
+    def seeds(self) -> list[Path]:
+        """Sound files."""
+        return _files(HERE / "seeds" / self.name)
+
+    @property
+    def corpus(self) -> list[Path]:
+        """Inputs that once failed."""
+        return _files(HERE / "corpus" / self.name)
+
+
+def _files(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.glob("*") if path.is_file())
+
+
+@cache
+def targets() -> dict[str, Target]:
+    """Return every target by its name."""
+    return {one.name: one for one in _found()}
+
+
+def _found() -> Iterator[Target]:
+    for name in TIMINGS.built_in():
+        yield Target(f"timings/{name}", partial(_timings, name))
+    for name in LINES.built_in():
+        yield Target(f"lines/{name}", partial(_lines, name))
+    for name in ANIMATIONS.built_in():
+        yield Target(f"animations/{name}", lambda path: read_for(_performer(), path, LINE))
+    for kind in MODELS:
+        yield Target(f"packs/{kind}", _pack, partial(_placed, kind), share=0.2)
+    yield Target("models/names", partial(read_model, bones=True))
+    yield Target("models/written", _written)
+    yield Target("models/drawn", _drawn)
+    yield Target("sound/recording", read_audio)
+    yield Target("banks/smartbody", lambda path: read_smartbody(path, Remarks()))
+    yield Target("words/lexicon", read_lexicon)
+    yield Target("words/inventory", lambda path: read_inventory(path, "1"))
+    yield Target("words/coverage", read_document)
+
+
+@cache
+def _performer() -> Performer:
+    return resolve("english", "facefx")
+
+
+# Timings and lines
+
+
+def _timings(name: str, path: Path) -> None:
+    try:
+        read_schedule(path, read_as=name)
+    finally:
+        read_schedule(path)  # as the content and the suffix tell
+
+
+def _lines(name: str, path: Path) -> None:
+    del name  # the suffix tells
+    for line in read_lines(path, remark=_plain):
+        _plain(line.text)
+
+
+def _plain(text: str) -> None:
+    assert isinstance(text, str)
+
+
+# Packs
+
+PLACES = {
+    "phonemes": "languages/common.yaml",
+    "ipa": "languages/ipa.yaml",
+    "language": "languages/parent.yaml",
+    "poseset": "posesets/face/poseset.yaml",
+    "bank": "posesets/face/banks/common.yaml",
+    "rig": "posesets/face/rigs/model.yaml",
+    "character": "characters/anna.yaml",
+    "project": "lipsync.yaml",
+}
+"""The file of a sound tree that is damaged."""
+
+assert PLACES["character"] in TREE
+
+
+def _placed(kind: str, folder: Path, suffix: str) -> Path:
+    del suffix
+    if not (folder / PLACES[kind]).exists():
+        plant(folder)
+    return folder / PLACES[kind]
+
+
+def _pack(path: Path) -> None:
+    root = next(one for one in path.parents if (one / "languages").is_dir())
+    # the tree stands alone: no packs of the current folder, and none of the program
+    with chdir(root), patch.object(finding, "built_in", lambda: root):
+        for fault in validate(Library(project=None), [path]):
+            assert fault.line >= 1
+        for character in ("face", "anna"):
+            with suppress(PackError):
+                performer = resolve("parent", character, cache=False, gaps="rest")
+                replace(performer, unknown="rest").perform(_moi(), fps=30)
+
+
+@cache
+def _moi() -> Schedule:
+    return Schedule(("p", "a", "_"), np.array([0.0, 0.1, 0.3, 0.5]))
+
+
+# Models
+
+
+def _animation(path: Path) -> Animation:
+    times = np.arange(4) / 10
+    names = ("jawOpen", "x", "open")
+    weights = np.linspace(0, 1, 12).reshape(4, 3)
+    return Animation(times, names, weights, 10.0, LINE, model=path)
+
+
+def _drawn(path: Path) -> None:
+    scene = staged(_animation(path))
+    assert np.isfinite(scene.points(0.15)).all()
+    assert scene.moving.shape == (scene.count,)
+
+
+def _written(path: Path) -> None:
+    write_glb(_animation(path), BytesIO())

@@ -1,0 +1,174 @@
+"""Whatever a reader is handed: a result, or an error in words, within a budget of work.
+
+`LIPSYNC_LANG_FUZZ_SEED` repeats a run of the full lane; the seed is in the name of its tests.
+`CONTRIBUTING.md` says how to add an input that failed.
+"""
+
+import ast
+import os
+from pathlib import Path
+
+import pytest
+from lanes import full
+
+from fuzz.oracle import judge
+from fuzz.runner import count_for, findings, inputs, judged, warm
+from fuzz.targets import HERE, Target, targets
+from lipsync_lang import LipsyncError
+
+PACKAGE = HERE.parents[1] / "lipsync_lang"
+SEED = int(os.environ["LIPSYNC_LANG_FUZZ_SEED"])  # conftest.py chooses one for all workers
+QUICK_INPUTS, FULL_INPUTS = 400, 20_000
+TARGETS = targets()
+CORPUS = [path for target in TARGETS.values() for path in target.corpus]
+assert TARGETS, "a sweep over nothing passes"
+assert CORPUS, "a sweep over nothing passes"
+
+NO_TARGET = {
+    "banks/write.py": "writes",
+    "cli.py": "opens the null device",
+    "extensions.py": "looks for names with a pattern",
+    "files": "what all others read and write with",
+    "animations": "templates and names of our own; its readers are targets",
+    "authoring/language_draft.py": "copies a lexicon, which is a target",
+    "authoring/placing.py": "compares files it has written",
+    "commands/output.py": "lines of plain text",
+    "commands/words.py": "opens the null device",
+    "coverage/page/assembling.py": "templates of our own",
+    "packs/answers.py": "looks for names with a pattern; the packs are targets",
+    "packs/editing.py": "packs, which are a target",
+    "packs/finding.py": "looks for names with a pattern; the packs are targets",
+    "phonology/espeak": "pipes of our own",
+    "render/model/gltf.py": "pictures within models, which are a target",
+    "render/staging.py": "writes",
+    "render/video.py": "what ffmpeg and we have written",
+    "resolver": "the cache of compiled pairs, which has tests of its own",
+    "speech": "what engines and models installed on purpose have written; recordings are a target",
+}
+"""Modules that open files and have no target of their own, and why."""
+
+HAVE_TARGETS = {
+    "animations/readers/animation_readers.py",
+    "authoring/inventories.py",
+    "banks/smartbody.py",
+    "coverage/changes.py",
+    "lines/line_readers.py",
+    "lines/gettext.py",
+    "lines/timings.py",
+    "packs/library.py",
+    "packs/yaml/source.py",
+    "phonology/g2p/lexicon.py",
+    "rigs/container.py",
+    "schedules/timing_file.py",
+    "speech/sound.py",
+}
+"""Modules that open files and are reached by a target."""
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_every_reader_has_a_sound_file_to_damage(name):
+    assert warm(name), f"put a sound file into tests/fuzz/seeds/{name}"
+
+
+def test_every_folder_of_files_belongs_to_a_target():
+    folders = {path.parent for kind in ("seeds", "corpus") for path in (HERE / kind).glob("*/*/*")}
+    assert {"/".join(folder.parts[-2:]) for folder in folders} <= TARGETS.keys()
+
+
+def _opens(tree: ast.AST) -> bool:
+    names = {"read_bytes", "read_text", "read_input", "open"}
+    return any(
+        isinstance(node, ast.Call)
+        and getattr(node.func, "attr", getattr(node.func, "id", "")) in names
+        for node in ast.walk(tree)
+    )
+
+
+def test_every_module_that_opens_files_has_a_target_or_a_reason():
+    found = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in PACKAGE.rglob("*.py")
+        if _opens(ast.parse(path.read_text("utf-8")))
+    }
+    without = {
+        name
+        for name in found - HAVE_TARGETS
+        if not any(name == one or name.startswith(f"{one}/") for one in NO_TARGET)
+    }
+    assert not without, "give it a target in fuzz/targets.py, or a reason here"
+    assert found >= HAVE_TARGETS, "no longer opens files"
+
+
+@pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.relative_to(HERE).as_posix())
+def test_what_once_failed_is_told_in_words(path):
+    name = "/".join(path.parts[-3:-1])
+    warm(name)
+    assert judged(TARGETS[name], path.read_bytes(), path.suffix) is None
+
+
+def _mutate(name: str, seed: int, total: int) -> None:
+    count = count_for(TARGETS[name], total, TARGETS.values())
+    failed = [*findings(TARGETS[name], seed, count)]
+    told = "\n".join(f"  input {one.number}: {one.what}" for one in failed[:20])
+    again = f"python -m fuzz.runner --target {name} --seed {seed} --inputs {total} --keep"
+    assert not failed, f"{len(failed)} of {count} fail:\n{told}\nin tests: {again}"
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_damaged_files_are_read_or_told_in_words(name):
+    _mutate(name, seed=0, total=QUICK_INPUTS)
+
+
+@full
+@pytest.mark.parametrize("seed", [SEED], ids="seed{}".format)
+@pytest.mark.parametrize("name", TARGETS)
+def test_many_damaged_files_are_read_or_told_in_words(name, seed):
+    _mutate(name, seed, FULL_INPUTS)
+
+
+# The judge himself
+
+
+def _raises(error: Exception):
+    def read(path: Path) -> None:
+        del path
+        raise error
+
+    return read
+
+
+def _works(path: Path) -> None:
+    while True:
+        path.exists()
+
+
+def _takes(path: Path) -> None:
+    del path
+    bytes(200 * 2**20)
+
+
+JUDGED = {
+    "an error in words": (_raises(LipsyncError("a.csv:1: is empty")), None),
+    "a traceback": (_raises(KeyError("x")), "KeyError"),
+    "no words": (_raises(LipsyncError("")), "without a message"),
+    "too many words": (_raises(LipsyncError("x" * 10**6)), "a message of 1000000 characters"),
+    "a warning": (_raises(UserWarning("doubtful")), "UserWarning"),
+    "too much work": (_works, "too much work"),
+    "too much memory": (_takes, "too much memory: 200 MB"),
+}
+
+
+@pytest.mark.parametrize("name", JUDGED)
+def test_the_judge_sees(name, tmp_path):
+    path = tmp_path / "line.csv"
+    path.write_bytes(b"x")
+    read, told = JUDGED[name]
+    found = judge(read, path)
+    assert found is None if told is None else told in found
+
+
+def test_a_seed_repeats_its_inputs_and_another_has_others():
+    target: Target = TARGETS["timings/json"]
+    once, again, others = ([*inputs(target, seed, 20)] for seed in (1, 1, 2))
+    assert once == again != others
+    assert len({content for _, content, _ in once}) > 15
