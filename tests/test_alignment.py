@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import swept
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE
@@ -59,7 +60,7 @@ def silence(seconds, rate):
 # The form of what comes out
 
 
-@pytest.mark.parametrize("text", TEXTS)
+@pytest.mark.parametrize("text", swept(TEXTS))
 def test_a_schedule_lasts_from_zero_to_the_end_of_the_sound(english, spoken, text):
     audio = spoken[text].audio
     found = aligned(english, audio, text)
@@ -71,7 +72,7 @@ def test_a_schedule_lasts_from_zero_to_the_end_of_the_sound(english, spoken, tex
     assert not found.estimated
 
 
-@pytest.mark.parametrize("text", TEXTS)
+@pytest.mark.parametrize("text", swept(TEXTS))
 def test_words_are_those_of_the_text(english, spoken, text):
     found = aligned(english, spoken[text].audio, text)
     assert [word.text for word in found.words] == text.rstrip(".").split()
@@ -79,7 +80,7 @@ def test_words_are_those_of_the_text(english, spoken, text):
     assert inside == [n for n, label in enumerate(found.labels) if label != SILENCE]
 
 
-@pytest.mark.parametrize("text", TEXTS)
+@pytest.mark.parametrize("text", swept(TEXTS))
 def test_most_boundaries_are_where_the_voice_says_they_are(english, spoken, text):
     found, known = common(aligned(english, spoken[text].audio, text), english), spoken[text]
     known = common(known, english)

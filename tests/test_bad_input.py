@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lanes import full
 from packs_tree import POSESET, plant, put
 
 import lipsync_lang as ll
@@ -308,6 +309,7 @@ def test_silence_alone_stays_at_rest(performer):
     assert not animation.weights.any()
 
 
+@full
 def test_a_hundred_thousand_phonemes_are_performed(performer):
     labels = ("P", "AA1", "S", "OW0") * 25_000
     schedule = ll.Schedule(labels, np.arange(100_001) * 0.07)

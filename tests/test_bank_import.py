@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import costly
+from lanes import costly, full
 
 from lipsync_lang.authoring.bank_import import import_bank
 from lipsync_lang.banks.fit import DECIMALS, MOST_KEYS
@@ -443,6 +443,7 @@ def test_too_many_keys_are_nobodys_work(folder, library):
     assert told(made, "keys") == ["l-ah is passed over: it has a curve of more than 200 keys"]
 
 
+@full
 @pytest.mark.skipif(sys.gettrace() is not None, reason="a tracer slows it down")
 def test_a_hundred_thousand_keys_take_seconds(folder, library):
     line = "d.addKey('open', 0.5, 0.5)\n"

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.espeak.process import WORKER
 from lipsync_lang.schedules import SILENCE, Schedule
 from lipsync_lang.speech import ENGINES, speak
 from lipsync_lang.speech.espeak import FASTEST, LONGEST, SLOWEST, Espeak
@@ -512,6 +513,5 @@ def test_the_library_is_never_loaded_into_our_process():
 
 
 def test_the_worker_needs_the_standard_library_alone():
-    worker = Path(speak.__code__.co_filename).with_name("espeak_worker.py")
-    script = f"import runpy; runpy.run_path({str(worker)!r}, run_name='worker')"
+    script = f"import runpy; runpy.run_path({str(WORKER)!r}, run_name='worker')"
     assert subprocess.run([sys.executable, "-I", "-S", "-c", script], check=False).returncode == 0
