@@ -10,8 +10,17 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
+MAX_MESSAGE_CHARS = 4_000
+"""A name within a file may be of any length; the middle of a longer message is cut out."""
+
+
 class LipsyncError(Exception):
     """An error that the user can mend; the message names the place and the cure."""
+
+    def __str__(self) -> str:
+        """Return the message, cut to `MAX_MESSAGE_CHARS`."""
+        text, half = super().__str__(), MAX_MESSAGE_CHARS // 2
+        return text if len(text) <= MAX_MESSAGE_CHARS else f"{text[:half]} ... {text[-half:]}"
 
 
 class PackError(LipsyncError):
@@ -45,16 +54,6 @@ def spelled(name: str, known: "Iterable[str]") -> str:
         return name
     same = [one for one in names if one.casefold() == name.casefold()]
     return same[0] if len(same) == 1 else name
-
-
-MAX_MESSAGE_CHARS = 4_000
-"""Of a message; names within a file may be of any length."""
-
-
-def brief(text: str) -> str:
-    """Cut the middle out of a message that a file has filled."""
-    half = MAX_MESSAGE_CHARS // 2
-    return text if len(text) <= MAX_MESSAGE_CHARS else f"{text[:half]} ... {text[-half:]}"
 
 
 def did_you_mean(word: str, known: "Iterable[str]") -> str:

@@ -11,6 +11,7 @@ from packs_tree import POSESET, plant, put
 
 import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError, OutputError, PackError, ScheduleError, SpeechError
+from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.textgrid import read_textgrid
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -126,6 +127,15 @@ def test_two_faults_of_a_pack_are_told_at_once_with_their_places(tmp_path, cli, 
         assert re.search(r"posesets/face/poseset.yaml:15:12: P201 .*'opne'", told), told
         assert re.search(r"posesets/face/poseset.yaml:\d+:\d+: P201 .*'FW'", told), told
         assert "did you mean 'open'" in told
+
+
+def test_a_name_without_end_is_cut_out_of_a_message_but_no_fault_of_many():
+    told = str(ScheduleError(f"line.json: phoneme 0 ('{'a' * 10**6}') has no length; leave it out"))
+    assert len(told) < 5_000
+    assert told.startswith("line.json: phoneme 0 ('aaa")
+    assert told.endswith("aaa') has no length; leave it out")
+    many = [Fault("a.yaml", line, 1, "P001", "a fault") for line in range(1, 1000)]
+    assert str(PackFaults(many)).count("P001") == 999
 
 
 # Text

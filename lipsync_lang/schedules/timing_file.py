@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.errors import ScheduleError, brief
+from lipsync_lang.errors import ScheduleError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class TimingFile:
     def fault(self, what: str, line: int | None = None, column: int | None = None) -> ScheduleError:
         """Return an error at a place of the file; `what` is the mistake and the cure."""
         where = ":".join(str(part) for part in (self.path, line, column) if part is not None)
-        return ScheduleError(f"{where}: {brief(what)}")
+        return ScheduleError(f"{where}: {what}")
 
     @cached_property
     def text(self) -> str:

@@ -20,7 +20,7 @@ CALLS, CALLS_PER_BYTE = 400_000, 1_000
 BYTES, BYTES_PER_BYTE = 64 * 2**20, 1_000
 """Memory that reading may take, whatever the input, and for each byte of it."""
 
-MOST_CHARS = 20_000
+MOST_CHARS = 5_000
 """Of a message."""
 
 HANG_SECONDS = 60

@@ -147,11 +147,16 @@ def _takes(path: Path) -> None:
     bytes(200 * 2**20)
 
 
+class EndlessError(LipsyncError):
+    def __str__(self) -> str:
+        return "x" * 10**6
+
+
 JUDGED = {
     "an error in words": (_raises(LipsyncError("a.csv:1: is empty")), None),
     "a traceback": (_raises(KeyError("x")), "KeyError"),
     "no words": (_raises(LipsyncError("")), "without a message"),
-    "too many words": (_raises(LipsyncError("x" * 10**6)), "a message of 1000000 characters"),
+    "too many words": (_raises(EndlessError()), "a message of 1000000 characters"),
     "a warning": (_raises(UserWarning("doubtful")), "UserWarning"),
     "too much work": (_works, "too much work"),
     "too much memory": (_takes, "too much memory: 200 MB"),

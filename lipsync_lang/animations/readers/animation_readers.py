@@ -8,7 +8,7 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.errors import AnimationError, brief
+from lipsync_lang.errors import AnimationError
 from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import read_input
 from lipsync_lang.schedules.schedule import Schedule
@@ -70,7 +70,7 @@ def _refuse(source: str, bad: npt.NDArray[np.bool_], what: str) -> None:
 
 def fail(source: str | Path, what: str, mend: str = "") -> NoReturn:
     """Say what is wrong with an animation file, and how to mend it."""
-    raise AnimationError(f"{source}: {brief(what)}{'; ' if mend else ''}{mend}")
+    raise AnimationError(f"{source}: {what}{'; ' if mend else ''}{mend}")
 
 
 Read = Callable[[Path, bytes], Recording]

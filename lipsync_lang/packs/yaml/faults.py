@@ -148,6 +148,10 @@ class PackFaults(PackError):  # noqa: N818 it carries faults, and is raised as t
         self.faults = tuple(faults)
         super().__init__("\n".join(map(str, self.faults)))
 
+    def __str__(self) -> str:
+        """List every fault, however many there are."""
+        return "\n".join(map(str, self.faults))
+
 
 def shown(path: Path) -> str:
     """Return a path for a message: relative to the current folder if it lies below."""
