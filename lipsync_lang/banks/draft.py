@@ -28,29 +28,29 @@ TIMES: Floats = np.array([0, 0.15, 0.35, 0.5, 0.65, 0.85, 1])
 other."""
 
 SHARPNESS = 10.0
-"""Per unit of normalised time: how fast a phoneme's say falls away from its middle."""
+"""Decay of a phoneme's dominance away from its middle, per unit of normalised time."""
 
 PASSIVE = 0.01
-"""Dominance of a pose that a phoneme does not mention: the neighbour's wish spreads into it."""
+"""Dominance of a pose that a phoneme does not mention; the neighbour's target spreads into it."""
 
 STIFFNESS = 0.03
-"""How much an even control polygon, easy to edit, is worth against a nearer curve."""
+"""Weight of an even control polygon, which is easy to edit, against a closer fit."""
 
 DECIMALS = 2
-"""Drafted values are as round as those written to a bank, so that writing changes nothing."""
+"""Decimals of drafted values: as many as a bank keeps, so that writing loses nothing."""
 
 FAINT = 0.015
-"""A smaller control value is rest."""
+"""Control values below this count as rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """How the poses stand at one phoneme."""
+    """Pose weights at one phoneme."""
 
     weights: Floats
     """(m, P) in [0, 1]; more than one row where the phoneme moves, as a diphthong does."""
     dominance: Floats
-    """(P,) positive: how strongly it wants them so."""
+    """(P,) positive: how strongly each pose keeps its weight against the neighbour's."""
 
 
 def draft(first: list[Target], second: list[Target]) -> Floats:
@@ -66,7 +66,7 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     control points, is as near to f as it can be
     """
     at, solve, curves = _fit()
-    each = list(dict.fromkeys([*first, *second]))  # a few, in many pairs
+    each = list(dict.fromkeys([*first, *second]))  # few distinct targets in many pairs
     number = {target: index for index, target in enumerate(each)}
     one, other = [number[t] for t in first], [number[t] for t in second]
     coming = np.stack([_profile(t, at) for t in each])[one]
@@ -86,13 +86,13 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
 
 
 def _middles(target: Target) -> Floats:
-    """Return (m,) when a phoneme, half a bigram long, stands at each of its steps."""
+    """Return (m,) middles of a target's steps, which share half a bigram."""
     steps = len(target.weights)
     return (np.arange(steps) + 1) / (steps + 1) / 2
 
 
 def _profile(target: Target, at: Floats) -> Floats:
-    """Return (K, P): a phoneme's own target, `at` counted from its start."""
+    """Return (K, P) weights of a phoneme's target; `at` counts from its start."""
     return np.stack([np.interp(at, _middles(target), pose) for pose in target.weights.T], axis=1)
 
 
@@ -103,13 +103,13 @@ def _rise(target: Target, at: Floats) -> Floats:
 
 
 def _dominance(targets: list[Target], at: Floats, middle: float) -> Floats:
-    """Return (B, K, P): each phoneme's say over normalised time."""
+    """Return (B, K, P) dominance of each phoneme over normalised time."""
     fall: Floats = np.exp(-SHARPNESS * np.abs(at - middle))
     return fall[:, None] * np.stack([t.dominance for t in targets])[:, None, :]
 
 
 def shape(at: Floats) -> Floats:
-    """Return what each control value at `TIMES` adds to a drafted curve: (n, K) at (K,) times."""
+    """Return (n, K) shares of each control value at `TIMES` in a drafted curve at (K,) times."""
     units = np.stack([np.column_stack((TIMES, unit)) for unit in np.eye(len(TIMES))])
     return bspline(units, at)
 

@@ -1,6 +1,6 @@
-"""Fit the bigrams of another program to our phonemes and poses, and tell what had to give.
+"""Fit bigrams of another program to our phonemes and poses, and report the losses.
 
-Times and weights are brought into [0, 1], times into order, both rounded to `DECIMALS`.
+Times and weights are clipped to [0, 1], times sorted, both rounded to `DECIMALS`.
 """
 
 from collections.abc import Mapping
@@ -12,13 +12,13 @@ from lipsync_lang.banks.write import Points
 from lipsync_lang.errors import did_you_mean
 
 DECIMALS = 4
-"""Of a time or weight; finer than any curve editor's pixel."""
+"""Decimals of a time or weight; finer than a pixel of any curve editor."""
 
 MOST_KEYS = 200
-"""Keys of a curve; more than there are steps in a performed curve are no person's work."""
+"""Most keys of a curve. Longer curves are sampled by a program, not drawn by a person."""
 
 FEWEST_KEYS = 2
-"""Keys of a curve."""
+"""Fewest keys of a curve."""
 
 LONGEST, HINTS = 40, 100
 """Characters of a name that a remark repeats, and how many unknown names get a hint."""
@@ -28,7 +28,7 @@ Curves = dict[str, Points]
 
 @dataclass(frozen=True)
 class BankNames:
-    """What their labels and shapes are called here."""
+    """Our names for the labels and shapes of another program."""
 
     sounds: Mapping[str, str]
     """Common phonemes by label, in small letters."""
@@ -39,7 +39,7 @@ class BankNames:
 
 @dataclass(frozen=True)
 class _Stray:
-    """Keys of a bigram that lay outside [0, 1]."""
+    """Keys of a bigram outside [0, 1]."""
 
     key: str
     diphone: Diphone
@@ -48,17 +48,17 @@ class _Stray:
 
 
 class Fitting:
-    """One bank on its way into ours."""
+    """One bank during its conversion to ours."""
 
     def __init__(self, names: BankNames, remarks: Remarks) -> None:
         self.names, self.remarks = names, remarks
         self.bigrams: dict[str, Curves] = {}
         self.strays: list[_Stray] = []
         self.unknown: dict[tuple[str, str], list[Diphone]] = {}
-        """(kind, name) of what is unknown: the diphones that have it."""
+        """Unknown names as (kind, name), with the diphones that use them."""
 
     def fit(self, pairs: Mapping[Pair, Diphone]) -> dict[str, Curves]:
-        """Return curves by bigram; of two that become one, that with the more of our own labels."""
+        """Return curves by bigram. Of equals, more labels of our own win."""
         ours = {pair: self._pair(pair, diphone) for pair, diphone in pairs.items()}
         known = [(pair, key) for pair, key in ours.items() if key]
         known.sort(key=lambda one: sum(self.names.sounds[label] != label for label in one[0]))
@@ -81,7 +81,7 @@ class Fitting:
         self.remarks.add(kind, diphone.file, diphone.line, text)
 
     def _pair(self, pair: Pair, diphone: Diphone) -> str:
-        """Return the bigram that a pair is, or nothing where it is none."""
+        """Map a pair to a bigram key; empty if it has none."""
         if ALONE in pair and ALONE not in self.names.sounds:
             what = f"{_shown(pair)} is passed over: the curve of one phoneme alone is no bigram"
             self._tell("alone", diphone, what)
@@ -99,7 +99,7 @@ class Fitting:
         return f"{first}-{second}"
 
     def _curves(self, key: str, diphone: Diphone) -> Curves | None:
-        """Return a bigram's curves, in the order of our poses; None where none is left."""
+        """Return a bigram's curves in the order of our poses; None if no curve is left."""
         shapes = {shape: points for shape, points in diphone.shapes.items() if points}
         if not shapes:
             self._tell("empty", diphone, f"{key} has no keys and is passed over: it stays drafted")
@@ -137,7 +137,7 @@ class Fitting:
         return {pose: points for pose, points in curves.items() if any(v for _, v in points)}
 
     def _points(self, key: str, diphone: Diphone, shape: str, points: list[Point]) -> Points:
-        """Sort keys by time, bring them into the unit square, and merge what is there twice."""
+        """Sort keys by time, clip them to the unit square, and merge duplicates."""
         if any(after < before for (before, _), (after, _) in pairwise(points)):
             what = f"{key}: the times of '{visible(shape)}' fall; they are put in order"
             self._tell("order", diphone, what)

@@ -1,4 +1,4 @@
-"""Put bigrams where a person can edit them: as YAML, into a bank file."""
+"""Write bigrams as YAML into bank files that a person can edit."""
 
 import json
 import re
@@ -13,11 +13,11 @@ Points = list[list[float]]
 Interpolation = Literal["bspline", "linear"]
 
 NEUTRAL = "neutral"
-"""The usual manner of speaking."""
+"""The default style of speaking."""
 
 PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
-"""What YAML needs no quotes for, and what it takes for something else in some version."""
+"""Words that some version of YAML reads as booleans or null, so they need quotes."""
 
 
 @dataclass(frozen=True)
@@ -31,15 +31,15 @@ class Drafts:
 
 @dataclass(frozen=True)
 class Made:
-    """Bigrams of one pose set, however they were made, and what a bank of them says."""
+    """Bigrams of one pose set from any source, with the fields of their bank."""
 
     poseset: str
     bigrams: Mapping[str, Mapping[str, Points]]
     status: str
     style: str | None = None
-    """The manner of speaking of their bank; None for any."""
+    """Style of their bank; None for any style."""
     interpolation: Interpolation | None = None
-    """The kind of curve; None for the bank's."""
+    """Kind of curve; None for the bank's own."""
 
 
 def draft_yaml(drafts: Drafts) -> str:
@@ -60,7 +60,7 @@ def bigrams_yaml(bigrams: Mapping[str, Mapping[str, Points]], status: str) -> st
 def entry(
     key: str, stated: Mapping[str, str], curves: Mapping[str, Points], indent: int = 2
 ) -> list[str]:
-    """Return the lines that state a bigram in a bank, each level two spaces further in."""
+    """Return the YAML lines of a bigram; each level is indented by two spaces more."""
     names = {pose: plain_or_quoted(pose) for pose in curves}
     width = max(map(len, names.values()), default=0) + 1
     lines = [
@@ -73,7 +73,7 @@ def entry(
 
 
 def plain_or_quoted(text: str) -> str:
-    """Return text as YAML holds it, in quotes where it could be taken for something else."""
+    """Return text as a YAML scalar, quoted if a plain one could be misread."""
     plain = PLAIN.fullmatch(text) and text.casefold() not in WORDS
     return text if plain else json.dumps(text, ensure_ascii=False)
 
@@ -83,7 +83,7 @@ def _flow(points: Points) -> str:
 
 
 def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
-    """Add drafts to a bank file, leaving every bigram that is there as it is.
+    """Add drafts to a bank file; bigrams already in it stay unchanged.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
 
 
 def make_room(path: Path) -> None:
-    """Make the folder of a bank, or refuse its name."""
+    """Make the folder of a bank, or raise `OutputError` for a path that cannot be one."""
     if path.suffix != ".yaml":
         raise OutputError(f"{path}: is no name for a bank; end it in .yaml")
     try:
@@ -111,7 +111,7 @@ def make_room(path: Path) -> None:
 
 
 def add_bigrams(path: Path, made: Made) -> list[str]:
-    """Add bigrams to a bank file, making it where there is none; return those that are new."""
+    """Add bigrams to a bank file, made if missing, and return the new ones."""
     from lipsync_lang.packs.editing import add_entries, write_edited
     from lipsync_lang.packs.yaml.source import read_bytes, read_yaml
 
@@ -129,14 +129,14 @@ def add_bigrams(path: Path, made: Made) -> list[str]:
 
 
 def _stated(bank: Mapping[str, Any], made: Made) -> dict[str, str]:
-    """Return what each bigram says beside its curves."""
+    """Return the fields of each bigram other than its curves."""
     if made.interpolation in {None, bank.get("interpolation", "bspline")}:
         return {"status": made.status}
     return {"status": made.status, "interpolation": str(made.interpolation)}
 
 
 def done(path: Path, new: int, kept: int, what: str) -> str:
-    """Say how many bigrams were put into a bank."""
+    """Return a sentence that counts the new and the kept bigrams of a bank."""
     stay = "was there already and stays as it is"
     if kept > 1:
         stay = "were there already and stay as they are"
@@ -145,7 +145,7 @@ def done(path: Path, new: int, kept: int, what: str) -> str:
 
 
 def _refuse_other(path: Path, bank: object, made: Made) -> None:
-    """Raise where a file is something else than a bank of the pose set and manner."""
+    """Raise an error if a file is not a bank of this pose set and style."""
     stated = bank if isinstance(bank, dict) else {}
     if (stated.get("kind"), stated.get("poseset")) != ("bank", made.poseset):
         raise PackError(

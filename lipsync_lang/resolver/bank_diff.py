@@ -1,4 +1,4 @@
-"""What a layer changes: bigrams of one character beside those of another, or of what lies beneath.
+"""Compare bigrams of one character with those of another, or with the layers beneath.
 
 Curves are compared as they are performed: sampled over normalised time, 0 outside their points.
 With d(x) what a pose gained at normalised time x, the figures are the largest |d| with its sign
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 SLACK = 1e-6
-"""A smaller difference is none."""
+"""Differences up to this size count as none."""
 
 TIMES: Floats = np.linspace(0, 1, RESOLUTION + 1)
 """(K,) normalised times at which curves are compared."""
@@ -32,15 +32,15 @@ TIMES: Floats = np.linspace(0, 1, RESOLUTION + 1)
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A bigram as one of two characters has it."""
+    """A bigram of one of the two characters."""
 
     origin: Origin
     curves: Floats
     """(K, P) weights at `TIMES`."""
     boundary: float
-    """Where in normalised time the first phoneme ends."""
+    """Normalised time at which the first phoneme ends."""
     free: bool
-    """Whether it waives its contacts."""
+    """True if the bigram waives its contacts."""
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.origin.layer, self.origin.status)))
@@ -48,13 +48,13 @@ class Side:
 
 @dataclass(frozen=True)
 class PoseChange:
-    """How far a pose's curve in one bigram differs."""
+    """Difference of one pose's curve in a bigram."""
 
     pose: str
     largest: float
-    """The largest difference, positive where the pose gained."""
+    """Largest difference; positive where the pose gained weight."""
     at: float
-    """Its normalised time."""
+    """Normalised time of the largest difference."""
     rms: float
     """Root mean square difference."""
     area: float
@@ -63,7 +63,7 @@ class PoseChange:
 
 @dataclass(frozen=True, eq=False)
 class BigramChange:
-    """One bigram on both sides, and the poses that differ, those that differ most first."""
+    """One bigram on both sides, with its changed poses, largest difference first."""
 
     before: Side
     after: Side
@@ -76,17 +76,17 @@ class BigramChange:
 
     @property
     def word(self) -> str | None:
-        """A word in which it is heard."""
+        """An example word with this bigram."""
         return self.after.origin.word or self.before.origin.word
 
     @property
     def largest(self) -> float:
-        """The largest difference of any pose, without its sign."""
+        """Largest absolute difference of any pose."""
         return max((abs(pose.largest) for pose in self.poses), default=0.0)
 
     @property
     def changed(self) -> bool:
-        """Whether anything of it is performed otherwise."""
+        """True if any curve, boundary or waiver differs."""
         before, after = self.before, self.after
         return bool(self.poses) or (before.boundary, before.free) != (after.boundary, after.free)
 
@@ -104,21 +104,21 @@ class BigramChange:
 
 @dataclass(frozen=True, eq=False)
 class Diff:
-    """What differs between two characters of one pose set."""
+    """Differences between two characters of one pose set."""
 
     language: str
     character: str
     against: str
-    """What it was compared with, in words."""
+    """Display name of the other side of the comparison."""
     poses: tuple[str, ...]
     total: int
-    """Bigrams compared."""
+    """Number of bigrams compared."""
     named: tuple[BigramChange, ...]
-    """The bigrams asked for, or else all that differ; the largest difference first."""
+    """Requested bigrams, or else all changed ones; the largest difference first."""
 
     @cached_property
     def changes(self) -> tuple[BigramChange, ...]:
-        """Those that differ."""
+        """The changed bigrams among `named`."""
         return tuple(change for change in self.named if change.changed)
 
     def to_dict(self) -> dict[str, Any]:
@@ -178,7 +178,7 @@ def diff_banks(
 
 
 def _beneath(shelf: PairPacks) -> tuple[PairPacks, str]:
-    """Return what a shelf lies on: the bare pose set, or its drafts."""
+    """Return the layers beneath a shelf, the bare pose set or its drafts, and their name."""
     from lipsync_lang.packs.library import Pack
     from lipsync_lang.packs.models import Character
 
@@ -202,7 +202,7 @@ def _other(library: "Library", shelf: PairPacks, against: str) -> tuple[PairPack
 
 
 def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
-    """Sample bigrams' curves, as tables hold them: (B, K, P)."""
+    """Return (B, K, P) curves, sampled as tables hold them."""
     out = np.zeros((len(rows), RESOLUTION + 1, poses))
     alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
     for number, row in enumerate(rows):
@@ -249,7 +249,7 @@ def _origin(side: Side) -> dict[str, Any]:
 
 
 def told(diff: Diff, most: int | None = None) -> str:
-    """Return a comparison in words, with figures for as many bigrams as `most` allows."""
+    """Return a comparison in words, with figures for at most `most` bigrams."""
     shown = diff.named[:most]
     differ = f"{len(diff.changes)} of {diff.total} bigrams differ"
     lines = [f"{diff.language} on {diff.character} against {diff.against}: {differ}"]

@@ -1,9 +1,9 @@
 """Compiled pairs on disk, so that a warm start reads no YAML.
 
-A cache file is believed only if it is whole (its digest fits its bytes), ours (its mark, the pair
-asked for and the digest of the code that compiled it fit) and fresh: every lookup made while
-compiling still finds the same files, and every file read still has the same content. Anything else
-is compiled anew. Nothing in it is executed.
+A cache file is used only if it passes three checks. It is whole: its digest fits its bytes. It is
+ours: its mark, its pair and the digest of the compiling code fit. It is fresh: all lookups made
+while compiling find the same files, with the same content. Any other file is compiled anew.
+Loading executes nothing from a file.
 """
 
 import json
@@ -35,8 +35,7 @@ DIGEST = 32
 """Bytes of the digest; with the mark a multiple of 64, so that arrays are aligned."""
 
 COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
-"""Folders of the code that turns packs into tables, with all below them; if it changes, so must the
-tables."""
+"""Folders of the code that turns packs into tables. A change below them makes every file stale."""
 
 ARRAYS = (
     "curves", "boundary", "free", "pairs", "thresholds", "paper", "priority", "softness",
@@ -45,14 +44,14 @@ ARRAYS = (
 """Arrays of the tables."""
 
 MAX_CACHE_BYTES = 2 * 2**30
-"""All pairs together; a pair of the built-in packs takes 1 to 9 MB. Beyond it the oldest go."""
+"""Bytes of all pairs together. A built-in pair takes 1 to 9 MB; the oldest are deleted first."""
 
 CACHE_VARIABLE = "LIPSYNC_LANG_CACHE"
-"""Environment variable: another folder for the cache, or `off`."""
+"""Environment variable with another folder for the cache, or `off`."""
 
 
 def folder() -> Path | None:
-    """Return where compiled pairs are kept; None where the user wants no cache."""
+    """Return the folder of compiled pairs; None if the user turned the cache off."""
     named = os.environ.get(CACHE_VARIABLE)
     if named is not None:
         return None if named in ("", "off") else Path(named)
@@ -63,7 +62,7 @@ def folder() -> Path | None:
 
 @cache
 def compiler() -> str:
-    """Return a digest of the code that compiles."""
+    """Return a digest of the compiling code."""
     package = Path(__file__).parents[1]
     whole = sha256(__version__.encode())
     for folder in COMPILERS:
@@ -73,7 +72,7 @@ def compiler() -> str:
 
 
 def _key(language: str, character: str, paths: Sequence[Path]) -> str:
-    """Return what a pair is kept under: the question, and where it was asked."""
+    """Return the file key of a pair: its names, search paths and folder, as JSON."""
     return json.dumps([language, character, [str(p.absolute()) for p in paths], str(Path.cwd())])
 
 
@@ -83,20 +82,20 @@ def _path(key: str) -> Path | None:
 
 
 def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | None":
-    """Return a compiled pair if the cache has it, whole, ours and fresh."""
+    """Return a compiled pair from the cache; None unless its file is whole, ours and fresh."""
     key = _key(language, character, paths)
     path = _path(key)
     try:
         content = path.read_bytes() if path else b""
         compiled = _decode(content, key, paths) if content else None
-    except Exception:  # noqa: BLE001 a forged file can fail anywhere: it is not believed
+    except Exception:  # noqa: BLE001 a forged file can fail anywhere
         compiled = None
     _log.info("%s on %s: %s", language, character, "cached" if compiled else "to be compiled")
     return compiled
 
 
 def save(compiled: "Compiled", language: str, character: str, library: "Library") -> None:
-    """Put a compiled pair into the cache; where that cannot be written, do without."""
+    """Write a compiled pair to the cache; a cache that cannot be written is no error."""
     from lipsync_lang.errors import OutputError
     from lipsync_lang.files import atomic
 
@@ -106,7 +105,7 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
         return
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if CACHE_VARIABLE not in os.environ:  # a folder that the user named stays as open as it is
+        if CACHE_VARIABLE not in os.environ:  # a folder named by the user keeps its own permissions
             path.parent.chmod(0o700)
         with atomic(path) as stream:
             stream.write(_encode(compiled, key, library))
@@ -116,7 +115,7 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
 
 
 def _forget(folder: Path) -> None:
-    """Delete the oldest pairs beyond what the cache may take."""
+    """Delete the oldest pairs beyond the size limit of the cache."""
     found = ((path.stat(), path) for path in folder.glob("*.pair"))
     newest = sorted(((s.st_mtime, s.st_size, path) for s, path in found), reverse=True)
     total = accumulate(size for _, size, _ in newest)
@@ -177,7 +176,7 @@ def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None
 
 
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
-    """Tell whether every lookup finds, and every file holds, what it did when compiling."""
+    """Return True if all lookups and files are the same as at compile time."""
     from lipsync_lang.packs.finding import Finder
 
     finder = Finder(paths)
@@ -187,7 +186,7 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
 
 
 def _holds(path: Path, digest: str) -> bool:
-    """Tell whether a pack file is as it was; devices and pipes, which may never end, are not."""
+    """Return True if a pack file is unchanged; devices and pipes may never end, so are not read."""
     from lipsync_lang.packs.yaml.source import read_bytes
 
     return path.is_file() and sha256(read_bytes(path)).hexdigest() == digest
@@ -262,7 +261,7 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
 
 
 def _reader(places: dict[str, Any], body: memoryview) -> Callable[..., np.ndarray[Any, Any]]:
-    """Return what reads an array, which must have the type and shape that are asked for."""
+    """Return a function that reads an array and checks its type and shape."""
 
     def array(name: str, kind: type, *shape: int) -> np.ndarray[Any, Any]:
         dtype, stated, offset = places[name]
@@ -274,7 +273,7 @@ def _reader(places: dict[str, Any], body: memoryview) -> Callable[..., np.ndarra
 
 
 def _check_indices(tables: Tables) -> None:
-    """Refuse numbers of rows, phonemes and poses that the tables do not have."""
+    """Raise an error for indices of rows, phonemes or poses outside the tables."""
     poses = {pose for pair in tables.at_most for pose in pair}
     sound = (
         bool((tables.pairs >= 0).all())

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def compile_pair(library: "Library", language: str, character: str) -> Compiled:
-    """Read the packs of a pair and compile them; the package says which layers there are."""
+    """Read the packs of a pair and compile them; the package's docstring lists the layers."""
     shelf = PairPacks.open(library, language, character)
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
     rows = list(shelf.rows())
@@ -102,7 +102,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
 
 
 def _freeze(tables: Tables) -> None:
-    """Make every array read-only, as those of the cache are."""
+    """Make every array read-only, as arrays from the cache are."""
     stored = (tables, *tables.contacts)
     arrays = [value for one in stored for value in vars(one).values()]
     arrays += [value for bank in tables.styles for value in bank]
@@ -112,7 +112,7 @@ def _freeze(tables: Tables) -> None:
 
 
 def _plain(data: Any) -> Any:
-    """Return nested data in lists, as it comes back from the cache."""
+    """Return nested data with lists for tuples, as JSON returns it."""
     if isinstance(data, Mapping):
         return {key: _plain(value) for key, value in data.items()}
     return [_plain(value) for value in data] if isinstance(data, (list, tuple)) else data
@@ -126,7 +126,7 @@ def _motion(*layers: "models.MotionFields") -> Motion:
 
 
 def _checks(*layers: "models.Checks") -> dict[str, Any]:
-    """Return limits and rules as plain data, later ones over earlier."""
+    """Return limits and rules as plain data; later layers override earlier ones."""
     limits: dict[str, Any] = {}
     rules: dict[str, Any] = {}
     for layer in layers:
@@ -137,7 +137,7 @@ def _checks(*layers: "models.Checks") -> dict[str, Any]:
 
 
 def _tabulate(rows: list[BigramRow], poses: int) -> Singles:
-    """Sample every bigram's curves: (B, RESOLUTION + 1, P), row 0 at rest."""
+    """Return (B, RESOLUTION + 1, P) samples of every bigram's curves; row 0 is rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
     alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
@@ -146,7 +146,7 @@ def _tabulate(rows: list[BigramRow], poses: int) -> Singles:
         for pose, points in row.curves.items():
             kept = drafted if row.drafted else alike.setdefault((len(points), row.linear), [])
             kept.append((number, pose, points))
-    if drafted:  # all have the same control times, so that one look at these is enough
+    if drafted:  # drafts share their control times, so one basis serves them all
         values = np.stack([points[:, 1] for _, _, points in drafted])
         _put(out, drafted, values @ shape(at))
     for (_, linear), curves in alike.items():
@@ -160,7 +160,7 @@ def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -
 
 
 def _styled(shelf: PairPacks, rows: list[BigramRow], style: str) -> list[BigramRow]:
-    """Return the rows of a style: those that no bank of it changes are neutral's own."""
+    """Return the rows of a style; bigrams that no bank of it changes are neutral's own."""
     found = (shelf.authored(row.origin.pair, style) for row in rows)
     return [
         one if one is not None and one.style == style else row
@@ -169,7 +169,7 @@ def _styled(shelf: PairPacks, rows: list[BigramRow], style: str) -> list[BigramR
 
 
 def _bank(rows: list[BigramRow], neutral: Singles) -> Bank:
-    """Tabulate the rows of a style over those of neutral."""
+    """Sample the rows of a style that differ from neutral."""
     own = [number for number, row in enumerate(rows, 1) if row.style != NEUTRAL]
     curves = neutral.copy()
     curves[own] = _tabulate([rows[number - 1] for number in own], neutral.shape[2])[1:]
@@ -177,18 +177,18 @@ def _bank(rows: list[BigramRow], neutral: Singles) -> Bank:
 
 
 def _statuses(rows: list[BigramRow]) -> dict[str, int]:
-    """Count the bigrams that banks of a style state."""
+    """Count the bigrams of a style's banks by status."""
     return dict(sorted(Counter(r.origin.status for r in rows if r.style != NEUTRAL).items()))
 
 
 def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
-    """Return every row's boundary and waiver, row 0 at rest."""
+    """Return boundaries and waivers of all rows; row 0 is rest."""
     boundary = np.array([0.5, *(row.boundary for row in rows)])
     return boundary, np.array([False, *(row.free for row in rows)])
 
 
 def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
-    """Return the poses of each region, by number."""
+    """Return pose numbers by region."""
     regions: dict[str, list[int]] = {}
     for number, pose in enumerate(poseset.poses.values()):
         if pose.region:
@@ -197,17 +197,17 @@ def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
 
 
 def _delivery(manner: "models.Delivery") -> dict[str, Any]:
-    """Return how a line is spoken, as plain data."""
+    """Return a delivery as plain data."""
     plain: dict[str, Any] = _plain({"styles": manner.styles, "dials": manner.dials})
     return plain
 
 
 ENOUGH = 0.9
-"""Share of a contact's floor that a curve should reach by itself."""
+"""Share of a contact's floor that a bigram's own curve should reach."""
 
 
 def _warnings(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> list[Fault]:
-    """List what is sound but probably not meant: weak contacts, and words nobody performs."""
+    """Return warnings about sound packs: weak contacts, and words that are never performed."""
     found = [f for f in shelf.library.faults if f.severity == "warning"]
     names = list(shelf.poseset.model.contacts)
     for number, row in enumerate(rows, start=1):
@@ -226,7 +226,7 @@ def _warnings(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> list[F
     return found
 
 
-def _short(  # noqa: PLR0913, PLR0917 the words of the message
+def _short(  # noqa: PLR0913, PLR0917 the parts of one message
     row: BigramRow, phoneme: str, contact: str, pose: str, top: float, floor: float
 ) -> Fault:
     file, line, column = row.place or ("", 0, 0)

@@ -1,4 +1,4 @@
-"""What resolving gives: tables and names as plain data, and a report of where they came from."""
+"""The result of resolving: tables and names as plain data, with a report of their origins."""
 
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -8,18 +8,18 @@ from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
 
 LAYERS = ("character", "language", "shared", "like", "draft", "gap")
-"""Where a bigram can come from, in the order of looking."""
+"""Layers that can hold a bigram, in order of lookup."""
 
 Pair = tuple[str, str]
 
 
 class Origin(NamedTuple):
-    """Where a bigram's curves came from."""
+    """The source of a bigram's curves."""
 
     pair: Pair
     layer: str
     status: str
-    """drafted, edited or approved; a draft is never called authored."""
+    """Status: drafted, edited or approved. A draft is never called authored."""
     places: tuple[str, ...]
     """file:line:column of the bigram, or of the two targets it was drafted from."""
     word: str | None = None
@@ -27,30 +27,30 @@ class Origin(NamedTuple):
 
 @dataclass(frozen=True)
 class Report:
-    """What a language-character pair has, and what it lacks."""
+    """Coverage of a language-character pair: its phonemes, layers and gaps."""
 
     language: str
     character: str
     poseset: str
     phonemes: tuple[str, ...]
-    """Common phonemes of the language, silence aside."""
+    """Common phonemes of the language, without silence."""
     added: tuple[str, ...]
-    """Those beyond the base."""
+    """Phonemes that the language adds to the base."""
     layers: dict[str, dict[str, int]]
-    """Bigrams by layer, then status; silence aside."""
+    """Number of bigrams by layer, then status, without silence."""
     silence_layers: dict[str, dict[str, int]]
-    """Bigrams into and out of silence, likewise."""
+    """Number of bigrams with silence, by layer, then status."""
     shared: int
-    """Bigrams over the base phonemes, which every language has."""
+    """Number of bigrams over the base phonemes, which every language has."""
     extra: int
-    """Bigrams that only this language's own phonemes need."""
+    """Number of bigrams with at least one phoneme that the language adds."""
     gaps: tuple[str, ...]
-    """Bigrams that nothing answers."""
+    """Bigrams without curves in any layer."""
     automatic: bool = False
-    """Whether labels that no notation maps go to the nearest common phonemes by features."""
+    """True if unmapped labels go to the nearest common phonemes by features."""
     warnings: tuple[str, ...] = ()
     styles: dict[str, dict[str, int]] = field(default_factory=dict)
-    """Bigrams of each style by status, silence included; all others are neutral's."""
+    """Bigrams of each style by status, with silence; all others are neutral's."""
 
     def __str__(self) -> str:
         total = self.shared + self.extra
@@ -85,19 +85,19 @@ def _layer_lines(layers: dict[str, dict[str, int]]) -> list[str]:
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """Everything a performer needs, as plain data and arrays; this is what the cache keeps."""
+    """Plain data and arrays that a performer needs; the cache stores exactly these."""
 
     language: str
     character: str
     poseset: str
     poses: tuple[str, ...]
     phonemes: tuple[str, ...]
-    """Common phonemes, silence first; their index is their number in the tables."""
+    """Common phonemes, silence first; the index is a phoneme's number in the tables."""
     notations: dict[str, dict[str, Value]]
     visemes: dict[str, dict[str, Value]]
-    """Notations of mouth shapes, which labels are never guessed to be in."""
+    """Notations of mouth shapes. Guessing the notation of labels never tries these."""
     spelling: dict[str, Any]
-    """How the language's IPA is `spelled` in other signs, and marks of it that are `unseen`."""
+    """Other signs for IPA (`spelled`), and its ignored marks (`unseen`)."""
     silences: tuple[str, ...]
     words: dict[str, tuple[str, ...]]
     word_edits: dict[str, dict[str, Any]]
@@ -105,37 +105,36 @@ class Compiled:
     line_edits: dict[str, list[dict[str, Any]]]
     """By line, edits with `word`, `phoneme` and `curves`."""
     origins: tuple[Origin, ...]
-    """One for each table row; that of row 0, rest, is empty."""
+    """Origin of each table row; row 0, rest, has an empty one."""
     contact_names: tuple[str, ...]
     style_origins: dict[str, dict[str, Origin]]
-    """For each style, in the order of the tables, where the rows come from that it changes."""
+    """Origins of the rows that each style changes, in the order of the tables."""
     regions: dict[str, list[int]]
-    """The numbers of the poses of each region."""
+    """Pose numbers by region."""
     intensity: dict[str, Any] | None
-    """What loudness moves: `regions`, `least` and `most`; None where nothing is stated."""
+    """Effect of loudness: `regions`, `least` and `most`; None if no pack states any."""
     delivery: dict[str, Any]
-    """How the character speaks: points of `styles` and `dials`, by name."""
+    """Manner of the character: points of `styles` and `dials`, by name."""
     line_deliveries: dict[str, dict[str, Any]]
-    """Likewise for each line that has a manner of its own."""
+    """Manner of each line that has its own."""
     tables: Tables
     motion: Motion
     measures: dict[str, dict[str, float]]
     checks: dict[str, Any]
-    """What a finished animation is held against: stated limits by name, and `rules`."""
+    """Limits of a finished animation by name, and `rules`."""
     report: Report
     nearest: dict[str, Any] | None
-    """Where unmapped IPA goes to the nearest common phonemes: the features of the IPA and what
-    each phoneme names, as JSON holds them."""
+    """Features of the IPA and names of each phoneme, as JSON; used for unmapped IPA."""
     manner: dict[str, Any]
-    """How the language's text is read and spoken: a `Manner`, as JSON holds it."""
+    """Reading and speaking of the language's text: a `Manner`, as JSON."""
     rig: dict[str, Any] | None
-    """What drives the character's model: channels and what each is, as JSON holds them."""
+    """Rig of the character's model as JSON: channels, with their targets."""
     pose_names: dict[str, list[str]]
-    """How models spell each pose otherwise."""
+    """Other spellings of each pose in models."""
     neutral: str | None
-    """What the face at rest is called."""
+    """Name of the face at rest."""
     model: str | None
-    """The model file, in full."""
+    """Absolute path of the model file."""
 
     def __repr__(self) -> str:
         return f"<Compiled {self.language} on {self.character}>"

@@ -1,4 +1,4 @@
-"""What a language pack says of reading and speaking its text, taken out of it."""
+"""Tables and settings of a language pack for reading and speaking its text."""
 
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,7 @@ def manner_of(
     common: "models.Phonemes",
     character: "models.Character | None" = None,
 ) -> Manner:
-    """Return how a language's text is read and spoken, by a character with words of its own."""
+    """Return the settings for reading and speaking text; a character may add its own words."""
     model, g2p = language.model, language.model.g2p
     own = character.pronunciations if character is not None else {}
     words = {
@@ -73,7 +73,7 @@ def _settings(language: "Pack[models.Language]") -> Settings:
 
 
 def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[str, Notation]:
-    """Return the notations of a language and those of mouth shapes, ready to find labels in."""
+    """Return the notations of a language and of mouth shapes, indexed for label lookup."""
     from lipsync_lang.resolver.nearest_phonemes import among, spelling
 
     common, model = library.common().model, language.model
@@ -93,7 +93,7 @@ def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:
 
 
 def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
-    """Return the notations of a language as tables; an automatic one reads IPA without any."""
+    """Return the notations of a language as tables; an automatic language needs none for IPA."""
     tables = {
         name: {label: value_of(sounds) for label, sounds in table.items()}
         for name, table in model.notations.items()
@@ -104,6 +104,6 @@ def tables_of(model: "models.Language") -> dict[str, dict[str, Value]]:
 
 
 def value_of(sounds: "models.Sounds") -> Value:
-    """Return the common phonemes of a label, each with its share of the time."""
+    """Return the common phonemes of a label, each with its share of the duration."""
     even = tuple(1 / len(sounds.to) for _ in sounds.to)
     return tuple(zip(sounds.to, sounds.shares or even, strict=True))

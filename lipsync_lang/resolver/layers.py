@@ -1,4 +1,4 @@
-"""The packs of one pair side by side, and what each layer of them says of a bigram."""
+"""The packs of one pair, and the bigrams of each of their layers."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 SOFTNESS = 0.04
-"""Seconds over which a pose is rounded off where its pose set says nothing of it."""
+"""Seconds of rounding for a pose without a value in its pose set."""
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
@@ -34,7 +34,7 @@ NEUTRAL = "neutral"
 
 @dataclass(frozen=True, eq=False)
 class BigramRow:
-    """One bigram on its way into the tables."""
+    """One bigram before it enters the tables."""
 
     origin: Origin
     curves: dict[int, Floats]
@@ -43,15 +43,15 @@ class BigramRow:
     boundary: float = 0.5
     free: bool = False
     place: "FilePlace | None" = None
-    """Where a bank states it."""
+    """Location in a bank file; None for a draft."""
     style: str = NEUTRAL
     drafted: bool = False
-    """Whether its control times are those of every draft."""
+    """True if its control times are those of every draft."""
 
 
 @dataclass(frozen=True, eq=False)
 class PairPacks:
-    """The packs of one pair, side by side."""
+    """All packs of one language-character pair."""
 
     common: "Pack[models.Phonemes]"
     language: "Pack[models.Language]"
@@ -59,7 +59,7 @@ class PairPacks:
     poseset: "Pack[models.PoseSet]"
     banks: "tuple[Pack[models.BankPack], ...]"
     own_banks: "tuple[Pack[models.BankPack], ...]"
-    """Those that the character names."""
+    """Banks that the character names."""
     library: "Library"
 
     @classmethod
@@ -128,7 +128,7 @@ class PairPacks:
         )
 
     def likes(self) -> dict[str, str]:
-        """For each added phoneme, the one it is like."""
+        """The substitute (`like`) of each added phoneme."""
         found = {}
         for name, own in self.language.model.adds.items():
             phoneme = own or self.common.model.phonemes.get(name)
@@ -159,7 +159,7 @@ class PairPacks:
 
     @property
     def styles(self) -> tuple[str, ...]:
-        """The styles that some bank of this pair has, neutral aside."""
+        """Styles of the pair's banks, without neutral."""
         found = {style for layer in self.layers.values() for style in layer}
         return tuple(sorted(found - {NEUTRAL}))
 
@@ -193,7 +193,7 @@ class PairPacks:
             yield (first, second), row
 
     def rows(self) -> Iterator[BigramRow]:
-        """Answer every ordered pair, in the order of the phonemes."""
+        """Yield a row for every ordered pair, in the order of the phonemes."""
         everyone = self.pairs()
         found = {pair: self.authored(pair) for pair in everyone}
         drafts = self.drafts([pair for pair in everyone if found[pair] is None])
@@ -202,12 +202,12 @@ class PairPacks:
             yield found[pair] or drafts.get(pair, gap)
 
     def pairs(self) -> list[Pair]:
-        """Every ordered pair of phonemes but silence with itself."""
+        """Every ordered pair of phonemes except silence with itself."""
         silence = self.common.model.silence
         return [(a, b) for a in self.phonemes for b in self.phonemes if {a, b} != {silence}]
 
     def authored(self, pair: Pair, style: str = NEUTRAL) -> BigramRow | None:
-        """Return what a bank says of a pair, or of the pair it is like.
+        """Return the bank row of a pair, or of its substitute (`like`) pair; None if there is none.
 
         Within a layer the style comes first, then neutral.
         """
@@ -243,7 +243,7 @@ class PairPacks:
         return drafts
 
     def _targets(self) -> dict[str, tuple[Target, str]]:
-        """For each phoneme its target and where that is written; silence rests unless told."""
+        """Target of each phoneme with its location; silence rests by default."""
         model = self.poseset.model
         likes = self.likes()
         found = {}
@@ -279,7 +279,7 @@ class PairPacks:
         return Target(np.array(weights), np.maximum(dominance, 1e-6))
 
     def contacts(self) -> Iterator[Contact]:
-        """Contacts as arrays; an added phoneme demands what the one it is like demands."""
+        """Contacts as arrays; an added phoneme has the contacts of its substitute."""
         likes = self.likes()
         named = {p for c in self.poseset.model.contacts.values() for p in c.phonemes}
         for contact in self.poseset.model.contacts.values():
@@ -292,7 +292,7 @@ class PairPacks:
             yield Contact(np.array(demands), np.array(floor), np.array(ceiling))
 
     def thresholds(self, *, paper: bool = False) -> Floats:
-        """Constraints as a symmetric (P, P) array, the paper's where they are stated."""
+        """Constraints as a symmetric (P, P) array; `paper` prefers the paper's own values."""
         constraints = self.poseset.model.constraints
         out = np.full((len(self.poses),) * 2, constraints.default)
         for pair in constraints.pairs:
@@ -303,14 +303,14 @@ class PairPacks:
         return out
 
     def softness(self) -> Floats:
-        """(P,) seconds over which each pose is rounded off: its own, its region's or the usual."""
+        """(P,) seconds of rounding for each pose: its own, its region's or the default."""
         model = self.poseset.model
         regions = (model.softness.get(pose.region, SOFTNESS) for pose in model.poses.values())
         own = (pose.softness for pose in model.poses.values())
         return np.array([b if a is None else a for a, b in zip(own, regions, strict=True)], float)
 
     def highest(self) -> Floats:
-        """(P,) the greatest weight that any target gives a pose; 1 where none names it."""
+        """(P,) the greatest weight of each pose in any target; 1 for a pose in no target."""
         steps = [step for steps in self.poseset.model.targets.values() for step in steps]
         tops = [max((s.weights.get(pose, 0.0) for s in steps), default=0.0) for pose in self.poses]
         return np.array([top or 1 for top in tops], float)
@@ -329,7 +329,7 @@ class PairPacks:
         return out
 
     def at_most(self) -> list[tuple[int, int]]:
-        """Pairs (pose, other), sorted so that every other is final before it is used."""
+        """Pairs (pose, other), sorted so that each `other` is final before its use."""
         rules = [
             (self.poses.index(p.pose), self.poses.index(p.at_most))
             for p in self.poseset.model.constraints.pairs
@@ -342,13 +342,13 @@ class PairPacks:
         return sorted(rules, key=lambda rule: order.index(rule[0]))
 
     def priority(self) -> Floats:
-        """(P,) larger wins; a pose that is not named never yields."""
+        """(P,) priorities; larger wins. A pose without a stated priority never yields."""
         rank = {pose: float(i) for i, pose in enumerate(self.poseset.model.priority)}
         return np.array([rank.get(pose, np.inf) for pose in self.poses])
 
 
 def _all_faults(library: "Library", error: PackFaults) -> PackFaults:
-    """Return the faults of a file with those that only show when it is compared with others."""
+    """Return the faults of a file together with those of comparing it with other files."""
     files = [Path(fault.file) for fault in error.faults if Path(fault.file).is_file()]
     found = {*error.faults, *validate(library, files)}
     return PackFaults(sorted(fault for fault in found if fault.severity == "fault"))

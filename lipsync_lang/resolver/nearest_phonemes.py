@@ -1,4 +1,4 @@
-"""Mapping by features, as far as packs have a say: which phonemes take part, and who disagrees."""
+"""Mapping labels by features: the phonemes that packs offer, and mappings that disagree."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 
 class Disagreement(NamedTuple):
-    """A label that a pack maps otherwise than its features alone would."""
+    """A label with different mappings by its pack and by its features."""
 
     label: str
     common: Value
-    """What the pack says."""
+    """Mapping of the pack."""
     automatic: Value
-    """What the features say."""
+    """Mapping by features."""
     reason: str
-    """Why, as the pack states it; empty where it does not."""
+    """The pack's reason; empty if it states none."""
 
 
 def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[str, Any]:
-    """Return what finds the phonemes of a language nearest to a label, as JSON holds it.
+    """Return the features and candidates of a language's nearest-phoneme search, as JSON.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[s
 
 
 def spelling(library: "Library") -> dict[str, dict[str, Any]]:
-    """Return how the IPA is spelled in other signs, and which of its marks are not seen, as JSON.
+    """Return spellings of the IPA in other signs, and the marks to ignore, as JSON.
 
     Where the pack of the IPA is unsound or missing, nothing is known of either: the languages that
     need no more of it are performed all the same.
@@ -71,12 +71,12 @@ def _features(library: "Library") -> dict[str, Any]:
 
 
 def among(library: "Library", language: "Pack[models.Language]") -> NearestPhonemes:
-    """Return what finds the phonemes of a language nearest to a label."""
+    """Return a nearest-phoneme search among the phonemes of a language."""
     return NearestPhonemes.from_plain(plain_among(library, language))
 
 
 def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | None:
-    """Return what finds the nearest of some common phonemes, as the packs found have it.
+    """Return a nearest-phoneme search among some common phonemes of the packs found.
 
     For hints: where those packs are unsound or missing, there is none.
     """
@@ -93,7 +93,7 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
 
 
 def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes:
-    """Return what finds the nearest of all common phonemes, for a language of some labels.
+    """Return a nearest-phoneme search among all common phonemes, for labels of a language.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes
 
 
 def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:
-    """Return the common phonemes of a language, each with the IPA that counts as it.
+    """Return the common phonemes of a language, each with its IPA equivalents.
 
     Those that it adds come first, so that of equals they are the nearest.
     """
@@ -119,7 +119,7 @@ def candidates(language: "models.Language", common: "models.Phonemes") -> dict[s
 
 
 def disagreements(language: "models.Language", near: NearestPhonemes) -> list[Disagreement]:
-    """List the IPA labels that a language maps otherwise than their features would."""
+    """List the IPA labels of a language whose mapping differs from that of their features."""
     rows = []
     for label, sounds in language.notations.get(IPA, {}).items():
         stated, found = value_of(sounds), near.value(label)
@@ -130,7 +130,7 @@ def disagreements(language: "models.Language", near: NearestPhonemes) -> list[Di
 
 
 def fights(language: "models.Language", near: NearestPhonemes) -> list[tuple[str, list[str]]]:
-    """List the IPA labels mapped to mouths that their features forbid, without a reason given."""
+    """List the IPA labels mapped against their features without a stated reason."""
     rows = []
     for label, sounds in language.notations.get(IPA, {}).items():
         against = near.fights(label, sounds.to) if label not in language.reasons else []
@@ -140,5 +140,5 @@ def fights(language: "models.Language", near: NearestPhonemes) -> list[tuple[str
 
 
 def _shown(value: Value) -> list[str]:
-    """Return what is seen of a value: one phoneme twice is one that lasts."""
+    """Return the names of a value's phonemes; a repeated one is shown once, as one long sound."""
     return [name for name, _ in groupby(name for name, _ in value)]

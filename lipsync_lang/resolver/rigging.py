@@ -1,4 +1,4 @@
-"""What a character's model is driven by, as plain data: the cache keeps it beside the tables."""
+"""The rig of a character's model as plain data; the cache keeps it beside the tables."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def plain_rig(
     library: "Library", character: "Pack[models.Character]", poseset: "Pack[models.PoseSet]"
 ) -> dict[str, Any] | None:
-    """Return the rig that a character names; None where it names none.
+    """Return the rig of a character as plain data; None if the character names none.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def plain_rig(
 
 
 def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[models.RigPack]":
-    """Load a rig of a pose set, sound in itself and with it.
+    """Load a rig and check it against its pose set.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def load_rig(library: "Library", name: str, poseset: "models.PoseSet") -> "Pack[
 
 
 def model_file(character: "Pack[models.Character]", poseset: "Pack[models.PoseSet]") -> str | None:
-    """Return the model file that a character names, or else its pose set."""
+    """Return the model file of a character, or else of its pose set."""
     for pack in (character, poseset):
         named = pack.model.model
         path = beside(pack.path, named) if named is not None else None

@@ -15,11 +15,11 @@ RANGES = {
     "silence_reach": (0.0, 10.0),
     "hold": (0.0, 10.0),
 }
-"""Least and greatest of each setting that is a number: weight per second, seconds, or a factor."""
+"""Range of each numeric setting: weight per second, seconds, or a factor."""
 
 
 def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Motion:
-    """Return motion settings with some changed: by a preset's name, by values, or by both."""
+    """Return motion settings changed by a preset's name, by values, or by both."""
     if change is None:
         return base
     settings = {"preset": change} if isinstance(change, str) else dict(change)
@@ -38,18 +38,18 @@ def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Moti
 
 
 def _checked(name: str, value: object, like: object) -> object:
-    """Return a motion setting's value in its own type, or say what is wrong with it."""
+    """Return a motion setting's value in its own type, or raise an error with its range."""
     choices = get_args(get_type_hints(Motion)[name])
     if choices:
         if value not in choices:
             raise LipsyncError(f"motion.{name} is {value!r}; it is one of {', '.join(choices)}")
         return value
     try:
-        number = float(value)  # type: ignore[arg-type]  # what is no number is told so below
+        number = float(value)  # type: ignore[arg-type]  # conversion errors are reported below
     except (TypeError, ValueError):
         number = float("nan")
     least, most = RANGES[name]
-    if isinstance(value, bool) or not least <= number <= most:  # which nan is not, either
+    if isinstance(value, bool) or not least <= number <= most:  # refuses nan too
         raise LipsyncError(
             f"motion.{name} is {value!r}; it is a number from {least:g} to {most:g}, as {like}"
         )
