@@ -6,6 +6,7 @@ programs that are not ours (pip, a browser, an engine). Of every sweep, some par
 `make test-all` runs both lanes, and the property tests once more with the larger profile.
 """
 
+import os
 from collections.abc import Iterable
 from typing import Any
 
@@ -18,7 +19,7 @@ settings.register_profile(
     "quick",
     settings.get_profile("default"),
     deadline=None,
-    derandomize=False,
+    derandomize=bool(os.environ.get("CI")),  # a change lands by its own merits, not by chance
     print_blob=True,
     max_examples=20,
     suppress_health_check=[
@@ -27,7 +28,7 @@ settings.register_profile(
         HealthCheck.function_scoped_fixture,
     ],
 )
-settings.register_profile("full", settings.get_profile("quick"), max_examples=200)
+settings.register_profile("full", settings.get_profile("quick"), max_examples=60)
 settings.load_profile("quick")
 
 

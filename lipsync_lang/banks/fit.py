@@ -58,7 +58,7 @@ class Fitting:
         """Unknown names as (kind, name), with the diphones that use them."""
 
     def fit(self, pairs: Mapping[Pair, Diphone]) -> dict[str, Curves]:
-        """Return curves by bigram. Of equals, more labels of our own win."""
+        """Return curves by bigram; of duplicates, the pair with more of our own labels wins."""
         ours = {pair: self._pair(pair, diphone) for pair, diphone in pairs.items()}
         known = [(pair, key) for pair, key in ours.items() if key]
         known.sort(key=lambda one: sum(self.names.sounds[label] != label for label in one[0]))

@@ -169,7 +169,7 @@ def _styled(shelf: PairPacks, rows: list[BigramRow], style: str) -> list[BigramR
 
 
 def _bank(rows: list[BigramRow], neutral: Singles) -> Bank:
-    """Sample the rows of a style that differ from neutral."""
+    """Return a style's bank: neutral's samples, with the style's own rows laid over them."""
     own = [number for number, row in enumerate(rows, 1) if row.style != NEUTRAL]
     curves = neutral.copy()
     curves[own] = _tabulate([rows[number - 1] for number in own], neutral.shape[2])[1:]

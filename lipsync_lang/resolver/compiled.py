@@ -8,7 +8,7 @@ from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
 
 LAYERS = ("character", "language", "shared", "like", "draft", "gap")
-"""Layers that can hold a bigram, in order of lookup."""
+"""Origins of a bigram, in order of lookup; `gap` is none."""
 
 Pair = tuple[str, str]
 
@@ -97,7 +97,7 @@ class Compiled:
     visemes: dict[str, dict[str, Value]]
     """Notations of mouth shapes. Guessing the notation of labels never tries these."""
     spelling: dict[str, Any]
-    """Other signs for IPA (`spelled`), and its ignored marks (`unseen`)."""
+    """Other signs for IPA (`spelled`), and marks that are not seen (`unseen`)."""
     silences: tuple[str, ...]
     words: dict[str, tuple[str, ...]]
     word_edits: dict[str, dict[str, Any]]

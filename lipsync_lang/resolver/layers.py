@@ -262,7 +262,7 @@ class PairPacks:
         """Return a target as arrays.
 
         A pose that is not named yields to the neighbours, unless a constraint sets it against one
-        that is: who wants the jaw open does not want the lips pressed.
+        that is: a target that opens the jaw opposes pressed lips.
         """
         steps = tuple(steps)
         weights = [[step.weights.get(pose, 0.0) for pose in self.poses] for step in steps]
@@ -318,7 +318,7 @@ class PairPacks:
     def opposed(self) -> Bools:
         """(N, P) where a phoneme's target names a pose and ends with it at 0; silence opposes none.
 
-        Who says `W: 0` will not have the lips round early.
+        A target with `W: 0` opposes early rounding.
         """
         targets, likes = self.poseset.model.targets, self.likes()
         out = np.zeros((len(self.phonemes), len(self.poses)), bool)

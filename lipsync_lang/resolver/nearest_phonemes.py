@@ -46,7 +46,7 @@ def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[s
 
 
 def spelling(library: "Library") -> dict[str, dict[str, Any]]:
-    """Return spellings of the IPA in other signs, and the marks to ignore, as JSON.
+    """Return spellings of the IPA in other signs, and the letters each mark is seen on, as JSON.
 
     Where the pack of the IPA is unsound or missing, nothing is known of either: the languages that
     need no more of it are performed all the same.
