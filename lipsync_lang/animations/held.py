@@ -116,7 +116,7 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
 
 
 def _best_other(worth: Floats, start: int) -> Floats:
-    """Return, for each pose, the most that what comes before it weighs."""
+    """Return the best score of any other pose so far, for each pose."""
     if start == 0:
         return np.zeros(len(worth))
     second, first = np.argsort(worth, kind="stable")[-2:]

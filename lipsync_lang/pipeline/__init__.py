@@ -4,10 +4,10 @@ Arrays in, arrays out: no files, no clock, no names. Throughout:
 
 - times are seconds, rates are frames per second, weights are in [0, 1];
 - ``(P, T)`` is poses by frames, ``(n,)`` phonemes, ``(B,)`` rows of the bigram tables;
-- row 0 of the tables is rest: what a bigram that nobody has looks like.
+- row 0 of the tables is rest, which stands in for a bigram that no layer has.
 
 Order: surround and pair, warp, stitch, lay over, smooth, hold contacts, limit speed, constrain.
-Where it differs from the paper, the function that differs says so.
+Each module states its conventions and where it leaves the paper.
 """
 
 from lipsync_lang.pipeline.motion import PRESETS, Motion

@@ -1,11 +1,13 @@
 """Anticipate: poses that look ahead begin before their sound.
 
-Not in the paper, whose bigrams see one neighbour: the lips of "stew" are round from the "s" on.
-Conventions: (P, T) is poses by frames; how far a pose looks ahead is in frames, and need not be
-whole. A pose takes the highest of what is to come, falling in a straight line to nothing T frames
-before it. It stops where something opposes it: a pose it is constrained with takes its share of
-the room, and a sound that forbids it takes all. What opposes at one time also hides what comes
-after.
+Conventions: (P, T) is poses by frames. Look-ahead is in frames and need not be whole.
+
+The paper has no such stage. Its bigrams see one neighbour only, but the lips of "stew" are round
+from the "s" on.
+
+A later peak raises the frames before it along a straight line that starts at 0, T frames earlier.
+Opponents limit this rise: a constrained pose takes its share of the room, and a sound that forbids
+the pose takes all of it. An opponent at one frame also hides every peak after that frame.
 """
 
 import numpy as np
@@ -14,14 +16,14 @@ from lipsync_lang.pipeline.arrays import Floats, Ints
 
 
 def falling(frames: float) -> Floats:
-    """Return what is left of a weight 0, 1, 2, ... frames ahead of it: (n,), all above 0."""
+    """Return the share of a weight that reaches 0, 1, 2, ... frames back: (n,), all above 0."""
     ahead = np.arange(max(1, int(np.ceil(frames - 1e-9))))
     out: Floats = 1 - ahead / max(frames, 1.0)
     return out
 
 
 def anticipate(curves: Floats, poses: Ints, left: Floats, room: Floats) -> Floats:
-    """Raise poses to what is to come of them.
+    """Raise poses towards their own later peaks.
 
     With the room r(t) that opponents leave, and over the frames s ahead::
 
@@ -30,8 +32,8 @@ def anticipate(curves: Floats, poses: Ints, left: Floats, room: Floats) -> Float
     Parameters
     ----------
     curves : (P, T)
-    poses : (R,) those that look ahead
-    left : (R, n) share that is left s frames ahead, as from `falling`; 0 past its end
+    poses : (R,) poses that look ahead
+    left : (R, n) share that reaches s frames back, as from `falling`; 0 past its end
     room : (R, T) in [0, 1]
 
     Returns
@@ -49,9 +51,10 @@ def anticipate(curves: Floats, poses: Ints, left: Floats, room: Floats) -> Float
 
 
 def _ahead(rows: Floats, far: int, first: int) -> Floats:
-    """Return (R, T) rows 0, 1, ... frames after the first: (far, R, T), past their end at 0."""
+    """Return (R, T) rows shifted by `first` and more frames: (far, R, T), 0 past their end."""
     count = rows.shape[1]
     longer = np.zeros((len(rows), count + far + first))
     longer[:, :count] = rows
     row, step = longer.strides
+    # overlapping views of one buffer, not `far` copies of it
     return np.ndarray((far, len(rows), count), float, longer, first * step, (step, row, step))

@@ -1,4 +1,4 @@
-"""The kinds of arrays the stages pass on."""
+"""Array types that the stages pass on."""
 
 import numpy as np
 import numpy.typing as npt

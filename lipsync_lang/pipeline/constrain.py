@@ -1,4 +1,8 @@
-"""Constrain: poses that fight each other make room, by priority (paper 3.2.2, figure 9)."""
+"""Constrain: opposed poses make room for each other by priority (paper 3.2.2, figure 9).
+
+Conventions: (P, T) is poses by frames; weights are in [0, 1] and thresholds in (0, 2].
+The paper's formula has its sign reversed; `constrain` uses the corrected one.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -49,8 +53,8 @@ def constrain(
 
         c_b = min(c_b, max(0, C[a, b] - c_a))
 
-    The paper prints this as c_b - (C - c_a - c_b), with its sign turned round. Then a pose that
-    must never stand above another is lowered to it.
+    The paper prints c_b - (C - c_a - c_b), with the sign reversed. Finally each pose of an
+    `at_most` pair is lowered to the other.
 
     Parameters
     ----------

@@ -1,9 +1,11 @@
 """Bank curves: control points in normalised time, and the smooth curve they control.
 
 The paper's l(t) is the control polygon, c(t) the B-spline (3.1.2). c is the clamped uniform
-B-spline of degree min(3, n - 1) in (t(u), v(u)), and 0 outside its points. On each of its
-spans it is a polynomial in a local w in [0, 1]; t(w) = x is solved for w, then v(w) is read.
-The same arithmetic in another language gives the same values to 1e-9.
+B-spline of degree min(3, n - 1) in (t(u), v(u)), and 0 outside its points.
+
+Evaluation goes span by span. On each span the curve is a polynomial in a local w in [0, 1]:
+t(w) = x is solved for w, then v(w) is read. Local polynomials need no library, so the same
+arithmetic in another language gives the same values to 1e-9.
 """
 
 from functools import cache
@@ -13,10 +15,10 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Floats
 
 STEPS = 40
-"""Most iterations to invert t(w); Newton with a bracket needs about six."""
+"""Most iterations to invert t(w); bracketed Newton steps converge in about six."""
 
 ENOUGH = 1e-13
-"""A step of w that is no longer worth taking."""
+"""Smallest change of w that continues the iteration."""
 
 
 @cache

@@ -49,19 +49,19 @@ from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.limit import lower_envelope, upper_envelope
 
 RESTING = 1e-4
-"""A pose below it rests."""
+"""Weight below which a pose counts as at rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """What drives each channel, and what bounds it."""
+    """The gains and the bounds of each channel."""
 
     gains: Floats
-    """(C, P) how much of the channel each pose moves."""
+    """(C, P) channel units per weight of each pose."""
     low: Floats
-    """(C,) the least it takes; minus infinity where nothing bounds it."""
+    """(C,) least value; minus infinity if unbounded."""
     high: Floats
-    """(C,) the most it takes; infinite where nothing bounds it."""
+    """(C,) greatest value; infinite if unbounded."""
     at_most: tuple[tuple[int, int], ...]
     """(channel, other): channel never above other, in an order in which each other is final."""
     contact: Ints
@@ -69,14 +69,14 @@ class Rig:
 
     @cached_property
     def span(self) -> Floats:
-        """(C,) how far each channel can go."""
+        """(C,) the range of each channel, in its units."""
         bound = np.isfinite(self.low) & np.isfinite(self.high)
         reach: Floats = np.abs(self.gains).sum(axis=1)
         return np.where(bound, self.high - self.low, reach)
 
     @cached_property
     def rest(self) -> Floats:
-        """(C,) where each channel stands when no pose moves."""
+        """(C,) value of each channel while all poses rest."""
         out = np.clip(np.zeros(len(self.low)), self.low, self.high)
         for channel, other in self.at_most:
             out[channel] = max(self.low[channel], min(out[channel], out[other]))
@@ -84,7 +84,7 @@ class Rig:
 
 
 def sides(gains: Floats, floors: Floats) -> Ints:
-    """Tell which channels contact poses raise (1) and lower (-1): (C,).
+    """Return 1 for channels that contact poses raise, -1 for those they lower: (C,).
 
     Parameters
     ----------
@@ -98,13 +98,13 @@ def sides(gains: Floats, floors: Floats) -> Ints:
 
 
 def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) -> Floats:
-    """Drive the channels of a rig by poses; the module says what is promised of them, and why.
+    """Drive the channels of a rig by poses; the module lists the promises kept on them.
 
     Parameters
     ----------
     weights : (T, P) of a whole animation, in [0, 1], at most `step` apart from frame to frame
     step : weight by which a pose may change from frame to frame
-    kernel : (2 J + 1,) what rounds channels off, as from `soften.kernel`; None leaves corners
+    kernel : (2 J + 1,) rounds channels off, as from `soften.kernel`; None leaves corners
 
     Returns
     -------
@@ -153,14 +153,14 @@ def _late(curves: Floats, rig: Rig, step: float, late: int, ends: tuple[bool, bo
 
 
 def _fast(curves: Floats, steps: Floats) -> Bools:
-    """Tell which (C, T) curves anywhere pass their step: (C,)."""
+    """Return True for (C, T) curves that pass their step anywhere: (C,)."""
     change = np.abs(np.diff(curves, axis=1)).max(axis=1, initial=0)
     too: Bools = change > steps
     return too
 
 
 def _ends(weights: Floats) -> tuple[bool, bool]:
-    """Tell whether (T, P) poses begin at rest, and end so."""
+    """Return True for each end, first and last, at which (T, P) poses rest."""
     return bool(weights[0].max() < RESTING), bool(weights[-1].max() < RESTING)
 
 
@@ -170,7 +170,7 @@ def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[boo
     unit = np.where(span > 0, span, 1.0)
     curves = _near_rest((curves - rest) / unit, step, ends, 0)
     below, above = lower_envelope(curves, step), upper_envelope(curves, step)
-    # the middle one of below, rest and above: as far from rest as may be, but no farther than asked
+    # the median of below, rest and above: as far from rest as is slow, never beyond the curve
     towards_rest = np.maximum(below, np.minimum(above, 0.0))
     contact = rig.contact[which, None]
     out: Floats = np.where(contact > 0, above, np.where(contact < 0, below, towards_rest))

@@ -1,7 +1,9 @@
 """Hold contacts: lips that must meet do meet, however short the sound.
 
-Not in the paper: there a fast "p" is as weak as its curve. Here every phoneme that demands a
-contact holds it for as long as a viewer needs to see it.
+Conventions: times are seconds; (n,) is phonemes and (P, T) poses by frames.
+
+The paper has no such stage: its fast "p" is as weak as its curve. Here every phoneme that demands
+a contact holds it for as long as a viewer needs to see it.
 """
 
 from collections.abc import Iterable
@@ -21,20 +23,20 @@ SHORTEST = 0.042
 
 
 class Plateau(NamedTuple):
-    """Where a contact holds a pose until the stages after it have taken their part."""
+    """Weight at which a contact holds a pose, before later stages take their part of it."""
 
     pose: int
     weight: float
-    """From 0 to 1, or as far beyond as makes the plateau long enough."""
+    """0 to 1, or beyond where that makes the plateau long enough."""
 
 
 def demands(contact: Contact, track: Track) -> Bools:
-    """Tell which phonemes of a track demand a contact: (n,)."""
+    """Return True for the phonemes of a track that demand a contact: (n,)."""
     return contact.phonemes[track.ids] & ~track.waived
 
 
 def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: int) -> Bools:
-    """Tell the frames over which a contact is held.
+    """Return True for the frames over which a contact is held.
 
     A phoneme holds over its span less `MARGIN` on each side, widened about its middle to
     `SHORTEST` and to one frame. Neighbours that demand the same hold on through their boundary.
@@ -67,8 +69,8 @@ def hold(
 ) -> Floats:
     """Raise (P, T) curves to a contact's floors and lower them to its ceilings where held.
 
-    Levels may lie beyond 0 and 1, which makes a plateau longer by what the speed limit needs from
-    there; clip the curves once they are slow.
+    Levels may lie beyond 0 and 1. The speed limit then needs more frames to reach them, which
+    lengthens the plateau. Clip the curves after the speed limit.
     """
     out = curves.copy()
     for pose, weight in raised:

@@ -1,8 +1,10 @@
-"""Delivery: how a line is spoken, styles blended in and regions of the face scaled.
+"""Delivery: styles are blended in and regions of the face scaled, over time.
 
-Not in the paper. Its original implementation blends whole banks by a weight curve; the two dials,
-jaw and lips, are those of JALI (Edwards, Landreth, Fiume, Singh 2016), here for any region that a
-pose set names. Both come before every stage that keeps a promise.
+Conventions: times are seconds; (S,) is styles and (P, T) poses by frames.
+
+The paper has neither. Its original implementation blends whole banks by a weight curve. JALI
+(Edwards, Landreth, Fiume, Singh 2016) has two dials, jaw and lips; here any region of a pose set
+has one. Both steps come before every stage that keeps a promise.
 """
 
 from collections.abc import Sequence
@@ -28,16 +30,16 @@ class Level(NamedTuple):
 
 
 class Blend(NamedTuple):
-    """One style, and how much of it is heard."""
+    """One style and its share."""
 
     style: int
-    """Its place in the tables' styles."""
+    """Index into the tables' styles."""
     share: Level
     """Of the whole, in [0, 1]; the rest is neutral."""
 
 
 class Dial(NamedTuple):
-    """How far the poses of one region move."""
+    """A factor for the poses of one region."""
 
     poses: Bools
     """(P,)"""
@@ -46,9 +48,9 @@ class Dial(NamedTuple):
 
 
 def shares(blends: Sequence[Blend], times: Floats) -> Floats:
-    """Return how much of each bank is heard: (1 + S, T), neutral first; they add up to 1.
+    """Return the share of each bank: (1 + S, T), neutral first; shares add up to 1.
 
-    Where styles ask for more than the whole, each gets its part of it.
+    Styles that together ask for more than 1 are scaled down to it.
     """
     wanted = np.stack([blend.share.at(times) for blend in blends])
     whole = np.maximum(wanted.sum(axis=0), 1.0)

@@ -1,8 +1,11 @@
 """Limit speed: no pose moves faster than l_max (paper 3.2.3, figure 10).
 
-Two envelopes share the promise. The lower one, the largest curve below that is slow enough, only
-takes away, so it keeps every constraint. The upper one, the smallest above, keeps what must be
-seen: a contact's flanks widen and its peak stays.
+Conventions: (P, T) is poses by frames; `step` is the largest change of weight per frame.
+
+Two envelopes share the promise. The lower envelope is the
+largest slow curve below a curve. Its use keeps every constraint, because it only takes away. The
+upper envelope is the smallest slow curve above. Its use keeps contacts: their flanks widen and
+their peaks stay.
 """
 
 import numpy as np
@@ -11,12 +14,12 @@ from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 
 
 def ramps(step: float, late: Ints) -> Floats:
-    """Return how far from rest poses may be 0, 1, 2, ... frames from an end: (P, n).
+    """Return the greatest weight of each pose 0, 1, 2, ... frames from an end: (P, n).
 
     Parameters
     ----------
     step : weight by which a pose may change from frame to frame
-    late : (P,) frames for which a pose rests first, so that a kernel may reach over them
+    late : (P,) frames of rest at the end, for a kernel to reach over
     """
     count = int(1 / step) + 1 + int(late.max(initial=0))
     out: Floats = np.maximum(np.arange(count) - late[:, None], 0) * step
@@ -29,7 +32,7 @@ def rest_at_ends(curves: Floats, ramp: Floats, *, head: bool, tail: bool) -> Flo
     Parameters
     ----------
     ramp : (P, n) as from `ramps`
-    head, tail : whether these frames include the animation's first, its last
+    head, tail : True if the frames include the animation's first, its last
     """
     out = curves.copy()
     count = min(curves.shape[1], ramp.shape[1])
@@ -43,7 +46,7 @@ def rest_at_ends(curves: Floats, ramp: Floats, *, head: bool, tail: bool) -> Flo
 def envelope(curves: Floats, step: float, upper: Bools) -> Floats:
     """Return slow curves: the smallest above where `upper`, (P,), the largest below elsewhere.
 
-    The one is the other upside down.
+    The upper envelope of a curve is the lower one of its negative, negated.
     """
     sign = np.where(upper, -1.0, 1.0)[:, None]
     return lower_envelope(curves * sign, step) * sign
@@ -66,6 +69,6 @@ def lower_envelope(curves: Floats, step: float) -> Floats:
     out = np.minimum.accumulate(curves - slope, axis=1)
     out += 2 * slope
     back: Floats = np.minimum.accumulate(out[:, ::-1], axis=1)[:, ::-1] - slope
-    # rounding must not leave the curve's own range
+    # adding and taking away the slope rounds: the result must not leave the curve's own range
     np.maximum(back, np.minimum.reduce(curves, axis=1, keepdims=True), out=back)
     return np.minimum(back, curves, out=back)

@@ -1,7 +1,9 @@
-"""Lay over: curves that a person made for one word or phoneme, in place of what was stitched.
+"""Lay over: an artist's curves for one word or phoneme replace the stitched ones.
 
-Not in the paper, whose characters replace bigrams alone. What is laid over is smoothed, held,
-limited and constrained like all else, so it keeps every promise.
+Conventions: times are seconds; (P, T) is poses by frames; weights are in [0, 1].
+
+Characters of the paper replace bigrams only. Overlays pass through every later stage, so they keep
+every promise.
 """
 
 from collections.abc import Sequence
@@ -25,7 +27,7 @@ class Overlay(NamedTuple):
 
 
 def lay_over(curves: Floats, overlays: Sequence[Overlay], times: Floats) -> Floats:
-    """Put overlays in place of (P, T) curves, the later over the earlier.
+    """Replace stretches of (P, T) curves by overlays, later ones over earlier ones.
 
     Parameters
     ----------

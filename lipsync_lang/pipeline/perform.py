@@ -1,4 +1,9 @@
-"""The stages in their order: a track in, weights out, in blocks so that cost stays linear."""
+"""The stages in their order: a track in, weights out, in blocks so that cost stays linear.
+
+Conventions: (P, T) is poses by frames; `begin` and `stop` count the animation's frames. By default
+the speed limit comes before the constraints; the paper has it after them. The paper's own stages
+are stitch, smooth, constrain and limit.
+"""
 
 import math
 from collections.abc import Iterator
@@ -30,7 +35,7 @@ BLOCK = 8192
 
 
 class Stage(NamedTuple):
-    """What one stage made of the curves."""
+    """The curves after one stage."""
 
     name: str
     curves: Floats
@@ -70,7 +75,7 @@ class Performance:
 
     @cached_property
     def prepared(self) -> Prepared:
-        """What the settings come to at this frame rate."""
+        """The settings at this frame rate."""
         return prepare(self.tables, self.motion, self.frames.fps)
 
     def weights(self) -> Floats:
@@ -89,15 +94,15 @@ class Performance:
 
     @property
     def far(self) -> bool:
-        """Whether a frame may depend on frames at any distance."""
+        """True if a frame may depend on frames at any distance."""
         return math.isinf(self.prepared.halo)
 
     def halo(self) -> int:
-        """Frames on either side of a block that its own frames depend on."""
+        """Return the frames on either side of a block that its own frames depend on."""
         return self.frames.count if self.far else math.ceil(self.prepared.halo) + 4
 
     def stages(self, begin: int, stop: int) -> list[Stage]:
-        """Run the stages on frames `begin` to `stop`, keeping what each one made."""
+        """Run the stages on frames `begin` to `stop`; return the curves after each."""
         times = self.frames.times(begin, stop)
         place = locate(self.track, times)
         ending, beginning = self.bigrams(place, times)
@@ -161,7 +166,7 @@ class Performance:
     def _shaped(
         self, ending: Floats, beginning: Floats, place: FramePlace, begin: int, stop: int
     ) -> Iterator[Stage]:
-        """Run the stages that say where a mouth would like to be."""
+        """Run the stages before the promises: the mouth's wanted place."""
         motion, prepared = self.motion, self.prepared
         curves = stitch(ending, beginning, place, motion.stitch)
         yield Stage("stitch", curves)
@@ -211,7 +216,7 @@ class Performance:
         return out
 
     def _switch(self, curves: Floats, begin: int, stop: int) -> Floats:
-        """Show one pose at a time; a contact says which, as long as it holds."""
+        """Show one pose at a time; a contact chooses the pose while held."""
         barred = np.zeros(curves.shape, bool)
         forced = np.full(curves.shape[1], FREE)
         if self.motion.contacts == "hold":

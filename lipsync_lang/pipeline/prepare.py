@@ -1,4 +1,4 @@
-"""Prepare: what settings come to at a frame rate, the same for every line.
+"""Prepare: settings at a frame rate, the same for every line.
 
 Conventions: P poses, C contacts; half-widths are seconds, reaches and lengths whole frames unless
 said otherwise; `step` is the weight by which a pose may change from frame to frame.
@@ -43,14 +43,14 @@ GIVEN = 0.02
 """Weight that a contact may lose where there is no room to give it back."""
 
 ROUNDING = 1e-9
-"""1 - 0.9 is no more than 0.1."""
+"""Tolerance for sums of weights: in floats 1 - 0.9 is not exactly 0.1."""
 
 RIGGED = 0.02
 """Seconds: half-width of the kernel that rounds the channels of a rig off once more."""
 
 
 class Reach(NamedTuple):
-    """How far from a frame a stage looks; infinite where there is no bound."""
+    """Frames on each side that a stage looks at; infinite if unbounded."""
 
     back: float
     """Frames."""
@@ -60,7 +60,7 @@ class Reach(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """What a performance needs of its tables, its motion and its frame rate."""
+    """Values that a performance derives from its tables, motion and frame rate."""
 
     step: float
     wide: tuple[Blur, ...]
@@ -82,13 +82,13 @@ class Prepared:
     tops: Floats
     """(P,) greatest weight that leaves room for what a pose outranks, and keeps pairs convex."""
     topped: bool
-    """Whether any pose has less than 1."""
+    """True if any pose has less than 1."""
     convex: bool
-    """Whether the softening keeps every constraint by itself."""
+    """True if the softening keeps every constraint by itself."""
     lead: int
     """Frames from rest to the first held frame of a contact; 0 where nothing is held up."""
     reach: dict[str, Reach]
-    """How far each stage looks."""
+    """Frames that each stage looks at, by its name."""
 
     @property
     def halo(self) -> float:
@@ -99,7 +99,7 @@ class Prepared:
 
 @lru_cache(maxsize=64)
 def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
-    """Work out what a motion comes to at a frame rate.
+    """Derive the values of a motion at a frame rate.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
 
 
 def channel_kernel(motion: Motion, fps: float) -> Floats | None:
-    """Return what rounds the channels of a rig off; None where nothing is."""
+    """Return the kernel for the channels of a rig; None leaves their corners."""
     half = 0.0 if motion.hold else RIGGED * motion.softness
     return kernel(half, fps) if half > 0 else None
 
@@ -174,7 +174,7 @@ def _left(frames: Floats) -> Floats:
 
 
 def _room(tables: Tables) -> tuple[Floats, bool]:
-    """Return how high each floor may be raised, (P,), and whether all pairs can be convex."""
+    """Return the limit for raising each floor, (P,), and True if all pairs can be convex."""
     floors, room, convex = tables.floors, np.ones(len(tables.floors)), True
     for low, high, threshold in tables.caps:
         shared = max(threshold - floors[low] - floors[high], 0)
@@ -217,7 +217,7 @@ def _tops(
 def _longer(
     raised: Sequence[Sequence[Plateau]], lowered: Sequence[Sequence[Plateau]], room: Floats
 ) -> float:
-    """Return the most by which a level lies beyond what a pose may reach."""
+    """Return the greatest excess of a level over the range of its pose."""
     above = [weight - room[pose] for levels in raised for pose, weight in levels]
     below = [-weight for levels in lowered for _, weight in levels]
     return float(max(0.0, *above, *below)) if above or below else 0.0
@@ -226,7 +226,7 @@ def _longer(
 def _reaches(
     motion: Motion, fps: float, ahead: int, longer: float, half: tuple[Floats, Floats]
 ) -> dict[str, Reach]:
-    """Say how far each stage looks; stages that are missing look at their own frame alone."""
+    """Return the reach of each stage; absent stages look at their own frame alone."""
     step = motion.speed_limit / fps
     slope = ceil(1 / step + longer)
     wide, shared = (reach_of(float(h.max(initial=0)), fps) for h in half)
@@ -245,7 +245,7 @@ def _reaches(
 
 
 class _Keeping(NamedTuple):
-    """How to keep a contact through the softening."""
+    """Levels that keep a contact through the softening."""
 
     kernels: tuple[Floats, ...]
     step: float
@@ -259,13 +259,13 @@ class _Keeping(NamedTuple):
         return cls(kernels, step, max(1, floor(max(SHORTEST * fps, 1) + 1e-6)))
 
     def lost(self, pose: int, weight: float, longer: float) -> float:
-        """Return what is lost at the end of a plateau that is held for some frames more."""
+        """Return the weight lost at the end of a plateau held `longer` frames more."""
         at = np.arange(len(self.kernels[pose])) - len(self.kernels[pose]) // 2
         away = np.where(at < 0, -at, at - (self.plateau - 1)) - longer
         return float(self.kernels[pose] @ np.minimum(self.step * np.maximum(away, 0), weight))
 
     def level(self, pose: int, wanted: float, room: float) -> float:
-        """Return where to hold a pose that is wanted at some weight."""
+        """Return the level at which to hold a pose for a wanted weight."""
         raised = min(max(room, wanted), wanted + self.lost(pose, 1.0, 0))
         allowed = raised - wanted + GIVEN
         low, high = 0.0, float(len(self.kernels[pose]) // 2)
@@ -278,5 +278,5 @@ class _Keeping(NamedTuple):
         return raised + high * self.step
 
     def levels(self, wanted: Floats, poses: Sequence[int], room: Floats) -> tuple[Plateau, ...]:
-        """Return where to hold some poses."""
+        """Return the plateau of each of some poses."""
         return tuple(Plateau(p, self.level(p, float(wanted[p]), float(room[p]))) for p in poses)

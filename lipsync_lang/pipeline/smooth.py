@@ -1,9 +1,12 @@
 """Smooth: fill the valley between peaks that follow each other closely (paper 3.2.1, figure 8).
 
-The paper joins two local maxima that share a window by a chord. Taken literally that is
-discontinuous (a maximum that appears by 1e-6 changes the curve by the depth of a valley) and
-depends on the order in which maxima are paired. `closing` fills every valley narrower than the
-window up to the lower of its sides: it is idempotent, local, and never magnifies a change.
+Conventions: (P, T) is poses by frames; windows are in frames.
+
+The paper joins two local maxima that share a window by a chord; `chord` does so. That method is
+discontinuous: a maximum that appears by 1e-6 changes the curve by the depth of a valley. Its result
+also depends on the order in which maxima are paired. `closing` instead fills every valley narrower
+than the window up to the lower of its sides. Closing is idempotent, local, and never magnifies a
+change.
 """
 
 import numpy as np
@@ -22,7 +25,7 @@ def closing(curves: Floats, frames: int) -> Floats:
 
 
 def _running(take: np.ufunc, curves: Floats, frames: int) -> Floats:
-    """Fold every window of some frames: windows of 1, 2, 4, ... frames, then two that overlap."""
+    """Fold every window of `frames`: windows double up to the size, then two overlap."""
     width = 1
     while 2 * width <= frames:
         curves = take(curves[:, :-width], curves[:, width:])
@@ -36,12 +39,13 @@ def _running(take: np.ufunc, curves: Floats, frames: int) -> Floats:
 def closing_within(curves: Floats, inside: Bools, frames: int) -> Floats:
     """Close (R, T) curves only where `inside`, (R, T), each run of frames there by itself.
 
-    Contact poses are smoothed within one run of the phonemes that demand them; across the
-    run's ends a valley is a vowel, which must stay open.
+    Contact poses are smoothed within one run of the phonemes that demand them. A valley between
+    two runs is a vowel, which must stay open; plain closing would fill it.
     """
     out = curves.copy()
     flat = np.flatnonzero(inside)
-    if frames > 1 and flat.size:  # runs in one row, so far apart that no window touches two
+    # one call for all runs: laid end to end, so far apart that no window touches two of them
+    if frames > 1 and flat.size:
         fresh = (flat[1:] - flat[:-1] != 1) | (flat[1:] % curves.shape[1] == 0)
         apart = np.arange(flat.size)
         apart[1:] += np.cumsum(fresh) * (frames - 1)

@@ -1,15 +1,16 @@
-"""Soften: no corners, by a kernel that rounds each pose off.
+"""Soften: a kernel rounds the corners off each pose.
 
-Not in the paper, whose curves are polygons after the speed limit. Conventions: (P, T) is poses by
-frames; half-widths are seconds; kernels are (2 J + 1,) weights that add up to 1, the middle one
-for the frame itself; outside the frames all poses rest.
+The paper has no such stage: its curves are polygons after the speed limit.
+
+Conventions: (P, T) is poses by frames; half-widths are seconds; kernels are (2 J + 1,)
+weights that add up to 1, the middle one for the frame itself; outside the frames all poses rest.
 
 A convolution with such a kernel is a weighted mean of the curve at near times. So it keeps all
 that a mean keeps: bounds, the speed limit, and every constraint that holds for the mean of two
 faces when it holds for both (a convex one), where both poses have the same kernel. It bounds
 acceleration: with the speed v and the half-width L of a raised cosine, whose peak is 1 / L, no
-curve accelerates faster than the integral of v |k'|, which is 2 v / L. What it takes from a
-contact is given back before; see `lipsync_lang.pipeline.prepare`.
+curve accelerates faster than the integral of v |k'|, which is 2 v / L. The kernel lowers contacts;
+`lipsync_lang.pipeline.prepare` makes up for that beforehand.
 """
 
 import math

@@ -1,4 +1,8 @@
-"""Stitch: one curve per pose from the bigrams that overlap (paper 3.2.1, figure 7)."""
+"""Stitch: overlapping bigrams become one curve per pose (paper 3.2.1, figure 7).
+
+Conventions: inputs are (T, P), frames by poses, as the tables have them; the result is (P, T), as
+all later stages have it. The paper knows ``max`` only; ``crossfade`` is an addition.
+"""
 
 import numpy as np
 

@@ -1,10 +1,12 @@
 """Switch: one pose at a time, for faces that are drawn and not blended.
 
-Not in the paper. A drawn mouth that changes too often flickers, so each is shown for a least time.
-What a contact demands is shown first, and something between two contacts alike; of the rest the
-shortest makes room, until all that is shown lasts. So what is shown may depend on the whole run of
-speech, but hardly ever does beyond a few phonemes; and where two poses are equally strong, a small
-change may show the other.
+Conventions: (P, T) is poses by frames; the result is 0 or 1.
+
+The paper has no such stage. A drawn mouth that changes too often flickers, so each pose is shown
+for a least time. Contacts come first, and a pose between two equal contacts stays. Of the other
+runs the shortest gives way, until every run lasts. A frame may therefore depend on the whole line,
+though rarely beyond a few phonemes. Between two equally strong poses, a small change may show the
+other.
 """
 
 from dataclasses import dataclass
@@ -16,13 +18,13 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 
 REST = 0.25
-"""A pose below it is not shown: the face at rest is."""
+"""Weight below which a pose is not shown; the face rests instead."""
 
 NONE = -1
 """The face at rest."""
 
 FREE = -2
-"""No contact says what is shown."""
+"""No contact holds the frame."""
 
 
 def switch(curves: Floats, barred: Bools, forced: Ints, frames: int) -> Floats:
@@ -59,7 +61,7 @@ def _runs(values: Ints) -> Ints:
 
 
 def _widen(best: Ints, held: Bools, frames: int) -> tuple[Ints, Bools]:
-    """Show contacts as long as the rest, as far as what lies between two of them leaves room."""
+    """Widen contacts to the least time, as far as the gaps between them leave room."""
     spans = [(int(a), int(b)) for a, b in pairwise(_runs(best + len(best) * held)) if held[a]]
     gaps = [later - b for (_, b), (later, _) in pairwise(spans)]
     rooms = [len(best), *(max(0, gap - frames) // 2 for gap in gaps), len(best)]
@@ -125,14 +127,14 @@ def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
 
 
 def _between(run: _PoseRun, held: Bools, frames: int) -> bool:
-    """Tell whether a run is all that parts two contacts alike: a vowel between two of a kind."""
+    """Return True if a run alone parts two equal contacts, like a vowel between them."""
     alike = run.before and run.after and run.before.pose == run.after.pose
     early, late = held[max(0, run.start - frames) : run.start], held[run.stop : run.stop + frames]
     return bool(alike and early.any() and late.any())
 
 
 def _let_go(run: _PoseRun, shown: Floats) -> list[_PoseRun]:
-    """Give a run's frames to those around it; return the ones that are longer now."""
+    """Give a run's frames to its neighbours; return the lengthened runs."""
     before, after = run.before, run.after
     if before is None or after is None:  # at the ends the face is at rest
         return []
@@ -145,7 +147,7 @@ def _let_go(run: _PoseRun, shown: Floats) -> list[_PoseRun]:
 
 
 def _cut(shown: Floats, start: int, stop: int, before: int, after: int) -> int:
-    """Return where the pose before gives way to the one after: where the latter grows stronger."""
+    """Return the frame from which the pose after is stronger than the pose before."""
     one, other = (
         shown[pose, start:stop] if pose != NONE else np.full(stop - start, REST)
         for pose in (before, after)

@@ -1,4 +1,9 @@
-"""Everything a performance looks up, compiled to arrays."""
+"""Lookup tables of a performance, compiled to arrays.
+
+Conventions: N common phonemes, P poses, B bigram rows, of which row 0 is rest; times within a
+bigram are normalised to [0, 1]. Curves are tabulated once, at `RESOLUTION` steps. Contacts,
+styles and anticipation are not in the paper.
+"""
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
@@ -17,10 +22,10 @@ RESOLUTION = 128
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """What some phonemes demand to be seen: poses held up to a floor, others under a ceiling."""
+    """A visible demand of some phonemes: poses held up to a floor, others under a ceiling."""
 
     phonemes: Bools
-    """(N,) True where the common phoneme demands it."""
+    """(N,) True for the common phonemes that demand the contact."""
     floor: Floats
     """(P,) least weight while held; 0 demands nothing."""
     ceiling: Floats
@@ -28,12 +33,12 @@ class Contact:
 
     @cached_property
     def raised(self) -> list[int]:
-        """Poses that it holds up."""
+        """Poses that the contact holds up."""
         return [int(pose) for pose in np.flatnonzero(self.floor > 0)]
 
     @cached_property
     def lowered(self) -> list[int]:
-        """Poses that it keeps down."""
+        """Poses that the contact keeps down."""
         return [int(pose) for pose in np.flatnonzero(self.ceiling < 1)]
 
 
@@ -61,7 +66,7 @@ class Tables:
     pairs: Ints
     """(N, N) row of each ordered pair of common phonemes."""
     silence: int
-    """Which common phoneme is silence."""
+    """Index of the common phoneme for silence."""
     contacts: tuple[Contact, ...]
     thresholds: Floats
     """(P, P) symmetric, in (0, 2]."""

@@ -1,4 +1,8 @@
-"""Surround and pair: common phonemes in time, silence on both sides (paper 3.2.1, figure 6)."""
+"""Surround and pair: common phonemes in time, silence on both sides (paper 3.2.1, figure 6).
+
+Conventions: times are seconds; (n,) is phonemes, (n - 1,) the bigrams between neighbours. A bigram
+uses at most `Motion.silence_reach` of a silence, so that a mouth rests through a long pause.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -36,7 +40,7 @@ class Track:
     """Seconds at which it ends."""
 
     def boundary(self, bank: Bank) -> Floats:
-        """Return when each bigram passes from its first phoneme to its second: (n - 1,)."""
+        """Return the normalised time of each bigram's phoneme boundary: (n - 1,)."""
         return bank.boundary[self.rows] if self.even is None else self.even
 
 
@@ -57,8 +61,8 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     ----------
     ids : (m,) common phonemes
     times : (m + 1,) boundaries in seconds, rising
-    source : (m,) where each came from
-    blends : the styles that are heard
+    source : (m,) index of each in the schedule
+    blends : styles over the neutral bank
     """
     start, end = float(times[0]), float(times[-1])
     quiet = ids == tables.silence
@@ -93,7 +97,7 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
 
 
 def _heard(tables: Tables, blends: Sequence[Blend]) -> Iterator[Bank]:
-    """Yield the banks that are heard at some time; neutral is, unless styles leave it nothing."""
+    """Yield the banks with a share at some time; neutral unless styles leave it none."""
     least = sum(float(blend.share.values.min()) for blend in blends)
     if least < 1:
         yield tables.neutral

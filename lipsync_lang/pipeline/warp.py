@@ -1,4 +1,9 @@
-"""Warp: where in its bigrams a frame lies, and the curves' values there (paper 3.2.1)."""
+"""Warp: each frame's place in its bigrams, and the curves' values there (paper 3.2.1).
+
+Conventions: times are seconds, places in a bigram normalised to [0, 1]; (T, P) is frames by poses.
+The paper stretches a bigram evenly; by default, its own phoneme boundary is pinned to the spoken
+one here.
+"""
 
 from dataclasses import dataclass
 
@@ -14,7 +19,7 @@ TOUCH = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class FramePlace:
-    """Each frame's phoneme, and how far it is through it."""
+    """Each frame's phoneme and the passed share of that phoneme."""
 
     phoneme: Ints
     """(T,) index into the track."""
