@@ -11,6 +11,7 @@ from itertools import chain
 
 import numpy as np
 import pytest
+from lanes import full
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.performing.resolving import resolve
@@ -181,6 +182,7 @@ def test_sound_may_be_silent_or_shorter_than_the_line(performer, schedule):
         assert picture(performer.perform(replace(schedule, audio=audio)))
 
 
+@full
 @drawn
 def test_a_long_line_wraps_and_ends_after_a_minute(performer):
     count = 900
