@@ -158,6 +158,7 @@ def tables(draw):
     )
     styles = tuple(_style(rng, curves, free) for _ in range(draw(st.sampled_from([0, 0, 1, 2]))))
     paper = np.where(thresholds < FREE, np.minimum(thresholds, 0.5), thresholds)
+    paper = np.minimum(thresholds, np.maximum(paper, _needed(contacts, priority)))
     softness = rng.choice([0, 0.02, 0.035, 0.05], poses)
     early = np.where(rng.random(poses) < 0.4, rng.choice([0.05, 0.12, 0.4], poses), 0)
     highest = rng.uniform(0.1, 1, poses)
@@ -166,6 +167,14 @@ def tables(draw):
         curves, boundary, free, pairs, silence, contacts, thresholds, paper, priority, softness,
         early, highest, opposed, at_most, styles,
     )  # fmt: skip
+
+
+def _needed(contacts, priority):
+    """Return the least threshold of each pair at which contacts can be kept: (P, P)."""
+    floors = np.max([c.floor for c in contacts] or [np.zeros(len(priority))], axis=0)
+    yields = np.where(priority[:, None] < priority, floors[:, None], floors)
+    both = (floors[:, None] > 0) & (floors > 0)
+    return np.where(both, floors[:, None] + floors, yields)
 
 
 def _style(rng, curves, free):

@@ -48,13 +48,16 @@ def test_the_table_is_printed_and_an_empty_folder_is_told(bench, data, tmp_path,
 
 def test_keyframes_stand_at_their_targets_in_the_middle_of_each_phoneme():
     from lipsync_lang import Schedule
+    from lipsync_lang.packs.library import Library
 
     schedule = Schedule.from_intervals(
         [("P", 0.0, 0.2), ("AA", 0.2, 0.6), ("F", 0.6, 0.8)], notation="arpabet"
     )
-    animation = keyframes(resolve("english", "facefx"), schedule, fps=10)
+    performer = resolve("english", "facefx")
+    animation = keyframes(performer, schedule, fps=10)
+    target = Library(project=None).poseset("facefx").model.targets["aa"][0].weights["open"]
     at = animation.times.round(3).tolist().index
     assert animation["PBM"][at(0.1)] == pytest.approx(1.0)
-    assert animation["open"][at(0.4)] == pytest.approx(0.5)
+    assert animation["open"][at(0.4)] == pytest.approx(target)
     assert animation["FV"][at(0.7)] == pytest.approx(0.9)
     assert animation["PBM"][at(0.2)] == pytest.approx(2 / 3)

@@ -12,8 +12,8 @@ from lipsync_lang.authoring import inventories
 from lipsync_lang.coverage import changes
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
+from lipsync_lang.lines import line_readers as lines
 from lipsync_lang.lines import read_lines
-from lipsync_lang.lines import registry as lines
 from lipsync_lang.phonology.g2p import lexicon
 from lipsync_lang.schedules import timing_file as timings
 from lipsync_lang.speech.sound import read_audio

@@ -48,8 +48,8 @@ def assert_constraints(tables, weights):
 
 @given(any_lines(), motions(), RATES)
 def test_poses_make_room_for_those_that_outrank_them(line, motion, fps):
-    _, weights = weights_of(line, motion, fps)
-    tables = line.tables
+    performance, weights = weights_of(line, motion, fps)
+    tables = performance.tables
     poses = range(len(tables.priority))
     for low in poses:
         for high in poses:

@@ -73,10 +73,10 @@ def test_a_file_needs_no_folder_of_packs_around_it(tmp_path, monkeypatch):
 
 
 def test_a_file_comes_before_all_others_of_its_name(project, tmp_path):
-    mine = put(tmp_path, "mine/languages/parent.yaml", PARENT.replace("qaa", "qac"))
+    mine = put(tmp_path, "mine/languages/parent.yaml", PARENT.replace("voice: eo", "voice: eu"))
     put(tmp_path, "mine/characters/anna.yaml", "kind: character")
     anna = project / "characters" / "anna.yaml"
-    assert ll.resolve(mine, anna, paths=project).compiled.manner["voice"][1] == "qac"
+    assert ll.resolve(mine, anna, paths=project).compiled.manner["voice"][1] == "eu"
 
 
 def test_a_file_of_another_kind_is_refused(project):
