@@ -20,7 +20,7 @@ from lipsync_lang.schedules.timing_file import TAG
 
 TESTS = Path(__file__).parent
 PAGE = TESTS.parent / "docs" / "explanation" / "threat-model.md"
-ROW = re.compile(r"^\|.*\| `(tests/\w+\.py)::(\w+)` \|$", re.MULTILINE)
+ROW = re.compile(r"`(tests/[\w/]+\.py)::(\w+)` \|$", re.MULTILINE)
 
 CHARACTER = "kind: character\nformat: 1\nname: mine\nposeset: facefx\nmodel: {model}\n"
 
