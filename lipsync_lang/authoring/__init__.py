@@ -1,1 +1,1 @@
-"""What helps people write language packs: drafts, tables, and trials of their tests."""
+"""Authoring aids for packs: drafts, imports, tables and test runs."""

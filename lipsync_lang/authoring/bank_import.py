@@ -1,10 +1,11 @@
-"""Import banks of another program: read them, fit them to our packs, and write a bank.
+"""Import of SmartBody banks: read the files, fit them to a pose set, and write a bank.
 
-A bigram is taken over as it was drawn, and counts as edited by a person. What is in the target
-already stays as it is.
+Imported bigrams keep their keys and have the status of manual edits. Existing bigrams of the target
+bank are never replaced. Curves are lists of (time, weight) points, with weights from 0 to 1.
 
-SmartBody's curves pass through their keys, straight or as a cardinal spline (`isDiphoneSplineCurve`
-in its `SbmCharacter`). Ours are pulled by theirs and stay below; so it is told how far they reach.
+SmartBody curves interpolate their keys, linearly or as a cardinal spline (`isDiphoneSplineCurve` in
+its `SbmCharacter`). B-splines only approximate their control points and remain below the peaks, so
+the import reports the ratio of peak heights.
 """
 
 import re
@@ -38,37 +39,37 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.arrays import Floats
 
 STATUS = "edited"
-"""Whoever drew it, a person has seen to it."""
+"""Status of imported bigrams, because SmartBody banks are drawn manually."""
 
 USUAL = frozenset({"", "default", NEUTRAL})
-"""Names of sets that hold the usual manner of speaking; a text export does not name its set."""
+"""Set names for the neutral style; the name is empty for a text export."""
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
-"""What a bank may be called."""
+"""Pattern of valid bank names."""
 
 ENOUGH = 0.95
-"""Share of the highest key that a curve should reach."""
+"""Minimum ratio of the curve peak to the highest key, without a warning."""
 
 FEW = 24
-"""Names that a message lists."""
+"""Maximum number of names in a message."""
 
 
 @dataclass(frozen=True)
 class Imported:
-    """What an import came to."""
+    """Result of an import."""
 
     path: Path
     poseset: str
     set: str
-    """The set that was taken, as the files call it."""
+    """Name of the imported set in the files."""
     style: str
-    """The manner of speaking that it is here."""
+    """Name of the style in the bank."""
     new: tuple[str, ...]
-    """Bigrams that were put into the bank."""
+    """Keys of bigrams added to the bank."""
     kept: tuple[str, ...]
-    """Bigrams that were there already, and stay as they are."""
+    """Keys of bigrams kept from the existing bank."""
     reach: float
-    """How high the curves come beside their highest keys, in the middle of all."""
+    """Median ratio of curve peak to highest key."""
     remarks: Remarks
 
     def __str__(self) -> str:
@@ -82,7 +83,7 @@ class Imported:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the import as JSON holds it."""
+        """Return the result as plain data for JSON output."""
         return {
             "bank": str(self.path),
             "poseset": self.poseset,
@@ -106,21 +107,21 @@ def import_bank(  # noqa: PLR0913 what is read, what it is for, and where it goe
     interpolation: Interpolation = "linear",
     mapped: Mapping[str, str] | None = None,
 ) -> Imported:
-    """Import SmartBody's banks into a bank of ours.
+    """Import SmartBody banks into a bank of a pose set.
 
     Parameters
     ----------
-    files : scripts or text exports
-    character : a pose set, or a character of it
-    to : the bank to write to; None is one of the first file's name in the project's own folder
-    style : the set to take where there are several, or what the only one is called here
-    interpolation : the kind of curve
-    mapped : our phoneme or pose for a label or shape of theirs
+    files : paths of scripts or text exports
+    character : name of a pose set or of a character
+    to : path of the bank; None for a path in the project, named after the first file
+    style : name of the set among several; for a single set, the new style name
+    interpolation : curve type of the bank
+    mapped : SmartBody label or shape -> phoneme or pose
 
     Raises
     ------
     LipsyncError
-        Nothing in the files can be taken over.
+        No bigram in the files can be imported.
     """
     poseset = library.poseset(library.character(character).model.poseset).model
     names = _names(library.common().model, poseset, mapped or {})
@@ -141,7 +142,7 @@ def import_bank(  # noqa: PLR0913 what is read, what it is for, and where it goe
 
 
 def _reach(found: Mapping[str, Curves], interpolation: Interpolation) -> float:
-    """Return how high curves come beside their highest keys, in the middle of all."""
+    """Return the median ratio of curve peak to highest key; 1 for linear curves."""
     alike: dict[int, list[Points]] = {}
     for curves in found.values():
         for points in curves.values():
@@ -150,6 +151,7 @@ def _reach(found: Mapping[str, Curves], interpolation: Interpolation) -> float:
         return 1.0
     at = np.linspace(0, 1, RESOLUTION + 1)
     shares = []
+    # Curves are grouped by number of keys, so that each group is one array.
     for lines in alike.values():
         keys: Floats = np.array(lines)
         shares.append(bspline(keys, at).max(axis=1) / keys[..., 1].max(axis=1))
@@ -159,7 +161,7 @@ def _reach(found: Mapping[str, Curves], interpolation: Interpolation) -> float:
 def _names(
     common: "models.Phonemes", poseset: "models.PoseSet", mapped: Mapping[str, str]
 ) -> BankNames:
-    """Return what labels and shapes are called here; what the caller says comes first."""
+    """Return the maps of labels and shapes to phonemes and poses; `mapped` has precedence."""
     sounds = {label.casefold(): common.silence for label in common.silence_labels}
     for name, phoneme in common.phonemes.items():
         sounds.update(dict.fromkeys((label.casefold() for label in phoneme.spelled), name))
@@ -180,7 +182,7 @@ def _names(
 
 
 def _merged(files: Sequence[Sets], remarks: Remarks) -> Sets:
-    """Put the sets of several files together; of a pair in two of them the first stays."""
+    """Merge the sets of several files; the first occurrence of a pair has precedence."""
     merged: Sets = {}
     for sets in files:
         for name, pairs in sets.items():
@@ -194,7 +196,7 @@ def _merged(files: Sequence[Sets], remarks: Remarks) -> Sets:
 
 
 def _chosen(sets: Sets, style: str | None, remarks: Remarks) -> str:
-    """Return the set to take."""
+    """Return the name of the set for import."""
     if not sets:
         raise LipsyncError(_nothing(remarks))
     if len(sets) == 1:
@@ -207,7 +209,7 @@ def _chosen(sets: Sets, style: str | None, remarks: Remarks) -> str:
 
 
 def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: BankNames) -> None:
-    """Raise where the bank moves nothing that the pose set has."""
+    """Raise an error if no shape of the bank is a pose of the pose set."""
     shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
     if shapes and not any(shape in names.poses for shape in shapes):
         listed = ", ".join(visible(shape) for shape in [*shapes][:FEW])
@@ -220,26 +222,26 @@ def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: 
 
 
 def _nothing(remarks: Remarks) -> str:
-    """Say that nothing was taken over, and why."""
+    """Return the message for an empty import, with the first remarks."""
     why = [f"\n  {remark}" for remark in remarks.kept[:FEW]]
     return f"nothing can be imported: no bigram of ours is in there{''.join(why)}"
 
 
 def _usual_path(poseset: str, file: Path) -> Path:
-    """Return the bank's place in the project's own folder."""
+    """Return the default path of a bank, relative to the project folder."""
     name = re.sub(r"[^A-Za-z0-9_-]+", "-", file.stem).strip("-_")[:80] or "imported"
     return Path("posesets") / poseset / "banks" / f"{name}.yaml"
 
 
 def _header(files: Sequence[Path], chosen: str) -> str:
-    """Say in a comment where the curves are from."""
+    """Return the header comment on the origin of the curves."""
     listed = ", ".join(visible(file.name) for file in files)
     of = f", set '{visible(chosen)}'" if chosen else ""
     return f"# Imported from SmartBody: {listed}{of}.\n"
 
 
 def _write(path: Path, made: Made, header: str) -> list[str]:
-    """Write a new bank, or add to one that is there; return the bigrams that are new."""
+    """Write a new bank or extend an existing one, and return the keys of new bigrams."""
     make_room(path)
     if path.exists():
         return add_bigrams(path, made)

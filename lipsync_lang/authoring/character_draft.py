@@ -1,4 +1,7 @@
-"""A character drafted from its model: the pose set and the rig that fit it best."""
+"""Draft of a character from its model, with the best-matching pose set and rig.
+
+The match counts shown poses; output paths are relative to the project folder.
+"""
 
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -21,47 +24,47 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import RigPack
 
 ENOUGH = 4
-"""A pose set is taken unasked if one in so many of its poses is shown."""
+"""Reciprocal of the smallest share of shown poses for the automatic choice of a pose set."""
 
 OTHERS = 3
-"""As many other choices are told."""
+"""Maximum number of alternatives in a message."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 @dataclass(frozen=True)
 class CharacterWish:
-    """What a new character is to be made from."""
+    """Request for a new character: its model, with an optional pose set and rig."""
 
     name: str
     model: Path
     poseset: str | None = None
-    """The pose set, instead of the one that fits best."""
+    """Name of the pose set; None for the best match."""
     rig: str | None = None
-    """A rig of it, instead of the one that fits best."""
+    """Name of a rig of the pose set; None for the best match."""
     title: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class CharacterDraft:
-    """A drafted character: what goes where, and what to say of it."""
+    """A drafted character: output files and their summary."""
 
     path: Path
     match: Match
     others: tuple[Match, ...]
     rig: str | None
-    """The rig it names, drafted or known."""
+    """Name of the drafted or known rig."""
     model: Model
     outputs: dict[Path, Callable[[BinaryIO], object]] = field(default_factory=dict)
     said: dict[Path, str] = field(default_factory=dict)
 
     def write(self) -> None:
-        """Write the character, and what it needs.
+        """Write the character and its dependent files.
 
         Raises
         ------
         OutputError
-            Something cannot be written; nothing is.
+            A file is not writable; no file is changed.
         """
         for path in self.outputs:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -71,7 +74,7 @@ class CharacterDraft:
         return "\n".join(self._told())
 
     def _told(self) -> Iterator[str]:
-        """Say what was recognised, what was done, what is not shown, and what is next."""
+        """Return a message on the match, the output files, the lost poses and the next steps."""
         shapes = dict.fromkeys(name for mesh in self.model.meshes for name in mesh.shapes)
         meshes = len(self.model.meshes)
         within = f"{meshes} meshes" if meshes > 1 else "one mesh"
@@ -89,7 +92,7 @@ class CharacterDraft:
         yield "  lipsync-lang validate"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain data, for JSON."""
+        """Return plain data for JSON output."""
         return {
             "character": self.path.stem,
             "rig": self.rig,
@@ -100,7 +103,7 @@ class CharacterDraft:
 
 
 def _lost(match: Match) -> Iterator[str]:
-    """Say what is not shown, or not as itself, and what the model would need for it."""
+    """Return the lost and approximated poses with the missing features of the model."""
     absent = [loss.pose for loss in match.losses if not (loss.shown or loss.why)]
     if absent:
         yield f"not shown: {', '.join(absent)}"
@@ -114,14 +117,14 @@ def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> C
 
     Parameters
     ----------
-    library : where pose sets and rigs are found
-    wanted : what to make it from
-    folder : the project that it goes into, under `characters`
+    library : source of pose sets and rigs
+    wanted : request with the sources of the draft
+    folder : project folder; the output is under `characters`
 
     Raises
     ------
     LipsyncError
-        The model cannot be read, nobody knows its names, or the name is taken or is none.
+        The model is unreadable or without a match, or the name is invalid or in use.
     """
     path = folder / FOLDERS["character"] / f"{wanted.name}.yaml"
     _refuse(library, wanted, path)
@@ -157,7 +160,7 @@ def _refuse(library: "Library", wanted: CharacterWish, path: Path) -> None:
 def _chosen(
     library: "Library", wanted: CharacterWish, model: Model, matches: Sequence[Match]
 ) -> Match:
-    """Return the match that is asked for, or else the best."""
+    """Return the requested match; by default the best one."""
     if wanted.poseset is not None:
         library.find("poseset", wanted.poseset)
     fitting = [m for m in matches if wanted.poseset in {None, m.poseset}]
@@ -193,7 +196,7 @@ def _enough(match: Match) -> bool:
 
 
 def _others(match: Match, matches: Sequence[Match]) -> list[Match]:
-    """Return what else may be chosen: the best of each other pose set."""
+    """Return the alternatives: the best match of each other pose set."""
     best: dict[str, Match] = {}
     for other in matches:
         best.setdefault(other.poseset, other)
@@ -201,12 +204,12 @@ def _others(match: Match, matches: Sequence[Match]) -> list[Match]:
 
 
 def _asking(match: Match) -> str:
-    """Return the options that ask for a match."""
+    """Return the command-line options for the selection of a match."""
     return f"--poseset {match.poseset}" + (f" --rig {match.rig}" if match.rig else "")
 
 
 def _running(name: str, model: Path) -> str:
-    """Return the command that lets it speak, into a file that is not the model itself."""
+    """Return an example command; its output file never overwrites the model."""
     same = Path(f"{name}.glb").resolve() == model.resolve()
     return f"lipsync-lang run 'Hello' -l LANGUAGE -c {name} -o {name}{'-line' * same}.glb"
 
@@ -217,7 +220,7 @@ def _add(made: CharacterDraft, path: Path, text: str, said: str) -> None:
 
 
 def _add_rig(library: "Library", made: CharacterDraft, title: str, folder: Path) -> None:
-    """Add a rig of the model's own names."""
+    """Add a rig under the names of the model."""
     match, name = made.match, made.path.stem
     path = folder / FOLDERS["poseset"] / match.poseset / "rigs" / f"{name}.yaml"
     known = {one.stem: one for one in library.rigs_of(match.poseset)}
@@ -235,7 +238,7 @@ def _add_rig(library: "Library", made: CharacterDraft, title: str, folder: Path)
 
 
 def _refuse_hidden(library: "Library", poseset: str, folder: Path) -> None:
-    """Refuse to write where rigs of a pose set are not looked for."""
+    """Reject a folder outside the search path for rigs of the pose set."""
     home = library.find("poseset", poseset).parent.parent.parent
     roots = [root.path.resolve() for root in library.roots]
     here = folder.resolve()

@@ -1,4 +1,8 @@
-"""Phoneme inventories, as PHOIBLE and people write them."""
+"""Readers of phoneme inventories: the PHOIBLE table and plain segment lists.
+
+An inventory is an ordered tuple of IPA segments without repeats, with its source. File sizes are in
+bytes after decompression.
+"""
 
 import csv
 import gzip
@@ -17,16 +21,16 @@ SEGMENT = ("Phoneme", "phoneme_raw", "phoneme", "segment")
 NAME = ("LanguageName", "language")
 CODE = ("ISO6393", "iso6393")
 SOURCE = ("Source", "source")
-"""What the columns are called: in PHOIBLE's own file, and in tables made of it."""
+"""Column names: first of the PHOIBLE file itself, then of tables derived from it."""
 
 SHOWN = 12
 
 MAX_INVENTORY_BYTES = 128 * MIB_BYTES
-"""Bytes, unpacked; PHOIBLE's table has 24 million."""
+"""Upper limit of the decompressed size in bytes; the PHOIBLE table has 24 million."""
 
 
 class Inventory(NamedTuple):
-    """The segments of a language, and who says so."""
+    """The segments of a language and their source."""
 
     source: str
     segments: tuple[str, ...]
@@ -39,14 +43,14 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
 
     Parameters
     ----------
-    path : PHOIBLE's table (.csv or .tsv, gzipped or not), or plain text: segments with spaces or
-        line ends between them
-    which : an inventory's number, or a language's ISO 639-3 code or name, in PHOIBLE's table
+    path : the PHOIBLE table (.csv or .tsv, optionally gzipped), or plain text of segments
+        separated by white space
+    which : inventory number, ISO 639-3 code or language name in the PHOIBLE table
 
     Raises
     ------
     LipsyncError
-        The file cannot be read, has no such inventory, or has several that fit.
+        The file is unreadable, or the number of matching inventories is not one.
     """
     text = _text(path)
     first = text.partition("\n")[0]
@@ -77,9 +81,9 @@ def _text(path: Path) -> str:
 
 
 def _unpacked(path: Path, raw: bytes) -> bytes:
-    """Unpack gzip as far as the limit: a small file may hold any amount."""
+    """Decompress gzip data up to the size limit, as a guard against decompression bombs."""
     with gzip.open(BytesIO(raw)) as stream:
-        # in blocks: a read of the whole limit would take its memory at once
+        # Block-wise, because one read of the whole limit would allocate it at once.
         blocks = iter(lambda: stream.read(MIB_BYTES), b"")
         content = b"".join(islice(blocks, MAX_INVENTORY_BYTES // MIB_BYTES + 1))
     if len(content) > MAX_INVENTORY_BYTES:
@@ -91,7 +95,7 @@ def _unpacked(path: Path, raw: bytes) -> bytes:
 
 
 def _inventories(text: str) -> Iterator[tuple[str, Inventory]]:
-    """Yield every inventory of a table by its number."""
+    """Yield (number, inventory) for every inventory with segments in a table."""
     comma = "\t" not in text.partition("\n")[0]
     rows = csv.DictReader(
         text.splitlines(), delimiter="," if comma else "\t",

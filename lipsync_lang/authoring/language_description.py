@@ -1,4 +1,7 @@
-"""What a language pack says and what is known of it, as data."""
+"""Description of a language pack as plain data: map, inventory, tests and disagreements.
+
+Output is nested dicts and lists for JSON and for the table of `authoring.printing`.
+"""
 
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
-    """Return a language as `languages show --json` prints it."""
+    """Return the description of a language for `languages show --json`."""
     model = pack.model
     return {
         "name": model.name,
@@ -77,7 +80,7 @@ def _tests(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
 
 
 def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
-    """Return what no test reaches: phonemes, common phonemes, and rules by their spelling."""
+    """Return the untested phonemes, common phonemes and rules; rules appear by spelling."""
     model = trial.pack.model
     reached = trial.reached
     heard = {name for test in model.tests for name in test.phonemes}
@@ -102,7 +105,7 @@ def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
 
 
 def _disagreements(library: "Library", pack: "Pack[models.Language]") -> list[dict[str, str]]:
-    """Return the labels that features alone would map otherwise."""
+    """Return the labels with a map entry different from the automatic one."""
     return [
         {
             "label": row.label,

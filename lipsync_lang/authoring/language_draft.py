@@ -1,8 +1,8 @@
-"""A language pack drafted from what there is: a voice, a code, a lexicon, an inventory.
+"""Draft of a language pack from a voice, an Epitran code, a lexicon or an inventory.
 
-A draft runs as it is. Its map is the nearest common phoneme of every label by the features of the
-mouth; the doubtful ones come first, with what they lose. Its tests are for a person to write, from
-a source outside this program.
+A draft is valid without manual edits. It maps each label to the nearest common phonemes by visible
+articulatory features; doubtful labels are listed first, with their lost features. Tests are left
+empty, because expected results must come from a source independent of this program.
 """
 
 import json
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import Nearest
 
 NUMBERS = tuple(str(n) for n in (*range(21), *range(30, 100, 10), 21, 45, 78, 100, 1000, 1000000))
-"""What every voice can read: numbers, which together have most sounds of a language."""
+"""Sample texts for any voice: number words, which cover most sounds of a language."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 _PLAIN = re.compile(r"[^\W\d_][\w\u0300-\u036f\u02b0-\u02ff]*")
@@ -35,33 +35,33 @@ _WORDS = {"true", "false", "null"}
 
 @dataclass(frozen=True)
 class LanguageWish:
-    """What a new language is to be made from; at least one of the four."""
+    """Request for a new language: voice, code, lexicon or inventory, at least one of them."""
 
     name: str
     tag: str | None = None
     title: str | None = None
     voice: str | None = None
-    """A voice of eSpeak NG, which reads and speaks."""
+    """eSpeak NG voice for transcription and speech."""
     epitran: str | None = None
-    """A code of Epitran, which reads."""
+    """Epitran code for transcription."""
     lexicon: Path | None = None
-    """A file of pronunciations, which reads."""
+    """Path of a pronunciation lexicon for transcription."""
     inventory: Path | None = None
-    """A table of phonemes."""
+    """Path of a phoneme inventory."""
     inventory_id: str | None = None
     texts: Sequence[str] = ()
-    """Sample texts, whose sounds are looked at."""
+    """Sample texts for the collection of labels."""
 
 
 @dataclass
 class FoundSounds:
-    """The labels found, and a word for each that has one."""
+    """The collected labels, with an example word if available."""
 
     words: dict[str, str] = field(default_factory=dict)
     spelled: dict[str, str] = field(default_factory=dict)
 
     def add(self, labels: Sequence[str], word: str = "") -> None:
-        """Note the labels of a word; of spellings that are one label the first counts."""
+        """Add the labels of a word; the first of equivalent spellings has precedence."""
         for stated in labels:
             label = self.spelled.setdefault(normalise(stated), stated)
             if not self.words.get(label):
@@ -70,7 +70,7 @@ class FoundSounds:
 
 @dataclass(frozen=True)
 class LanguageDraft:
-    """A drafted pack: what goes where, and what to say of it."""
+    """A drafted pack: path, text and label counts."""
 
     path: Path
     text: str
@@ -79,12 +79,12 @@ class LanguageDraft:
     labels: int
 
     def write(self) -> str:
-        """Write the pack, and its lexicon beside it; return what to do next.
+        """Write the pack with its lexicon, and return a message with the next steps.
 
         Raises
         ------
         OutputError
-            It cannot be written; nothing is.
+            A file is not writable; no file is changed.
         """
         made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
         if self.lexicon is not None:
@@ -109,14 +109,14 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
 
     Parameters
     ----------
-    library : where the common phonemes and the IPA are found
-    wanted : what to make it from
-    folder : the project that it goes into, under `languages`
+    library : source of the common phonemes and of the IPA
+    wanted : request with the sources of the draft
+    folder : project folder; the output is under `languages`
 
     Raises
     ------
     LipsyncError
-        There is nothing to make it from, the name is taken or is none, or a source is unsound.
+        The request has no source, the name is invalid or in use, or a source is invalid.
     """
     path = folder / FOLDERS["language"] / f"{wanted.name}.yaml"
     _refuse(wanted, path)
@@ -162,7 +162,7 @@ def _refuse(wanted: LanguageWish, path: Path) -> None:
 
 
 def _readers(wanted: LanguageWish) -> Iterator[tuple[Settings, str]]:
-    """Yield the engines that read text into IPA."""
+    """Yield settings and names of the engines for text to IPA."""
     if wanted.voice and not wanted.lexicon and not wanted.epitran:
         yield Settings(wanted.name, voice=wanted.voice), "espeak"
     if wanted.epitran:
@@ -171,6 +171,7 @@ def _readers(wanted: LanguageWish) -> Iterator[tuple[Settings, str]]:
 
 def _note(sounds: FoundSounds, said: Sequence[Said]) -> None:
     for word in said:
+        # Phrases and digits are unsuitable as example words.
         single = not any(map(str.isspace, word.text)) and not word.text.isdigit()
         sounds.add(word.labels, word.text if single else "")
 
@@ -221,7 +222,7 @@ def _reading(wanted: LanguageWish) -> Iterator[str]:
 def _body(
     sounds: FoundSounds, found: Mapping[str, "Nearest"], order: Sequence[str]
 ) -> Iterator[str]:
-    """Write the map, the doubtful labels first, and an example for each."""
+    """Yield the lines of the map and of the examples, doubtful labels first."""
     seen = [label for label, near in found.items() if near.value]
     doubtful = sorted(
         (label for label in seen if _doubtful(found[label])),
@@ -288,7 +289,7 @@ def _tests() -> Iterator[str]:
 
 
 def _scalar(text: str) -> str:
-    """Return text as YAML reads it back."""
+    """Format a string as a YAML scalar, quoted if necessary."""
     if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
         return text
     return json.dumps(text, ensure_ascii=False)

@@ -1,4 +1,7 @@
-"""Where a model goes that a new pack names: it stays where it is, or is copied beside the pack."""
+"""The place of a model among the packs: its original path, or a copy beside the new pack.
+
+Paths in a pack are POSIX paths relative to the folder of the pack.
+"""
 
 from filecmp import cmp
 from os.path import relpath
@@ -10,36 +13,37 @@ from lipsync_lang.errors import LipsyncError, PackError
 
 
 class Placed(NamedTuple):
-    """How a pack names a file, and what is to be copied for it."""
+    """A file reference of a pack, with the source of a pending copy."""
 
     stated: str
-    """As the pack says it: from the pack's folder."""
+    """Path in the pack, relative to the folder of the pack."""
     copy: Path | None
-    """A file to copy into the pack's folder; None where it is there, or among packs, already."""
+    """Source of the copy into the folder of the pack; None if no copy is necessary."""
 
     def write(self, stream: BinaryIO) -> None:
-        """Write the copy."""
+        """Write the copy to a binary stream."""
         if self.copy is not None:
             with self.copy.open("rb") as source:
                 copyfileobj(source, stream)
 
 
 def place_model(model: Path, pack: Path) -> Placed:
-    """Say how a pack names a model, and whether the file has to be copied beside it.
+    """Determine the reference of a pack to a model, and the copy that it requires.
 
     Parameters
     ----------
-    model : the model's file
-    pack : the pack's file, which names no other than those in the folder of its kind's folder
+    model : path of the model file
+    pack : path of the pack file; its references must stay within the parent of its folder
 
     Raises
     ------
     LipsyncError
-        It must be copied, and cannot be: it may have parts in other files, or the place is taken.
+        A required copy is impossible: the model is not GLB, or a different file has its name.
     """
     there = pack.parent.resolve()
     if model.resolve().is_relative_to(there.parent):
         return Placed(Path(relpath(model.resolve(), there)).as_posix(), None)
+    # Other formats may refer to buffers and textures outside the file, which a copy would lose.
     if model.suffix.lower() != ".glb":
         raise LipsyncError(
             f"{model}: has parts in other files, perhaps; export it as GLB, or put all of it into "

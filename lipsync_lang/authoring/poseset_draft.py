@@ -1,7 +1,8 @@
-"""A pose set drafted from names: of its poses, of a model's shapes, or of another set's poses.
+"""Draft of a pose set from names of poses, shapes of a model, or poses of another pose set.
 
-A draft runs as it is. Poses that a pose set knows already move as they do there. Where nobody knows
-any, they are dealt out over the kinds of sounds, so that there is something to see and to change.
+A draft is valid without manual edits. A pose that matches a known pose set inherits its targets.
+Without any match, the targets are at rest, or on request a heuristic assignment of one class of
+sounds per pose. Weights are from 0 to 1; the speed limit is in weight per second.
 """
 
 import re
@@ -36,55 +37,55 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import Phonemes
 
 STRONG = 0.8
-"""How far a guessed pose goes at the sounds that it is for."""
+"""Weight of a guessed pose at the sounds assigned to it."""
 
 WEAK = 0.3
-"""How far the first one goes at sounds that no pose is for."""
+"""Weight of the first guessed pose at unassigned sounds."""
 
 SHUT = 0.1
-"""How far the first one may go at sounds that shut a mouth."""
+"""Ceiling of the first guessed pose at closure sounds."""
 
 RESERVED = frozenset({"dominance", "weights"})
-"""Keys of a target, which no pose can be called."""
+"""Reserved keys of a target, excluded as pose names."""
 
 LONGEST = 120
-"""Characters of a pose's name."""
+"""Maximum length of a pose name, in characters."""
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,79}")
 
 
 @dataclass(frozen=True)
 class PoseSetWish:
-    """What a new pose set is to be made from; at least one of the three."""
+    """Request for a new pose set: pose names, a model or a known set, at least one of them."""
 
     name: str
     poses: Sequence[str] = ()
     model: Path | None = None
-    """A model, whose shapes are the poses where none are named."""
+    """Path of a model; its shapes are the poses if no names are given."""
     like: str | None = None
-    """A pose set that knows how they move, and whose poses they are where none are named."""
+    """Pose set for the targets; its poses are used if neither names nor shapes are given."""
     title: str | None = None
     guess: bool = False
-    """Deal the sounds out to poses that no pose set knows, instead of leaving them at rest."""
+    """Assign sounds to unknown poses instead of targets at rest."""
 
 
 @dataclass(frozen=True)
 class PoseSetDraft:
-    """A drafted pose set: what goes where, and what to say of it."""
+    """A drafted pose set: path, text and summary."""
 
     path: Path
     text: str
     said: str
     model: Placed | None = None
-    """Its model, which may have to be copied beside it."""
+    """Reference to the model, with a pending copy if required."""
 
     def write(self) -> str:
-        """Write the pose set, and its model beside it; return what was done and what is next.
+        """Write the pose set with its model, and return a message with the next steps.
 
         Raises
         ------
         OutputError
-            It cannot be written; nothing is.
+            A file is not writable; no file is changed.
         """
         made = {self.path: lambda stream: stream.write(self.text.encode("utf-8"))}
         if self.model is not None and self.model.copy is not None:
@@ -106,14 +107,14 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
 
     Parameters
     ----------
-    library : where the common phonemes and the pose sets that know poses are found
-    wanted : what to make it from
-    folder : the project that it goes into, under `posesets`
+    library : source of the common phonemes and of known pose sets
+    wanted : request with the sources of the draft
+    folder : project folder; the output is under `posesets`
 
     Raises
     ------
     LipsyncError
-        There is nothing to make it from, the name is taken or is none, or a source is unsound.
+        The request has no source, the name is invalid or in use, or a source is invalid.
     """
     path = folder / FOLDERS["poseset"] / wanted.name / POSESET
     _refuse(wanted, path)
@@ -165,20 +166,20 @@ def _refuse(wanted: PoseSetWish, path: Path) -> None:
 
 
 def _sets(library: "Library", like: str | None) -> list[PoseSet]:
-    """Return the pose sets that may know how poses move."""
+    """Return the candidate pose sets for known targets."""
     if like is not None:
         return [library.poseset(like).model]
     found = []
     for name in dict.fromkeys(one.name for one in library.names("poseset")):
         try:
             found.append(library.poseset(name).model)
-        except PackError:  # `validate` says what is wrong with it
+        except PackError:  # An invalid pack is the concern of `validate`, not of a draft.
             continue
     return found or [_bare({})]
 
 
 def _shapes(model: Path | None) -> list[str]:
-    """Return the names of a model's shapes, each once."""
+    """Return the distinct shape names of a model, in file order."""
     if model is None:
         return []
     from lipsync_lang.rigs.model import read_model
@@ -189,7 +190,7 @@ def _shapes(model: Path | None) -> list[str]:
 
 
 def _names(stated: Iterable[str]) -> list[str]:
-    """Return the names to make poses of."""
+    """Return the distinct names, after a check of each as a pose name."""
     names = list(dict.fromkeys(stated))
     for name in names:
         fits = name == name.strip() and name.isprintable() and 0 < len(name) <= LONGEST
@@ -199,7 +200,7 @@ def _names(stated: Iterable[str]) -> list[str]:
 
 
 def _called(names: Sequence[str], known: PoseSet) -> dict[str, str]:
-    """Map names to the poses of a set that they stand for and that its targets move."""
+    """Map names to matching poses of a known set; poses without positive weights are excluded."""
     steps = [target for targets in known.targets.values() for target in targets]
     moved = {pose for step in steps for pose, weight in step.weights.items() if weight > 0}
     poses = tuple(pose for pose in known.poses if pose in moved)
@@ -219,13 +220,13 @@ def _bare(poses: Mapping[str, Pose]) -> PoseSet:
 
 
 def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> PoseSet:
-    """Return what a pose set says of some of its poses, under other names.
+    """Return the part of a pose set for some of its poses, under new names.
 
     Parameters
     ----------
-    known : the pose set
-    called : what each pose is to be called -> its name there
-    common : the sounds that every pose set has a target for
+    known : source pose set
+    called : new pose name -> pose name in the source
+    common : common phonemes, each of which requires a target
     """
     new: dict[str, list[str]] = {}
     for name, pose in called.items():
@@ -269,14 +270,14 @@ def taken(known: PoseSet, called: Mapping[str, str], common: "Phonemes") -> Pose
 
 
 def _unusual(motion: MotionFields) -> dict[str, Any]:
-    """Return what a pose set says of its motion, but for what is usual; its speed in any case."""
+    """Return the motion fields that differ from the default preset, and always the speed limit."""
     usual = {**asdict(PRESETS["default"]), "speed_limit": None}
     stated = {"speed_limit": PRESETS["default"].speed_limit, **motion.model_dump(exclude_none=True)}
     return {name: value for name, value in stated.items() if value != usual.get(name)}
 
 
 def _untitled(pose: Pose) -> Pose:
-    """Return a pose without the spellings of models that belong to its old name."""
+    """Return a pose without the model spellings, which are specific to the old name."""
     return Pose(title=pose.title, region=pose.region)
 
 
@@ -294,14 +295,14 @@ def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constr
 
 
 def _manner(known: str | None, *, guess: bool) -> str:
-    """Say where the targets of a draft come from."""
+    """Return a phrase on the origin of the targets."""
     if known is not None:
         return f"moving as in {known}"
     return "a first guess" if guess else "all at rest until you give them targets (or use --guess)"
 
 
 def at_rest(poses: Sequence[str], common: "Phonemes") -> PoseSet:
-    """Return poses that no sound moves yet."""
+    """Return a pose set with all targets at rest."""
     made = _bare(dict.fromkeys(poses, Pose()))
     targets = {label: (PhonemeTarget(weights={}),) for label in common.base}
     motion = MotionFields(speed_limit=PRESETS["default"].speed_limit)
@@ -309,13 +310,13 @@ def at_rest(poses: Sequence[str], common: "Phonemes") -> PoseSet:
 
 
 def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -> PoseSet:
-    """Return a first guess at poses that nobody knows: each is for one kind of sounds.
+    """Return a heuristic pose set for unknown poses, with one class of sounds per pose.
 
     Parameters
     ----------
-    poses : their names; the first is for the kind of most sounds
-    shutting : sounds that shut a mouth, at which the first makes way
-    common : the sounds, and the kind of each
+    poses : pose names; the first gets the largest class of sounds
+    shutting : closure sounds, with weight 0 and a ceiling for the first pose
+    common : common phonemes with their classes
     """
     first = poses[0]
     dealt = _dealt(poses, common)
@@ -336,7 +337,7 @@ def guessed(poses: Sequence[str], shutting: Sequence[str], common: "Phonemes") -
 
 
 def _dealt(poses: Sequence[str], common: "Phonemes") -> dict[str, str]:
-    """Map sounds to poses: a kind of sounds each, and what is left to the largest shares."""
+    """Map sounds to poses: one class per pose; surplus poses split the largest shares."""
     kinds: dict[str | None, list[str]] = {}
     for label in common.base:
         told = common.phonemes.get(label)
@@ -354,7 +355,7 @@ def _dealt(poses: Sequence[str], common: "Phonemes") -> dict[str, str]:
 
 
 def _kinds(made: PoseSet, common: "Phonemes") -> str:
-    """Say which poses were dealt to which kind of sounds."""
+    """Return a summary of the poses per class of sounds."""
     kinds: dict[str, dict[str, None]] = {}
     for label, (target,) in made.targets.items():
         kind = common.phonemes[label].sound if label in common.phonemes else None
@@ -364,7 +365,7 @@ def _kinds(made: PoseSet, common: "Phonemes") -> str:
 
 
 def _shutting(sets: Iterable[PoseSet], common: "Phonemes") -> list[str]:
-    """Return the sounds at which every pose set keeps something shut."""
+    """Return the sounds with a contact ceiling in every pose set that has ceilings."""
     shut = [
         {
             label

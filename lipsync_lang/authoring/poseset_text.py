@@ -1,4 +1,7 @@
-"""A pose set as text: commented, and short enough to be read at once."""
+"""Commented YAML text of a pose set, short enough for one screen if possible.
+
+Lengths are in lines and in characters per line.
+"""
 
 import json
 import re
@@ -9,10 +12,10 @@ from lipsync_lang.packs.models import ContactRule, Phonemes, PhonemeTarget, Pose
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 
 LINES = 60
-"""A draft is no longer; of many poses, several share a line."""
+"""Maximum number of lines before a denser layout is used."""
 
 WIDTH = 100
-"""Characters of a line that goes on in the next."""
+"""Maximum line width in characters for wrapped lists."""
 
 _PLAIN = re.compile(r"[^\W\d][\w.]*(-[\w.]+)*")
 _SPACED = re.compile(r"[^\W\d]\w*( [\w()/'-]+)+")
@@ -22,13 +25,13 @@ _WORDS = {"true", "false", "null"}
 def laid_out(
     model: PoseSet, common: Phonemes, why: Mapping[str, str], left: Sequence[str] = ()
 ) -> str:
-    """Write a pose set out as its author would: at length, or as shortly as it takes.
+    """Format a pose set as YAML in the most spacious layout within the line limit.
 
     Parameters
     ----------
-    common : what the sounds are called
-    why : a comment for each pose that wants one; under "" one for all
-    left : names that are no poses yet
+    common : common phonemes, for the titles of sounds
+    why : comments by pose; the key "" holds the general comment
+    left : unused names, listed in a comment
     """
     lines: list[str] = []
     for packed, dense in ((False, False), (True, False), (True, True)):
@@ -40,7 +43,7 @@ def laid_out(
 
 
 def scalar(text: str) -> str:
-    """Return text as YAML reads it back."""
+    """Format a string as a YAML scalar, quoted if necessary."""
     if _PLAIN.fullmatch(text) and text.casefold() not in _WORDS:
         return text
     return json.dumps(text, ensure_ascii=False)
@@ -110,7 +113,7 @@ def _poses(model: PoseSet, why: Mapping[str, str], *, packed: bool) -> Iterator[
 
 
 def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
-    """Write what makes way for what, or an example that a person may take the `#` from."""
+    """Format the constraints; without any, a commented-out example."""
     stated = model.constraints
     pairs = [_flow(pair.model_dump()) for pair in stated.pairs]
     binds = stated.default < NO_THRESHOLD
@@ -160,7 +163,7 @@ def _list(names: Iterable[str]) -> str:
 
 
 def _flow(value: object) -> str:
-    """Return plain data as YAML writes it on one line."""
+    """Format plain data as one line of flow-style YAML."""
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{scalar(key)}: {_flow(inner)}' for key, inner in value.items())}}}"
     if isinstance(value, (list, tuple)):
@@ -171,7 +174,7 @@ def _flow(value: object) -> str:
 
 
 def _wrapped(head: str, items: Iterable[str], end: str) -> Iterator[str]:
-    """Write items in lines of their own that go on below the head."""
+    """Yield the head and its items, wrapped at the line width and indented below the head."""
     line, indent = head, "#   " if head.startswith("#") else " " * len(head)
     told = list(items)
     for number, item in enumerate(told):

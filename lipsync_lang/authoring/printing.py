@@ -1,4 +1,7 @@
-"""Tables for people: what a text becomes, and what a language pack says."""
+"""Plain-text tables for the terminal: transcripts and language packs.
+
+Input is the plain data of the JSON output; output is one string with line breaks.
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -7,7 +10,7 @@ from lipsync_lang.text_table import columns
 
 
 def transcript_table(told: dict[str, Any]) -> str:
-    """Lay out a transcript: each word, its phonemes, and its common phonemes."""
+    """Format a transcript as a table of words, phonemes and common phonemes."""
     rows = [("word", told["notation"], "common phonemes")]
     for word in told["words"]:
         labels = " ".join(label["label"] for label in word["labels"])
@@ -36,10 +39,10 @@ def _losing(losses: Sequence[str]) -> str:
 
 
 def language_table(told: dict[str, Any]) -> str:
-    """Lay out a language as the paper's Table 1: phoneme, common phoneme, example, and why.
+    """Format a language like Table 1 of the paper: phoneme, common phoneme, example, reason.
 
-    Of `told`, what `authoring.language.describe` returns. The first notation is spelled out; of the
-    others the labels of each common phoneme.
+    `told` is the result of `authoring.language.describe`. The first notation is listed in full;
+    further notations are listed as labels per common phoneme.
     """
     also = f", also {', '.join(told['aliases'])}" if told["aliases"] else ""
     lines = [f"{told['title']} ({told['tag']}{also}), {told['path']}", *_facts(told)]

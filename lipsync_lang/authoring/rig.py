@@ -1,4 +1,7 @@
-"""A rig drafted for one model: the shapes and bones that it has, under its own names."""
+"""Draft of a rig for one model: its matching shapes and bones, under the names of the model.
+
+Gains are in channel units per pose weight: shape weight, or degrees for the rotation of a bone.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from textwrap import wrap
@@ -15,10 +18,10 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.recognise import Match
 
 ABSENT = "the model has no shape for it"
-"""Why a pose is lost."""
+"""Reason for a lost pose without a shape in the model."""
 
 TURN = 15
-"""Degrees of a bone, as an example."""
+"""Rotation of a bone in degrees, for the commented example."""
 
 _SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), ("l", "r"))
 
@@ -26,12 +29,12 @@ _SIDES = (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"), ("L", "R"), (
 def drafted(
     name: str, title: str, match: "Match", poseset: PoseSet, rig: RigPack | None
 ) -> RigPack:
-    """Draft a rig of the channels that a model has.
+    """Draft a rig of the matched channels of a model.
 
     Parameters
     ----------
-    match : what was found, of the poses themselves or of a rig's channels
-    rig : that rig
+    match : match of the model to pose names or to the channels of a rig
+    rig : the matched rig; None for a match to pose names
     """
     own = {pose: RigChannel(gains={pose: 1}) for pose in poseset.poses}
     channels = own if rig is None else channels_of(rig)
@@ -53,12 +56,13 @@ def drafted(
 def _channels(
     match: "Match", channels: Mapping[str, RigChannel]
 ) -> Iterator[tuple[str, RigChannel]]:
-    """Yield every shape that is driven, and each bone under its channel's name."""
+    """Yield a channel for every driven shape, and for each bone under the name of its channel."""
     found = match.found.places
     places = {n: (n,) if channels[n].node is not None else own for n, own in found.items()}
     for name, channel in channels.items():
         for number, shape in enumerate(filter(_plain, places.get(name, ()))):
             sharing = [channels[other].gains for other in match.found.shared.get(shape, (name,))]
+            # The mean over the sharing channels, because their sum would overdrive the shape.
             poses = dict.fromkeys(pose for gains in sharing for pose in gains)
             gains = {p: sum(g.get(p, 0) for g in sharing) / len(sharing) for p in poses}
             limit = _limit(places, channel.at_most, number)
@@ -66,18 +70,18 @@ def _channels(
 
 
 def _plain(shape: str) -> bool:
-    """Tell whether a shape can be a channel: braces in its name would stand for several."""
+    """Check a shape name for braces, which a rig would expand to several channels."""
     return expanded(shape) == (shape,)
 
 
 def _limit(places: Mapping[str, Sequence[str]], name: str | None, number: int) -> str | None:
-    """Return what a shape never passes, under the model's names."""
+    """Return the limiting shape for `at_most`, under the name in the model."""
     shapes = places.get(name, ()) if name is not None else ()
     return shapes[min(number, len(shapes) - 1)] if shapes else None
 
 
 def _paired(channels: Mapping[str, RigChannel]) -> dict[str, RigChannel]:
-    """State the two sides of what is driven alike at once."""
+    """Merge left and right channels with equal settings into one braced name."""
     made: dict[str, RigChannel] = {}
     done: set[str] = set()
     for name, channel in channels.items():
@@ -95,7 +99,7 @@ def _same(channels: Mapping[str, RigChannel], braced: str) -> bool:
 
 
 def _braced(name: str) -> Iterator[str]:
-    """Yield what may stand for a name and its like of the other side."""
+    """Yield braced names that expand to a name and its mirror name."""
     for pair in _SIDES:
         for side in pair:
             start, found, end = name.rpartition(side)
@@ -104,11 +108,11 @@ def _braced(name: str) -> Iterator[str]:
                 yield braced
 
 
-# The text
+# Text output
 
 
 def laid_out(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> str:
-    """Write a drafted rig out, with what is left to a person in comments."""
+    """Format a drafted rig as YAML, with the manual tasks in comments."""
     return "\n".join(_lines(rig, model, match, poseset)) + "\n"
 
 
@@ -133,7 +137,7 @@ def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> It
 
 
 def _channel(channel: RigChannel) -> str:
-    """Write a channel on one line."""
+    """Format a channel as one line of flow-style YAML."""
     gains = ", ".join(f"{scalar(pose)}: {gain:g}" for pose, gain in channel.gains.items())
     parts = [f"gains: {{{gains}}}"]
     for name in ("range", "rotation", "translation"):
@@ -146,13 +150,13 @@ def _channel(channel: RigChannel) -> str:
 
 
 def _free(model: "Model") -> list[str]:
-    """Return the nodes that show no mesh: a bone is one of them."""
+    """Return the names of nodes without a mesh, the candidates for bones."""
     nodes = model.document.get("nodes", ())
     return [str(node["name"]) for node in nodes if "name" in node and "mesh" not in node]
 
 
 def _bones(rig: RigPack, model: "Model", poseset: PoseSet) -> Iterator[str]:
-    """Show how a bone that is called like a region moves a pose of it that is lost."""
+    """Yield a commented example of a bone channel for the first lost pose with a matching node."""
     for pose in rig.lost:
         region = folded(poseset.poses[pose].region)
         node = next((node for node in _free(model) if region and region in folded(node)), None)

@@ -1,4 +1,7 @@
-"""The tests of a language pack, tried: text goes through its engine, as every text does."""
+"""Runs of the tests in a language pack, through the same engine as any other text.
+
+A test is a text with its expected common phonemes; a mismatch is a fault with a location.
+"""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -26,13 +29,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Trial:
-    """What became of a pack's tests.
+    """Result of the tests of a pack.
 
     Parameters
     ----------
-    pack : the language
-    transcripts : of the tests' texts, in order; none where they could not be run
-    refusal : why they could not be run, or empty
+    pack : language pack
+    transcripts : one per test, in order; empty if the tests could not run
+    refusal : reason for tests that could not run, or empty
     """
 
     pack: "Pack[models.Language]"
@@ -40,7 +43,7 @@ class Trial:
     refusal: str = ""
 
     def faults(self, silence: str) -> Iterator[Fault]:
-        """Yield what failed, where the pack states it."""
+        """Yield a fault per failed test, with its location in the pack."""
         if self.refusal:
             what, hint = "its tests could not be run", self.refusal
             yield self.pack.warning(("tests",), "W310", what, hint, key=True)
@@ -60,13 +63,13 @@ class Trial:
 
     @property
     def reached(self) -> set[str]:
-        """Labels that the tests reach, normalised: read by the engine, or by a source."""
+        """Normalised labels of the tests, from the engine and from the stated IPA."""
         read = {normalise(label) for heard in self.transcripts for label in heard.labels}
         stated = {normalise(s) for test in self.pack.model.tests for s in test.ipa.split()}
         return read | stated
 
     def silent_rules(self) -> list[int]:
-        """Return the rules that no test fires."""
+        """Return the indices of rules without effect in any test."""
         g2p = self.pack.model.g2p
         if g2p is None or not g2p.rules:
             return []
@@ -99,7 +102,7 @@ def try_out(library: Library, pack: "Pack[models.Language]") -> Trial:
 
 
 def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
-    """Yield the mappings that fight the features of their sounds, and have no reason."""
+    """Yield a warning per mapping that contradicts the features and has no stated reason."""
     for label, features in fights(pack.model, among(library, pack)):
         becomes = " ".join(pack.model.notations[IPA][label].to) or "(mute)"
         what = f"'{label}' becomes {becomes}, which is otherwise by {', '.join(features)}"
@@ -108,7 +111,7 @@ def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
 
 
 def languages_in(library: Library, paths: Sequence[Path] = ()) -> "Iterator[Pack[models.Language]]":
-    """Yield the sound language packs of files and folders, or all but the built-in ones."""
+    """Yield the valid language packs of paths; by default all except the built-in ones."""
     for path in _files(library, paths):
         try:
             yield extended(library, path)

@@ -1,11 +1,14 @@
-"""Read the phone-bigram banks of SmartBody, which calls a bigram a diphone and a pose a viseme.
+"""Readers of SmartBody phone-bigram banks (bigram = diphone, pose = viseme in SmartBody).
 
-What its own sources say of the two forms (`VisemeViewerWindow::OnSaveCB`, its bigram editor;
-`SBDiphone::addKey`; `SBPhonemeManager::exportForService`; as published on GitHub):
+Times are relative to the bigram and weights are dimensionless, both as in the file. A bank maps a
+set name to pairs of phonemes, a pair to shapes, and a shape to a list of (time, weight) keys.
 
-- The editor saves Python scripts, which SmartBody loads by running them. A key goes before the
-  first one that is later, so keys may come in any order; asked for a pair that is there already,
-  `createDiphone` returns that one, so keys of two calls add up; case makes no difference::
+The two formats, after the published SmartBody sources (`VisemeViewerWindow::OnSaveCB`, the bigram
+editor; `SBDiphone::addKey`; `SBPhonemeManager::exportForService`):
+
+- The editor saves Python scripts, and SmartBody executes them on load. Keys may be in any order,
+  because `addKey` inserts by time. `createDiphone` returns an existing pair, so keys of repeated
+  calls accumulate. Phoneme names are case-insensitive::
 
     diphoneManager = scene.getDiphoneManager()
     diphoneManager.deleteDiphoneSet("default")
@@ -14,16 +17,16 @@ What its own sources say of the two forms (`VisemeViewerWindow::OnSaveCB`, its b
     diphone.addKey("FV", 0.0105, 0)
     diphone.addKey("FV", 0.24871, 0.70313)
 
-- `exportForService` writes text: how sounds are mapped, then every pair and its shapes, each with
-  how many numbers follow, which are times and weights in turn. Sets are not named, and each
-  follows the one before; pairs with silence are lost, since it splits their names at `_`::
+- `exportForService` writes text: the phoneme map, then every pair with its shapes. A shape line has
+  a count of numbers, followed by alternating times and weights. Sets are concatenated without
+  names. Pairs with silence are lost, because the export splits their names at `_`::
 
     Map ae ah
     Diphone f ah
     Shape FV 4 0.0105 0 0.24871 0.70313
 
-A script is never run. It is parsed statement by statement, and only calls of these forms with
-literal arguments, or names bound to literals, are understood; whatever else is there is told.
+For safety, scripts are never executed. The parser handles one statement at a time and accepts only
+calls of these forms, with literals or names of literals as arguments; a remark reports the rest.
 """
 
 import ast
@@ -40,22 +43,22 @@ from typing import NamedTuple, TypeAlias
 from lipsync_lang.errors import PackError
 
 MAX_SCRIPT_BYTES = 10_000_000
-"""Bytes of a file; the largest bank published has 0.24 million."""
+"""Maximum file size in bytes; the largest published bank has 0.24 million."""
 
 MOST_REMARKS = 1000
-"""Remarks of a kind that are kept; all are counted."""
+"""Maximum number of stored remarks per kind; the counts are complete."""
 
 MAX_LINE_CHARS = 10_000
-"""Of a script; parting a line into tokens takes time that grows with its square."""
+"""Maximum line length of a script in characters; tokenization time is quadratic in it."""
 
 ALONE = "-"
-"""What the editor writes in the place of a second phoneme for the curve of one phoneme alone."""
+"""Placeholder for the second phoneme in the curve of a single phoneme."""
 
 KEPT = 60
-"""Characters of a line that a remark repeats."""
+"""Maximum length of a quoted line in a remark, in characters."""
 
 LAST = ""
-"""Stands for the last diphone made, where keys are added to nothing else."""
+"""Key of the last created diphone, for `addKey` without a named receiver."""
 
 Pair: TypeAlias = tuple[str, str]
 Value: TypeAlias = str | float
@@ -63,7 +66,7 @@ Point: TypeAlias = tuple[float, float]
 
 
 class Remark(NamedTuple):
-    """One thing that was not taken over as it stands."""
+    """A deviation of the import from the file."""
 
     kind: str
     file: str
@@ -76,14 +79,14 @@ class Remark(NamedTuple):
 
 @dataclass
 class Remarks:
-    """Everything that was not taken over as it stands."""
+    """All deviations of the import from the files."""
 
     kept: list[Remark] = field(default_factory=list)
     counts: Counter[str] = field(default_factory=Counter)
-    """How many there are of each kind."""
+    """Number of remarks by kind."""
 
     def add(self, kind: str, file: str, line: int, text: str) -> None:
-        """Count a remark, and keep it while there are few of its kind."""
+        """Count a remark, and store it below the limit of its kind."""
         self.counts[kind] += 1
         if self.counts[kind] <= MOST_REMARKS:
             self.kept.append(Remark(kind, file, line, text))
@@ -91,16 +94,16 @@ class Remarks:
 
 @dataclass(eq=False)
 class Diphone:
-    """The keys of one pair as they stand in a file."""
+    """The unmodified keys of one pair."""
 
     file: str
     line: int
     shapes: dict[str, list[Point]] = field(default_factory=dict)
-    """(time, weight) by shape, in the order of the file."""
+    """Lists of (time, weight) by shape, in file order."""
 
 
 Sets: TypeAlias = dict[str, dict[Pair, Diphone]]
-"""Pairs by the name of their set, and keys by pair; phonemes in small letters."""
+"""Diphones by pair by set name; phonemes are in lower case."""
 
 
 def read_smartbody(path: Path, remarks: Remarks) -> Sets:
@@ -108,13 +111,13 @@ def read_smartbody(path: Path, remarks: Remarks) -> Sets:
 
     Parameters
     ----------
-    path : a script, or a text export
-    remarks : gets what is not understood
+    path : path of a script or a text export
+    remarks : collection for unsupported content
 
     Raises
     ------
     PackError
-        The file cannot be read, is too large, or is no text.
+        The file is unreadable, too large, or not text.
     """
     text = _text(path)
     name = visible(str(path))
@@ -133,14 +136,14 @@ def read_smartbody(path: Path, remarks: Remarks) -> Sets:
 
 
 def visible(text: str) -> str:
-    """Write out characters that do not show, or that no output can hold."""
+    """Escape invisible and unencodable characters."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def _text(path: Path) -> str:
-    """Return what a file holds, with plain line ends."""
+    """Return the text of a file with normalized line ends."""
     shown = visible(str(path))
     try:
         if path.stat().st_size > MAX_SCRIPT_BYTES:
@@ -168,30 +171,30 @@ def _text(path: Path) -> str:
 
 
 class _Statement(NamedTuple):
-    """A statement of the top level."""
+    """A top-level statement."""
 
     line: int
     text: str
     bound: frozenset[str] | None
-    """For one with a body, such as a loop, the names that may be bound in it; None for others."""
+    """Possible bindings of a compound statement, such as a loop; None for a simple one."""
 
 
 class _Script:
-    """What a script has bound and made so far."""
+    """State of the interpretation of a script: bindings and diphones."""
 
     def __init__(self, file: str, remarks: Remarks) -> None:
         self.file, self.remarks = file, remarks
         self.sets: Sets = {}
         self.values: dict[str, Value] = {}
-        """Names of literals."""
+        """Literal values by variable name."""
         self.made: dict[str, Diphone | None] = {}
-        """Names of diphones, and the last as `LAST`; None for one that was not understood."""
+        """Diphones by variable name and under `LAST`; None for an invalid one."""
         self.line = 0
 
     def read(self, text: str) -> Sets:
-        """Go through the statements in order."""
+        """Interpret the statements in order."""
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of escapes in its strings
+            warnings.simplefilter("ignore")  # invalid escapes in script strings
             try:
                 for statement in _statements(text):
                     self.line = statement.line
@@ -224,14 +227,14 @@ class _Script:
                 self._tell(f"not understood and passed over: `{shown}`")
 
     def _forget(self, names: Iterable[str]) -> None:
-        """Let go of what may have been bound anew."""
+        """Discard the values of names with a possible new binding."""
         for name in names:
             self.values.pop(name, None)
             if name in self.made:
                 self.made[name] = None
 
     def _node(self, node: ast.stmt) -> bool:
-        """Do what a statement says; tell whether it was understood, or told of already."""
+        """Interpret a statement; false if it is unsupported and without a remark so far."""
         if isinstance(node, ast.Assign):
             names = [target.id for target in node.targets if isinstance(target, ast.Name)]
             return len(names) == len(node.targets) and self._assign(names, node.value)
@@ -266,7 +269,7 @@ class _Script:
         return isinstance(value, ast.Call) and _called(value) == "getDiphoneManager"
 
     def _literal(self, node: ast.expr) -> Value | None:
-        """Return a text or a number, or what a name was bound to."""
+        """Return the value of a string, number or bound name; None for other expressions."""
         if isinstance(node, ast.Name):
             return self.values.get(node.id)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
@@ -281,7 +284,7 @@ class _Script:
         return _number(node.value) if isinstance(node.value, (int, float)) else None
 
     def _arguments(self, call: ast.Call, forms: tuple[type, ...]) -> list[Value] | None:
-        """Return the arguments of a call if they are of these types, and else tell."""
+        """Return the arguments of a call; for a type mismatch, add a remark and return None."""
         values = [self._literal(node) for node in call.args]
         fit = len(values) == len(forms) and all(map(isinstance, values, forms))
         if not fit or call.keywords:
@@ -312,7 +315,7 @@ class _Script:
             _key(diphone, str(values[0]), time, weight, self.remarks, self.line)
 
     def _receiver(self, function: ast.expr) -> Diphone | None:
-        """Return the diphone that a key is added to; tell where there is none."""
+        """Return the diphone of an `addKey` call; if it has none, add a remark."""
         value = function.value if isinstance(function, ast.Attribute) else None
         if isinstance(value, ast.Call) and _called(value) == "createDiphone":
             return self._create(value)
@@ -331,7 +334,7 @@ class _Script:
 
 
 def _called(call: ast.Call) -> str:
-    """Return the last name of what is called: `addKey` of `diphone.addKey`."""
+    """Return the last component of a called name: `addKey` of `diphone.addKey`."""
     if isinstance(call.func, ast.Attribute):
         return call.func.attr
     return call.func.id if isinstance(call.func, ast.Name) else ""
@@ -359,17 +362,17 @@ BINDERS = {"for", "as", "def", "class", "import", "del", "global"}
 
 
 class _Line(NamedTuple):
-    """A line of a script, which brackets and quotes may stretch over several."""
+    """A logical line of a script, possibly of several physical lines."""
 
     depth: int
     first: int
     last: int
     names: set[str]
-    """Names that may be bound in it."""
+    """Possible bindings in the line."""
 
 
 def _statements(text: str) -> Iterator[_Statement]:
-    """Part a script into the statements of its top level, without judging them."""
+    """Split a script into top-level statements, without a syntax check."""
     lines = text.split("\n")
     head: _Line | None = None
     names: set[str] = set()
@@ -388,7 +391,7 @@ def _statements(text: str) -> Iterator[_Statement]:
                 if head:
                     yield statement(head)
                 head, names, body = line, line.names, False
-    except (tokenize.TokenError, SyntaxError):  # what stands before it is sound
+    except (tokenize.TokenError, SyntaxError):  # earlier statements remain valid
         if head:
             yield statement(head)
         raise
@@ -420,7 +423,7 @@ def _lines(text: str) -> Iterator[_Line]:
 
 
 class _Export:
-    """What a text export has stated so far."""
+    """State of the interpretation of a text export."""
 
     def __init__(self, file: str, remarks: Remarks) -> None:
         self.file, self.remarks = file, remarks
@@ -429,7 +432,7 @@ class _Export:
         self.mapped = 0
 
     def read(self, text: str) -> Sets:
-        """Go through the lines in order."""
+        """Interpret the lines in order."""
         for number, line in enumerate(text.split("\n"), start=1):
             match line.split():
                 case []:
@@ -458,7 +461,7 @@ class _Export:
         self.pairs.setdefault(pair, self.now)
 
     def _shape(self, line: int, diphone: Diphone, words: list[str]) -> None:
-        """Read a shape's name, which may have spaces, the count, and as many numbers."""
+        """Read a shape line: a name with possible spaces, a count, and that many numbers."""
         at = next((n for n in range(1, len(words)) if words[n] == str(len(words) - n - 1)), None)
         try:
             numbers = [float(word) for word in words[at + 1 :]] if at else None
