@@ -1,7 +1,7 @@
-"""The command line: what can be typed, and what becomes of errors.
+"""Command-line entry point: dispatch, exit codes and error reporting.
 
-Data goes to stdout, words to stderr. Exit 0: sound; 1: faults were found; 2: misuse; 130 and 143:
-interrupted and terminated, as shells count.
+Data goes to stdout, messages to stderr. Exit codes: 0 success; 1 faults found; 2 misuse; 130 and
+143 for interruption and termination, as in shells.
 """
 
 import os
@@ -26,7 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with terminating(), safe_streams():
             return _worded(arguments)
-    except BrokenPipeError:  # the reader of our output has seen enough
+    except BrokenPipeError:  # the reader closed the pipe early
         _discard_output()
         return SOUND
     except KeyboardInterrupt:
@@ -36,13 +36,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _worded(arguments: Sequence[str] | None) -> int:
-    """Run one command; say what went wrong in words."""
+    """Run one command and report errors as messages on stderr."""
     try:
         return _run(arguments)
     except BrokenPipeError:
         raise
     except LipsyncError as error:
-        of_packs = hasattr(error, "faults")  # those quote fields of files, and no arguments
+        of_packs = hasattr(error, "faults")  # pack errors quote file fields, not arguments
         told = str(error) if of_packs else as_options(str(error))
         print(f"lipsync-lang: {told}", file=sys.stderr)
         return FAULTS if of_packs else MISUSE
@@ -75,14 +75,14 @@ def _os_words(error: OSError) -> str:
 
 
 def _encode_all() -> None:
-    """Write out what a terminal cannot show instead of failing."""
+    """Escape characters outside the terminal's encoding instead of failing."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
 
 def _discard_output() -> None:
-    """Let Python close its output in peace."""
+    """Redirect stdout to the null device so that Python's final flush cannot fail."""
     if sys.stdout is not None:
         with suppress(OSError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""What the commands do: call, print. What is worth knowing is done elsewhere.
+"""Command handlers: argument handling and printing only; the library does the work.
 
-Data goes to stdout, words to stderr; each command returns its exit code.
+Data goes to stdout, messages to stderr; each command returns its exit code.
 """

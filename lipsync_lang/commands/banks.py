@@ -1,4 +1,4 @@
-"""Commands about banks."""
+"""Commands for bigram banks."""
 
 import sys
 from argparse import Namespace
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lipsync_lang.banks.smartbody import Remarks
 
 SHOWN = 8
-"""Remarks of a kind that are printed, and how many bigrams a comparison lists."""
+"""Limits on printed remarks per kind and on bigrams listed by a comparison."""
 
 
 def draft(options: Namespace) -> int:
@@ -50,7 +50,7 @@ def import_(options: Namespace) -> int:
 
 
 def _mapped(pairs: list[str]) -> dict[str, str]:
-    """Read ``THEIRS=OURS``."""
+    """Parse ``THEIRS=OURS`` pairs."""
     mapped = {}
     for pair in pairs:
         theirs, equals, ours = pair.rpartition("=")
@@ -61,7 +61,7 @@ def _mapped(pairs: list[str]) -> dict[str, str]:
 
 
 def _print_remarks(remarks: "Remarks") -> None:
-    """Print the first remarks of each kind, and how many more there are."""
+    """Print the first remarks of each kind and the count of the rest."""
     kinds = list(remarks.counts)
     kept = sorted(remarks.kept, key=lambda remark: kinds.index(remark.kind))
     for kind, some in groupby(kept, key=lambda remark: remark.kind):

@@ -1,4 +1,4 @@
-"""The command that prints what a shell completes our commands by."""
+"""The command that generates shell completion scripts."""
 
 from argparse import Action, ArgumentParser, Namespace, _SubParsersAction
 from collections.abc import Iterator
@@ -10,13 +10,13 @@ from lipsync_lang.errors import LipsyncError
 
 SHELLS = ("bash", "zsh", "tcsh")
 FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB"}
-"""Placeholders of arguments that are files."""
+"""Placeholders of file arguments."""
 
 
 def leaves(
     made: ArgumentParser, path: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], ArgumentParser]]:
-    """Yield every command that has none below it, with the words that name it."""
+    """Yield every leaf command with its full name."""
     below = [action for action in made._actions if isinstance(action, _SubParsersAction)]  # noqa: SLF001
     if not below:
         yield path, made
@@ -52,7 +52,7 @@ def _complete(action: Action, names: dict[str, list[str]], files: Any) -> None:
 
 
 def _names() -> dict[str, list[str]]:
-    """Return the names of packs, by the placeholder of the options that take them."""
+    """Map option placeholders to pack names."""
     from lipsync_lang.packs.finding import Finder
 
     finder = Finder()

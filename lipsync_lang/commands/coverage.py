@@ -1,4 +1,4 @@
-"""The command that says which bigrams a corpus needs, and what to author next."""
+"""The command that reports the bigram coverage of a corpus and the gaps to author next."""
 
 import sys
 from argparse import Namespace
@@ -37,7 +37,7 @@ def coverage(options: Namespace) -> int:
 
 
 def _counted(options: Namespace) -> "Coverage":
-    """Count the lines, and those of each column by themselves."""
+    """Count all lines together and each column separately."""
     from lipsync_lang.coverage import coverage as count
     from lipsync_lang.coverage.matrix import joined
     from lipsync_lang.lines import read_lines
@@ -56,7 +56,7 @@ def _counted(options: Namespace) -> "Coverage":
 
 
 def _columns(languages: list[str], stated: list[str]) -> dict[str | None, list[str]]:
-    """Return the languages of each column: of ``german=de``, or of ``de`` for all others."""
+    """Map columns to languages, from ``german=de`` or from a default such as ``de``."""
     own: dict[str, list[str | None]] = {}
     others: str | None = None
     for one in stated:
@@ -82,7 +82,7 @@ def _remark(remark: str) -> None:
 
 
 def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":
-    """Yield lines, and say on a terminal how many there have been."""
+    """Yield lines unchanged, with a running count on a terminal."""
     try:
         for number, line in enumerate(lines):
             if number % every == 0:
@@ -114,7 +114,7 @@ def _write(options: Namespace, found: "Coverage") -> None:
 
 
 def _judged(found: "Coverage", fail_under: float | None) -> int:
-    """Name the reports that are under what is wanted."""
+    """Print the reports below the required coverage and return the exit code."""
     under = [one for one in found.reports if one.authored.percent < (fail_under or 0)]
     for one in under:
         print(

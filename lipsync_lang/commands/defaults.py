@@ -1,4 +1,4 @@
-"""What a command leaves out, from the project's `lipsync.yaml`."""
+"""Default option values from the project's `lipsync.yaml`."""
 
 import logging
 import os
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
 
 USUAL_FPS = 60.0
-"""Frames per second where nobody says."""
+"""Default frame rate in frames per second."""
 
 MAX_SLUG_CHARS = 40
 
@@ -22,12 +22,12 @@ _log = logging.getLogger(__name__)
 
 
 def fill(options: Namespace) -> None:
-    """Put into the options what the command line leaves out and the project states.
+    """Fill unset options from the project file.
 
     Raises
     ------
     LipsyncError
-        The project is unsound, or neither says which language or face is meant.
+        The project is unsound, or the language or face is undefined.
     """
     path = find_project() if getattr(options, "in_project", False) else None
     if path is not None:
@@ -68,7 +68,7 @@ def _setting(name: str, value: object) -> str:
 
 
 def _output(stated: str, folder: Path, line: str) -> str:
-    """Return an output as the command line would name it."""
+    """Return an output path relative to the command line's working folder."""
     from lipsync_lang.animations.animation_writers import WRITERS
 
     name, colon, rest = stated.partition(":")
@@ -82,7 +82,7 @@ def _output(stated: str, folder: Path, line: str) -> str:
 
 
 def _line(options: Namespace) -> str:
-    """Name the line that is performed: as it is asked for, by its file, or by its words."""
+    """Return the line's name: the requested name, its file name, or its text."""
     file = options.schedule or options.audio
     said = options.line or (file.stem if file else options.text) or ""
     slug = re.sub(r"[^\w]+", "-", said).strip("-")[:MAX_SLUG_CHARS].strip("-")

@@ -1,4 +1,4 @@
-"""Commands that list what there is beside packs."""
+"""Commands that list voices and formats."""
 
 from argparse import Namespace
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lipsync_lang.extensions import Formats
 
 SHOWN = 4
-"""Suffixes that a line has room for."""
+"""Maximum number of suffixes per printed line."""
 
 
 def voices(options: Namespace) -> int:
@@ -49,5 +49,5 @@ def formats(options: Namespace) -> int:
 
 
 def _shown(suffixes: Sequence[str]) -> str:
-    """Return the first suffixes of many."""
+    """Return the first suffixes of a long list."""
     return " ".join(suffixes[:SHOWN]) + (" ..." if len(suffixes) > SHOWN else "")

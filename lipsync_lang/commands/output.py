@@ -1,4 +1,4 @@
-"""What every command says alike: exit codes, counts, JSON, and what is at work."""
+"""Shared output helpers: exit codes, counts, JSON and progress."""
 
 import json
 import sys
@@ -11,7 +11,7 @@ from lipsync_lang.files import STANDARD_STREAM, read_input
 from lipsync_lang.terminal import progress, wipe
 
 MAX_LINES_BYTES = 16 * 2**20
-"""Bytes of a file of lines that are read aloud."""
+"""Size limit in bytes of a file of lines."""
 
 SOUND, FAULTS, MISUSE, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
@@ -19,7 +19,7 @@ SOUND, FAULTS, MISUSE, INTERRUPTED = 0, 1, 2, 130
 
 @contextmanager
 def working(what: str) -> Iterator[None]:
-    """Say on a terminal what is at work, and wipe it out afterwards."""
+    """Show a progress message on a terminal and erase it afterwards."""
     progress(f"{what} ...")
     try:
         yield
@@ -28,7 +28,7 @@ def working(what: str) -> Iterator[None]:
 
 
 def lines_of(file: Path | None) -> list[str]:
-    """Return the lines of a file, or of standard input, that hold text."""
+    """Return the non-blank lines of a file or of standard input."""
     if file is None:
         raise LipsyncError("give a TEXT, or a file of lines with --file FILE")
     content = read_input(file, MAX_LINES_BYTES, mend="give it in parts")
@@ -42,18 +42,18 @@ def lines_of(file: Path | None) -> list[str]:
 
 
 def tell_written(path: Path) -> None:
-    """Name a file that was written; standard output speaks for itself."""
+    """Report a written file on stderr, except for standard output."""
     if path != STANDARD_STREAM:
         print(f"wrote {path}", file=sys.stderr)
 
 
 def count(number: int, thing: str) -> str:
-    """Return a number of things in words."""
+    """Format a count with its noun in singular or plural."""
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def as_json(data: object) -> str:
-    """Return JSON that the output can hold."""
+    """Serialise to JSON, escaped as the output encoding requires."""
     encoding = getattr(sys.stdout, "encoding", None) or "ascii"
     plain = not encoding.lower().startswith("utf")
     return json.dumps(data, ensure_ascii=plain, indent=2, default=str)

@@ -38,7 +38,7 @@ def packs(options: Namespace) -> int:
 
 
 def _with_losses(library: "Library", options: Namespace, told: "Description") -> "Description":
-    """Add what each rig of a pose set, or the rig of a character, cannot show."""
+    """Add the channel losses of each rig of a pose set, or of a character's rig."""
     from lipsync_lang.packs.describe import Description
     from lipsync_lang.resolver.rigging import load_rig
     from lipsync_lang.rigs.loss import loss_table, losses
@@ -118,7 +118,7 @@ def _new_character(library: "Library", options: Namespace) -> int:
 
 
 NEW = {"language": _new_language, "poseset": _new_poseset, "character": _new_character}
-"""What drafts a pack of each kind."""
+"""Draft functions by pack kind."""
 
 
 def _show_language(library: "Library", options: Namespace) -> int:

@@ -1,4 +1,4 @@
-"""What can be typed: every command, its arguments and an example of each."""
+"""Argument parser: every command with its arguments and an example."""
 
 import argparse
 from collections.abc import Callable
@@ -21,14 +21,14 @@ from lipsync_lang.files import argument_path
 from lipsync_lang.version import __version__
 
 Command = Callable[[argparse.Namespace], int]
-"""Options in, exit code out."""
+"""A command handler: options in, exit code out."""
 
 Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
-"""Add a command by its name, what it does, its title, and an example of its arguments."""
+"""Register a command by name, handler, title and example arguments."""
 
 
 def parser() -> argparse.ArgumentParser:
-    """Describe every command; `docs/reference/commands.md` is printed from this."""
+    """Build the parser; `docs/reference/commands.md` is generated from it."""
     top = argparse.ArgumentParser(
         prog="lipsync-lang",
         description="Lip sync for any language and any character, from data you can edit.",
@@ -174,7 +174,7 @@ def _add_checking(add: Add) -> None:
         help="leave out the languages' own tests (those of built-in ones run when they are named)",
     )
     add_path(validate_)
-    validate_.set_defaults(in_project=False)  # it checks the project itself
+    validate_.set_defaults(in_project=False)  # the project itself is validated
     add_json(validate_)
 
     schema_ = add(

@@ -1,4 +1,4 @@
-"""Commands that animate a line, and those that say what becomes of it."""
+"""Commands that animate a line or explain its animation."""
 
 import os
 import sys
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 LATE = 0.1
-"""Seconds by which a schedule may outlast its sound without a remark."""
+"""Excess of schedule over sound, in seconds, tolerated without a remark."""
 
 
 def run(options: Namespace) -> int:
@@ -61,7 +61,7 @@ def run(options: Namespace) -> int:
 
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
-    """Name the current folder's packs of the pair that stand in place of built-in ones."""
+    """Return remarks on packs of the current folder that shadow built-in packs."""
     from lipsync_lang.packs.finding import Finder
     from lipsync_lang.packs.yaml.faults import shown
 
@@ -75,7 +75,7 @@ def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
 
 
 def _shown(options: Namespace, animation: "Animation", paths: Iterable[Path]) -> "Animation":
-    """Return what is written: the channels of the character's rig, or its poses."""
+    """Return the animation to write: rig channels of the character, or poses."""
     if not options.poses:
         animation = animation.performer.rigged(animation)
     if options.model is not None:
@@ -89,7 +89,7 @@ def _shown(options: Namespace, animation: "Animation", paths: Iterable[Path]) ->
 
 
 def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], None]:
-    """Return what draws the line: its stages, or several faces below each other."""
+    """Return the plot function: processing stages, or several faces stacked."""
     from lipsync_lang.render.beside import plot_beside
     from lipsync_lang.render.plot import plot
 
@@ -102,17 +102,17 @@ def _plotting(options: Namespace, animation: "Animation") -> Callable[[Any], Non
 
 
 def plot_kind(path: Path) -> str:
-    """Return the format of a picture: that of its suffix, and PNG on standard output."""
+    """Return a picture's format from its suffix; PNG for standard output."""
     return "png" if path == STANDARD_STREAM else path.suffix.lstrip(".")
 
 
 def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
-    """Refuse to write a file twice, or over what is read."""
+    """Refuse duplicate outputs and outputs that overwrite an input."""
     given = {"the schedule": options.schedule, "the recording": options.audio}
     taken = {
         os.path.realpath(path): what
         for what, path in given.items()
-        if path and path != STANDARD_STREAM  # what is read there is not what is written there
+        if path and path != STANDARD_STREAM  # standard input and standard output are distinct
     }
     for path in (*outputs, *([options.plot] if options.plot else [])):
         real = "-" if path == STANDARD_STREAM else os.path.realpath(path)
@@ -127,7 +127,7 @@ def _perform(options: Namespace) -> "Animation":
 
 
 def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule") -> "Animation":
-    """Perform a line as it is to be delivered."""
+    """Perform a line with the requested delivery options."""
     return performer.perform(
         schedule,
         fps=options.fps,
@@ -139,14 +139,14 @@ def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule
 
 
 def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
-    """Read ``angry:0.5``, and ``angry:0@1,1@2.5`` for levels at seconds."""
+    """Parse ``angry:0.5`` (constant level) or ``angry:0@1,1@2.5`` (level at seconds)."""
     levels: dict[str, Points | float] = {}
     for one in stated:
         name, _, level = one.partition(":")
         try:
             parts = [part.partition("@") for part in level.split(",")]
             points = [(float(at or 0), float(value)) for value, _, at in parts]
-        except ValueError:  # of what has no colon, too: then there is no number
+        except ValueError:  # also raised without a colon: then the number is missing
             raise LipsyncError(
                 f"{option} {one}: write NAME:NUMBER ({option} {name or 'NAME'}:0.5) or "
                 f"NAME:NUMBER@SECONDS,... ({option} {name or 'NAME'}:0@1,1@2.5)"
@@ -156,7 +156,7 @@ def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
 
 
 def performer_for(options: Namespace, character: str | None = None) -> "Performer":
-    """Return the performer of the pair that is named, or of another character."""
+    """Return the performer of the named pair, or of another character."""
     from lipsync_lang.performing.resolving import resolve as resolve_pair
 
     return resolve_pair(
@@ -170,7 +170,7 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
 
 
 def _motion(settings: list[str]) -> dict[str, object]:
-    """Read ``motion.window=0.1`` and ``motion=paper``."""
+    """Parse ``motion.window=0.1`` and ``motion=paper``."""
     change: dict[str, object] = {}
     for setting in settings:
         name, equals, value = setting.partition("=")
@@ -187,7 +187,7 @@ def _motion(settings: list[str]) -> dict[str, object]:
 
 
 def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
-    """Return the timed phonemes of a text, of a file, or of a recording."""
+    """Return timed phonemes of a text, a schedule file or a recording."""
     _refuse_idle(options)
     if options.schedule is not None:
         schedule = _read(options)
@@ -204,7 +204,7 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
 
 
 def _refuse_idle(options: Namespace) -> None:
-    """Refuse options that have nothing to do, and say what they are of."""
+    """Refuse options without effect, naming the option that they depend on."""
     text, schedule, audio = (
         getattr(options, name) is not None for name in ("text", "schedule", "audio")
     )
@@ -241,7 +241,7 @@ def _read(options: Namespace) -> "Schedule":
 
 
 def _sounding(schedule: "Schedule", file: Path) -> "Schedule":
-    """Give a schedule its sound, and remark where it is longer."""
+    """Attach sound to a schedule, with a remark if the schedule is longer."""
     from dataclasses import replace
 
     from lipsync_lang.speech.sound import read_audio

@@ -1,4 +1,4 @@
-"""The command that judges an animation: one performed here, or one that a file holds."""
+"""The command that measures an animation, performed here or read from a file."""
 
 import sys
 from argparse import Namespace
@@ -43,7 +43,7 @@ def _writing(told: str) -> "Callable[[BinaryIO], None]":
 
 
 def summary(quality: "Quality") -> str:
-    """Say in a line how an animation did."""
+    """Summarise the quality figures in one line."""
     if quality.passed:
         return "all limits are kept"
     names = ", ".join(figure.name for figure in quality.failed)
@@ -51,7 +51,7 @@ def summary(quality: "Quality") -> str:
 
 
 def _judged(options: Namespace) -> "dict[str, Quality]":
-    """Judge what is asked for; the first counts, plain methods follow."""
+    """Measure the animation and the plain methods; the first entry sets the exit code."""
     from lipsync_lang.quality.baselines import BASELINES
     from lipsync_lang.quality.check_animation import check as judge
 
@@ -68,7 +68,7 @@ def _judged(options: Namespace) -> "dict[str, Quality]":
 
 
 def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, tuple[str, ...]]":
-    """Perform the line, or read what is said to be it."""
+    """Perform the line, or read its animation from a file."""
     if options.animation is not None:
         from lipsync_lang.quality.fitting import read_for
 
@@ -82,7 +82,7 @@ def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, 
 
 
 def _limits(stated: list[str]) -> dict[str, float]:
-    """Read ``jitter=2``."""
+    """Parse limits such as ``jitter=2``."""
     limits: dict[str, float] = {}
     for one in stated:
         name, _, number = one.partition("=")

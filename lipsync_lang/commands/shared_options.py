@@ -1,4 +1,4 @@
-"""Options that several commands share: whose line, what is said, how it is performed."""
+"""Options shared by several commands: speaker, text and delivery."""
 
 import argparse
 from pathlib import Path
@@ -10,14 +10,14 @@ Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of it
 
 
 def add_words(made: argparse.ArgumentParser) -> None:
-    """Add how much is said."""
+    """Add the verbosity options."""
     words = made.add_mutually_exclusive_group()
     words.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
     words.add_argument("-v", "--verbose", action="store_true", help="say what is done, and why")
 
 
 def add_path(made: Options) -> None:
-    """Add where packs are looked for; the project says what is left out."""
+    """Add the pack search path; the project supplies the default."""
     made.set_defaults(in_project=True)
     made.add_argument(
         "--path", metavar="FOLDER", type=Path, action="append", default=[],
@@ -26,12 +26,12 @@ def add_path(made: Options) -> None:
 
 
 def add_json(made: Options) -> None:
-    """Add machine output."""
+    """Add the option for JSON output."""
     made.add_argument("--json", action="store_true", help="print JSON")
 
 
 def add_json_form(made: Options) -> None:
-    """Add machine output where `--format` has several forms."""
+    """Add the option for JSON output to commands with several `--format` values."""
     made.add_argument(
         "--json",
         action="store_const",
@@ -42,7 +42,7 @@ def add_json_form(made: Options) -> None:
 
 
 def add_pair(made: Options) -> None:
-    """Add a language and a character."""
+    """Add the language and character options."""
     made.add_argument(
         "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
     )
@@ -53,7 +53,7 @@ def add_pair(made: Options) -> None:
 
 
 def add_line(made: argparse.ArgumentParser) -> None:
-    """Add a line: who says it, what is said, and how."""
+    """Add the options of a line: character, text and delivery."""
     made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
     add_pair(made.add_argument_group("who says it"))
     said = made.add_argument_group("what is said")

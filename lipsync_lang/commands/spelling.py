@@ -1,7 +1,7 @@
-"""Arguments of Python as options of the command line.
+"""Translation of Python argument names in messages to command-line options.
 
-Messages name arguments the way Python writes them, in backquotes: `unknown='rest'`. The command
-line prints the same messages with its options in their place: --unknown rest.
+Messages name arguments in Python syntax and backquotes: `unknown='rest'`. The command line
+substitutes its options: --unknown rest.
 """
 
 import re
@@ -13,14 +13,14 @@ OPTIONS = {
         "notation", "offset", "rate", "read_as", "recogniser", "schedule", "tier", "unknown",
     )
 } | {"engine": "--tts", "paths": "--path"}  # fmt: skip
-"""Arguments that messages name, and the option that gives each."""
+"""Option names by Python argument name."""
 
 _ARGUMENT = re.compile(r"`([a-z_]+)(?:=(['\"]?)([^`]*?)\2)?`")
 _PLAIN = re.compile(r"[\w.,@%+:/-]+")
 
 
 def as_options(message: str) -> str:
-    """Return a message with options in place of the arguments that it names."""
+    """Replace the argument names in a message by options."""
     return _ARGUMENT.sub(_option, message)
 
 

@@ -1,4 +1,4 @@
-"""Commands that check packs and say what comes from where."""
+"""Commands that validate packs and report the origin of resolved data."""
 
 import sys
 from argparse import Namespace
@@ -47,7 +47,7 @@ def validate(options: Namespace) -> int:
 
 
 def _failing(library: "Library", paths: list[Path]) -> Iterator["Fault"]:
-    """Try the tests of the languages in question, telling which is at work."""
+    """Run the tests of the selected languages, with progress messages."""
     from lipsync_lang.authoring.trial import doubts, languages_in, try_out
 
     silence = library.common().model.silence

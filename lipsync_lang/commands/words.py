@@ -1,4 +1,4 @@
-"""How much a command says beside its data: everything, the usual, or errors alone."""
+"""Verbosity of messages beside a command's data: debug, normal or errors only."""
 
 import logging
 import os
@@ -13,16 +13,16 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extensions import PluginWarning
 
 VARIABLE = "LIPSYNC_LANG_LOG"
-"""The environment variable that shows the log: `debug` or `info`."""
+"""Environment variable for the log level: `debug` or `info`."""
 
 LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNING}
 
 
 @contextmanager
 def saying(options: Namespace) -> Iterator[None]:
-    """Show the log where it is asked for, warnings of ours in a line, and nothing with --quiet.
+    """Configure the log, one-line warnings and --quiet for the duration of a command.
 
-    Errors are told by the caller, after this.
+    Errors are reported by the caller, after this context has closed.
     """
     shown = "debug" if options.verbose else os.environ.get(VARIABLE, "")
     with ExitStack() as stack:
@@ -53,7 +53,7 @@ def _logged(name: str) -> Iterator[None]:
 
 @contextmanager
 def _warned() -> Iterator[None]:
-    """Print a plug-in's warnings without a line of code of ours; others look as usual."""
+    """Print plug-in warnings without a source line; others keep Python's format."""
     usual = warnings.showwarning
 
     def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:

@@ -1,8 +1,8 @@
-"""Speech: text in, sound and a schedule out.
+"""Speech synthesis: text to sound and a schedule of timed phonemes.
 
-Engines are kept in `ENGINES` by name, and `speech_engine` makes one known. Each takes text and a
-voice and gives a `Schedule` whose times are seconds from the start of its sound. Which voice speaks
-a language is the language pack's business.
+`ENGINES` maps names to engines; `speech_engine` registers one. An engine takes text and a voice
+and returns a `Schedule`, with times in seconds from the start of its sound. The language pack
+selects the voice.
 """
 
 from lipsync_lang.speech.speech_engines import ENGINES, Engine, speak, speech_engine

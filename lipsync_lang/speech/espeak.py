@@ -1,7 +1,7 @@
-"""Speech by eSpeak NG: text in, a schedule with sound out.
+"""Speech synthesis by eSpeak NG: text to a schedule with sound.
 
-The library answers with events at sample positions; `espeak_events` makes contiguous phonemes of
-them, `word_spans` the words.
+The library reports events at sample positions; `espeak_events` converts them to contiguous
+phonemes, `word_spans` to words.
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ from lipsync_lang.speech.speech_engines import speech_engine
 from lipsync_lang.speech.word_spans import find_words
 
 SLOWEST, FASTEST = 80, 350
-"""Words per minute; faster speech is squeezed afterwards, and its events are not."""
+"""Maximum words per minute; above this the library compresses the sound but not its events."""
 
 LONGEST = 50_000
-"""Characters, about an hour of speech; a longer text is a book, and comes in lines."""
+"""Text limit in characters, about an hour of speech; longer texts need splitting into lines."""
 
 PAUSE = 0.09
-"""Seconds; a shorter silence between two sounds is articulation, not a pause."""
+"""Minimum pause in seconds; a shorter silence between sounds counts as articulation."""
 
 
 @speech_engine("espeak")
@@ -39,7 +39,7 @@ class Espeak(EspeakProcess):
         Raises
         ------
         SpeechError
-            There is nothing to say, no such voice, the library is missing, or it failed.
+            The text is empty, the voice is unknown, the library is missing, or it failed.
         """
         rate = _rate(words_per_minute)
         spoken = _plain(text)
@@ -59,7 +59,7 @@ def _rate(words_per_minute: int | None) -> int:
 
 
 def _plain(text: str) -> str:
-    """Blank out, one for one, characters that steer the library or that are none."""
+    """Replace control and invalid characters by spaces, one for one to keep text positions."""
     plain = blank(text)
     if not plain.strip():
         raise SpeechError("there is no text to speak; write at least one word")
@@ -76,7 +76,7 @@ def _plain(text: str) -> str:
 
 
 def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
-    """Make a schedule of the worker's answer."""
+    """Build a schedule from the worker's answer."""
     try:
         samples = np.frombuffer(sound, dtype=np.int16)
         rate = int(header["rate"])

@@ -1,11 +1,11 @@
-"""From eSpeak NG's events to contiguous phonemes and word marks. Times are sample positions.
+"""Conversion of eSpeak NG events to phonemes and word marks. Times are sample positions.
 
-Deviations from what the library says:
+Corrections to the library's output:
 
 - Stress marks, tone digits and ``(en)`` language flags are dropped. Modifiers that come as events
   of their own (``k``, ``ʲ``) join the phoneme before. Names cut at 8 bytes are completed.
 - A short silence between two sounds is the end of the first, not a pause.
-- A sound without length, which the library speaks within its neighbour, gets a part of that.
+- A sound of zero length, spoken within its neighbour, gets a share of the neighbour's time.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,14 +17,14 @@ from lipsync_lang.phonology.espeak.names import label_of, modifies
 from lipsync_lang.schedules.schedule import SILENCE
 
 SHARE = 0.3
-"""The part of its neighbour that a sound without length gets."""
+"""Share of the neighbour's time given to a sound of zero length."""
 
 _NAME_BYTES = 8
 
 
 @dataclass
 class SpokenSound:
-    """A label from one sample to another."""
+    """A label with start and end sample."""
 
     label: str
     start: int
@@ -39,9 +39,9 @@ class SpokenSound:
 def read_events(
     events: Iterable[Sequence[Any]], spelled: Sequence[str], end: int
 ) -> tuple[list[SpokenSound], list[tuple[int, int]]]:
-    """Return the sounds, and for each word mark its text position and its first sound's number.
+    """Return sounds, and the text position and first sound number of each word mark.
 
-    `spelled` are the same phonemes by their whole names; `end` is the length in samples.
+    `spelled` has the same phonemes with complete names; `end` is the length in samples.
     """
     names: list[bytes] = []
     times: list[int] = []
@@ -61,17 +61,17 @@ def read_events(
 
 
 def intervals(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[str], list[int], list[int]]:
-    """Make contiguous intervals, each of some length, of sounds that may have none.
+    """Convert sounds to contiguous intervals of positive length.
 
     Parameters
     ----------
-    sounds : contiguous from 0, silences among them
-    pause : samples; a shorter silence between two sounds belongs to the first of them
+    sounds : contiguous from 0, with silences
+    pause : samples; a shorter silence between two sounds is merged into the first
 
     Returns
     -------
-    n labels, n + 1 boundaries, and for each sound, and for their end, the number of intervals
-    that begin before it
+    n labels, n + 1 boundaries, and for each sound, and for their end, the count of intervals
+    before it
     """
     joined, first = _joined(sounds)
     kept, second = _settled(joined, pause)
@@ -80,7 +80,7 @@ def intervals(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[str], lis
 
 
 def _completed(names: Sequence[bytes], spelled: Sequence[str]) -> list[str]:
-    """Decode event names; complete those that were cut, in order, from the spelled-out ones."""
+    """Decode event names and complete truncated ones, in order, from the full spelling."""
     whole: dict[bytes, list[str]] = {}
     for name in {name for name in names if len(name) == _NAME_BYTES}:
         found = [s for s in spelled if s.encode().startswith(name)]
@@ -95,7 +95,7 @@ def _completed(names: Sequence[bytes], spelled: Sequence[str]) -> list[str]:
 
 
 def _joined(sounds: Iterable[SpokenSound]) -> tuple[list[SpokenSound], list[int]]:
-    """Join modifiers to the sound before, and silences to each other."""
+    """Merge modifiers into the sound before, and adjacent silences."""
     joined: list[SpokenSound] = []
     index: list[int] = []
     for sound in sounds:
@@ -112,7 +112,7 @@ def _joined(sounds: Iterable[SpokenSound]) -> tuple[list[SpokenSound], list[int]
 
 
 def _settled(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[SpokenSound], list[int]]:
-    """Give short silences to neighbours, and length to sounds that have none."""
+    """Merge short silences into neighbours and give length to zero-length sounds."""
     kept: list[SpokenSound] = []
     index: list[int] = []
     for n, sound in enumerate(sounds):
@@ -122,7 +122,7 @@ def _settled(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[SpokenSoun
         length = sound.end - sound.start
         if sound.silent:
             if following and following.start == following.end and 0 < length < pause:
-                following.start = sound.start  # a closure: the sound's own, which has no length
+                following.start = sound.start  # the silence is the closure of the zero-length sound
             elif last and (last.silent or (following and length < pause) or not length):
                 last.end = sound.end
             elif length:
@@ -133,9 +133,9 @@ def _settled(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[SpokenSoun
 
 
 def _lend(last: SpokenSound | None, sound: SpokenSound, following: SpokenSound | None) -> bool:
-    """Give a sound without length a part of its neighbour; tell whether it got one.
+    """Give a zero-length sound a share of its neighbour; return True on success.
 
-    Preferably the end of the one before, for such sounds mostly close a syllable.
+    The previous sound is preferred, because zero-length sounds mostly close a syllable.
     """
     lender = next((s for s in (last, following) if s and not s.silent and s.end > s.start), None)
     if lender is None or lender.label == sound.label:

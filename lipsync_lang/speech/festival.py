@@ -1,8 +1,8 @@
-"""Speech by Festival, a program of its own that Debian and others bring.
+"""Speech synthesis by Festival, a separate program packaged by Debian and others.
 
-A process for each text. Text and voice reach it in files, as strings that nothing evaluates;
-`festival.scm` says what is done with them. It answers in lines: the voice's phone set, the tokens
-of the text, and each sound with its end and the token that it belongs to.
+Each text runs in its own process. Text and voice are passed in files, as strings without
+evaluation; `festival.scm` processes them. The answer is line-based: the voice's phone set, the
+tokens of the text, and each sound with its end time and token number.
 """
 
 import shutil
@@ -24,34 +24,34 @@ from lipsync_lang.speech.word_spans import find_words
 SCRIPT = Path(__file__).with_name("festival.scm")
 
 NOTATIONS = {"radio": "arpabet", "cmu": "arpabet"}
-"""The notation that the phones of each of Festival's phone sets are in."""
+"""Notation of each Festival phone set."""
 
 SILENCES = {"pau", "h#", "brth", "#"}
-"""Phones of these sets that are pauses."""
+"""Pause phones of these sets."""
 
 USUAL = 185
-"""Words per minute that it speaks when nothing is asked for."""
+"""Default speech rate in words per minute."""
 
 SLOWEST, FASTEST = 80, 350
 LONGEST = 5000
-"""Characters; its time grows faster than the text, and a longer one comes in lines."""
+"""Text limit in characters; run time grows faster than the text."""
 
 PLAIN = dict(zip("‘’“”…–—", "''\"\",,,", strict=True))
-"""Marks of print that it does not know, as a typewriter has them."""
+"""ASCII replacements of typographic characters unknown to Festival."""
 
 _SHOWN = 60
 
 
 class Answer(NamedTuple):
-    """What Festival says of a text."""
+    """Parsed output of Festival for one text."""
 
     phones: str
-    """The voice's phone set."""
+    """Phone set of the voice."""
     tokens: tuple[str, ...]
     sounds: tuple[tuple[str, float, int], ...]
-    """Phone, its end in seconds, and the number of its token from 1; 0 for none."""
+    """Phone, end time in seconds, and token number from 1 (0 for none)."""
     voices: tuple[str, ...]
-    """The voices there are, where the one that was asked for is none."""
+    """Available voices, if the requested voice is unknown."""
 
 
 @speech_engine("festival")
@@ -61,20 +61,20 @@ class Festival:
 
     Parameters
     ----------
-    program : the command that starts it
-    patience : seconds to wait for an answer, beyond a hundredth of one per character
+    program : the command line of Festival
+    patience : timeout in seconds, plus 0.01 s per character
     """
 
     program: str = "festival"
     patience: float = 30.0
 
     def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
-        """Speak a text with a voice by its name, as in ``kal_diphone``.
+        """Speak a text with a named voice, such as ``kal_diphone``.
 
         Raises
         ------
         SpeechError
-            There is nothing to say, no such voice, the program is missing, or it failed.
+            The text is empty, the voice is unknown, the program is missing, or it failed.
         """
         written = unicodedata.normalize("NFC", text)
         spoken = _plain(written)
@@ -88,13 +88,13 @@ class Festival:
         return _schedule(answer, audio, written, voice)
 
     def voices(self) -> dict[str, str]:
-        """Return the voices that are installed."""
+        """Return the installed voices."""
         with TemporaryDirectory(prefix="lipsync-lang-") as folder:
             answer = self._ask(Path(folder), "none", "none", 1.0)
         return {name: name.replace("_", " ") for name in sorted(answer.voices)}
 
     def _ask(self, folder: Path, text: str, voice: str, stretch: float) -> Answer:
-        """Run the program in a folder for one text."""
+        """Run Festival in a folder for one text."""
         program = shutil.which(self.program)
         if program is None:
             raise SpeechError(
@@ -144,7 +144,7 @@ def _stretch(words_per_minute: int | None) -> float:
 
 
 def _plain(text: str) -> str:
-    """Put letters that Festival knows in place of others, one for one; a blank for unknown ones."""
+    """Replace letters unknown to Festival, one for one; by a space without an equivalent."""
     plain = "".join(_letter(c) for c in text)
     if not any(c.isalnum() for c in plain):
         raise SpeechError(
@@ -164,7 +164,7 @@ def _letter(character: str) -> str:
 
 
 def _read(answer: str) -> Answer:
-    """Read the lines of an answer; what is none of ours is passed over."""
+    """Parse the lines of an answer; unknown lines are ignored."""
     phones = ""
     tokens: list[str] = []
     sounds: list[tuple[str, float, int]] = []
@@ -183,7 +183,7 @@ def _read(answer: str) -> Answer:
 
 
 def _sound(path: Path) -> Audio:
-    """Read the sound that Festival has written."""
+    """Read the sound file written by Festival."""
     import wave
 
     try:
@@ -195,7 +195,7 @@ def _sound(path: Path) -> Audio:
 
 
 def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
-    """Make a schedule of an answer, from 0 to the end of the sound."""
+    """Build a schedule from an answer, from 0 to the end of the sound."""
     if answer.phones not in NOTATIONS:
         raise SpeechError(
             f"the Festival voice '{voice}' speaks in the phone set '{answer.phones}', which is no "
@@ -235,7 +235,7 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
 
 
 def _marks(tokens: Sequence[str], first: dict[int, int], text: str) -> list[tuple[int, int]]:
-    """Return where in the text the tokens stand that are heard, and the first sound of each."""
+    """Return the text position and first sound number of each audible token."""
     marks: list[tuple[int, int]] = []
     at = 0
     for number, token in enumerate(tokens, start=1):

@@ -1,7 +1,7 @@
-"""Recordings of a language: which aligner and recogniser hears them is the language pack's word.
+"""Alignment and recognition of recordings; the language pack selects the engine.
 
-With its text a recording is *aligned*: when is each phoneme said? Without, it is *recognised*: what
-is said? Both make a schedule with the sound, which is performed like any other.
+*Alignment* finds phoneme times of a known text; *recognition* finds the text as well. Both return
+a schedule with the sound, for performance like any other schedule.
 """
 
 from pathlib import Path
@@ -77,7 +77,7 @@ def recognise(
 def aligned(
     speaker: Speaker, audio: str | Path | Audio, text: str, *, aligner: str | None = None
 ) -> Schedule:
-    """Align as `align` does, in a language that was made ready before."""
+    """Align as `align` does, with a prepared language."""
     from lipsync_lang.speech.align.aligners import ALIGNERS
 
     stated = speaker.manner.audio
@@ -90,7 +90,7 @@ def aligned(
 def recognised(
     speaker: Speaker, audio: str | Path | Audio, *, recogniser: str | None = None
 ) -> Schedule:
-    """Recognise as `recognise` does, in a language that was made ready before."""
+    """Recognise as `recognise` does, with a prepared language."""
     from lipsync_lang.speech.recognise.recognisers import RECOGNISERS
 
     stated = speaker.manner.audio

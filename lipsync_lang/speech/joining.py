@@ -1,4 +1,4 @@
-"""Times for what a text says: a voice's, joined to it by alignment, or estimated ones."""
+"""Phoneme times of a transcript: estimated, or aligned with a voice's output."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Transcript
 
 LONG = 1.5
-"""How much longer a sound marked as long lasts than a short one."""
+"""Duration ratio of a long sound to a short one."""
 
 
 def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Schedule:
-    """Give each label of a transcript the length of its class, and its pauses theirs.
+    """Estimate times: each label has the duration of its phoneme class, plus pauses.
 
     Raises
     ------
     SpeechError
-        Nothing of the text can be read.
+        No part of the text is readable.
     """
     labels: list[str] = []
     lengths: list[float] = []
@@ -67,7 +67,7 @@ def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
 
 
 def _length(label: str, manner: Manner, notation: Notation) -> float:
-    """Return the seconds of a label: those of its sounds, several consonants as an affricate's."""
+    """Return a label's duration in seconds; a consonant cluster counts as an affricate."""
     value = notation.find(label) or ()
     kinds = [manner.kinds.get(name, "") for name, _ in value]
     middling = manner.durations["stop"]
@@ -83,16 +83,16 @@ def join(
     manner: Manner,
     notations: Mapping[str, Notation],
 ) -> Schedule:
-    """Give the labels of a transcript the times at which a voice was heard to say them.
+    """Assign the times of a voice's output to the labels of a transcript.
 
-    The two are aligned by their common phonemes. A sound of the voice alone belongs to the one
-    before it; a sound of the transcript alone takes its share of the one before. Pauses are the
-    voice's.
+    Both sequences are aligned by common phonemes. A sound of the voice alone is merged into the
+    sound before; a sound of the transcript alone gets a share of the sound before. Pauses come
+    from the voice.
 
     Raises
     ------
     SpeechError
-        Nothing of the text can be read.
+        No part of the text is readable.
     """
     _refuse_nothing(transcript.labels, transcript)
     label_of, said = _units(
@@ -107,7 +107,7 @@ def join(
 
 
 def _units(labels: Sequence[str], notation: Notation) -> tuple[list[int], list[str]]:
-    """Return common phonemes, and the number of the label that each belongs to."""
+    """Return the label number of each common phoneme, and the common phonemes."""
     owner: list[int] = []
     names: list[str] = []
     for number, label in enumerate(labels):
@@ -119,7 +119,7 @@ def _units(labels: Sequence[str], notation: Notation) -> tuple[list[int], list[s
 
 
 def _starts(owner: Sequence[int], spoken: Schedule) -> list[float]:
-    """Return when each unit of a schedule starts: those of one label share its time."""
+    """Return start times of a schedule's units; units of one label divide its time evenly."""
     starts: list[float] = []
     count = np.bincount(np.array(owner, np.intp), minlength=len(spoken))
     place = 0
@@ -137,7 +137,7 @@ def _rows(
     starts: Sequence[float],
     end: float,
 ) -> list[tuple[int, float, float]]:
-    """Return (number of the label, start, end) in order of time; -1 is a pause."""
+    """Return (label number, start, end) rows in order of time; -1 is a pause."""
     rows: list[tuple[int, float, float]] = []
     begin: float | None = None
     for unit, (start, stop) in enumerate(pairwise([*starts, end])):
@@ -148,7 +148,7 @@ def _rows(
         elif rows and number in (None, rows[-1][0]):
             rows[-1] = (*rows[-1][:2], stop)
         elif number is not None and number >= 0 and rows[-2:-1] and rows[-2][0] == number:
-            rows[-2:] = [(number, rows[-2][1], stop)]  # a rest within one label
+            rows[-2:] = [(number, rows[-2][1], stop)]  # rest within one label
         elif number is not None:
             rows.append((number, start if begin is None else begin, stop))
             begin = None
@@ -158,7 +158,7 @@ def _rows(
 def _scheduled(
     transcript: "Transcript", spoken: Schedule, rows: Sequence[tuple[int, float, float]]
 ) -> Schedule:
-    """Lay the labels of a transcript on the rows; those without a row share their neighbour's."""
+    """Build a schedule from the rows; labels without a row share a neighbour's time."""
     flat = [label for word in transcript.words for label in (word.labels or (SILENCE,))]
     groups = _groups(flat, {number for number, _, _ in rows})
     labels: list[str] = []
@@ -186,7 +186,7 @@ def _scheduled(
 
 
 def _groups(flat: Sequence[str], present: Collection[int]) -> dict[int, list[int]]:
-    """Give each label that has no time of its own to the one before that has, or to the first."""
+    """Group labels without a time under the timed label before, or else under the first."""
     groups: dict[int, list[int]] = {}
     first = next((n for n, label in enumerate(flat) if n in present and label != SILENCE), None)
     owner = first
@@ -200,7 +200,7 @@ def _groups(flat: Sequence[str], present: Collection[int]) -> dict[int, list[int
 
 
 def _words(transcript: "Transcript", numbers: Sequence[int]) -> tuple[Word, ...]:
-    """Return the words of a transcript by the places their labels got."""
+    """Return the words of a transcript with their new label positions."""
     place = {number: index for index, number in enumerate(numbers) if number >= 0}
     words: list[Word] = []
     number = 0

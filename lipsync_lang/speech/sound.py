@@ -1,4 +1,4 @@
-"""Recordings: read from files of any usual form, and brought to another rate."""
+"""Audio input: decoding of common file formats, and resampling."""
 
 from math import gcd
 from pathlib import Path
@@ -14,44 +14,44 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 SLOWEST, FASTEST = 8_000, 192_000
-"""Samples per second; speech needs the one, and nothing records with more than the other."""
+"""Permitted sample rates in hertz, lowest and highest."""
 
 LONGEST = 7_200.0
-"""Seconds: two hours."""
+"""Maximum duration in seconds: two hours."""
 
 MAX_SAMPLES = 7_200 * 48_000
-"""Samples of a channel; a small file of silence may unpack to any number."""
+"""Maximum samples per channel; small files of silence can expand enormously."""
 
 FLAC_SAMPLES_PER_BYTE = 8_192
-"""Samples that a byte may hold: FLAC, which packs silence best, needs 11 bytes for 65,535."""
+"""Maximum samples per byte in FLAC, the densest for silence: 65,535 samples take 11 bytes."""
 
 SAMPLES_PER_BYTE = {"MP3": 64}
-"""The same of other formats: the slowest MP3 has 24; damaged ones state any length."""
+"""Maximum samples per byte in other formats; MP3 has up to 24, damaged headers claim more."""
 
 MAX_CHANNELS = 64
-"""Channels of a recording; no microphone for faces has as many."""
+"""Maximum number of channels."""
 
 BLOCK = 1 << 20
-"""Samples of all channels that are read at a time."""
+"""Block size of reading, in samples over all channels."""
 
 LOUDEST = 2.0**16
-"""Of a sample; damaged files hold floats whose sum is infinite."""
+"""Amplitude limit of a sample; damaged files hold floats with infinite sums."""
 
 OPEN = 0x7FFF_0000
-"""Bytes; a size from here on is what programs state that do not know it yet."""
+"""Placeholder sizes in bytes, written by streaming programs in place of the unknown size."""
 
 FULL = 32_768
-"""The int16 beyond full scale."""
+"""Magnitude of int16 full scale."""
 
 
 def read_audio(path: str | Path) -> Audio:
-    """Read a recording: WAV, FLAC, OGG, MP3 and what else libsndfile knows, mixed down to mono.
+    """Read a recording in a libsndfile format (WAV, FLAC, OGG, MP3), mixed down to mono.
 
     Raises
     ------
     SpeechError
-        It is missing, no sound, cut short, empty, too long or of an odd rate; or soundfile is
-        missing.
+        The file is missing, not audio, truncated, empty, too long or of an unsupported rate; or
+        soundfile is missing.
     """
     soundfile = _soundfile()
     try:
@@ -115,15 +115,15 @@ def _mono(block: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
 
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
-    """Return the nearest int16; what is louder than any is cut off."""
+    """Round to int16, clipped at full scale."""
     whole: npt.NDArray[np.int16] = np.clip(np.rint(samples), -FULL, FULL - 1).astype(np.int16)
     return whole
 
 
 def _cut_short(sound: Any) -> bool:
-    """Tell whether a file lacks sound that its header states; a header that states all is open.
+    """Detect a file shorter than its header states; placeholder sizes are not an error.
 
-    libsndfile believes the file rather than the header, and says so in its log only.
+    libsndfile corrects the length silently and reports the mismatch in its log only.
     """
     for line in sound.extra_info.splitlines():
         chunk, _, sizes = line.partition(":")
@@ -134,7 +134,7 @@ def _cut_short(sound: Any) -> bool:
 
 
 def resampled(audio: Audio, rate: int) -> Audio:
-    """Return a sound at another rate, as long as it was to one sample.
+    """Resample a sound; its duration is preserved to within one sample.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def resampled(audio: Audio, rate: int) -> Audio:
 def _soundfile() -> "ModuleType":
     try:
         import soundfile
-    except (ImportError, OSError):  # without its library it is not to be imported either
+    except (ImportError, OSError):  # OSError: the shared library of the package is missing
         raise SpeechError(_missing("soundfile")) from None
     module: ModuleType = soundfile
     return module

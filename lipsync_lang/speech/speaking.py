@@ -1,9 +1,9 @@
-"""Text in a language: who reads it, and which voice speaks it, is the language pack's word.
+"""Text to phonemes and speech, by the engines of the language pack.
 
-A text is *transcribed* by the pack's G2P engine, and *spoken* by its voice. Where voice and engine
-are one, what was heard is what is said. Where they differ, the voice gives the times and the
-engine the phonemes, joined by alignment. Without a voice, lengths by phoneme class estimate the
-times.
+A text is *transcribed* by the pack's G2P engine and *spoken* by its voice. If both are the same
+engine, the spoken phonemes are the transcript. Otherwise the voice supplies times and the G2P
+phonemes, joined by alignment. Without a voice, times are estimated from durations by phoneme
+class.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -24,23 +24,23 @@ if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import NearestPhonemes
 
 SILENT = "none"
-"""The name to ask for no speech engine by: times are estimated, and nothing sounds."""
+"""Engine name for estimated times without sound."""
 
 
 @dataclass(frozen=True)
 class Transcript:
-    """What a text becomes before anybody times it.
+    """Phonemes of a text before timing.
 
     Parameters
     ----------
-    text : as it was given
+    text : the input
     language : the pack's name
-    notation : of the words' labels
+    notation : notation of the word labels
     words : words and pauses in order
-    phonemes : the common phonemes they become, pauses as silence; a pack's own words its way
-    unmapped : labels that the notation does not have, in order, each once
-    unread : characters that the engine could not read, in order, each once
-    gaps : where, in `phonemes`, something is missing that is unmapped or unread: before which
+    phonemes : common phonemes, pauses as silence; the pack's own words in their custom form
+    unmapped : labels outside the notation, in order, without duplicates
+    unread : characters unreadable by the engine, in order, without duplicates
+    gaps : indices in `phonemes` before which an unmapped or unread item is missing
     """
 
     text: str
@@ -54,18 +54,18 @@ class Transcript:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """All phonemes in order, pauses left out."""
+        """All phonemes in order, without pauses."""
         return tuple(label for word in self.words for label in word.labels)
 
 
 class Speaker:
-    """A language made ready to read and speak many texts.
+    """A language prepared for reading and speaking texts.
 
     Parameters
     ----------
-    manner : how its text is read and spoken
+    manner : reading and speaking settings
     notations : its notations, by name
-    near : what finds the nearest of labels that no notation has, where the language is automatic
+    near : lookup of the nearest known label, in automatic languages
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Speaker:
 
     @classmethod
     def of(cls, language: str | Path, paths: Paths = ()) -> "Speaker":
-        """Make a language ready by its name, tag or file, looking for packs in `paths` first."""
+        """Prepare a language by name, tag or file, with `paths` searched first."""
         from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.language_tables import manner_of, notations_of
         from lipsync_lang.resolver.nearest_phonemes import among
@@ -92,12 +92,12 @@ class Speaker:
         return cls(manner_of(pack, common), notations_of(library, pack), near)
 
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
-        """Turn texts into phonemes, one after the other.
+        """Convert texts to phonemes, one after the other.
 
         Raises
         ------
         SpeechError
-            The pack says nothing of how text becomes phonemes, or its engine failed.
+            The pack has no G2P settings, or its engine failed.
         """
         whole = list(texts)
         for text, words in zip(whole, self._read(whole), strict=True):
@@ -118,7 +118,7 @@ class Speaker:
             yield self._heard(text) if self._hides(words) else tuple(words)
 
     def _hides(self, words: Sequence[Said]) -> bool:
-        """Tell whether a word of the pack's own may lie within words the engine ran together."""
+        """Return True if a custom word of the pack may be inside words joined by the engine."""
         return bool(self.manner.words) and any(
             plain(part.strip(".,;:!?…\"'()")) in self.manner.words
             for word in words
@@ -127,7 +127,7 @@ class Speaker:
         )
 
     def _heard(self, text: str) -> tuple[Said, ...]:
-        """Return the words of a text as they are told apart when it is spoken."""
+        """Return the words of a text as separated in speech."""
         from lipsync_lang.speech import speak as say
 
         schedule = say(text, self.manner.settings.voice or "", engine=self.manner.engine or "")
@@ -171,7 +171,7 @@ class Speaker:
         )
 
     def told(self, transcript: Transcript) -> dict[str, Any]:
-        """Return a transcript as JSON holds it, with the common phonemes of each label."""
+        """Convert a transcript to JSON data, with the common phonemes of each label."""
         notation = self.notations[self.manner.notation]
         words: list[dict[str, Any]] = []
         for word in transcript.words:
@@ -197,7 +197,7 @@ class Speaker:
         }
 
     def _automatic(self, transcript: Transcript) -> dict[str, dict[str, Any]]:
-        """Return the labels that features alone mapped, and what of each is not shown."""
+        """Return labels mapped by features alone, and the features lost in each."""
         notation = self.notations[self.manner.notation]
         if self.near is None or notation.nearest is None:
             return {}
@@ -218,18 +218,18 @@ class Speaker:
     def speak(
         self, text: str, *, engine: str | None = None, words_per_minute: int | None = None
     ) -> Schedule:
-        """Speak a text, or estimate its times where nothing speaks it.
+        """Speak a text, or estimate its times without a voice.
 
         Parameters
         ----------
-        text : what to say
-        engine : another speech engine than the pack's; `none` for estimated times
-        words_per_minute : the speed of speech; None is the engine's own
+        text : text to speak
+        engine : overrides the pack's speech engine; `none` for estimated times
+        words_per_minute : speech rate; None for the engine's default
 
         Raises
         ------
         SpeechError
-            There is nothing to say, the language cannot read it, or the engine failed.
+            The text is empty or unreadable in the language, or the engine failed.
         """
         from lipsync_lang.speech import speak as say
 
@@ -248,7 +248,7 @@ class Speaker:
         return join(transcript, schedule, manner, self.notations)
 
     def _voice(self, engine: str | None) -> tuple[str, str]:
-        """Return the speech engine and the voice that speak: the pack's, or its of that engine."""
+        """Return engine and voice: the pack's default, or its voice for the given engine."""
         manner = self.manner
         if manner.voice is not None and engine in (None, manner.voice[0]):
             return manner.voice
@@ -278,7 +278,7 @@ class Speaker:
 
 
 def _spelling(transcript: Transcript) -> str:
-    """Return what a voice should read: the engine's own spelling where it has one."""
+    """Return the text for a voice to read, in the engine's spelling if it has one."""
     if not any(word.respelled for word in transcript.words):
         return transcript.text
     return " ".join(word.respelled or word.text for word in transcript.words)

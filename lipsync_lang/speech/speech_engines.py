@@ -1,4 +1,4 @@
-"""Which speech engines are known, and speaking with one of them."""
+"""Registry and interface of speech engines."""
 
 import logging
 from collections.abc import Callable
@@ -12,14 +12,14 @@ _log = logging.getLogger(__name__)
 
 
 class Engine(Protocol):
-    """What a speech engine does; `speech_engine` makes one known."""
+    """Interface of a speech engine; register implementations with `speech_engine`."""
 
     def speak(self, text: str, voice: str, *, words_per_minute: int | None = None) -> Schedule:
-        """Return timed phonemes from 0 to the end of the sound, with words, pauses and sound."""
+        """Return timed phonemes from 0 s to the end of the sound, with words, pauses and sound."""
         ...
 
     def voices(self) -> dict[str, str]:
-        """Return the voices there are: what `speak` takes, and a title to show."""
+        """Map available voice names, as taken by `speak`, to display titles."""
         ...
 
 
@@ -37,7 +37,7 @@ E = TypeVar("E", bound=Engine)
 
 
 def speech_engine(name: str) -> Callable[[type[E]], type[E]]:
-    """Register a class that is made without arguments as a speech engine."""
+    """Register a class with a constructor without arguments as a speech engine."""
 
     def register(made: type[E]) -> type[E]:
         ENGINES.add(name, made(), made.__module__)
@@ -49,19 +49,19 @@ def speech_engine(name: str) -> Callable[[type[E]], type[E]]:
 def speak(
     text: str, voice: str, *, engine: str = "espeak", words_per_minute: int | None = None
 ) -> Schedule:
-    """Turn text into sound with timed phonemes.
+    """Synthesise text to sound with timed phonemes.
 
     Parameters
     ----------
-    text : what to say; markup in it is not interpreted
-    voice : the engine's name of a voice, as a language pack's ``tts.voice`` gives it
+    text : plain text; markup is not interpreted
+    voice : voice name of the engine, as in a language pack's ``tts.voice``
     engine : a name in `ENGINES`
-    words_per_minute : the speed of speech; None is the engine's own
+    words_per_minute : speech rate; None for the engine's default
 
     Raises
     ------
     SpeechError
-        There is nothing to say, no such engine or voice, or the engine failed.
+        The text is empty, the engine or voice is unknown, or the engine failed.
     """
     _log.info("%s speaks with the voice %s", engine, voice)
     speaking = ENGINES.find(engine, SpeechError)

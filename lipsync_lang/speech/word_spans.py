@@ -1,8 +1,8 @@
-"""Words in the user's own spelling, joined to the sounds that an engine made of them.
+"""Assignment of an engine's phonemes to words in the original spelling.
 
-An engine marks words by text positions, and not all of them well: "10,000" is several marks,
-"of the" a single one, a mark may stand on the space or the dash before its word. The text is cut
-into tokens here, and each mark is given to one.
+Engines mark words by text position, with irregularities: "10,000" has several marks, "of the" a
+single one, and a mark may be on the space or dash before its word. The text is split into
+tokens, and each mark is assigned to a token.
 """
 
 import re
@@ -22,7 +22,7 @@ _TOKEN = re.compile(
 _SPOKEN_MARKS = "%&@#§‰"
 _UNSPACED = {"Lo", "Lm", "Mn", "Mc"}
 _MOST_SKIPPED = 3
-"""Tokens that one mark may speak besides its own; where more are missing, they are silent."""
+"""Maximum extra tokens per mark; beyond it, unmarked tokens count as silent."""
 
 
 def find_words(
@@ -32,7 +32,7 @@ def find_words(
 
     Parameters
     ----------
-    text : what was spoken
+    text : the spoken text
     marks : (character position from 0, index of the first phoneme from there on), by phoneme
     labels : the phonemes, `SILENCE` among them
 
@@ -62,12 +62,12 @@ def _tokens(text: str) -> list[tuple[int, int]]:
 
 
 def _says(text: str) -> bool:
-    """Tell whether a token can be a word: it has a letter, a digit or a symbol with a name."""
+    """Return True for tokens with a letter, a digit or a named symbol."""
     return any(c.isalnum() or c in _SPOKEN_MARKS or unicodedata.category(c)[0] == "S" for c in text)
 
 
 def _starts(text: str, positions: Sequence[int]) -> list[int]:
-    """Return, for each mark, where the word that it belongs to starts; never falling."""
+    """Return the word start of each mark, in non-decreasing order."""
     tokens = _tokens(text)
     inside = [-1] * (len(text) + 1)
     following = [len(tokens)] * (len(text) + 1)
@@ -98,16 +98,16 @@ def _starts(text: str, positions: Sequence[int]) -> list[int]:
 
 
 def _begins_word(text: str, start: int, position: int) -> bool:
-    """Tell whether a mark inside a token starts a word: where scripts leave no spaces.
+    """Return True if a mark inside a token starts a word, in scripts without spaces.
 
-    Only between letters that have no case: those that have it are written with spaces.
+    Restricted to caseless letters: scripts with case separate words by spaces.
     """
     around = text[position - 1 : position + 1] if position > start else ""
     return bool(around) and all(unicodedata.category(c) in _UNSPACED for c in around)
 
 
 def _spelling(text: str, tokens: Sequence[tuple[int, int]], start: int, until: int) -> str:
-    """Return the text of the word at `start`, with tokens that have no mark of their own."""
+    """Return the text of the word at `start`, with following unmarked tokens."""
     inside = [(max(a, start), min(b, until)) for a, b in tokens if b > start and a < until]
     if not inside:
         return "".join(text[start:until].split(maxsplit=1)[:1]) or text.strip()
@@ -117,7 +117,7 @@ def _spelling(text: str, tokens: Sequence[tuple[int, int]], start: int, until: i
 
 
 def _bare(token: str) -> str:
-    """Strip punctuation around a word; what is nothing else stays."""
+    """Strip surrounding punctuation; a token of only punctuation is unchanged."""
     first, stop = 0, len(token)
     while first < stop and _strips(token[first]):
         first += 1

@@ -1,1 +1,1 @@
-"""Alignment: a recording and its text in, a schedule with the sound out."""
+"""Forced alignment: a recording and its text to a schedule with sound."""

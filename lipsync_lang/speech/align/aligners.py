@@ -1,4 +1,4 @@
-"""Which aligners are known, and what all of them take and give."""
+"""Registry and interface of aligners."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -11,14 +11,14 @@ if TYPE_CHECKING:
 
 
 class Aligner(Protocol):
-    """What an aligner does; `aligner` makes one known."""
+    """Interface of an aligner; register implementations with `aligner`."""
 
     def align(
         self, audio: "Audio", text: str, speaker: "Speaker", model: str | None = None
     ) -> "Schedule":
-        """Return when each phoneme of a text is said, from 0 to the end of the sound, with words.
+        """Return the phoneme times of a text, from 0 s to the end of the sound, with words.
 
-        The schedule has the sound, a confidence, and remarks where text and sound disagree.
+        The schedule has the sound, a confidence, and remarks on mismatches of text and sound.
         """
         ...
 
@@ -37,7 +37,7 @@ A = TypeVar("A", bound=Aligner)
 
 
 def aligner(name: str) -> Callable[[type[A]], type[A]]:
-    """Register a class that is made without arguments as an aligner."""
+    """Register a class with a constructor without arguments as an aligner."""
 
     def register(made: type[A]) -> type[A]:
         ALIGNERS.add(name, made(), made.__module__)

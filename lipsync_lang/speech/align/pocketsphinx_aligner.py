@@ -1,7 +1,7 @@
-"""Alignment by an acoustic model and a dictionary that pocketsphinx brings.
+"""Forced alignment by a pocketsphinx acoustic model and dictionary.
 
-The words of the text are said as the dictionary says them and as the language's own G2P reads
-them; which of the ways it was, the sound decides. `sphinx` lays them on the sound.
+Each word has pronunciation variants from the dictionary and from the language's G2P. The `sphinx`
+package selects the most likely variant and its times.
 """
 
 from typing import TYPE_CHECKING
@@ -23,32 +23,32 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 NOTHING = 0.12
-"""A confidence below this: no more fits than would by chance."""
+"""Confidence limit of rejection, at the level of a chance match."""
 
 DOUBTFUL = 0.5
-"""A confidence below this is remarked upon."""
+"""Confidence limit for a remark."""
 
 
 @aligner("pocketsphinx")
 class PocketsphinxAligner:
-    """The aligner for languages that pocketsphinx has a model of."""
+    """Aligner for languages with a pocketsphinx model."""
 
     def align(
         self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
     ) -> Schedule:
-        """Find when each phoneme of a text is said in a recording of it.
+        """Find the times of a text's phonemes in a recording.
 
         Parameters
         ----------
         audio : the recording
-        text : what is said in it
+        text : the spoken text
         speaker : its language
-        model : a name of pocketsphinx's
+        model : name of a pocketsphinx model
 
         Raises
         ------
         SpeechError
-            There is no such model, nothing is said, or nothing of it fits the sound.
+            The model is unknown, the text is empty, or the text does not fit the sound.
         """
         models = find_models(model)
         (transcript,) = speaker.transcribe([text])
@@ -87,7 +87,7 @@ class PocketsphinxAligner:
 
 
 class _Reader:
-    """Finds the ways to say the words of a language."""
+    """Pronunciation lookup for words of a language."""
 
     def __init__(self, models: Models, speaker: "Speaker") -> None:
         self.models = models
@@ -104,7 +104,7 @@ class _Reader:
         )
 
     def sayings(self, words: "Sequence[Said]") -> list[Saying]:
-        """Return words and the ways to say them; words that the G2P ran together are told apart."""
+        """Return words with their pronunciation variants, split where the G2P joined them."""
         together = {said.text for said in words if said.labels and len(said.text.split()) > 1}
         parts = sorted({part for text in together for part in text.split()})
         read = dict(zip(parts, self.speaker.transcribe(parts), strict=True)) if parts else {}
@@ -121,14 +121,14 @@ class _Reader:
         return [saying for saying in sayings if saying.ways]
 
     def ways(self, word: str, labels: "Sequence[str]") -> tuple[tuple[int, ...], ...]:
-        """Return the ways to say a word: as the dictionary says it, and as the G2P reads it."""
+        """Return pronunciation variants of a word: from the dictionary and from the G2P."""
         read = tuple(number for label in labels for number in self.numbers(label))
         return tuple(dict.fromkeys([*self.models.ways(plain(word)), read])) if read else ()
 
     def numbers(self, label: str) -> list[int]:
-        """Return the model's phonemes of a label that the language's G2P writes.
+        """Map a G2P label to phoneme numbers of the model.
 
-        Where the pack states none, they are the first that become the same common phonemes.
+        Without an entry in the pack: the first phonemes with the same common phonemes.
         """
         found = self.stated.find(label)
         if found is None:

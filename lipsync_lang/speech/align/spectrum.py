@@ -1,9 +1,9 @@
-"""What a sound is compared by: mel spectra, which frames of them are speech, and cepstra.
+"""Acoustic features for alignment by warping: mel spectra, speech detection and cepstra.
 
-A recording and a voice differ in speaker, room and noise. The voice is made more alike before
-they are compared: its bands take the level of the recording's, and its noise is added.
+Recording and synthetic voice differ in speaker, room and noise. Before comparison, the band
+levels of the voice are matched to the recording, and the recording's noise is added to it.
 
-Frames are `HOP` seconds apart and centred on their time: frame k lies at ``k * HOP``.
+Frames are `HOP` seconds apart and centred on their time: frame k is at ``k * HOP``.
 """
 
 from typing import TYPE_CHECKING, NamedTuple
@@ -25,19 +25,19 @@ HOP = 0.01
 WINDOW = 0.025
 BANDS, CEPSTRA = 40, 10
 LOWEST, HIGHEST = 60.0, 7600.0
-"""Hertz; the bands between are even in mel."""
+"""Band limits in hertz; bands are evenly spaced in mel."""
 
 RANGE = 35.0
-"""Decibels below speech at which everything is silence."""
+"""Silence floor in decibels below speech level."""
 
 QUIET = 10
-"""Per cent of the frames that are taken for what is heard while nobody speaks."""
+"""Percentile of frame power taken as background noise."""
 
 SPOKEN = 0.25
-"""Where speech begins between the quiet frames and the loud."""
+"""Speech threshold as a fraction of the range from noise level to speech level."""
 
 LEAST = 2.0
-"""Decibels between the two; below it there is no speech."""
+"""Minimum decibels from noise level to speech level; a smaller range means no speech."""
 
 _EMPHASIS = 0.97
 _POINTS = 512
@@ -47,20 +47,20 @@ _TINY = 1e-10
 
 
 class SpeechSpectrum(NamedTuple):
-    """A recording, and what is speech in it."""
+    """Mel spectrum of a recording with its speech detection."""
 
     power: Floats
-    """(T, BANDS)"""
+    """Mel power, (T, BANDS)."""
     noise: Floats
-    """(BANDS,) power while nobody speaks."""
+    """(BANDS,) noise power."""
     floor: Floats
-    """(BANDS,) power of silence: the noise, or `RANGE` below speech."""
+    """(BANDS,) silence power: the noise, or `RANGE` below speech."""
     spoken: Bools
-    """(T,)"""
+    """Speech mask, (T,)."""
 
 
 def samples_of(audio: "Audio") -> Floats:
-    """Return a sound at `RATE`, about zero, within 1 of it."""
+    """Convert a sound to `RATE`, zero mean and amplitudes within 1."""
     from lipsync_lang.speech.sound import resampled
 
     sound: Floats = resampled(audio, RATE).samples / 2.0**15
@@ -69,13 +69,13 @@ def samples_of(audio: "Audio") -> Floats:
 
 
 def mel_power(samples: Floats, hop: float = HOP, tract: float = 1.0) -> Floats:
-    """Return the power in bands: (T, BANDS).
+    """Return the power in mel bands: (T, BANDS).
 
     Parameters
     ----------
     samples : (n,) at `RATE`
     hop : seconds between frames
-    tract : how much longer the bands take the speaker's vocal tract to be
+    tract : vocal tract length relative to the nominal one
     """
     width = int(WINDOW * RATE)
     sound = np.append(samples[:1], samples[1:] - _EMPHASIS * samples[:-1])
@@ -91,7 +91,7 @@ def mel_power(samples: Floats, hop: float = HOP, tract: float = 1.0) -> Floats:
 
 
 def _bank(tract: float) -> Floats:
-    """Return the share of each band in each bin of the spectrum: (bins, BANDS)."""
+    """Return triangular filter weights of the bands: (bins, BANDS)."""
     mels = np.linspace(_mel(LOWEST), _mel(HIGHEST), BANDS + 2)
     edges = 700 * (10 ** (mels / 2595) - 1) * tract
     bins = np.arange(_POINTS // 2 + 1)[:, None] * RATE / _POINTS
@@ -105,12 +105,12 @@ def _mel(hertz: float) -> float:
 
 
 def listen(samples: Floats) -> SpeechSpectrum:
-    """Find the speech in a recording.
+    """Detect the speech in a recording.
 
     Raises
     ------
     SpeechError
-        There is none.
+        The recording has no speech.
     """
     power = mel_power(samples)
     loudness = _smooth(power.sum(axis=1))
@@ -128,21 +128,21 @@ def listen(samples: Floats) -> SpeechSpectrum:
 
 
 def _smooth(values: Floats) -> Floats:
-    """Return the mean over five frames."""
+    """Return the moving mean over five frames."""
     return np.convolve(np.pad(values, 2, mode="edge"), np.full(5, 0.2), "valid")
 
 
 def alike(heard: SpeechSpectrum, voice: Floats, sounding: Bools) -> tuple[Floats, Floats]:
-    """Make a voice sound as if recorded with the recording, and return what compares the two.
+    """Match a voice to the recording's noise and band levels; return features of both.
 
     Parameters
     ----------
-    voice : (M, BANDS) its power
-    sounding : (M,) where it is not silent
+    voice : (M, BANDS) power
+    sounding : (M,) mask of frames with sound
 
     Returns
     -------
-    (T, D) of the recording and (M, D) of the voice, each number about 1 apart between frames
+    (T, D) of the recording and (M, D) of the voice, scaled to differences near 1 between frames
     """
     level = np.maximum(heard.power[heard.spoken].mean(axis=0) - heard.noise, 0.1 * heard.floor)
     level = level / (voice[sounding].mean(axis=0) + _TINY)
@@ -154,7 +154,7 @@ def alike(heard: SpeechSpectrum, voice: Floats, sounding: Bools) -> tuple[Floats
 
 
 def cepstra(log_power: Floats) -> Floats:
-    """Return cepstra and how they change: (T, 2 * CEPSTRA)."""
+    """Return cepstra and their time derivatives: (T, 2 * CEPSTRA)."""
     orders, middles = np.arange(CEPSTRA), np.arange(BANDS) + 0.5
     out = log_power @ np.cos(np.pi * np.outer(middles, orders) / BANDS)
     around = np.pad(out, ((_AROUND, _AROUND), (0, 0)), mode="edge")

@@ -1,8 +1,8 @@
-"""Alignment by warping: the language's own voice says the text, and is bent to the recording.
+"""Alignment by dynamic time warping of a synthetic voice to the recording.
 
-Needs no model of the language: what its pack's voice speaks can be aligned. The voice knows when
-each of its phonemes starts; dynamic time warping (Sakoe and Chiba 1978) of the two sounds says
-when that is in the recording. Pauses are the recording's own.
+No acoustic model is needed: any language with a voice can be aligned. The voice supplies the start
+time of each phoneme; dynamic time warping (Sakoe and Chiba 1978) maps these times to the recording.
+Pauses come from the recording.
 """
 
 from dataclasses import replace
@@ -29,54 +29,54 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 TRACTS = (0.88, 0.94, 1.0, 1.06)
-"""Lengths of vocal tract to try the voice with; the one that fits best is taken."""
+"""Candidate vocal tract lengths of the voice; the best fit is used."""
 
 PAUSE = 0.2
-"""Seconds; a shorter silence is a closed mouth, not a pause."""
+"""Minimum pause in seconds; a shorter silence counts as a closure."""
 
 ISLAND = 0.06
-"""Seconds; a shorter sound between two pauses is a click, not speech."""
+"""Minimum sound between two pauses in seconds; a shorter sound counts as a click."""
 
 REACH = 0.15
-"""Seconds between a pause and the start of a word that it stands before."""
+"""Maximum distance in seconds from a pause to the word start after it."""
 
 HESITATION = 0.4
-"""Seconds; a longer pause is one even where no word starts."""
+"""Seconds; a longer pause needs no word start."""
 
 SHORTEST = 0.01
-"""Seconds of a phoneme, where there is room."""
+"""Minimum phoneme duration in seconds, where space allows."""
 
 PENALTY = 2.0
-"""What each frame costs by which the two sounds drift apart; frames are about 5 apart."""
+"""Cost per frame of drift between the sounds; typical frame distance is 5."""
 
 WHOLE = 3000
-"""Frames compared at once; longer sounds are compared coarsely first, then in parts."""
+"""Frame limit of direct comparison; longer sounds are compared coarsely, then in parts."""
 
 PART, MARGIN = 1500, 200
-"""Frames of such a part, and those on either side that help to find its ends."""
+"""Frames per part, and frames of context on either side."""
 
 TEMPO = (0.4, 2.5)
-"""The voice may be so much slower or faster than the recording."""
+"""Tempo limits of the voice relative to the recording, lowest and highest."""
 
 DOUBTFUL = 0.5
-"""A confidence below this is remarked upon."""
+"""Confidence limit for a remark."""
 
 
 class SpokenVoice(NamedTuple):
-    """What the voice says: its phonemes without pauses, and the sound."""
+    """Synthetic speech of a text: phonemes without pauses, and sound."""
 
     labels: tuple[str, ...]
     words: tuple[Word, ...]
     starts: Floats
-    """(n,) seconds"""
+    """(n,) start times in seconds."""
     ends: Floats
-    """(n,)"""
+    """(n,) end times in seconds."""
     samples: Floats
     schedule: Schedule
 
     @classmethod
     def of(cls, speaker: "Speaker", text: str) -> Self:
-        """Let a language's voice say a text."""
+        """Synthesise a text with the language's voice."""
         said = speaker.speak(text)
         if said.audio is None:
             raise SpeechError(
@@ -100,7 +100,7 @@ class SpokenVoice(NamedTuple):
         )
 
     def frames(self, hop: float, count: int) -> tuple[Bools, Ints]:
-        """Return which of its frames sound (M,), and among these where phonemes start (n,)."""
+        """Return the mask of sounding frames (M,) and phoneme starts among these (n,)."""
         times = np.arange(count) * hop
         phone = np.searchsorted(self.starts, times, side="right") - 1
         sounding = (phone >= 0) & (times < self.ends[np.maximum(phone, 0)])
@@ -108,36 +108,36 @@ class SpokenVoice(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """How the voice lies on the recording, in frames of speech."""
+    """Warping of the voice onto the recording, in frames of speech."""
 
     edges: Floats
-    """(n,) where each phoneme starts."""
+    """(n,) start of each phoneme."""
     cost: float
-    """How far the two are apart on the way, on average."""
+    """Mean frame distance along the path."""
     backwards: float
-    """How far a voice is that runs backwards, and so says something else."""
+    """Mean frame distance of the time-reversed voice, as a baseline for unrelated speech."""
 
 
 @aligner("warp")
 class Warp:
-    """The aligner for any language that has a voice."""
+    """Aligner for any language with a voice."""
 
     def align(
         self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
     ) -> Schedule:
-        """Find when each phoneme of a text is said in a recording of it.
+        """Find the times of a text's phonemes in a recording.
 
         Parameters
         ----------
         audio : the recording
-        text : what is said in it
+        text : the spoken text
         speaker : its language
-        model : none; the voice is the language pack's
+        model : unused; the language pack selects the voice
 
         Raises
         ------
         SpeechError
-            The language has no voice, nothing is said, or more than there is time for.
+            The language has no voice, the text is empty, or the recording is too short for it.
         """
         if model is not None:
             raise SpeechError(
@@ -173,19 +173,19 @@ class Warp:
 
 
 def _speech(spoken: Bools) -> Ints:
-    """Return the frames to compare: those of speech and of its short silences, clicks aside."""
+    """Return indices of the frames to compare: speech and short silences, without clicks."""
     kept = [run for run in _runs(np.flatnonzero(spoken)) if len(run) * HOP >= ISLAND]
     return np.concatenate(kept) if kept else np.flatnonzero(spoken)
 
 
 def _runs(frames: Ints) -> list[Ints]:
-    """Cut frames into runs with pauses between them, and fill the shorter silences."""
+    """Split frames into runs at pauses, with shorter silences filled."""
     cuts = np.flatnonzero(np.diff(frames) * HOP >= PAUSE) + 1
     return [np.arange(run[0], run[-1] + 1) for run in np.split(frames, cuts)]
 
 
 def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
-    """Lay the voice on the recording, at its tempo and with the tract that is likest."""
+    """Warp the voice onto the recording, at matched tempo and the best vocal tract length."""
     tempo = float((voice.ends - voice.starts).sum()) / (len(kept) * HOP)
     hop = HOP * float(np.clip(tempo, *TEMPO))
     costs = {}
@@ -201,7 +201,7 @@ def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
 def _compared(
     heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice, hop: float, tract: float
 ) -> tuple[Floats, Floats, Ints]:
-    """Return the frames of recording and voice, and where among these phonemes start."""
+    """Return the features of recording and voice, and the phoneme starts among the latter."""
     power = mel_power(voice.samples, hop, tract)
     sounding, starts = voice.frames(hop, len(power))
     recorded, spoken = alike(heard, power, sounding)
@@ -209,25 +209,25 @@ def _compared(
 
 
 def _step(a: Floats, b: Floats) -> int:
-    """Return how many frames are pooled into one, so that the two can be compared whole."""
+    """Return the pooling factor that makes a direct comparison affordable."""
     return -(-max(len(a), len(b)) // WHOLE)
 
 
 def _coarse(a: Floats, b: Floats) -> tuple[Ints, float]:
-    """Return the best way through two sounds pooled, and its mean cost."""
+    """Return the best path through two pooled sounds, and its mean cost."""
     step = _step(a, b)
     return _path(_pool(a, step), _pool(b, step))
 
 
 def _pool(frames: Floats, step: int) -> Floats:
-    """Return the mean of every so many frames."""
+    """Return the mean of each group of `step` frames."""
     starts = np.arange(0, len(frames), step)
     counts = np.diff([*starts, len(frames)])
     return np.add.reduceat(frames, starts) / counts[:, None]
 
 
 def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
-    """Return the best way through two sounds: (K, 2) frames of each, and its mean cost."""
+    """Return the best path through two sounds, (K, 2) frame numbers, and its mean cost."""
     try:
         from dtaidistance import dtw_ndim
     except ImportError:
@@ -248,14 +248,14 @@ def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
 
 
 def _starts(path: Ints, count: int) -> Floats:
-    """Return where in the first sound each frame of the second starts: (count,)."""
+    """Return the start in the first sound of each frame of the second: (count,)."""
     at = np.searchsorted(path[:, 1], np.arange(count))
     starts: Floats = (path[at, 0] + path[np.maximum(at - 1, 0), 0]) / 2
     return starts
 
 
 def _edges(a: Floats, b: Floats) -> Floats:
-    """Return where each frame of the voice starts on the recording, at any length: (M,)."""
+    """Return the start in the recording of each voice frame, for any length: (M,)."""
     step = _step(a, b)
     coarse = _starts(_coarse(a, b)[0], -(-len(b) // step))
     if step == 1:
@@ -275,7 +275,7 @@ def _edges(a: Floats, b: Floats) -> Floats:
 def _laid(
     edges: Floats, kept: Ints, voice: SpokenVoice, seconds: float
 ) -> tuple[tuple[str, ...], Floats, tuple[Word, ...]]:
-    """Lay phonemes and pauses on the whole recording: labels, boundaries and words."""
+    """Place phonemes and pauses on the whole recording: labels, boundaries and words."""
     starts = np.interp(edges, np.arange(len(kept)), kept) * HOP
     starts[0] = (kept[0] - 0.5) * HOP
     end = min((kept[-1] + 0.5) * HOP, seconds)
@@ -306,9 +306,9 @@ def _laid(
 
 
 def _pauses(edges: Floats, kept: Ints, voice: SpokenVoice) -> dict[int, tuple[float, float]]:
-    """Return the recording's pauses by the phoneme that each stands before: start and end.
+    """Map phoneme numbers to the pause before each: start and end in seconds.
 
-    A pause stands before a word; a long one, where no word starts near, before a phoneme.
+    A pause precedes a word; a long pause without a word start nearby precedes a phoneme.
     """
     found: dict[int, tuple[float, float]] = {}
     words = np.array([word.first for word in voice.words if word.first], np.intp)
@@ -327,7 +327,7 @@ def _pauses(edges: Floats, kept: Ints, voice: SpokenVoice) -> dict[int, tuple[fl
 
 
 def _spaced(starts: Floats, end: float) -> Floats:
-    """Keep boundaries apart and in the recording, from 0 to its end."""
+    """Enforce minimum spacing of boundaries within the recording, from 0 to its end."""
     least = min(SHORTEST, end / (2 * len(starts)))
     steps = least * np.arange(len(starts) + 1)
     apart = np.maximum(np.append(starts, end) - steps, 0)
@@ -338,10 +338,10 @@ def _spaced(starts: Floats, end: float) -> Floats:
 
 
 def _confidence(fit: Fit, lasts: Floats, said: Floats) -> float:
-    """Say how sure it is that the recording says the text, from 0 to 1.
+    """Return the confidence from 0 to 1 that the recording contains the text.
 
-    A text that is said fits better forwards than backwards, and its sounds are longer and shorter
-    together with the voice's. Weights are those that part right texts from wrong ones.
+    A correct text fits better forwards than reversed, and its durations correlate with the voice's.
+    The weights separate correct texts from wrong texts.
     """
     better = 1 - fit.cost / fit.backwards
     uneven = float(np.std(np.log(np.maximum(lasts, 0.02) / np.maximum(said, 0.02))))

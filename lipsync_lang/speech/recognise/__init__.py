@@ -1,1 +1,1 @@
-"""Recognition: a recording in, the words and sounds heard in it out."""
+"""Speech recognition: a recording to words and timed phonemes."""

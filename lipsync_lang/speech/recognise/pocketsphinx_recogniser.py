@@ -1,7 +1,7 @@
-"""Recognition by pocketsphinx: words where it hears some, phonemes alone where it does not.
+"""Recognition by pocketsphinx: words where available, otherwise phonemes.
 
-It is given a part of the sound at a time, cut where the sound is quietest. The words it hears are
-laid on the sound as if they had been given.
+The sound is decoded in parts, cut at the quietest frames. Recognised words are then force-aligned
+like a given text.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,32 +21,32 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 SHORTEST, LONGEST = 10 * RATE, 20 * RATE
-"""Samples of a part, where there are so many."""
+"""Target part length in samples."""
 
 QUIET = 20
-"""Frames over which loudness is taken."""
+"""Window of the loudness measure in frames."""
 
 SHOWN = 200
-"""Letters of what was heard that the remark repeats."""
+"""Maximum length in characters of recognised text in a remark."""
 
 
 @recogniser("pocketsphinx")
 class PocketsphinxRecogniser:
-    """The recogniser for languages that pocketsphinx has a model of."""
+    """Recogniser for languages with a pocketsphinx model."""
 
     def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
-        """Find what is said in a recording.
+        """Recognise the speech in a recording.
 
         Parameters
         ----------
         audio : the recording
         speaker : its language
-        model : a name of pocketsphinx's
+        model : name of a pocketsphinx model
 
         Raises
         ------
         SpeechError
-            There is no such model.
+            The model is unknown.
         """
         models = find_models(model)
         sound = prepared(audio)
@@ -75,7 +75,7 @@ class PocketsphinxRecogniser:
 
 
 def parts(sound: Floats) -> Iterator[tuple[int, int]]:
-    """Yield where parts of a sound start and stop: whole frames, cut where it is quietest."""
+    """Yield start and stop samples of parts: whole frames, cut at the quietest frames."""
     start = 0
     while len(sound) - start > LONGEST:
         energy = np.cumsum(np.square(sound[start + SHORTEST : start + LONGEST]))[::STEP]
@@ -98,7 +98,7 @@ def _decoder(models: Models) -> Any:
 
 
 def _segments(decoder: Any, sound: Floats) -> list[tuple[str, int]]:
-    """Return what a decoder hears: names, each with its first frame."""
+    """Return the decoder's segments: names with first frames."""
     samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16)
     decoder.start_utt()
     decoder.process_raw(samples.tobytes(), full_utt=True)
@@ -107,14 +107,14 @@ def _segments(decoder: Any, sound: Floats) -> list[tuple[str, int]]:
 
 
 def _words(decoder: Any, models: Models, sound: Floats) -> list[str]:
-    """Return the words of a sound; what the dictionary does not have is a pause or a noise."""
+    """Return the recognised words; entries outside the dictionary are pauses or noises."""
     decoder.activate_search()
     names = (without_variant(name) for name, _ in _segments(decoder, sound))
     return [name for name in names if models.ways(name)]
 
 
 def _phones(decoder: Any, models: Models, sound: Floats) -> list[HeardPhoneme]:
-    """Return the phonemes of a sound that has no words."""
+    """Return the phonemes of a sound without words."""
     decoder.add_allphone_file("phones", str(models.phones))
     decoder.activate_search("phones")
     names = _segments(decoder, sound) or [("", 0)]

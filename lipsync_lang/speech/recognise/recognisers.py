@@ -1,4 +1,4 @@
-"""Which recognisers are known, and what all of them take and give."""
+"""Registry and interface of recognisers."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol, TypeVar
@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
 
 class Recogniser(Protocol):
-    """What a recogniser does; `recogniser` makes one known."""
+    """Interface of a recogniser; register implementations with `recogniser`."""
 
     def recognise(self, audio: "Audio", speaker: "Speaker", model: str | None = None) -> "Schedule":
-        """Return what is heard, from 0 to the end of the sound, with words where there are some.
+        """Return the recognised phonemes, from 0 s to the end of the sound, with any words.
 
-        The schedule has the sound and a confidence, and says that it was recognised.
+        The schedule has the sound and a confidence, and is marked as recognised.
         """
         ...
 
@@ -34,7 +34,7 @@ R = TypeVar("R", bound=Recogniser)
 
 
 def recogniser(name: str) -> Callable[[type[R]], type[R]]:
-    """Register a class that is made without arguments as a recogniser."""
+    """Register a class with a constructor without arguments as a recogniser."""
 
     def register(made: type[R]) -> type[R]:
         RECOGNISERS.add(name, made(), made.__module__)

@@ -1,5 +1,5 @@
-"""Acoustic models in the form of CMU Sphinx: what they hear in a sound, frame by frame.
+"""Acoustic models in the CMU Sphinx format, and their likelihoods frame by frame.
 
-A phoneme of such a model is three states in a row; a sound is cut into frames of `FRAME` seconds;
-scores are natural logarithms of likelihoods.
+A phoneme of such a model is a sequence of three states; a frame lasts `FRAME` seconds; scores
+are natural logarithms of likelihoods.
 """

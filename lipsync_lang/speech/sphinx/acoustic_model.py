@@ -1,7 +1,7 @@
-"""Acoustic models of CMU Sphinx, read from their folder: phonetically tied mixtures.
+"""CMU Sphinx acoustic models, read from their folder: phonetically tied mixtures.
 
-Each phoneme has a codebook of Gaussians in three streams; each state weighs those of its phoneme.
-Which states a phoneme has depends on its neighbours and on its place in the word.
+Each phoneme has a codebook of Gaussians in three streams; each state has mixture weights for the
+codebook. The states of a phoneme depend on its neighbours and its position in the word.
 """
 
 import struct
@@ -23,7 +23,7 @@ Singles = npt.NDArray[np.float32]
 
 
 class WordPosition(IntEnum):
-    """Where in its word a phoneme stands."""
+    """Position of a phoneme in its word."""
 
     INSIDE = 0
     BEGIN = 1
@@ -32,29 +32,29 @@ class WordPosition(IntEnum):
 
 
 STATES = 3
-"""States of a phoneme, one after the other."""
+"""Number of states per phoneme, in sequence."""
 
 STREAMS = 3
-"""Streams of features, each with Gaussians of its own."""
+"""Number of feature streams, each with its own Gaussians."""
 
 STEP = 1024 * np.log(1.0001)
-"""What one step of a quantised weight is, as a natural logarithm."""
+"""Natural logarithm per step of a quantised weight."""
 
 SMALL = 200_000
-"""Multiplications that are done at once."""
+"""Row block size of the matrix product."""
 
 OUTSIDE = -1
-"""The number of what is no phoneme, or no word."""
+"""Number in place of a phoneme or word, for none."""
 
 FLOOR = 1e-4
-"""The least variance."""
+"""Variance floor."""
 
 FAINT = -40.0
-"""A Gaussian this far below the nearest, as a logarithm, tells nothing; less is slow to add."""
+"""Log floor of a Gaussian relative to the nearest: negligible below, and slow to add."""
 
 
 class Phone(NamedTuple):
-    """A phoneme beside its neighbours: the codebook that it uses, and its states."""
+    """A phoneme in context: its codebook and states."""
 
     book: int
     states: tuple[int, ...]
@@ -62,21 +62,21 @@ class Phone(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class AcousticModel:
-    """What every state of every phoneme sounds like.
+    """Emission and transition parameters of every phoneme state.
 
     Parameters
     ----------
-    names : the phonemes, by their numbers
+    names : phoneme names by number
     silence : the number of silence
-    fillers : the numbers of phonemes that are no speech
-    simple : the states of phonemes that mind no neighbours
-    keys : rising, one for each phoneme beside its neighbours (`_key`)
-    rows : for each of these, the row of its states
-    states : the states that phonemes have: (rows, `STATES`)
-    stay : (phonemes, `STATES`) logarithm of how likely a state lasts another frame
-    gaussians : (books, 3, 27, Gaussians) the factors of a frame's squares, of its values, and of
-        1, whose sum is the logarithm of how likely the frame is
-    weights : (3, Gaussians, states) how much of each Gaussian is in each state
+    fillers : numbers of non-speech phonemes
+    simple : states of context-independent phonemes
+    keys : ascending, one for each phoneme in context (`_key`)
+    rows : state row of each key
+    states : state numbers, (rows, `STATES`)
+    stay : (phonemes, `STATES`) log probability of staying in a state for another frame
+    gaussians : (books, 3, 27, Gaussians) factors of a frame's squares, of its values, and of
+        1; their sum is the log likelihood of the frame
+    weights : (3, Gaussians, states) mixture weights
     """
 
     names: tuple[str, ...]
@@ -91,11 +91,11 @@ class AcousticModel:
     weights: Singles
 
     def alone(self, phone: int) -> Phone:
-        """Return a phoneme that minds no neighbours."""
+        """Return a context-independent phoneme."""
         return Phone(phone, self.simple[phone])
 
     def phone(self, here: int, left: int, right: int, place: WordPosition) -> Phone:
-        """Return a phoneme beside its neighbours, or as near to that as the model has it."""
+        """Return a phoneme in context, or the closest match in the model."""
         for beside in ((left, right), (self.silence, right), (left, self.silence)):
             for where in dict.fromkeys((place, *WordPosition)):
                 found = self._find(here, *beside, where)
@@ -113,11 +113,11 @@ class AcousticModel:
 
 @dataclass(frozen=True, eq=False)
 class Listening:
-    """A sound as a model hears it.
+    """Log likelihoods of a sound under a model.
 
     Parameters
     ----------
-    model : what phonemes sound like
+    model : acoustic model
     features : (T, 3, 13) of the sound
     """
 
@@ -131,11 +131,11 @@ class Listening:
         return len(self.features)
 
     def scores(self, phones: Sequence[Phone]) -> Singles:
-        """Return how likely each frame is in each state of some phonemes.
+        """Return the log likelihood of each frame in each state of the given phonemes.
 
         Parameters
         ----------
-        phones : P of them
+        phones : P phonemes
 
         Returns
         -------
@@ -153,14 +153,14 @@ class Listening:
         return found
 
     def _stream(self, book: int, stream: int, states: Ints) -> Singles:
-        """Return the scores of some states of a codebook in one stream: (T, states)."""
+        """Return the scores of states of a codebook in one stream: (T, states)."""
         shares, most = self._shares(book, stream)
         scores: Singles = np.log(_product(shares, self.model.weights[stream][:, states]))
         scores += most
         return scores
 
     def _shares(self, book: int, stream: int) -> tuple[Singles, Singles]:
-        """Return how near each Gaussian is, the nearest being 1, and the logarithm of that."""
+        """Return Gaussian likelihoods relative to the nearest, and the log likelihood of that."""
         key = (book, stream)
         if key not in self._near:
             here = self.features[:, stream]
@@ -174,9 +174,9 @@ class Listening:
 
 
 def _product(many: Singles, few: Singles) -> Singles:
-    """Return the product of a long table and a small one, a few rows at a time.
+    """Multiply a long matrix by a small one, in blocks of rows.
 
-    Whole, they would be shared out among threads, which wait for each other longer than they work.
+    A single product would start threads whose synchronisation costs more than the work.
     """
     rows = max(SMALL // few.size, 1)
     whole = len(many) // rows * rows
@@ -188,7 +188,7 @@ def _product(many: Singles, few: Singles) -> Singles:
 
 
 def _key(here: Any, left: Any, right: Any, place: Any) -> Any:
-    """Return the one number of a phoneme beside its neighbours, or of many."""
+    """Return the integer key of a phoneme in context; vectorised."""
     return ((here * 256 + left) * 256 + right) * 256 + place
 
 
@@ -199,7 +199,7 @@ def read_model(folder: Path) -> AcousticModel:
     Raises
     ------
     SpeechError
-        A file of it is missing, cut short or of another kind.
+        A file is missing, truncated or of another kind.
     """
     try:
         return _read(folder)
@@ -228,7 +228,7 @@ def _read(folder: Path) -> AcousticModel:
 
 
 class _Definitions(NamedTuple):
-    """Which states each phoneme has beside which neighbours, as in `AcousticModel`."""
+    """States of each phoneme in context, as in `AcousticModel`."""
 
     names: tuple[str, ...]
     silence: int
@@ -271,7 +271,7 @@ def _definitions(path: Path) -> _Definitions:
 
 
 def _gaussians(path: Path) -> Floats:
-    """Read (books, streams, Gaussians, values)."""
+    """Read Gaussian parameters: (books, streams, Gaussians, values)."""
     content, at = _body(path)
     books, streams, count = struct.unpack_from("<3i", content, at)
     lengths = struct.unpack_from(f"<{streams}i", content, at + 12)
@@ -283,14 +283,14 @@ def _gaussians(path: Path) -> Floats:
 
 
 def _table(path: Path) -> Floats:
-    """Read a flat table; its length is the last of four numbers before it."""
+    """Read a flat table; its length is the last of the four header numbers."""
     content, at = _body(path)
     (size,) = struct.unpack_from("<i", content, at + 12)
     return np.frombuffer(content, "<f4", size, at + 16).astype(np.float64)
 
 
 def _body(path: Path) -> tuple[bytes, int]:
-    """Return what a file holds, and where its numbers start."""
+    """Return a file's content and the offset of its numbers."""
     content = path.read_bytes()
     at = content.index(b"endhdr\n") + 7
     if struct.unpack_from("<I", content, at) != (0x11223344,):
@@ -314,7 +314,7 @@ def _weights(path: Path, count: int, states: int) -> Singles:
 
 
 def _strings(content: bytes) -> tuple[int, list[str]]:
-    """Return where the strings end that a file starts with, and the strings."""
+    """Return the end offset of the strings at the start of a file, and the strings."""
     at = 0
     strings: list[str] = []
     while True:

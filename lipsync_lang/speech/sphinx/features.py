@@ -1,31 +1,31 @@
-"""What an acoustic model listens to: cepstra of a sound and how they change.
+"""Acoustic features: cepstra of a sound and their time derivatives.
 
-The steps and their numbers are those that the models of CMU Sphinx were trained with.
+Processing steps and constants match the training of the CMU Sphinx models.
 """
 
 import numpy as np
 import numpy.typing as npt
 
 RATE = 16_000
-"""Samples per second of the sound that a model listens to."""
+"""Sample rate of the model in hertz."""
 
 STEP = 160
-"""Samples from one frame to the next."""
+"""Frame step in samples."""
 
 FRAME = STEP / RATE
-"""Seconds from one frame to the next."""
+"""Frame step in seconds."""
 
 WINDOW = 410
-"""Samples that one frame looks at."""
+"""Frame window in samples."""
 
 SIZE = 512
-"""Points of the Fourier transform."""
+"""Size of the Fourier transform."""
 
 EMPHASIS = 0.97
-"""How much of the sample before is taken from each."""
+"""Pre-emphasis coefficient."""
 
 BANDS, LOWEST, HIGHEST = 25, 130.0, 6800.0
-"""Bands of the spectrum, and the hertz between which they lie."""
+"""Number of mel bands, and their limits in hertz."""
 
 CEPSTRA = 13
 LIFTER = 22
@@ -42,7 +42,7 @@ def features(samples: Floats) -> Floats:
 
     Returns
     -------
-    (T, 3, 13): cepstra less their mean, how they change, and how that changes; T = N / `STEP`
+    (T, 3, 13): cepstra less their mean, first and second derivatives; T = N / `STEP`
     """
     cepstra = _cepstra(_quieted(_spectra(samples)))
     cepstra -= cepstra.mean(axis=0)
@@ -66,14 +66,14 @@ def _spectra(samples: Floats) -> Floats:
     window = 0.54 - 0.46 * np.cos(2 * np.pi * np.arange(WINDOW) / (WINDOW - 1))
     bands = _bands()
     spectra = np.empty((len(frames), BANDS))
-    for start in range(0, len(frames), 1000):  # a whole recording at once would not fit
+    for start in range(0, len(frames), 1000):  # in blocks, to bound memory
         block = slice(start, start + 1000)
         spectra[block] = (np.abs(np.fft.rfft(frames[block] * window, SIZE)) ** 2) @ bands
     return spectra
 
 
 def _bands() -> Floats:
-    """Return triangles of equal area, evenly spaced as the ear hears: (257, `BANDS`)."""
+    """Return triangular filters of equal area, evenly spaced in mel: (257, `BANDS`)."""
     low, high = (2595 * np.log10(1 + hertz / 700) for hertz in (LOWEST, HIGHEST))
     edges = 700 * (10 ** (np.linspace(low, high, BANDS + 2) / 2595) - 1)
     spacing = RATE / SIZE
@@ -88,7 +88,7 @@ def _bands() -> Floats:
 
 
 def _quieted(spectra: Floats) -> Floats:
-    """Take steady noise out of each band, following it from frame to frame."""
+    """Subtract slowly varying noise from each band, tracked over frames."""
     quieted = np.empty_like(spectra)
     power = spectra[0].copy()
     noise = spectra[0] / 20
@@ -113,7 +113,7 @@ def _quieted(spectra: Floats) -> Floats:
 
 
 def _envelope(values: Floats, below: Floats) -> Floats:
-    """Follow values from below: slowly up, fast down."""
+    """Track the lower envelope of values: slow rise, fast fall."""
     slow = np.where(values >= below, 0.995, 0.5)
     return slow * below + (1 - slow) * values
 

@@ -1,4 +1,4 @@
-"""Models that pocketsphinx brings: where they are, and how they spell words."""
+"""Locations of the installed pocketsphinx models, and their dictionary."""
 
 import re
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ _VARIANT = re.compile(r"\(\d+\)$")
 
 @dataclass(frozen=True)
 class Models:
-    """An acoustic model, the dictionary of its words, and what it expects to be said.
+    """An acoustic model with its dictionary and language models.
 
     Parameters
     ----------
-    folder : where they are; the acoustic model is in a folder of the same name within it
+    folder : model folder; the acoustic model is in a subfolder of the same name
     """
 
     folder: Path
@@ -31,42 +31,42 @@ class Models:
 
     @property
     def dictionary(self) -> Path:
-        """The file of words and their phonemes."""
+        """The pronunciation dictionary file."""
         return self.folder / f"cmudict-{self.folder.name}.dict"
 
     @property
     def words(self) -> Path:
-        """The file of which words follow which."""
+        """The word language model file."""
         return self.folder / f"{self.folder.name}.lm.bin"
 
     @property
     def phones(self) -> Path:
-        """The file of which phonemes follow which."""
+        """The phoneme language model file."""
         return self.folder / f"{self.folder.name}-phone.lm.bin"
 
     @cached_property
     def model(self) -> AcousticModel:
-        """What the phonemes sound like."""
+        """The acoustic model."""
         return read_model(self.acoustic)
 
     @cached_property
     def numbers(self) -> dict[str, int]:
-        """The number of each phoneme that is speech."""
+        """The numbers of speech phonemes by name."""
         fillers = self.model.fillers
         return {name: n for n, name in enumerate(self.model.names) if n not in fillers}
 
     @cached_property
     def quiet(self) -> frozenset[int]:
-        """The numbers of what is no speech."""
+        """The numbers of non-speech phonemes."""
         return self.model.fillers | {OUTSIDE}
 
     def ways(self, word: str) -> tuple[tuple[int, ...], ...]:
-        """Return the ways to say a word in plain spelling, as numbers of phonemes; none if unknown.
+        """Return pronunciations of a word as phoneme numbers; empty if unknown.
 
         Raises
         ------
         SpeechError
-            The dictionary cannot be read.
+            The dictionary is unreadable.
         """
         spellings = (f"{word}({number})" if number > 1 else word for number in count(1))
         known = takewhile(self._entries.__contains__, spellings)
@@ -77,7 +77,7 @@ class Models:
 
     @cached_property
     def _entries(self) -> dict[str, str]:
-        """What follows each word in the dictionary; `WORD(2)` is another way to say it."""
+        """Pronunciation by dictionary word; `WORD(2)` is a variant."""
         try:
             lines = self.dictionary.read_text("utf-8").splitlines()
         except (OSError, UnicodeDecodeError) as error:
@@ -86,18 +86,18 @@ class Models:
 
 
 def without_variant(word: str) -> str:
-    """Return a word of the dictionary without the number of its way to be said."""
+    """Strip the variant number from a dictionary word."""
     return _VARIANT.sub("", word)
 
 
 @cache
 def find_models(name: str | None) -> Models:
-    """Return the models of a name.
+    """Find the models with a name.
 
     Raises
     ------
     SpeechError
-        pocketsphinx is not installed, or has none of that name.
+        pocketsphinx is not installed, or has no model of that name.
     """
     spec = find_spec("pocketsphinx")
     if spec is None or spec.origin is None:

@@ -1,9 +1,9 @@
-"""Words laid on a sound: which phoneme of which word is heard when.
+"""Forced alignment of words to a sound.
 
-The sound is taken a window at a time, so that the work grows with its length and no more. In each
-window the likeliest way through the words ahead is looked for, with pauses wherever they help; its
-words are kept up to some seconds before its end, and the next window starts there. What is kept is
-laid once more, each phoneme now beside the neighbours it turned out to have.
+The sound is processed in windows, so that cost is linear in its length. Each window is decoded by
+the most likely path through the words ahead, with optional pauses. Words that end some seconds
+before the window's end are kept, and the next window starts there. Kept phonemes are aligned
+again with their actual neighbours as context.
 """
 
 from collections.abc import Sequence
@@ -26,27 +26,27 @@ from lipsync_lang.speech.sphinx.acoustic_model import (
 from lipsync_lang.speech.sphinx.trellis import START, Run, likeliest_way
 
 WINDOW = 1600
-"""Frames that are looked at together: 16 s."""
+"""Window length in frames: 16 s."""
 
 AHEAD = 300
-"""Frames at the end of a window whose words are looked at again in the next."""
+"""Frames at the end of a window that are decoded again in the next."""
 
 OTHER = -5.0
-"""How much less likely than the likeliest phoneme each frame of other sound is."""
+"""Log likelihood penalty per frame of other sound, relative to the likeliest phoneme."""
 
 TURN = -20.0
-"""What turning to other sound costs: a phoneme that is badly said is still the word's."""
+"""Log score for entering other sound; it keeps badly spoken phonemes in their word."""
 
 Word = Sequence[tuple[int, ...]]
-"""The ways to say a word, each the numbers of its phonemes."""
+"""Pronunciations of a word, each a tuple of phoneme numbers."""
 
 
 class HeardPhoneme(NamedTuple):
-    """A phoneme, a pause or other sound, where it is heard.
+    """A phoneme, a pause or other sound, with its frames.
 
-    `word` is the number of its word, `OUTSIDE` of what is none; `phone` the phoneme's number in
-    the model, `OUTSIDE` of other sound. `fit` says how much likelier it is, in a frame on average,
-    than the likeliest phoneme that minds no neighbours.
+    `word` is the word number, or `OUTSIDE` between words; `phone` is the phoneme number in
+    the model, or `OUTSIDE` for other sound. `fit` is the mean log likelihood ratio per frame to the
+    likeliest context-independent phoneme.
     """
 
     word: int
@@ -57,7 +57,7 @@ class HeardPhoneme(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A phoneme of a word, or a pause, as one that may be said."""
+    """A candidate phoneme of a word, or a candidate pause."""
 
     word: int
     phone: int
@@ -66,7 +66,7 @@ class Node(NamedTuple):
 
 @dataclass
 class _Graph:
-    """Phonemes that may follow each other."""
+    """Graph of permitted phoneme sequences."""
 
     model: AcousticModel
     nodes: list[Node] = field(default_factory=list)
@@ -74,14 +74,14 @@ class _Graph:
     before: list[list[int]] = field(default_factory=list)
 
     def add(self, node: Node, left: int, right: int, before: Sequence[int]) -> int:
-        """Add a phoneme between two others, and return its number."""
+        """Add a phoneme in context and return its node number."""
         self.nodes.append(node)
         self.phones.append(_phone(self.model, node, left, right))
         self.before.append([*before])
         return len(self.nodes) - 1
 
     def pause(self, before: Sequence[int]) -> list[int]:
-        """Add silence and other sound, by turns."""
+        """Add optional silence and other sound, alternating."""
         silence = self.model.silence
         quiet = self.add(Node(OUTSIDE, silence, WordPosition.INSIDE), silence, silence, before)
         other = Node(OUTSIDE, OUTSIDE, WordPosition.INSIDE)
@@ -92,7 +92,7 @@ class _Graph:
     def word(
         self, number: int, ways: Word, left: int, right: int, before: Sequence[int]
     ) -> list[int]:
-        """Add the ways to say a word between two phonemes, and return their ends."""
+        """Add a word's pronunciations in context and return their end nodes."""
         ends: list[int] = []
         for way in ways:
             last: Sequence[int] = before
@@ -117,17 +117,17 @@ def _place(at: int, size: int) -> WordPosition:
 
 
 def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[HeardPhoneme] | None:
-    """Lay words on a sound.
+    """Align words to a sound.
 
     Parameters
     ----------
-    model : what phonemes sound like
+    model : acoustic model
     features : (T, 3, 13) of the sound
-    words : in the order in which they are said
+    words : pronunciations in spoken order
 
     Returns
     -------
-    What is heard from frame 0 to T, with every word in it; None where the sound is too short
+    Phonemes from frame 0 to T, with every word included; None if the sound is too short
     """
     heard: list[HeardPhoneme] = []
     at = done = 0
@@ -144,7 +144,7 @@ def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[H
 def _window(
     model: AcousticModel, features: Floats, words: Sequence[Word], done: int
 ) -> list[HeardPhoneme] | None:
-    """Return what is kept of the window that a sound starts with, where some words are done."""
+    """Return the kept path of the window at the start of a sound, with earlier words done."""
     last = len(features) <= WINDOW
     features = features[:WINDOW]
     stop = done + _room(words[done:], len(features))
@@ -164,13 +164,13 @@ def _window(
 
 
 def _room(words: Sequence[Word], frames: int) -> int:
-    """Return how many words can be said, as fast as can be, in some frames."""
+    """Return the number of words that fit into some frames at minimum duration."""
     shortest = [STATES * min(map(len, ways)) for ways in words[: frames // STATES]]
     return int(np.searchsorted(np.cumsum(shortest), frames, side="right"))
 
 
 def _spell(graph: _Graph, words: Sequence[Word], start: int, stop: int) -> list[int]:
-    """Add words with pauses around them, and return where they may end."""
+    """Add words with surrounding pauses and return the permitted end nodes."""
     silence = graph.model.silence
     before: list[int] = [START]
     for number in range(start, stop):
@@ -182,7 +182,7 @@ def _spell(graph: _Graph, words: Sequence[Word], start: int, stop: int) -> list[
 
 
 def _loop(sound: Listening) -> Singles:
-    """Return how likely each frame is as the likeliest phoneme that minds no neighbours."""
+    """Return log likelihoods of the likeliest context-independent phoneme per frame."""
     model = sound.model
     speech = [number for number in range(len(model.names)) if number not in model.fillers]
     scores = sound.scores([model.alone(number) for number in speech])
@@ -205,9 +205,9 @@ def _likeliest(  # noqa: PLR0913, PLR0917 what a way depends on
 
 
 def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
-    """Return the start of a way: to where the last word or pause ends before a frame.
+    """Return the start of a path, up to the last word or pause that ends before a frame.
 
-    Where none does, it is a long pause cut short, or a word that is all there is.
+    Without such an end: a long pause cut short, or the only word.
     """
     words = [nodes[run.phone].word for run in way]
     ends = [OUTSIDE in pair or pair[0] != pair[1] for pair in pairwise(words)]
@@ -221,7 +221,7 @@ def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
 
 
 def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> list[HeardPhoneme]:
-    """Lay phonemes again, each beside the neighbours that it has."""
+    """Align phonemes again, each with its actual neighbours as context."""
     model, stop = sound.model, way[-1][1].stop
     nodes = [node for node, _ in way]
     around = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]

@@ -1,4 +1,4 @@
-"""From sound and words to a schedule, through a model: what aligning and recognising share."""
+"""Conversion of aligned phonemes to schedules, shared by aligner and recogniser."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,42 +15,42 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.sphinx.folder import Models
 
 LOUD = 16_000.0
-"""The peak to which a sound is brought: what follows does not depend on its loudness."""
+"""Peak amplitude after normalisation, for independence from loudness."""
 
 HISS = 3.0
-"""The noise that is added, so that digital silence is heard as what it is."""
+"""Standard deviation of added noise, so that digital silence has the features of silence."""
 
 CENTRE = (WINDOW / RATE - FRAME) / 2
-"""Seconds by which a frame looks ahead: the middle of its window, not of its step."""
+"""Offset in seconds from a frame's start to the middle of its window."""
 
 PAUSE = 0.06
-"""Seconds; a shorter silence between sounds is the closure of what follows."""
+"""Minimum pause in seconds; a shorter silence is the closure of the next sound."""
 
 UNLIKE = -5.0
-"""A fit below this says that something else is heard."""
+"""Fit limit; a lower value means a mismatch of phoneme and sound."""
 
 HURRIED = 3
-"""Frames; a phoneme that gets no more has only what it must have."""
+"""Frames; a phoneme of no more has the minimum duration of the model."""
 
 LASTING = 0.5
-"""Seconds of sound without text that are worth a remark."""
+"""Minimum seconds of sound without text for a remark."""
 
 TELLING = 3
-"""Phonemes of a word; shorter ones are swallowed in good speech, too."""
+"""Minimum phonemes of a word for a remark; shorter words are often reduced in normal speech."""
 
 SHOWN = 5
-"""Places that one remark names."""
+"""Maximum number of places in one remark."""
 
 
 class Saying(NamedTuple):
-    """A word in its own spelling, and the ways to say it, as numbers of phonemes."""
+    """A word in its own spelling, with pronunciations as phoneme numbers."""
 
     text: str
     ways: tuple[tuple[int, ...], ...]
 
 
 def prepared(audio: Audio) -> Floats:
-    """Return a sound as the features are taken of it: at `RATE`, equally loud, never silent."""
+    """Prepare a sound for feature extraction: `RATE`, normalised peak, added noise."""
     samples = resampled(audio, RATE).samples.astype(np.float64)
     peak = np.abs(samples).max(initial=0.0)
     noise = np.random.default_rng(0).normal(0.0, HISS, len(samples))
@@ -59,7 +59,7 @@ def prepared(audio: Audio) -> Floats:
 
 
 def confidence(models: "Models", heard: Sequence[HeardPhoneme]) -> float:
-    """Return the share of phonemes that the sound bears out: of a word, alike, in no hurry."""
+    """Return the share of word phonemes with a good fit and more than minimum duration."""
     said = [one for one in heard if one.phone not in models.quiet]
     return sum(map(_borne_out, said)) / len(said) if said else 0.0
 
@@ -69,7 +69,7 @@ def _borne_out(one: HeardPhoneme) -> bool:
 
 
 class Laid(NamedTuple):
-    """Labels with their boundaries in seconds, and which of them are whose."""
+    """Labels with boundaries in seconds, and the words they belong to."""
 
     labels: tuple[str, ...]
     times: Floats
@@ -79,7 +79,7 @@ class Laid(NamedTuple):
 def laid(
     models: "Models", heard: Sequence[HeardPhoneme], sayings: Sequence[Saying], seconds: float
 ) -> Laid:
-    """Return what was heard as labels from 0 to the end of the sound; pauses in one piece."""
+    """Convert phonemes to labels from 0 to the end of the sound, with adjacent pauses merged."""
     rows: list[tuple[str, int, float]] = []
     for one in heard:
         label = SILENCE if one.phone in models.quiet else models.model.names[one.phone]
@@ -92,7 +92,7 @@ def laid(
         if label != SILENCE or n in (0, len(rows) - 1) or starts[n + 1] - starts[n] >= PAUSE
     ]
     labels = tuple(rows[n][0] for n in kept)
-    # what is left out becomes the start of what follows
+    # dropped silences are merged into the next sound
     times = [0.0, *(starts[before + 1] for before in kept[:-1]), seconds]
     owners = [rows[n][1] for n in kept]
     words = []
@@ -104,7 +104,7 @@ def laid(
 
 
 def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str]:
-    """Say in words where sound and text disagree."""
+    """Describe mismatches of sound and text in messages."""
     remarks: list[str] = []
     others = [
         f"{one.first * FRAME:.1f} to {one.stop * FRAME:.1f} s"

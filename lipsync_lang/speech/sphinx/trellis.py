@@ -1,4 +1,4 @@
-"""The likeliest way of a sound through phonemes that may follow each other."""
+"""Viterbi search for the likeliest path through a phoneme graph."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -8,13 +8,13 @@ import numpy as np
 from lipsync_lang.speech.sphinx.acoustic_model import STATES, Floats, Singles
 
 START = -1
-"""What stands before a phoneme that the sound may start with."""
+"""Predecessor of a phoneme at the start of the sound."""
 
 NEVER = np.float32(-1e30)
 
 
 class Run(NamedTuple):
-    """A phoneme on the way: its number among those given, its first frame, and the next's."""
+    """A phoneme on the path: node number, first frame, and first frame after it."""
 
     phone: int
     first: int
@@ -28,19 +28,19 @@ def likeliest_way(
     ends: Sequence[int] | None = None,
     turns: Floats | None = None,
 ) -> list[Run] | None:
-    """Find the likeliest way, on which every phoneme goes through all its states (Viterbi).
+    """Find the likeliest path with every phoneme passing through all its states (Viterbi).
 
     Parameters
     ----------
-    scores : (T, P, `STATES`) logarithm of how likely each state of each phoneme is in each frame
-    stay : (P, `STATES`) logarithm of how likely a state lasts another frame
-    before : for each phoneme, those that it may follow; `START` for one that may be the first
-    ends : phonemes that it must end with; None for anywhere
-    turns : (P,) what entering a phoneme adds; nothing unless stated
+    scores : (T, P, `STATES`) log likelihood of each frame in each state
+    stay : (P, `STATES`) log probability of staying in a state for another frame
+    before : permitted predecessors of each phoneme; `START` for the start of the sound
+    ends : permitted last phonemes; None for any
+    turns : (P,) log score added on entering a phoneme; zero by default
 
     Returns
     -------
-    Phonemes in order, from frame 0 to T; None where every way is longer than the sound
+    Phonemes in order, from frame 0 to T; None if every path is longer than the sound
     """
     count, phones = scores.shape[:2]
     held = stay.astype(np.float32)
