@@ -1,11 +1,11 @@
-"""Extension points: formats and engines by name, built-in ones and those of installed plug-ins.
+"""Extension points: registries of built-in and plug-in formats and engines, by name.
 
-A decorator puts each into its `Extensions`: the same one for what comes with the program and for
-what another distribution brings. That distribution names the module to import in an entry point
-of the group `lipsync_lang.KIND`, such as `lipsync_lang.writers`.
+A decorator adds an extension to its `Extensions` registry; built-in extensions and plug-ins use the
+same decorators. A plug-in distribution declares an entry point in the group `lipsync_lang.KIND`,
+for example `lipsync_lang.writers`, with the name of the module to import.
 
-Built-in ones come first. They are imported at the first question, and entry points are read only
-when no built-in one answers: importing `importlib.metadata` takes longer than most questions.
+Built-in extensions take precedence. They are imported on first use, and entry points are read only
+for names without a built-in match, because the import of `importlib.metadata` is slow.
 """
 
 import logging
@@ -28,31 +28,31 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 PROGRAM = "lipsync-lang"
-"""The name of the program's own distribution."""
+"""Name of the program's own distribution."""
 
 _log = logging.getLogger(__name__)
 _lock = RLock()
 
 
 class PluginWarning(UserWarning):
-    """An installed plug-in, or a part of it, that is left out."""
+    """A plug-in, or part of a plug-in, was skipped."""
 
 
 class Extensions(Mapping[str, T]):
-    """Everything of one kind, by name.
+    """All extensions of one kind, by name.
 
     Parameters
     ----------
-    kind : the last part of the entry point group: `writers`
-    title : one of them, as messages call it: `format`
-    room : the package whose modules register the built-in ones; all are imported together
-    modules : the modules of built-in ones by name, each imported when it is asked for
+    kind : last part of the entry point group, such as `writers`
+    title : singular noun for messages, such as `format`
+    room : package with the modules of built-in extensions; all are imported together
+    modules : modules of built-in extensions by name; each is imported on demand
     """
 
     origin: ClassVar[str | None] = None
-    """The distribution whose plug-in is being imported."""
+    """Distribution of the plug-in during its import, else None."""
     journal: ClassVar[list[tuple["Extensions[Any]", str]]] = []
-    """What that plug-in has registered so far, to be taken back if it fails."""
+    """Registrations of that plug-in, for rollback after a failed import."""
 
     def __init__(
         self,
@@ -71,19 +71,19 @@ class Extensions(Mapping[str, T]):
         self._plugged = False
 
     def add(self, name: str, value: T, module: str) -> None:
-        """Register a value that `module` defines; its decorator calls this.
+        """Register a value defined in `module`; called by the decorators.
 
         Raises
         ------
         LipsyncError
-            Another distribution has the name already. A plug-in's other names stay: for it the
-            clash is a `PluginWarning`.
+            The name belongs to another distribution. During a plug-in import, the clash is a
+            `PluginWarning`, and the other names of the plug-in stay registered.
         """
         here = _owner(module)
         here = here if here == PROGRAM else self.origin or here
         first = PROGRAM if name in self.modules else self.origins.get(name, here)
         if first != here:
-            # built-in ones are imported late, and have their names all the same
+            # Built-in names are reserved, even before the import of their modules.
             winner, loser = (here, first) if here == PROGRAM else (first, here)
             what = f"{self.title} '{name}' of {loser} is left out: {winner} has one of that name"
             if self.origin is None and here != PROGRAM:
@@ -97,7 +97,7 @@ class Extensions(Mapping[str, T]):
             self.journal.append((self, name))
 
     def register(self, name: str) -> Callable[[T], T]:
-        """Decorate a function to be known by a name."""
+        """Register the decorated function under a name."""
 
         def add(value: T) -> T:
             self.add(name, value, value.__module__)
@@ -106,7 +106,7 @@ class Extensions(Mapping[str, T]):
         return add
 
     def built_in(self) -> dict[str, T]:
-        """Return what comes with the program."""
+        """Return the built-in extensions."""
         with _lock:
             if self.room is not None:
                 for found in iter_modules(import_module(self.room).__path__):
@@ -117,12 +117,12 @@ class Extensions(Mapping[str, T]):
         return {name: one for name, one in self.known.items() if self.origins.get(name) == PROGRAM}
 
     def find(self, name: str, error: type[LipsyncError] = LipsyncError) -> T:
-        """Return the one of a name.
+        """Look up an extension by name.
 
         Raises
         ------
         LipsyncError
-            As the class given: there is none; the message names the nearest.
+            The name is unknown (raised as the given class); the message suggests the nearest name.
         """
         if name not in self:
             raise error(f"no {self.title} '{name}'; {did_you_mean(name, self)}")
@@ -157,7 +157,7 @@ class Extensions(Mapping[str, T]):
 
 @dataclass(frozen=True)
 class Format:
-    """A file format: its name, the suffixes it is known by, and a line that says what it is."""
+    """A file format: its name, its suffixes, and a one-line description."""
 
     name: str
     suffixes: tuple[str, ...]
@@ -165,7 +165,7 @@ class Format:
 
     @property
     def suffix(self) -> str:
-        """The usual suffix."""
+        """Default suffix."""
         return self.suffixes[0]
 
 
@@ -173,18 +173,18 @@ F = TypeVar("F", bound=Format)
 
 
 class Formats(Extensions[F]):
-    """File formats by name, and by the suffixes of files."""
+    """File formats by name and by file suffix."""
 
     def ending(self, path: Path) -> list[F]:
-        """Return the formats with a suffix that a path ends in, those with the longest first."""
+        """Return the formats with a matching suffix of a path, longest suffix first."""
         found = _ending(path, self.built_in())
-        # a plug-in's `.take.json` is longer than the built-in `.json`
+        # The suffix `.take.json` of a plug-in must win over the built-in `.json`.
         if not found or len(path.suffixes) > 1:
             found = _ending(path, self)
         return found
 
     def suffixes(self) -> list[str]:
-        """Return every suffix that is known, in order."""
+        """Return all known suffixes, sorted."""
         return sorted({suffix for one in self.values() for suffix in one.suffixes})
 
 
@@ -195,7 +195,7 @@ def _ending(path: Path, formats: Mapping[str, F]) -> list[F]:
 
 
 def summary(described: Callable[..., object]) -> str:
-    """Return the first line of a function's docstring: the title of what it registers."""
+    """Return the first line of a function's docstring, as the title of its extension."""
     return (described.__doc__ or described.__name__).strip().splitlines()[0]
 
 
@@ -203,7 +203,7 @@ def summary(described: Callable[..., object]) -> str:
 
 
 def _load(entry_point: "EntryPoint") -> None:
-    """Import a plug-in; one that fails is left out whole, with a warning."""
+    """Import a plug-in; after a failure, skip it completely with a warning."""
     before, start = Extensions.origin, len(Extensions.journal)
     Extensions.origin = distribution(entry_point)
     try:
@@ -223,13 +223,13 @@ def _load(entry_point: "EntryPoint") -> None:
 
 
 def _owner(module: str) -> str:
-    """Name the distribution that a module belongs to, as far as its name tells."""
+    """Return the distribution of a module, guessed from its name."""
     top = module.partition(".")[0]
     return PROGRAM if top == __name__.partition(".")[0] else top
 
 
 def installed(group: str) -> "list[EntryPoint]":
-    """List the entry points of a group, the program's own first, then by distribution."""
+    """List the entry points of a group: the program's own first, then sorted by distribution."""
     if not any(group in _groups(folder) for folder in dict.fromkeys(sys.path)):
         return []
     from importlib.metadata import entry_points
@@ -241,13 +241,13 @@ def installed(group: str) -> "list[EntryPoint]":
 
 
 def distribution(entry_point: "EntryPoint") -> str:
-    """Return the name of the distribution that an entry point belongs to."""
+    """Return the distribution name of an entry point."""
     return entry_point.dist.name if entry_point.dist is not None else entry_point.name
 
 
 @cache
 def _groups(folder: str) -> frozenset[str]:
-    """Return our groups that distributions in a folder have: 10 times as fast as asking for one."""
+    """Return our entry point groups in a folder; 10 times as fast as `importlib.metadata`."""
     found: set[str] = set()
     try:
         names = os.listdir(folder or ".")  # noqa: PTH208 paths of hundreds of names take longer

@@ -1,4 +1,4 @@
-"""Animations: pose weights over time, and the files they are written to.
+"""Animations: pose weights over time, and writers for output files.
 
-One file per output format; `writer` is all that makes a format known.
+Each output format is one module; the `writer` decorator registers it.
 """

@@ -1,4 +1,4 @@
-"""What a performance is: times, poses, weights, and the way back to what made them."""
+"""Animation: the result of a performance, as an array of pose weights over time (seconds)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.keys import Curve
 
 Frames = Literal["pandas", "polars"]
-"""Libraries of data frames, the preferred one first."""
+"""Supported data frame libraries, in order of preference."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,20 +30,20 @@ class Animation:
 
     Parameters
     ----------
-    times : (T,) seconds; below zero where the mouth moves before the sound
-    poses : P names
-    weights : (T, P) in [0, 1]; what a rig drives may have a range of its own
+    times : (T,) seconds; negative for movement before the sound
+    poses : P pose names
+    weights : (T, P) in [0, 1]; rig channels may have other ranges
     fps : frames per second
-    schedule : what was spoken
-    performer : what performed it; explains any frame
-    asked : how it was to be performed: the line's name, styles and dials
-    channels : what each column drives on a model; empty where nothing is known of it
-    model : the model file that the character or its pose set names
-    offset : seconds at which the sound begins on the timeline of the files that are written
-    tolerance : how far keyframes may stray from the curves, in formats that have keyframes; None
-        for what suits the format
-    neutral : what the face at rest is called, where it has a name
-    contacts : the poses that must be seen wherever they are reached
+    schedule : the performed schedule
+    performer : the performer that made the animation; needed by `explain`
+    asked : performance options: line name, styles and dials
+    channels : the model channel of each column; empty if unknown
+    model : the model file of the character or its pose set
+    offset : start of the sound on the timeline of output files, in seconds
+    tolerance : maximum error of keyframes, in formats with keyframes; None for the default of the
+        format
+    neutral : the name of the neutral pose, if any
+    contacts : poses that must stay visible at every contact
     """
 
     times: npt.NDArray[np.float64]
@@ -62,7 +62,7 @@ class Animation:
 
     @property
     def title(self) -> str:
-        """What it is called in files: its words, or the file they came from."""
+        """Title in output files: the words of the schedule, or the name of its source file."""
         source = Path(self.schedule.source)
         words = " ".join(word.text for word in self.schedule.words)
         return shorten(words, 60, placeholder=" ...") or (
@@ -71,28 +71,28 @@ class Animation:
 
     @property
     def columns(self) -> tuple[Channel, ...]:
-        """What each column drives: shapes of its own name, where nothing else is known."""
+        """Channel of each column; by default, a shape with the name of the pose."""
         return self.channels or tuple(map(Channel, self.poses))
 
     @property
     def begins(self) -> float:
-        """Seconds at which the sound begins in files whose time cannot be below zero.
+        """Start of the sound in seconds, in formats without negative time.
 
-        The `offset`, or later where the mouth moves before that.
+        The `offset`, or the length of the movement before the sound if that is longer.
         """
         return max(self.offset, -float(self.times[0]))
 
     @property
     def timeline(self) -> npt.NDArray[np.float64]:
-        """(T,) seconds from the start of such files."""
+        """(T,) seconds from the start of a file without negative time."""
         return np.maximum(self.times + self.begins, 0.0)
 
     def keyframes(self, tolerance: float) -> "list[Curve]":
-        """Return the keyframes of every column: as few as keep to a tolerance.
+        """Return a minimal set of keyframes for each column within a tolerance.
 
         Parameters
         ----------
-        tolerance : what suits the format; the animation's own comes before it
+        tolerance : default of the format; the animation's own tolerance takes precedence
         """
         from lipsync_lang.animations.keys import curves
 
@@ -100,7 +100,7 @@ class Animation:
         return curves(self.poses, self.timeline, self.weights, error)
 
     def __repr__(self) -> str:
-        """Say in one line what it is of."""
+        """Summarise the animation in one line."""
         span = f", {self.times[0]:.2f} to {self.times[-1]:.2f} s" if len(self) else ""
         return (
             f"<Animation {self.title!r}: {len(self)} frames of {len(self.poses)} poses "
@@ -108,7 +108,7 @@ class Animation:
         )
 
     def _repr_html_(self) -> str:
-        """Show notebooks the curves."""
+        """Draw the curves for notebooks."""
         from lipsync_lang.animations.notebook import curves_html
 
         return curves_html(self)
@@ -118,15 +118,15 @@ class Animation:
         return len(self.times)
 
     def __bool__(self) -> bool:
-        """Be true without frames, too: an animation is there."""
+        """Return True, even for an animation without frames."""
         return True
 
     def __iter__(self) -> "Iterator[tuple[str, npt.NDArray[np.float64]]]":
-        """Yield each pose with its (T,) curve; `dict(animation)` maps one to the other."""
+        """Yield pairs of pose name and (T,) curve; `dict(animation)` is a mapping of them."""
         return zip(self.poses, self.weights.T, strict=True)
 
     def __contains__(self, pose: object) -> bool:
-        """Tell whether there is a pose of that name."""
+        """Test for a pose by name."""
         return pose in self.poses
 
     def __array__(
@@ -140,11 +140,11 @@ class Animation:
         return np.asarray(self.weights, dtype)
 
     def to_frame(self, library: Frames | None = None) -> Any:
-        """Return a data frame: a row for each frame, `time_s` and a column for each pose.
+        """Return a data frame: one row per frame, with `time_s` and a column per pose.
 
         Parameters
         ----------
-        library : what makes the frame; None for pandas where it is installed, else polars
+        library : the data frame library; None for pandas if installed, else polars
 
         Raises
         ------
@@ -182,8 +182,8 @@ class Animation:
         return self.weights[:, self.poses.index(name)]
 
     def cut(self) -> Self:
-        """Return the frames within the schedule only: no lead-in or tail, so no promise of rest."""
-        half = 0.5 / self.fps
+        """Return only the frames within the schedule, without lead-in and tail."""
+        half = 0.5 / self.fps  # tolerance: half a frame at both ends
         inside = (self.times > self.schedule.start - half) & (self.times < self.schedule.end + half)
         return replace(self, times=self.times[inside], weights=self.weights[inside])
 
@@ -192,9 +192,9 @@ class Animation:
 
         Parameters
         ----------
-        path : the file; its suffix names the format (``lipsync-lang formats`` lists them). ``-`` is
-            standard output
-        writer : the name of the format, where the suffix is another's
+        path : the output file; its suffix selects the format (``lipsync-lang formats`` lists them).
+            ``-`` is standard output
+        writer : format name, to override the suffix
         """
         from lipsync_lang.animations.animation_writers import save
         from lipsync_lang.files import argument_path
@@ -202,7 +202,7 @@ class Animation:
         save(self, argument_path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":
-        """Say why each pose stands where it stands at a time."""
+        """Explain the weight of each pose at a time in seconds."""
         if self.performer is None:
             raise LipsyncError(
                 "this animation was not performed here; nothing is known of its making"

@@ -1,4 +1,4 @@
-"""Which output formats are known, and writing to one of them."""
+"""Registry of output formats, and the function that saves an animation to a file."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ Remarks = Callable[[Animation], Iterable[str]]
 
 @dataclass(frozen=True)
 class Writer(Format):
-    """One output format, and what writes it to an open stream."""
+    """An output format and its write function."""
 
     write: WriteBytes
     remarks: Remarks = lambda _: ()
-    """What is worth a word about an animation in this format, such as what it cannot hold."""
+    """Generator of warnings about an animation in this format, such as unsupported channels."""
 
 
 WRITERS: Formats[Writer] = Formats("writers", "format", room=__package__)
@@ -61,7 +61,7 @@ def binary_writer(
 
 
 def find_writer(path: Path, name: str | None = None) -> Writer:
-    """Return the writer that is named, or else that of the longest suffix a path ends in."""
+    """Find a writer by name, or by the longest matching suffix of a path."""
     if name is not None:
         return WRITERS.find(name, OutputError)
     if path == STANDARD_STREAM:
@@ -74,7 +74,7 @@ def find_writer(path: Path, name: str | None = None) -> Writer:
 
 
 def parse_output(text: str) -> tuple[Path, Writer]:
-    """Read ``line.csv``, or ``csv:-`` with the name of a format before the file."""
+    """Parse an output argument: ``line.csv``, or ``csv:-`` with an explicit format name."""
     name, colon, rest = text.partition(":")
     if colon and rest and name in WRITERS:
         return argument_path(rest), WRITERS[name]
@@ -83,7 +83,7 @@ def parse_output(text: str) -> tuple[Path, Writer]:
 
 
 def save(animation: Animation, path: Path, name: str | None = None) -> None:
-    """Write an animation to `path`, whole or not at all; ``-`` is standard output."""
+    """Write an animation to `path` atomically; ``-`` is standard output."""
     chosen = find_writer(path, name)
     with atomic(path) as stream:
         chosen.write(animation, stream)

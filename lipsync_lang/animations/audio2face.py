@@ -1,8 +1,8 @@
-"""Blend shape weights as NVIDIA's Audio2Face exports them, for whatever imports those.
+"""Blend shape weights in the JSON format of NVIDIA Audio2Face.
 
-`weightMat` has a list of weights for each frame, in the order of `facsNames`. Frame k lies at
-k / `exportFps` seconds: an offset is rounded to a frame, and the face rests until then. Importers
-find shapes by name, so every column is written under its own; weights are what the animation has.
+`weightMat` is a (T, C) list of weights, with columns in the order of `facsNames`. Frame k is at
+k / `exportFps` seconds. The offset is rounded to whole frames of rest. Importers match shapes by
+name, so each column keeps its own name; weights are not scaled.
 """
 
 import json
@@ -17,7 +17,7 @@ PROGRAM = "Audio2Face"
 
 
 def remarks(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the file does not hold, and when the sound begins."""
+    """Yield warnings about omitted channels and a delayed sound."""
     yield from boneless(animation, PROGRAM)
     yield from late(animation, PROGRAM)
 

@@ -1,9 +1,9 @@
-"""Blend shapes as the speech service of Azure sends them beside its voices.
+"""Blend shapes in the JSON format of the Azure speech service.
 
-One JSON object with the number of its first frame, and for each frame 55 numbers from 0 to 1: the
-52 shapes of ARKit, then turns of the head and the eyes. There are always 60 frames a second,
-counted from the beginning (learn.microsoft.com, "Get facial position with viseme"); an offset is
-rounded to a frame. Weights are clipped to 0 to 1.
+One JSON object holds the number of its first frame and a (T, 55) list of values from 0 to 1: the
+52 ARKit shapes, then rotations of head and eyes. The rate is always 60 frames per second
+(learn.microsoft.com, "Get facial position with viseme"). The offset is rounded to whole frames;
+weights are clipped to 0 to 1.
 """
 
 import json
@@ -21,7 +21,7 @@ HELD = "azure.txt"
 
 
 def remarks(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the file does not hold, and when the sound begins."""
+    """Yield warnings about omitted channels and a delayed sound."""
     return doubts(animation, names(HELD), PROGRAM)
 
 

@@ -1,9 +1,9 @@
-"""A script for Blender's text editor, which puts the animation on the shape keys of a face.
+"""A Blender script that sets keyframes on the shape keys of a face.
 
-Blender reads no file of curves, but runs Python. The script holds the keyframes as JSON and the few
-lines that lay them on meshes (`templates/blender.txt`): those whose shape keys have the names of
-the columns, or spellings that are known of them. Its curves are straight between their keys. The
-sound begins at frame 1, or the offset after it; what the mouth does before lies at frames below.
+Blender cannot import curve files but runs Python. The script holds the keyframes as JSON, followed
+by the code from `templates/blender.txt`. It applies them to all meshes with matching shape keys;
+known alternative spellings match too. Curves are linear between keys. The sound starts at frame 1
+plus the offset; movement before the sound is at earlier frames.
 """
 
 import json
@@ -25,11 +25,11 @@ Floats = npt.NDArray[np.float64]
 
 TEMPLATE = Path(__file__).parent / "templates" / "blender.txt"
 FIRST = 1
-"""The first frame of a scene."""
+"""First frame number of a Blender scene."""
 
 
 def remarks(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the script does not hold."""
+    """Yield warnings about channels that the script omits."""
     return boneless(animation, "Blender")
 
 
@@ -62,13 +62,13 @@ def write_blender(animation: Animation, out: TextIO) -> None:
 
 
 def _frames(animation: Animation, times: Floats) -> list[float]:
-    """Return the scene's frames at seconds of the sound."""
+    """Convert seconds of the sound to scene frames."""
     frames: list[float] = (FIRST + (times + animation.offset) * animation.fps).round(5).tolist()
     return frames
 
 
 def _spellings(animation: Animation) -> list[list[str]]:
-    """Return, for each column, what its shapes are called on the model, where that is known."""
+    """Return the shape names on the model for each column, if known."""
     found: list[list[str]] = [[] for _ in animation.poses]
     for _, name, column in on_model(animation):
         found[column].append(name)

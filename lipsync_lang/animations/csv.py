@@ -18,5 +18,5 @@ def write_csv(animation: Animation, out: TextIO) -> None:
 
 
 def _quoted(name: str) -> str:
-    """Return a name as a cell: between quotes, where it would end the cell or the row."""
+    """Return a name as a CSV cell, quoted if needed."""
     return '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name

@@ -1,4 +1,4 @@
-"""An explanation of one frame: its phoneme, its bigrams, and what each stage did to each pose."""
+"""Explanation of one frame: its phoneme, its bigrams, and the effect of each stage on each pose."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -10,19 +10,19 @@ class BigramAt:
 
     pair: tuple[str, str]
     position: float
-    """Normalised time in the bigram."""
+    """Normalised time within the bigram."""
     layer: str
     status: str
     places: tuple[str, ...]
-    """file:line:column of its data; of both targets where it was drafted."""
+    """file:line:column of its data; both targets for a draft."""
     word: str | None
     styles: tuple["StyleAt", ...] = ()
-    """What of it is heard in another manner."""
+    """Styles that change the bigram at this time."""
 
 
 @dataclass(frozen=True)
 class StyleAt:
-    """A style that changes a bigram, and where that is written."""
+    """A style that changes a bigram, and the location of its data."""
 
     style: str
     share: float
@@ -33,7 +33,7 @@ class StyleAt:
 
 @dataclass(frozen=True)
 class StageAt:
-    """What a stage made of a pose, and why, where it changed it."""
+    """Weight of a pose after one stage, and the reason for a change."""
 
     stage: str
     weight: float
@@ -42,25 +42,25 @@ class StageAt:
 
 @dataclass(frozen=True)
 class PoseAt:
-    """A pose's way through the stages."""
+    """Weights of a pose through all stages."""
 
     pose: str
     weight: float
     bigrams: tuple[float, ...]
-    """The value each of the bigrams gives it, in their order."""
+    """Value of the pose in each bigram, in the order of the bigrams."""
     stages: tuple[StageAt, ...]
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """One frame, explained; prints itself."""
+    """Explanation of one frame; `str` gives a readable report."""
 
     seconds: float
     frame: int
     phoneme: str
-    """The scheduled label; silence outside the schedule."""
+    """Schedule label; silence outside the schedule."""
     index: int | None
-    """Its place in the schedule."""
+    """Index of the phoneme in the schedule."""
     common: str
     start: float
     end: float
@@ -69,7 +69,7 @@ class Explanation:
     poses: tuple[PoseAt, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain data, for JSON."""
+        """Return a plain dictionary, for JSON."""
         return asdict(self)
 
     def __str__(self) -> str:

@@ -1,8 +1,8 @@
-"""Formats that hold a list of shapes of their own, whatever a face has.
+"""Formats with a fixed list of shapes.
 
-Their lists are text in `names/`, one name a line in the order of the file: first the shapes, then,
-after an empty line, turns of the head and the eyes, which speech leaves at 0. A column of an
-animation is the shape that it would be on a model (see `rigs/names.py`), so in any spelling.
+The lists are text files in `names/`, with one name per line in file order: first the shapes, then,
+after an empty line, the rotations of head and eyes. Speech leaves rotations at 0. Columns match
+shapes by the name rules of `rigs/names.py`, so spelling variants are accepted.
 """
 
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class FormatNames(NamedTuple):
-    """What a format holds."""
+    """Names of the shapes and rotations of a format."""
 
     shapes: tuple[str, ...]
     turns: tuple[str, ...]
@@ -30,21 +30,21 @@ class FormatNames(NamedTuple):
 
 @cache
 def names(file: str) -> FormatNames:
-    """Read a list of `names/`."""
+    """Read a name list from `names/`."""
     text = (Path(__file__).parent / "names" / file).read_text(encoding="utf-8")
     shapes, _, turns = text.partition("\n\n")
     return FormatNames(tuple(shapes.split()), tuple(turns.split()))
 
 
 def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
-    """Return (T, N) what a format holds: weights from 0 to 1, and 0 for what nothing moves.
+    """Arrange the weights in the fixed order of a format: (T, N), clipped to 0 to 1.
 
-    Of two columns for one shape, the larger counts.
+    Shapes without a column are 0. If two columns match one shape, the larger weight is used.
 
     Raises
     ------
     OutputError
-        No column is a shape of the format.
+        No column matches a shape of the format.
     """
     table = np.zeros((len(animation.times), len(held.shapes) + len(held.turns)))
     found = places(animation.columns, held.shapes)
@@ -62,19 +62,19 @@ def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
 
 
 def doubts(animation: Animation, held: FormatNames, program: str) -> Iterator[str]:
-    """Yield, in words, what moves and is not held, and when the sound begins."""
+    """Yield warnings about omitted channels and a delayed sound."""
     found = places(animation.columns, held.shapes)
     yield from _lost(animation, [n for n in range(len(animation.poses)) if n not in found], program)
     yield from late(animation, program)
 
 
 def shape_columns(animation: Animation) -> list[int]:
-    """Return the columns that are shapes.
+    """Return the indices of columns that are shapes, not bones.
 
     Raises
     ------
     OutputError
-        All are bones.
+        All columns are bones.
     """
     found = [n for n, channel in enumerate(animation.columns) if channel.node is None]
     if not found:
@@ -85,18 +85,18 @@ def shape_columns(animation: Animation) -> list[int]:
 
 
 def first_frame(animation: Animation) -> int:
-    """Return which frame the first one is, in files that count frames from their beginning."""
+    """Return the number of the first frame, in formats that count frames from the file start."""
     return round(float(animation.timeline[0]) * animation.fps)
 
 
 def boneless(animation: Animation, program: str) -> Iterator[str]:
-    """Yield, in words, which bones move that a format without bones does not hold."""
+    """Yield a warning about moving bones, for formats without bones."""
     bones = [n for n, channel in enumerate(animation.columns) if channel.node is not None]
     yield from _lost(animation, bones, program)
 
 
 def late(animation: Animation, program: str) -> Iterator[str]:
-    """Yield, in words, when the sound begins, if a format without time below zero delays it."""
+    """Yield a warning about a delayed sound, for formats without negative time."""
     if animation.begins > animation.offset:
         yield (
             f"{program} has no time below zero, so the sound begins {animation.begins:.3f} s into "

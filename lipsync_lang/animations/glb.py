@@ -1,12 +1,11 @@
-"""The performance within the model itself, for browsers, games and 3D programs.
+"""The animation embedded in the character's glTF model (GLB).
 
-What the model's file holds stays as it is: the animation is added at the end of its lists and
-of its binary data. So the file's JSON is worked on as such; a library that knows the fields of
-glTF loses those that it does not know.
+Existing content stays unchanged: the animation is appended to the JSON lists and the binary data.
+The JSON is edited directly, because glTF libraries drop unknown fields.
 
-glTF has no time below zero: where the mouth moves before the sound, all times are shifted, and
-`audio_start` in the animation's extras says when the sound begins. Every frame is a key, unless a
-tolerance is asked for: then those frames are that any column needs.
+glTF has no negative time. If movement starts before the sound, all times are shifted, and
+`audio_start` in the animation's extras is the start of the sound in seconds. Every frame is a key
+by default; with a tolerance, only the frames needed by any column are keys.
 """
 
 import json
@@ -46,7 +45,7 @@ IDENTITY = (0.0, 0.0, 0.0, 1.0)
 
 
 def unplaced(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what of an animation a model does not show, and what is doubtful."""
+    """Yield warnings about channels missing from the model, and other doubts."""
     if animation.model is None:
         return
     channels = animation.columns
@@ -92,7 +91,7 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
 
 
 class _Take:
-    """An animation that is being added to a model: rows of its JSON, and binary data."""
+    """An animation under construction: new JSON rows and binary data."""
 
     def __init__(self, model: Model, times: npt.NDArray[np.float32]) -> None:
         self.model = model
@@ -105,7 +104,7 @@ class _Take:
         self._accessors = [self._accessor("SCALAR", times) | bounds]
 
     def _accessor(self, kind: str, values: npt.NDArray[np.float32]) -> Json:
-        """Add values to the binary data, and return what describes them."""
+        """Append values to the binary data and return their accessor."""
         offset = sum(map(len, self.data))
         self.data.append(values.astype("<f4").tobytes())
         count = values.size if kind == "SCALAR" else len(values)
@@ -114,7 +113,7 @@ class _Take:
         return {**place, "componentType": FLOAT, "count": count, "type": kind}
 
     def sample(self, kind: str, values: Floats) -> int:
-        """Add values for every time; return the number of their sampler."""
+        """Append a value per key time and return the index of the new sampler."""
         first = len(self.document.get("accessors", ()))
         output = first + len(self._accessors)
         self._accessors.append(self._accessor(kind, values.astype(np.float32)))
@@ -122,17 +121,17 @@ class _Take:
         return len(self.samplers) - 1
 
     def drive(self, node: int, path: str, sampler: int) -> None:
-        """Let a sampler drive a property of a node."""
+        """Connect a sampler to a property of a node."""
         self.channels.append({"sampler": sampler, "target": {"node": node, "path": path}})
 
     def replace_node(self, number: int, node: Json) -> None:
-        """Put a node in the place of another."""
+        """Replace a node of the model."""
         nodes = list(self.document["nodes"])
         nodes[number] = node
         self.document["nodes"] = nodes
 
     def finish(self, name: str, extras: Json) -> None:
-        """Add to the model's lists what was gathered."""
+        """Append the collected rows to the lists of the model."""
         self.data.insert(0, b"\0" * (-len(self.binary) % 4))
         start = len(self.binary) + len(self.data[0])
         length = sum(map(len, self.data[1:]))
@@ -161,7 +160,7 @@ class _Take:
 
 
 def _move_shapes(take: _Take, channels: Sequence[Channel], values: Floats) -> None:
-    """Drive the weights of every node that shows a mesh with a shape that is found."""
+    """Animate the morph weights of every node whose mesh has a matching shape."""
     driven = {mesh.number: _columns(mesh, channels) for mesh in take.model.meshes}
     samplers: dict[tuple[int, tuple[float, ...]], int] = {}
     for number, mesh, rest in _shown(take.model):
@@ -173,7 +172,7 @@ def _move_shapes(take: _Take, channels: Sequence[Channel], values: Floats) -> No
 
 
 def _shown(model: Model) -> Iterator[tuple[int, Mesh, tuple[float, ...]]]:
-    """Yield the nodes that show a mesh with morph targets, and their weights at rest."""
+    """Yield the nodes with morph targets, and their weights at rest."""
     meshes = {mesh.number: mesh for mesh in model.meshes}
     for number, node in enumerate(model.document.get("nodes", ())):
         mesh = meshes.get(node.get("mesh", -1))
@@ -187,7 +186,7 @@ def _shown(model: Model) -> Iterator[tuple[int, Mesh, tuple[float, ...]]]:
 
 
 def _columns(mesh: Mesh, channels: Sequence[Channel]) -> dict[int, list[int]]:
-    """Return which columns drive each morph target of a mesh."""
+    """Map each morph target of a mesh to its columns."""
     columns: dict[int, list[int]] = defaultdict(list)
     for column, shapes in on_mesh(channels, mesh).shapes.items():
         for shape in shapes:
@@ -196,7 +195,7 @@ def _columns(mesh: Mesh, channels: Sequence[Channel]) -> dict[int, list[int]]:
 
 
 def _weights(rest: tuple[float, ...], columns: dict[int, list[int]], values: Floats) -> Floats:
-    """Return the (T, n) weights of a mesh; of two columns for one target, the larger counts."""
+    """Return the (T, n) weights of a mesh; the larger of two columns for one target is used."""
     weights = np.tile(np.array(rest), (len(values), 1))
     for target, sources in columns.items():
         weights[:, target] = values[:, sources].max(axis=1)
@@ -207,7 +206,7 @@ def _weights(rest: tuple[float, ...], columns: dict[int, list[int]], values: Flo
 
 
 def _move_nodes(take: _Take, channels: Sequence[Channel], values: Floats) -> None:
-    """Turn and move the nodes that channels name, from where they rest."""
+    """Rotate and translate bone nodes relative to their rest transform."""
     moves: dict[str, list[tuple[Channel, Floats]]] = defaultdict(list)
     for column, channel in enumerate(channels):
         if channel.node is not None:
@@ -248,7 +247,7 @@ def _turned(channel: Channel, degrees: Floats) -> Floats:
 
 
 def _parted(path: Path, what: str, node: Json) -> Json:
-    """Return a node whose matrix is parted into what an animation can drive."""
+    """Return a node with its matrix decomposed, because glTF cannot animate a matrix."""
     if "matrix" not in node:
         return node
     found = parts(np.reshape(numbers(path, f"matrix of {what}", node["matrix"], 16), (4, 4)))
@@ -259,7 +258,7 @@ def _parted(path: Path, what: str, node: Json) -> Json:
     return {key: value for key, value in node.items() if key != "matrix"} | own
 
 
-# The file
+# GLB file
 
 
 def _write(out: BinaryIO, take: _Take) -> None:

@@ -1,11 +1,11 @@
-"""A Godot animation, to be added to an AnimationPlayer.
+"""A Godot animation resource, for use in an AnimationPlayer.
 
-The text form of resources, format 2 (docs.godotengine.org, "TSCN file format"): Godot 3 writes it
-and Godot 4 still reads it, `PoolRealArray` included. Each shape is a value track on the property
-`blend_shapes/<name>` of a MeshInstance: of the node called like the mesh, where the model has
-several, else of the AnimationPlayer's own root. Godot has no time below zero: where the mouth moves
-before the sound, all times are shifted, and the metadata `audio_start` tells Godot 4 when the sound
-begins.
+The file uses the text resource format 2 (docs.godotengine.org, "TSCN file format"), which Godot 3
+writes and Godot 4 still reads, including `PoolRealArray`. Each shape is a value track on the
+property `blend_shapes/<name>` of a MeshInstance. For models with several meshes, the node has the
+name of the mesh; otherwise it is the root of the AnimationPlayer. Godot has no negative time. If
+movement starts before the sound, all times are shifted, and the metadata `audio_start` (Godot 4)
+is the start of the sound in seconds.
 """
 
 from collections.abc import Iterator
@@ -21,14 +21,14 @@ from lipsync_lang.animations.moving_shapes import MovingShape, keys, shapes
 PROGRAM = "Godot"
 
 IN_NODES = str.maketrans("", "", '.:@/"%')
-"""What Godot leaves out of the names of nodes."""
+"""Characters that Godot removes from node names."""
 
 IN_SHAPES = str.maketrans(":", "_")
-"""What Godot puts for what it cannot have in the names of shapes."""
+"""Characters that Godot replaces in shape names."""
 
 
 def doubts(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the file does not hold, and when its sound begins."""
+    """Yield warnings about omitted channels and a delayed sound."""
     yield from unplaced(animation)
     yield from boneless(animation, PROGRAM)
     yield from late(animation, PROGRAM)
@@ -63,13 +63,13 @@ def write_godot(animation: Animation, out: TextIO) -> None:
 
 
 def _path(shape: MovingShape) -> str:
-    """Return the property of a shape, as a text between quotes."""
+    """Return the quoted property path of a shape."""
     node = shape.mesh.translate(IN_NODES) or "."
     path = f"{node}:blend_shapes/{shape.name.translate(IN_SHAPES)}"
     return path.replace("\\", "\\\\").replace('"', '\\"')
 
 
 def _number(value: float) -> str:
-    """Return a number that Godot reads as one with a fraction."""
+    """Format a number with a decimal point, so that Godot reads a float."""
     text = f"{value:.6f}".rstrip("0")
     return text + "0" if text.endswith(".") else text

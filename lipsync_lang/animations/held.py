@@ -1,10 +1,9 @@
-"""One shape at a time, for programs that swap drawings and do not blend.
+"""Reduction of blended poses to one shape at a time, for programs that swap drawings.
 
-Of all ways to show one pose after the other, each for at least `HOLD`, the one is taken whose
-shown poses weigh most. So a shape that would only flicker makes room for its neighbours. The
-middle of a contact counts more than all that it can displace, so that lips which meet are seen to
-meet. An animation whose poses are shown wholly or not at all has been held already, and is taken as
-it is; where it has two contacts on one frame, the first pose is shown.
+Dynamic programming finds the sequence of poses with the largest total weight, with each pose shown
+for at least `HOLD` seconds. This removes flicker. The middle of a contact has a weight above all
+poses that it can displace, so that closed lips stay visible. An animation with only weights of 0
+and 1 is already held and is used as it is; of two contacts on one frame, the first pose is shown.
 """
 
 from collections.abc import Iterator
@@ -23,17 +22,17 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 HOLD = 0.1
-"""Seconds for which a shape is shown at least; a shorter one is a flicker."""
+"""Minimum duration of a shape in seconds; shorter shapes flicker."""
 
 REST = 0.25
-"""What the face at rest weighs: a pose below it does not stand out."""
+"""Weight of the neutral face; weaker poses are not shown."""
 
 NEAR = 1e-6
-"""Frames; closer times are the same."""
+"""Tolerance for equal times, in frames."""
 
 
 class HeldShape(NamedTuple):
-    """What is shown from one time to another, in seconds of the file's timeline."""
+    """A shape and its time span, in seconds of the output timeline."""
 
     name: str
     start: float
@@ -41,14 +40,14 @@ class HeldShape(NamedTuple):
 
 
 def held(animation: Animation, rest: str) -> list[HeldShape]:
-    """Return what is shown from 0 to the end of the sound.
+    """Return the sequence of shapes from 0 to the end of the sound.
 
-    The shapes follow each other without a gap, and no two neighbours are alike. What moves before
-    the timeline begins or after the sound has ended is cut.
+    The spans have no gaps, and neighbours differ. Movement before time 0 and after the end of the
+    sound is cut.
 
     Parameters
     ----------
-    rest : what the face at rest is called, if the animation has no name for it
+    rest : name of the neutral shape, if the animation does not define one
     """
     end = animation.offset + sound(animation)
     if end <= 0:
@@ -68,23 +67,23 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
 
 
 def sound(animation: Animation) -> float:
-    """Return how many seconds are spoken: those of the sound, or of the schedule without one."""
+    """Return the duration in seconds of the sound, or of the schedule without audio."""
     schedule = animation.schedule
     return schedule.end if schedule.audio is None else schedule.audio.seconds
 
 
 def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
-    """Return which pose is shown at each frame; P is the face at rest.
+    """Return the index of the shown pose at each frame; P is the neutral face.
 
     Parameters
     ----------
     weights : (T, P)
-    contacts : columns that must be seen
-    frames : how many a pose is shown for at least
+    contacts : columns that must stay visible
+    frames : minimum number of frames per pose
 
     Returns
     -------
-    (T,), whose runs have `frames` frames or more, but for a whole that has less
+    (T,) indices; each run has at least `frames` frames, unless T is smaller
     """
     count, poses = weights.shape
     least = min(frames, count)
@@ -94,7 +93,7 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
         if best[low] in contacts:
             score[(low + high) // 2, best[low]] += 4.0 * least
     total = np.vstack([np.zeros(poses + 1), np.cumsum(score, axis=0)])
-    # (t, p): the most that the first t frames weigh, if the last run shows p; where that begins
+    # (t, p): best total of the first t frames with a last run of p, and the start of that run
     worth = np.full((count + 1, poses + 1), -np.inf)
     began = np.zeros((count + 1, poses + 1), np.int64)
     lead, since = np.full(poses + 1, -np.inf), np.zeros(poses + 1, np.int64)
@@ -110,13 +109,13 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
         pose = int(worth[stop].argmax())
         start = int(began[stop, pose])
         shown[start:stop] = pose
-        worth[start, pose] = -np.inf  # what comes before is another
+        worth[start, pose] = -np.inf  # the pose before a run is a different one
         stop = start
     return shown
 
 
 def _best_other(worth: Floats, start: int) -> Floats:
-    """Return the best score of any other pose so far, for each pose."""
+    """Return, for each pose, the best score among all other poses."""
     if start == 0:
         return np.zeros(len(worth))
     second, first = np.argsort(worth, kind="stable")[-2:]
@@ -126,14 +125,14 @@ def _best_other(worth: Floats, start: int) -> Floats:
 
 
 def _runs(values: Ints) -> Iterator[tuple[int, int]]:
-    """Yield where each run of equal values begins and stops."""
+    """Yield the start and stop index of each run of equal values."""
     return pairwise([0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)])
 
 
 def _frames(animation: Animation, end: float) -> tuple[float, Floats]:
-    """Return when the weights between 0 and the end begin, and those; at rest where none are known.
+    """Return the first time and the weights between 0 and the end; rest fills unknown frames.
 
-    Of long rests there are only some frames: the others change nothing of what is shown.
+    Long rests are shortened, because extra frames of rest do not change the result.
     """
     fps = animation.fps
     room = 2 * _least(animation)
@@ -154,6 +153,6 @@ def _contacts(animation: Animation) -> list[int]:
 
 
 def _least(animation: Animation) -> int:
-    """Return how many frames a shape is shown for at least."""
+    """Return the minimum number of frames per shape."""
     drawn = np.isin(animation.weights, (0.0, 1.0)).all()
     return 1 if drawn else ceil(HOLD * animation.fps - NEAR)

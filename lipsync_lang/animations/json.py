@@ -1,4 +1,4 @@
-"""JSON, for programs: the curves, and the phonemes and words they belong to."""
+"""JSON for other programs: curves, phonemes and words."""
 
 import json
 from typing import TextIO

@@ -1,8 +1,8 @@
-"""Curves as keyframes: as few as keep to a stated error, joined by straight lines.
+"""Reduction of curves to linear keyframes within a maximum error.
 
-From a key, the longest line is drawn that passes no frame by more than the error and ends on a
-frame; there the next key is. What is held stays held: where a value repeats, both ends of the
-run are keys, so that a contact or a rest is as long and as deep as it was.
+The algorithm is greedy: from each key, the longest line within the error of all frames leads to the
+next key. Both ends of a run of equal values are always keys, so contacts and rests keep their exact
+duration and depth.
 """
 
 from functools import reduce
@@ -16,39 +16,38 @@ Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 ERROR = 0.005
-"""The most that a curve may stray, of the weight of a pose, where nothing else is asked for."""
+"""Default maximum error, in units of pose weight."""
 
 ROUNDING = 5e-5
-"""What of an error is kept back for the decimals of files, so that they keep to it as well."""
+"""Margin of the error for decimal rounding in files."""
 
 
 class Curve(NamedTuple):
-    """The keyframes of one channel."""
+    """Keyframes of one channel."""
 
     name: str
     frames: Ints
-    """(K,) numbers of frames, rising; the first and the last are keys."""
+    """(K,) frame numbers, increasing; the first and last frames are keys."""
     times: Floats
-    """(K,) seconds, as the animation has them."""
+    """(K,) seconds, as in the animation."""
     values: Floats
-    """(K,)"""
+    """(K,) weights."""
 
 
 def keyframes(times: Floats, values: Floats, error: float) -> Ints:
-    """Return which of T frames are keys.
+    """Return the indices of key frames.
 
     Parameters
     ----------
-    times, values : (T,) seconds, rising, and values of one curve
-    error : the most that a line between two keys may miss a frame between them by; 0 keeps all
-        frames but those on a straight line
+    times, values : (T,) increasing seconds, and values of one curve
+    error : maximum distance between a frame and the line; 0 drops only frames on a straight line
     """
     count = len(times)
     error = max(error - ROUNDING, 0.0)
     if count <= 2:  # noqa: PLR2004 both ends
         return np.arange(count)
     held = np.diff(values) == 0
-    ends = np.flatnonzero(np.diff(held)) + 1  # where a run of equal values begins or ends
+    ends = np.flatnonzero(np.diff(held)) + 1  # start or end of a run of equal values
     pinned = np.union1d([0, count - 1], ends)
     keys = [np.array([0])]
     for first, last in pairwise(pinned.tolist()):
@@ -58,9 +57,9 @@ def keyframes(times: Floats, values: Floats, error: float) -> Ints:
 
 
 def _chain(times: Floats, values: Floats, error: float) -> Ints:
-    """Return the keys after the first, of frames that do not hold."""
+    """Return the keys after the first, for a span without runs."""
     last = len(times) - 1
-    if last == 1 or values[0] == values[1]:  # a step, or a run that holds
+    if last == 1 or values[0] == values[1]:  # a step, or a run of equal values
         return np.array([last])
     at, level = times.tolist(), values.tolist()
     keys: list[int] = []
@@ -87,10 +86,10 @@ def curves(
 
     Parameters
     ----------
-    names : C channels
+    names : C channel names
     times : (T,) seconds
     weights : (T, C)
-    error : see `keyframes`; 0 keeps every frame that is not on a straight line
+    error : see `keyframes`; 0 drops only frames on a straight line
     """
     found = []
     for number, name in enumerate(names):
@@ -100,6 +99,6 @@ def curves(
 
 
 def needed(times: Floats, weights: Floats, error: float) -> Ints:
-    """Return which of T frames any channel needs, for formats that share their keyframes."""
+    """Return the indices of frames needed by any channel, for formats with shared keyframes."""
     ends = np.unique([0, len(times) - 1])
     return reduce(np.union1d, (keyframes(times, column, error) for column in weights.T), ends)

@@ -1,9 +1,8 @@
-"""Live Link Face, the capture app of Unreal Engine: what its importers take for a recorded face.
+"""CSV recordings of Live Link Face, the face capture app for Unreal Engine.
 
-A row per frame, and the columns of the app's own recordings in their order: a timecode
-`HH:MM:SS:FF.mmm`, whose last part is thousandths of a frame; how many values follow; the 52 shapes
-of ARKit; turns of the head and the eyes. Weights are clipped to 0 to 1. A timecode counts whole
-frames, so at 23.976 frames a second its seconds are 1.001 s long.
+One row per frame, in the column order of the app: a timecode `HH:MM:SS:FF.mmm` with thousandths of
+a frame, the number of values, the 52 ARKit shapes, and the rotations of head and eyes. Weights are
+clipped to 0 to 1. Timecode counts whole frames, so one timecode second at 23.976 fps lasts 1.001 s.
 """
 
 from collections.abc import Iterator
@@ -20,7 +19,7 @@ THOUSAND = 1000
 
 
 def remarks(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the file does not hold, and when the sound begins."""
+    """Yield warnings about omitted channels and a delayed sound."""
     return doubts(animation, names(HELD), PROGRAM)
 
 

@@ -1,10 +1,10 @@
-"""Switch data of Moho, which OpenToonz reads as lip sync data and Papagayo writes too.
+"""Switch data for Moho; OpenToonz and Papagayo use the same format.
 
-The first line is `MohoSwitch1`; each other is a number of a frame, from 1, and the name of the
-drawing that is shown from there on. The last line shows the face at rest, at the end of the sound.
-The file does not say how many frames a second has: they are the animation's, and the project in
-Moho must have as many. After the exporters of Rhubarb Lip Sync (github.com/DanielSWolf/
-rhubarb-lip-sync) and Papagayo (github.com/morevnaproject-org/papagayo-ng).
+The first line is `MohoSwitch1`. Each other line is a frame number, counted from 1, and the name of
+the drawing from that frame on. The last line shows the neutral face at the end of the sound. The
+file does not store the frame rate, so the Moho project must use the rate of the animation. Based on
+the exporters of Rhubarb Lip Sync (github.com/DanielSWolf/rhubarb-lip-sync) and Papagayo
+(github.com/morevnaproject-org/papagayo-ng).
 """
 
 from typing import TextIO
@@ -14,7 +14,7 @@ from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.held import held
 
 REST = "rest"
-"""What the face at rest is called where its character has no name for it."""
+"""Default name of the neutral drawing."""
 
 
 @writer("moho", suffix=".dat")

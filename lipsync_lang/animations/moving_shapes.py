@@ -1,4 +1,4 @@
-"""Which shapes of which meshes an animation moves, by the names that they have there."""
+"""Blend shapes moved by an animation, by mesh, with the names used in the model."""
 
 from collections import defaultdict
 from dataclasses import replace
@@ -15,20 +15,20 @@ Floats = npt.NDArray[np.float64]
 
 
 class MovingShape(NamedTuple):
-    """A shape, and how it moves."""
+    """A blend shape and its curve."""
 
     mesh: str
-    """The mesh that has it; empty where there is one mesh, or none is known."""
+    """Name of the mesh; empty for a single or unknown mesh."""
     name: str
     values: Floats
-    """(T,)"""
+    """(T,) weights."""
 
 
 def shapes(animation: Animation) -> list[MovingShape]:
-    """Return the shapes that move; bones are left out.
+    """Return the moving shapes, without bones.
 
-    Where the model is known, they are its own, in its own spelling, mesh by mesh. Else each column
-    is a shape of its name. Of two columns for one shape the larger counts.
+    With a known model, the result lists its shapes mesh by mesh, in the spelling of the model.
+    Otherwise each column is one shape. The larger of two columns for one shape is used.
     """
     columns: dict[tuple[str, str], list[int]] = defaultdict(list)
     for mesh, name, column in on_model(animation) or _by_name(animation):
@@ -38,14 +38,14 @@ def shapes(animation: Animation) -> list[MovingShape]:
 
 
 def keys(animation: Animation, found: list[MovingShape], tolerance: float) -> list[Curve]:
-    """Return the keyframes of each shape; see `Animation.keys`."""
+    """Return the keyframes of each shape; see `Animation.keyframes`."""
     names = tuple(shape.name for shape in found)
     values = np.column_stack([shape.values for shape in found])
     return replace(animation, poses=names, weights=values).keyframes(tolerance)
 
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:
-    """Return the shapes of the model, if one is known: mesh, name, and column."""
+    """Return mesh, shape name and column of each shape of a known model."""
     from lipsync_lang.rigs.model import read_model
     from lipsync_lang.rigs.names import on_mesh
 

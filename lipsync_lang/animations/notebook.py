@@ -1,4 +1,4 @@
-"""What notebooks show of an animation: its curves as a small inline SVG."""
+"""Notebook display of an animation: its curves as a small inline SVG."""
 
 from html import escape
 from typing import TYPE_CHECKING
@@ -9,19 +9,19 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
 
 WIDTH, HEIGHT = 720, 160
-"""Pixels of the drawing."""
+"""Size of the drawing in pixels."""
 
 MOST_POINTS = 720
-"""Points of a curve that are drawn, so that an hour's curves stay as light as a line's."""
+"""Maximum number of points per curve, to limit the size of long animations."""
 
 MOST_CURVES = 60
-"""Curves that are drawn: those that move most."""
+"""Maximum number of curves; those with the most movement are drawn."""
 
 
 def curves_html(animation: "Animation") -> str:
-    """Draw the curves over seconds, each in a colour of its own, with a legend below.
+    """Draw the curves over seconds in different colours, with a legend below.
 
-    Values run from 0 to 1 or, where a rig has wider ones, from the least to the greatest.
+    The vertical range is 0 to 1, or the range of the values if a rig exceeds it.
     """
     head = escape(repr(animation))
     if not len(animation):

@@ -1,7 +1,7 @@
-"""Frame rates as programs mean them, and timecode.
+"""Frame rates and timecode.
 
-Film and television write 23.976 and 29.97 for 24000/1001 and 30000/1001: over an hour the
-difference is a frame or more, so the fraction is taken.
+In film and television, 23.976 and 29.97 stand for 24000/1001 and 30000/1001. The exact fractions
+are used, because the rounded rates drift by a frame or more per hour.
 """
 
 import re
@@ -11,20 +11,20 @@ from math import isfinite
 from lipsync_lang.errors import LipsyncError
 
 NTSC = Fraction(1000, 1001)
-"""How much slower the rates of television are than the whole numbers they are named after."""
+"""Ratio of NTSC rates to their nominal whole rates."""
 
 NEAR = 0.006
-"""Frames per second; 23.98 is as near to 24000/1001 as it is written."""
+"""Tolerance in frames per second; wide enough for 23.98 as 24000/1001."""
 
 TIMECODE = re.compile(r"(\d{1,2}):([0-5]?\d):([0-5]?\d)([:;])(\d{1,3})")
-"""Hours, minutes, seconds and frames; a semicolon before these means drop-frame."""
+"""Hours, minutes, seconds and frames; a semicolon before the frames marks drop-frame."""
 
 DAY = 86_486.4
-"""Seconds; no timeline is longer than 24 hours of television's timecode."""
+"""Maximum timeline length in seconds: 24 hours of NTSC timecode."""
 
 
 def exact(fps: float) -> float:
-    """Return the rate that is meant: of 23.976, 29.97 or 59.94, the fraction."""
+    """Return the exact rate: a fraction for 23.976, 29.97 or 59.94."""
     if not isfinite(fps):
         return fps
     meant = float(round(fps / NTSC) * NTSC)
@@ -33,7 +33,7 @@ def exact(fps: float) -> float:
 
 
 def parse_rate(text: str) -> float:
-    """Read ``60``, ``23.976`` or ``24000/1001``."""
+    """Parse ``60``, ``23.976`` or ``24000/1001``."""
     try:
         return exact(float(Fraction(text) if "/" in text else text))
     except (ValueError, ZeroDivisionError, OverflowError):
@@ -43,14 +43,14 @@ def parse_rate(text: str) -> float:
 
 
 def timecode(frame: int, fps: float) -> str:
-    """Return the frame's ``HH:MM:SS:FF``, counted in whole frames and without drop-frame."""
+    """Format a frame as ``HH:MM:SS:FF``, in whole frames without drop-frame."""
     rate = round(fps)
     seconds, frames = divmod(frame, rate)
     return f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}:{frames:02d}"
 
 
 def parse_offset(text: str, fps: float) -> float:
-    """Read seconds, or the timecode of a frame at a rate, as seconds."""
+    """Parse an offset in seconds or timecode, and return seconds."""
     found = TIMECODE.fullmatch(text)
     try:
         seconds = _frame(text, found, round(fps)) / fps if found else float(text)
@@ -64,7 +64,7 @@ def parse_offset(text: str, fps: float) -> float:
 
 
 def _frame(text: str, found: re.Match[str], rate: int) -> int:
-    """Return the number of a timecode's frame."""
+    """Return the frame number of a timecode."""
     hours, minutes, seconds, frames = (int(found[at]) for at in (1, 2, 3, 5))
     if frames >= rate:
         raise LipsyncError(f"--offset {text}: a second has frames 0 to {rate - 1} here")

@@ -1,9 +1,9 @@
-"""Rhubarb Lip Sync's three files of mouth shapes, for whatever reads its own.
+"""The three output formats of Rhubarb Lip Sync: TSV, XML and JSON.
 
-After its README and exporters (github.com/DanielSWolf/rhubarb-lip-sync): shapes A to H, and X for
-a mouth at rest; times in seconds with two decimals, from 0 to the end of the sound; each shape ends
-where the next one starts. `soundFile` is what was spoken, as messages call it: the name of the
-sound that is written beside is not known here.
+Based on its README and exporters (github.com/DanielSWolf/rhubarb-lip-sync). Shapes are A to H, and
+X for rest. Times are seconds with two decimals, from 0 to the end of the sound; each shape ends at
+the start of the next. `soundFile` is the source of the schedule, because the name of the output
+audio file is unknown here.
 """
 
 import json
@@ -71,12 +71,12 @@ def write_json(animation: Animation, out: TextIO) -> None:
 
 
 def _known() -> list[str]:
-    """Return the names of the shapes, that of the mouth at rest last."""
+    """Return the shape names, with the rest shape last."""
     return NAMES.read_text("utf-8").split()
 
 
 def _shapes(animation: Animation) -> list[HeldShape]:
-    """Return what is shown, by Rhubarb's names, however the animation capitalises them."""
+    """Return the held shapes under Rhubarb's names, ignoring case."""
     known = {name.casefold(): name for name in _known()}
     others = [pose for pose in animation.poses if pose.casefold() not in known]
     if others:
@@ -90,5 +90,5 @@ def _shapes(animation: Animation) -> list[HeldShape]:
 
 
 def _printable(text: str) -> str:
-    """Return a text without the characters that XML 1.0 has no way to write."""
+    """Remove the characters that XML 1.0 cannot represent."""
     return "".join(c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in text)

@@ -1,11 +1,10 @@
-"""Behaviour markup for SmartBody: the curves of one spoken line.
+"""SmartBody speech markup (BML): the curves of one spoken line.
 
-After `sbm_speech_audiofile.cpp` and the lines that come with SmartBody: `<curves>` holds a
-`<curve>` for each viseme, whose text is four numbers a key (seconds of the sound, weight, and two
-slopes, which it does not use); keys may lie below zero. `<sync>` marks say when words begin and
-end. The file goes beside a sound of the same name, and is played by `<speech ref="NAME"/>` where
-the character's visemes are set to curves. Keys are joined by straight lines, unless the character
-asks for splines.
+Based on `sbm_speech_audiofile.cpp` and the sample lines of SmartBody. `<curves>` holds a `<curve>`
+per viseme, with four numbers per key: seconds of the sound, weight, and two unused slopes. Keys may
+have negative times. `<sync>` marks are the start and end of words. The file belongs next to an
+audio file of the same name and is played by `<speech ref="NAME"/>`, for characters with visemes in
+curve mode. Interpolation is linear, unless the character requests splines.
 """
 
 from collections.abc import Iterator
@@ -19,7 +18,7 @@ from lipsync_lang.animations.keys import ERROR, Curve
 
 
 def remarks(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the file does not hold."""
+    """Yield warnings about channels that the file omits."""
     return boneless(animation, "SmartBody")
 
 
@@ -49,5 +48,5 @@ def _curve(curve: Curve, shift: float) -> str:
 
 
 def _known(text: str) -> str:
-    """Return a text without the characters that XML has no way to write."""
+    """Remove the characters that XML cannot represent."""
     return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)

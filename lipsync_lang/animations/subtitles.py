@@ -1,8 +1,8 @@
-"""Subtitles: one cue for each word, from its first phoneme to the end of its last.
+"""Subtitles: one cue per word, from the start of its first phoneme to the end of its last.
 
-SubRip (.srt) has no specification; its cues are numbered, times are `HH:MM:SS,mmm`, and text is
-taken as it stands. WebVTT (.vtt) is www.w3.org/TR/webvtt1: times are `HH:MM:SS.mmm`, and `&`, `<`
-and `>` are escaped. What is spoken before the timeline begins is cut.
+SubRip (.srt) has no specification: cues are numbered, times are `HH:MM:SS,mmm`, and text is not
+escaped. In WebVTT (.vtt, www.w3.org/TR/webvtt1), times are `HH:MM:SS.mmm`, and `&`, `<` and `>` are
+escaped. Speech before time 0 is cut.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.errors import OutputError
 
 ARROW = "-->"
-"""What parts the two times of a cue, and so may not stand within its text."""
+"""Separator between the two times of a cue; not allowed within its text."""
 
 
 class _Cue(NamedTuple):
@@ -41,7 +41,7 @@ def write_vtt(animation: Animation, out: TextIO) -> None:
 
 
 def _cues(animation: Animation) -> Iterator[_Cue]:
-    """Yield the words that are on the timeline; each lasts a millisecond at least."""
+    """Yield the cues of words on the timeline; the minimum duration is 1 ms."""
     schedule = animation.schedule
     if not schedule.words:
         raise OutputError(

@@ -1,11 +1,11 @@
-"""An animation clip of Unity, as its editor stores one in text.
+"""A Unity animation clip, in the text serialisation of the editor.
 
-After clips of Unity 2018 and later (`AnimationClip`, serialized version 6): a curve for each blend
-shape, whose attribute is `blendShape.` and the shape's name; class 137 is SkinnedMeshRenderer.
-Weights are percent. `path` leads from the object that has the Animator to the one with the mesh: it
-is the mesh's name where there are several, else empty. Keys are broken and linear on both sides
-(tangent mode 69), their slopes percent a second. What the editor derives from the curves (its own
-copy of them, bindings) is left for it to make. A clip has no time below zero.
+Based on clips of Unity 2018 and later (`AnimationClip`, serialized version 6). Each blend shape has
+a curve with the attribute `blendShape.<name>` (class 137: SkinnedMeshRenderer). Weights are in
+percent. `path` leads from the Animator object to the mesh object: the mesh name for models with
+several meshes, else empty. Keys have broken linear tangents (mode 69); slopes are percent per
+second. Derived data, such as editor curves and bindings, is omitted because Unity rebuilds it.
+Clips have no negative time.
 """
 
 import re
@@ -25,7 +25,7 @@ PERCENT = 100
 PLAIN = re.compile(
     r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*", re.ASCII | re.IGNORECASE
 )
-"""What YAML takes for text as it stands."""
+"""Text that YAML accepts without quotes."""
 
 HEAD = """\
 %YAML 1.1
@@ -114,7 +114,7 @@ TAIL = """\
 
 
 def remarks(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the clip does not hold, and when the sound begins."""
+    """Yield warnings about omitted channels and a delayed sound."""
     yield from unplaced(animation)
     yield from boneless(animation, PROGRAM)
     yield from late(animation, PROGRAM)
@@ -148,12 +148,12 @@ def _keys(curve: Curve) -> str:
 
 
 def _number(value: float) -> str:
-    """Write a number without a needless end, and without a minus that means nothing."""
+    """Format a number without trailing zeros or a negative zero."""
     return f"{value + 0.0:.9g}"
 
 
 def _text(text: str) -> str:
-    """Write text for YAML: as it stands, or with every letter that is not plain escaped."""
+    """Format text for YAML: plain if possible, else quoted and escaped."""
     return text if not text or PLAIN.fullmatch(text) else f'"{"".join(map(_letter, text))}"'
 
 

@@ -1,11 +1,10 @@
-"""A curve table of Unreal Engine, as its editor imports it from CSV.
+"""An Unreal Engine curve table, for CSV import in the editor.
 
-After `UCurveTable::CreateTableFromCSVString`: the first row names the times, every other row is a
-curve with a value at each of them; the first cell of a row is its name, and that of the first row
-counts for nothing. Names are not told apart by capitals, and a table that repeats one is refused.
-Whether curves are straight between their keys is asked at the import: choose `Linear`. Times are
-seconds of the sound, so a table may begin below zero. Lines end as Windows ends them, which the
-importers of older versions need.
+Based on `UCurveTable::CreateTableFromCSVString`. The first row holds the times, and every other row
+is a curve. The first cell of a row is its name; the first cell of the first row is ignored. Names
+are case-insensitive, and duplicates are rejected. The import dialog sets the interpolation; choose
+`Linear`. Times are seconds of the sound and may be negative. Line ends are CRLF, as required by the
+importers of older versions.
 """
 
 import csv

@@ -1,9 +1,9 @@
 """Universal Scene Description: a SkelAnimation of blend shapes, as text.
 
-The animation alone: a model's own file binds it by `skel:animationSource`, and shapes are found by
-name (openusd.org, "UsdSkel schemas"). A time code is a frame, so that rates such as 24000/1001 stay
-exact, and the sound begins at time code 0, or at the offset; what the mouth does before that has
-time codes below. Every sample holds the weights of all shapes.
+The file holds only the animation; the model binds it by `skel:animationSource` and matches shapes
+by name (openusd.org, "UsdSkel schemas"). Time codes are frames, so rates such as 24000/1001 stay
+exact. The sound starts at time code 0 plus the offset; earlier movement has lower time codes. Every
+sample holds the weights of all shapes.
 """
 
 from collections import defaultdict
@@ -23,11 +23,11 @@ from lipsync_lang.errors import OutputError
 Floats = npt.NDArray[np.float64]
 
 NAME = "Speech"
-"""The animation's prim."""
+"""Name of the animation prim."""
 
 
 def doubts(animation: Animation) -> Iterator[str]:
-    """Yield, in words, what the file does not hold."""
+    """Yield warnings about channels that the file omits."""
     yield from unplaced(animation)
     yield from boneless(animation, "a .usda")
 
@@ -61,7 +61,7 @@ def write_usd(animation: Animation, out: TextIO) -> None:
 
 
 def _columns(animation: Animation) -> dict[str, Floats]:
-    """Return how each shape moves, by its name: USD knows no meshes here."""
+    """Return the curve of each shape by name; meshes are merged, as USD matches by name only."""
     moves: dict[str, list[Floats]] = defaultdict(list)
     for shape in shapes(animation):
         moves[shape.name].append(shape.values)
@@ -75,7 +75,7 @@ def _columns(animation: Animation) -> dict[str, Floats]:
 
 
 def _code(frame: float) -> str:
-    """Return a time code: a frame's number, and a fraction of it where frames lie between."""
+    """Format a time code: a frame number, with a fraction if needed."""
     return f"{round(frame, 6) + 0.0:.6f}".rstrip("0").rstrip(".")
 
 

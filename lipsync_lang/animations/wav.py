@@ -1,4 +1,4 @@
-"""The sound itself, beside its curves."""
+"""Audio of the speech as a WAV file."""
 
 import wave
 from typing import BinaryIO

@@ -1,1 +1,1 @@
-"""Performing: a performer, what it reads of a schedule, and why each frame stands as it does."""
+"""Performing: the performer, its label reader, and explanations of frames."""

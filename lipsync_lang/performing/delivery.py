@@ -1,7 +1,7 @@
-"""How a line is delivered: which styles are heard and how far each region moves, over time.
+"""Delivery of a line: style shares and region levels over time.
 
-A character has a manner of its own, a line of it may differ, and a call has the last word. Packs
-count time in words, so that a new recording changes nothing; a call counts it in seconds.
+Settings of a call override those of the line, which override those of the character. Packs measure
+time in words, so that their settings apply to any recording; calls measure time in seconds.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 Points = Sequence[Sequence[float]]
-"""Pairs of time and level, times never falling."""
+"""Pairs of time and level, with non-decreasing times."""
 
 Levels = Mapping[str, "float | Points"]
-"""By name, a level that stays, or points of seconds and level."""
+"""A constant level, or points of seconds and level, by name."""
 
 MOST = {"style": 1.0, "dial": 2.0}
-"""The highest share of a style, and the highest level of a dial."""
+"""Maximum share of a style, and maximum level of a dial."""
 
 
 def delivery(
@@ -34,17 +34,17 @@ def delivery(
     styles: Levels | None,
     dials: Levels | None,
 ) -> tuple[tuple[Blend, ...], tuple[Dial, ...]]:
-    """Say which styles are blended in and which regions are scaled.
+    """Return the style blends and region dials of a line.
 
     Parameters
     ----------
-    line : the name of a line that may have a manner of its own
-    styles, dials : what the call asks for, over what the character and the line do
+    line : name of a line with optional settings of its own
+    styles, dials : settings of the call; they override those of the character and the line
 
     Raises
     ------
     LipsyncError
-        A style or a region is unknown, a level out of range, or a word beyond the line.
+        A style or region is unknown, a level is out of range, or a word is beyond the line.
     """
     own = [compiled.delivery, compiled.line_deliveries.get(line or "", {})]
     known_styles, poses = tuple(compiled.style_origins), len(compiled.poses)
@@ -68,11 +68,11 @@ def _levels(
     asked: Levels,
     known: "Sequence[str] | Mapping[str, object]",
 ) -> dict[str, Level]:
-    """Return every level by name, the later statement over the earlier."""
+    """Merge the levels by name; later settings override earlier ones."""
     found = {}
     for stated in own:
         for name, points in stated.get(f"{what}s", {}).items():
-            if name in known:  # what is not was warned of when the packs were read
+            if name in known:  # unknown names already caused a warning while reading the packs
                 found[name] = _spoken(name, points, schedule)
     for stated_name, level in asked.items():
         name = spelled(stated_name, known)
@@ -87,7 +87,7 @@ def _called(what: str) -> str:
 
 
 def _timed(what: str, name: str, level: "float | Points") -> Level:
-    """Return the level that a call asks for."""
+    """Return the level for a setting of a call, in seconds."""
     points = [(0.0, level)] if isinstance(level, (int, float)) else [tuple(p) for p in level]
     most = MOST[what]
     for point in points:
@@ -104,7 +104,7 @@ def _timed(what: str, name: str, level: "float | Points") -> Level:
 
 
 def _spoken(name: str, points: Points, schedule: "Schedule") -> Level:
-    """Return a level that a pack states over the words of a line."""
+    """Convert a level from a pack from words of a line to seconds."""
     values = np.array([value for _, value in points], np.float64)
     if len(points) == 1:
         return Level(np.zeros(1), values)
@@ -112,7 +112,7 @@ def _spoken(name: str, points: Points, schedule: "Schedule") -> Level:
 
 
 def _second(name: str, at: float, schedule: "Schedule") -> float:
-    """Return when so many words are spoken, and a part of the next."""
+    """Convert a position in words, with a fraction, to seconds."""
     words, times = schedule.words, schedule.times
     if at > len(words):
         raise LipsyncError(

@@ -1,7 +1,7 @@
-"""Edits of words and lines: addressed by what is said, never by seconds.
+"""Curve edits of words and lines, addressed by word and phoneme.
 
-So they survive a new recording: word 2 is the third word wherever it falls, and phoneme 0 of it
-its first sound, pauses not counted.
+The addresses do not depend on time, so edits apply to any recording: word 2 is the third word, and
+its phoneme 0 is its first sound. Pauses are not counted.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 Curves = Mapping[str, Sequence[Sequence[float]]]
-"""Control points by pose."""
+"""Control points of each pose."""
 
 
 def overlays(
     compiled: "Compiled", schedule: "Schedule", silent: Sequence[bool], line: str | None
 ) -> tuple[Overlay, ...]:
-    """Find what a character says in its own way in a schedule.
+    """Find the edits of a character that apply to a schedule.
 
     Parameters
     ----------
-    silent : for each scheduled phoneme, whether it is silence
-    line : the name of the line, whose own edits lie over the character's words
+    silent : True for each scheduled phoneme that is silence
+    line : name of the line; its edits override the word edits of the character
 
     Raises
     ------
     LipsyncError
-        The character has no edits of that line, or they name a word or phoneme that is not there.
+        The character has no edits of the line, or an edit names a missing word or phoneme.
     """
     if line is not None and line not in compiled.line_edits:
         raise LipsyncError(
@@ -67,7 +67,7 @@ def _laid(
 def _span(
     here: str, schedule: "Schedule", silent: Sequence[bool], edit: Mapping[str, Any]
 ) -> tuple[int, int]:
-    """Return the scheduled phonemes an edit covers: a phoneme, a word, or the whole line."""
+    """Return the scheduled phonemes of an edit: a phoneme, a word, or the whole line."""
     first, stop = 0, len(schedule)
     if edit.get("word") is not None:
         if edit["word"] >= len(schedule.words):

@@ -1,4 +1,4 @@
-"""Labels of a schedule, read: their notation, and the common phonemes that they stand for."""
+"""Label reader: detects the notation of a schedule and maps its labels to common phonemes."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Compiled
 
 Unknown = Literal["error", "rest", "nearest"]
-"""Ways to treat labels that no notation maps; the `nearest` are those of IPA by their features."""
+"""Treatments of unmapped labels; `nearest` maps IPA by phonetic features."""
 
 
 @dataclass(frozen=True, eq=False)
 class LabelReader:
-    """The notations of a resolved language, ready to read any schedule.
+    """The notations of a resolved language, for reading any schedule.
 
     Parameters
     ----------
-    compiled : the language-character pair
-    unknown : an `error` for labels that no notation maps, `rest`, or, of IPA, the `nearest`
-    paths : folders to search for packs before all others, where a message needs some
+    compiled : compiled language-character pair
+    unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only)
+    paths : folders with priority in pack searches, for message hints
     """
 
     compiled: "Compiled"
@@ -41,12 +41,12 @@ class LabelReader:
     paths: tuple[Path, ...] = ()
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
-        """Map a schedule's labels to common phonemes.
+        """Map the labels of a schedule to common phonemes.
 
         Returns
         -------
-        (m,) numbers of common phonemes, (m + 1,) boundaries in seconds, (m,) the index of the
-        scheduled phoneme each came from
+        (m,) common phoneme numbers, (m + 1,) boundaries in seconds, and (m,) indices of the source
+        phonemes in the schedule
         """
         values = self._values(schedule)
         if all(len(value) == 1 for value in values):
@@ -71,10 +71,10 @@ class LabelReader:
         return np.array(ids), np.array([*starts, times[-1]]), np.array(source)
 
     def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
-        """Return what features alone made of a schedule's labels: each that no pack maps, once.
+        """Return the labels mapped only by phonetic features, without duplicates.
 
-        The common phonemes with their shares, what of the label is not shown, and how far it is
-        from what is. Empty for a language that maps all its labels itself.
+        Each value holds the common phonemes with their shares, the features that are not shown, and
+        the phonetic distance. The result is empty for a language with a complete mapping.
         """
         notation, near = self.notation(schedule), self.near
         if near is None or notation.nearest is None:
@@ -84,7 +84,7 @@ class LabelReader:
         return {label: nearest for label, nearest in found.items() if not nearest.unknown}
 
     def _values(self, schedule: Schedule) -> list[Value]:
-        """Return what each label stands for, words of the language's own said its way."""
+        """Return the value of each label; whole-word entries of the language take precedence."""
         notation = self.notation(schedule)
         values = self._found(schedule, notation)
         own = self.compiled.words if schedule.language == self.compiled.language else {}
@@ -99,13 +99,13 @@ class LabelReader:
         return [rest if value is None else value for value in values]
 
     def classes(self, schedule: Schedule) -> list[str]:
-        """Return the class of each label's first sound; nothing for silence."""
+        """Return the sound class of each label's first sound; empty for silence."""
         kinds, silence = self.compiled.manner["kinds"], self.compiled.phonemes[0]
         firsts = [value[0][0] if value else silence for value in self._values(schedule)]
         return ["" if name == silence else kinds.get(name) or "sound" for name in firsts]
 
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
-        """Return what the notation says of each label, and of unknown IPA what is asked for."""
+        """Look up each label in a notation, with the requested treatment of unknown IPA."""
         values = [notation.find(label) for label in schedule.labels]
         wanted = self.unknown == "nearest" and notation is self.notations.get(IPA)
         near = self._hints if wanted and None in values else None
@@ -117,7 +117,7 @@ class LabelReader:
         ]
 
     def notation(self, schedule: Schedule) -> Notation:
-        """Return the notation of a schedule's labels: the one it states, else the likeliest."""
+        """Return the notation of the schedule: as stated, or the most likely one."""
         name = schedule.notation
         if name is None:
             name = self._recognised.get(schedule)
@@ -135,7 +135,7 @@ class LabelReader:
 
     @cached_property
     def notations(self) -> dict[str, Notation]:
-        """The notations of the language and of mouth shapes, by name."""
+        """Notations of the language and of mouth shapes, by name."""
         silence: Value = ((self.compiled.phonemes[0], 1.0),)
         near = self.near.value if self.near is not None else None
         tables = {**self.compiled.visemes, **self.compiled.notations}
@@ -144,7 +144,7 @@ class LabelReader:
 
     @cached_property
     def near(self) -> "NearestPhonemes | None":
-        """The nearest phonemes by features; None for a language that maps its labels itself."""
+        """Nearest phonemes by features; None for a language with a complete mapping."""
         from lipsync_lang.phonology.nearest import NearestPhonemes
 
         data = self.compiled.nearest
@@ -152,7 +152,7 @@ class LabelReader:
 
     @cached_property
     def _hints(self) -> "NearestPhonemes | None":
-        """What finds the nearest for messages alone: it is read only once something is wrong."""
+        """Nearest phonemes for error messages; loaded only after an error."""
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 
         return self.near or among_shared(self.compiled.phonemes[1:], self.paths)
@@ -166,7 +166,7 @@ class LabelReader:
         return WeakKeyDictionary()
 
     def _hint(self, label: str, notation: str) -> str:
-        """Say which label may be meant, what one of the IPA is nearest to, or why it is none."""
+        """Return a hint for an unknown label: a similar label, or the nearest IPA phoneme."""
         known = self.notations[notation]
         hints = [known.suggest(label)] if known.table else []
         near = self._hints if notation == IPA else None
@@ -195,9 +195,9 @@ class LabelReader:
 
 
 def _spread(sounds: tuple[str, ...], count: int) -> list[Value]:
-    """Share a word's common phonemes out over the labels it was given, in order.
+    """Distribute the common phonemes of a word over its labels, in order.
 
-    A sound that lasts over several labels is stated at the first; the others add their time to it.
+    If a sound spans several labels, the first label holds it, and the others extend it.
     """
     cuts = [round(i * len(sounds) / count) for i in range(count + 1)]
     spread: list[Value] = []

@@ -1,8 +1,7 @@
-"""How loud each sound of a line is, and how far that moves the mouth.
+"""Dials from loudness: louder sounds move the mouth further.
 
-A vowel is louder than a stop in any voice, so each sound is compared with the others of its class
-in the same line: what is above their median is stressed, what is below is said in passing. How
-loud the whole line is does not count; that depends on the microphone.
+Vowels are always louder than stops, so each sound is compared with the median of its sound class in
+the same line, in decibels. The overall volume has no effect, because it depends on the microphone.
 """
 
 from collections.abc import Sequence
@@ -24,16 +23,16 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
 
 MOST = 2.0
-"""The most that loudness may be asked to count; 1 is as the pose set says."""
+"""Maximum intensity; 1 is the setting of the pose set."""
 
 SPAN = 9.0
-"""Decibels from the usual loudness at which a region moves least, or most."""
+"""Difference from the median in decibels at the minimum and maximum level."""
 
 FLOOR = 1.0
-"""The amplitude of int16 samples that is taken for nothing."""
+"""Amplitude of int16 samples that counts as silence; avoids the logarithm of 0."""
 
 _NEAR = (0.25, 0.5, 0.25)
-"""What a sound's level takes of the one before, itself, and the one after."""
+"""Smoothing weights of the previous, current and next sound."""
 
 
 def loudness_dial(
@@ -42,17 +41,17 @@ def loudness_dial(
     classes: "Callable[[], Sequence[str]]",
     intensity: float,
 ) -> Dial | None:
-    """Return how loudness scales what the pose set lets it scale; None where nothing is to be.
+    """Return the dial for loudness; None if the intensity is 0.
 
     Parameters
     ----------
-    classes : gives the class of each phoneme's sound, (n,); empty for silence
-    intensity : 0 not at all, 1 as the pose set says, 2 twice that
+    classes : function for the sound class of each phoneme, (n,); empty for silence
+    intensity : 0 for no effect, 1 for the setting of the pose set, 2 for twice that
 
     Raises
     ------
     LipsyncError
-        The number is out of range, the pose set names no region, or there is no sound.
+        The intensity is out of range, the pose set names no region, or the schedule has no audio.
     """
     if not 0 <= intensity <= MOST:
         raise LipsyncError(f"intensity {intensity:g}: give a number from 0 to {MOST:g}")
@@ -84,9 +83,9 @@ def levels(
     intensity: float,
     limits: tuple[float, float],
 ) -> Level:
-    """Return the level over time: 1 where a sound is as loud as its like, else within limits.
+    """Return the level over time: 1 at the median loudness of the sound class, within limits.
 
-    Its points lie in the middle of the sounds, with straight lines between.
+    The points are at the middle of each sound, with linear interpolation between them.
     """
     sounding = np.array([bool(one) for one in classes])
     if not sounding.any():
@@ -100,7 +99,8 @@ def levels(
 
 
 def _decibels(audio: "Audio", times: Floats) -> Floats:
-    """Return the loudness of each span of the sound: (n,); nothing where there is no sound."""
+    """Return the loudness of each scheduled span in decibels: (n,); 0 for silence."""
+    # A cumulative sum gives the power of every span without a loop over spans.
     power = np.concatenate([[0.0], np.cumsum(audio.samples.astype(np.float64) ** 2)])
     at = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
     counts = np.maximum(np.diff(at), 1)
@@ -108,16 +108,17 @@ def _decibels(audio: "Audio", times: Floats) -> Floats:
 
 
 def _above(decibels: Floats, classes: "npt.NDArray[np.str_]", sounding: Bools) -> Floats:
-    """Return by how much each sound is louder than those of its class: (n,), 0 in silence."""
+    """Return each loudness relative to the median of its class: (n,) decibels; 0 in silence."""
     out = np.zeros(len(decibels))
     for one in set(classes[sounding]):
         here = classes == one
+        # The median is robust against a few stressed sounds.
         out[here] = decibels[here] - np.median(decibels[here])
     return out
 
 
 def _smooth(values: Floats, sounding: Bools) -> Floats:
-    """Even out neighbours within a run of sounds."""
+    """Smooth neighbouring values within each run of sounds."""
     out = values.copy()
     cuts = np.flatnonzero(np.diff(sounding)) + 1
     for low, high in pairwise([0, *cuts, len(values)]):

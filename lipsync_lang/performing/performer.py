@@ -1,4 +1,4 @@
-"""A performer: a resolved language-character pair, ready for any schedule."""
+"""Performer: a resolved language-character pair that animates schedules."""
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -38,34 +38,34 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 FASTEST = 1000.0
-"""Most frames per second; beyond it the number is a mistake."""
+"""Maximum frame rate in frames per second; larger values are mistakes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Performer:
-    """What `resolve` returns."""
+    """A resolved language-character pair, ready to perform schedules."""
 
     compiled: "Compiled"
     motion: Motion
     unknown: Unknown = "error"
-    """What becomes of labels no notation maps: an `error`, `rest`, or, of IPA, the `nearest`."""
+    """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only)."""
     paths: tuple[Path, ...] = ()
-    """Folders and files that were searched for packs before all others."""
+    """Folders and files with priority in pack searches."""
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)
 
     def __repr__(self) -> str:
-        """Say in one line whose performer it is."""
+        """Summarise the performer in one line."""
         counts = f"{len(self.compiled.phonemes) - 1} common phonemes, {len(self.poses)} poses"
         return f"<Performer {self.language} on {self.character}: {counts}>"
 
     def _repr_html_(self) -> str:
-        """Show notebooks the report."""
+        """Show the report in notebooks."""
         return f"<pre>{escape(str(self.report))}</pre>"
 
     def __getstate__(self) -> dict[str, object]:
-        """Pickle what it was made of; what it worked out since is worked out again."""
+        """Pickle only the fields; cached properties are computed again after loading."""
         return {f.name: getattr(self, f.name) for f in fields(self)}
 
     @property
@@ -80,28 +80,28 @@ class Performer:
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """Pose names, in the order of an animation's columns."""
+        """Pose names, in column order of an animation."""
         return self.compiled.poses
 
     @property
     def model(self) -> Path | None:
-        """The model file that the character names, or else its pose set."""
+        """Model file of the character, or of its pose set."""
         return Path(self.compiled.model) if self.compiled.model is not None else None
 
     @cached_property
     def channels(self) -> "tuple[Channel, ...]":
-        """What each pose is on a model; a rig's own channels come with `rigged`."""
+        """Channel of each pose on a model; `rigged` provides the channels of a rig."""
         from lipsync_lang.rigs.driver import bare
 
         return bare(self.poses, self.compiled.pose_names)
 
     @property
     def report(self) -> "Report":
-        """What of this pair comes from which layer."""
+        """Origin of every bigram of this pair, by layer."""
         return self.compiled.report
 
     def with_motion(self, change: "Mapping[str, object] | str | None") -> Self:
-        """Return this performer with some motion settings changed."""
+        """Return a copy with changed motion settings."""
         from lipsync_lang.resolver.settings import motion_with
 
         return replace(self, motion=motion_with(self.motion, change))
@@ -121,21 +121,21 @@ class Performer:
         Parameters
         ----------
         schedule : timed phonemes in any notation of the language
-        fps : output frames per second, from 1 to 1000; 23.976 and 29.97 mean their fractions
-        line : the name of a line, where the character has something of its own for it
-        styles : by name, the share of a style over neutral, from 0 to 1
-        dials : by region, how far its poses move: 0 not at all, 1 as usual, 2 twice as far;
-            shares and levels alike may be points of seconds and number instead
-        intensity : how much loudness moves the mouth, beside the dials: 0 not at all, 1 as the
-            pose set says, up to 2; the schedule must have its sound
+        fps : output frames per second, from 1 to 1000; 23.976 and 29.97 stand for their fractions
+        line : name of a line with edits or settings in the character
+        styles : share of each style over neutral, from 0 to 1
+        dials : level of each region: 0 for no movement, 1 for normal, 2 for twice as far; shares
+            and levels may also be points of seconds and value
+        intensity : effect of loudness on movement, on top of the dials: 0 for none, 1 for the
+            setting of the pose set, up to 2; requires a schedule with audio
 
         Raises
         ------
         ScheduleError
             A label is in no notation of the language.
         LipsyncError
-            A style, a region or a line is unknown here; or loudness has nothing to move, or
-            nothing to be taken from.
+            A style, region or line is unknown; or `intensity` is set, but the schedule has no audio
+            or the pose set names no region for loudness.
 
         Examples
         --------
@@ -164,15 +164,15 @@ class Performer:
         )
 
     def rigged(self, animation: Animation) -> Animation:
-        """Drive the character's model: an animation of its rig's channels in place of poses.
+        """Convert an animation of poses to an animation of the model's rig channels.
 
-        The same times; values of bones are degrees or units of length. A character without a rig,
-        or an animation that is rigged already, stays as it is.
+        Times do not change. Bone values are degrees or units of length. Without a rig, or for an
+        animation already rigged, the result is the input.
 
         Raises
         ------
         LipsyncError
-            The animation is of other poses.
+            The animation has different poses.
         """
         driver = self._driver
         if driver is None or animation.channels == driver.channels:
@@ -202,7 +202,7 @@ class Performer:
         dials: "Levels | None" = None,
         intensity: float = 0.0,
     ) -> Performance:
-        """Prepare a performance whose stages can be looked at one by one; see `perform`."""
+        """Prepare a performance with access to each stage; see `perform`."""
         if not 1 <= fps <= FASTEST:
             raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
         fps = exact(fps)
@@ -222,31 +222,31 @@ class Performer:
         )
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
-        """Say why each pose of an animation of this performer stands where it stands at a time."""
+        """Explain the weight of each pose at a time in an animation of this performer."""
         from lipsync_lang.performing.trace import explain
 
         return explain(animation, seconds)
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
-        """Map a schedule's labels to common phonemes; see `LabelReader.common_phonemes`."""
+        """Map the labels of a schedule to common phonemes; see `LabelReader.common_phonemes`."""
         return self.labels.common_phonemes(schedule)
 
     def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
-        """Return the labels that features alone mapped; see `LabelReader.automatic`."""
+        """Return the labels mapped only by features; see `LabelReader.automatic`."""
         return self.labels.automatic(schedule)
 
     def notation(self, schedule: Schedule) -> Notation:
-        """Return the notation of a schedule's labels: the stated one, else the likeliest."""
+        """Return the notation of the schedule: as stated, or the most likely one."""
         return self.labels.notation(schedule)
 
     @cached_property
     def labels(self) -> LabelReader:
-        """The reader of schedules' labels."""
+        """Label reader of the language."""
         return LabelReader(self.compiled, self.unknown, self.paths)
 
     @cached_property
     def speaker(self) -> "Speaker":
-        """The language, ready to read and speak text; its character's words included."""
+        """Text-to-speech of the language, with the pronunciations of the character."""
         from lipsync_lang.phonology.manner import Manner
         from lipsync_lang.speech.speaking import Speaker
 
@@ -256,7 +256,7 @@ class Performer:
 
     @cached_property
     def _driver(self) -> "Driver | None":
-        """What drives the character's model; None where it has no rig."""
+        """Driver of the character's model; None without a rig."""
         from lipsync_lang.rigs.driver import Driver
 
         data, floors = self.compiled.rig, self.compiled.tables.floors

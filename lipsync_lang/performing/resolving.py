@@ -1,15 +1,15 @@
-"""Resolve: a language and a character become a performer.
+"""Resolution of a language and a character into a performer.
 
-Every ordered pair of the language's common phonemes is looked up in layers; the first that has
-it wins, and the performer remembers where it came from:
+Each ordered pair of common phonemes of the language is looked up in layers. The first match is used
+and recorded as the origin of the bigram:
 
 1. the character's own bigrams and banks,
 2. the language's banks for this pose set,
 3. the pose set's shared banks,
-4. the same pair, an added phoneme replaced by what it is `like`, in 1 to 3,
+4. the same pair with added phonemes replaced by their `like` phonemes, in layers 1 to 3,
 5. a draft from the pose set's phoneme targets.
 
-What still has none is a gap, named; it is performed as rest only when the caller says so.
+Pairs without a match are gaps. They are errors by default, or rest on request.
 """
 
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ from lipsync_lang.resolver.compiled import Report
 from lipsync_lang.resolver.settings import motion_with
 
 Gaps = Literal["error", "rest"]
-"""Ways to treat bigrams that nothing answers."""
+"""Treatments of bigrams without a match."""
 
 
 def resolve(  # noqa: PLR0913 two names, and what a call may change
@@ -41,21 +41,21 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
 
     Parameters
     ----------
-    language : a language pack's name, tag, alias or file; ENGINE:CODE for one without a pack
-    character : a character's name or file, or a pose set's for its bare self
-    paths : a folder to search for packs before all others, or several
-    gaps : what becomes of bigrams that nothing answers: an `error`, or `rest`
-    unknown : what becomes of labels that no notation maps: an `error`, `rest`, or, of IPA, the
-        `nearest` by their features
-    motion : a preset's name, or settings of `Motion` to change
-    cache : whether a compiled pair may be taken from, and put into, the cache
+    language : name, tag, alias or file of a language pack; ENGINE:CODE for a language without one
+    character : name or file of a character, or of a pose set for its default character
+    paths : one or several folders with priority in pack searches
+    gaps : treatment of bigrams without a match: `error` or `rest`
+    unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, by phonetic
+        features)
+    motion : name of a preset, or changed settings of `Motion`
+    cache : True to read and write compiled pairs in the cache
 
     Raises
     ------
     PackError
-        A pack is missing or unsound; the message holds every fault found.
+        A pack is missing or invalid; the message lists every fault.
     LipsyncError
-        An argument is none of its choices, or a motion setting is unknown.
+        An argument has an invalid value, or a motion setting is unknown.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""Trace: why a pose stands where it stands at a time.
+"""Trace: explanation of the pose weights at one time, stage by stage.
 
-Nothing is recorded while performing; the frames around the asked one go through the stages again.
+A performance records nothing. The explanation recomputes the stages for the frames near the time.
 """
 
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.warp import FramePlace
 
 VISIBLE = 5e-4
-"""A change of weight that is worth a word."""
+"""Minimum change of weight for an explanation."""
 
 DONE = {
     "stitch": "the larger of the overlapping bigrams",
@@ -36,16 +36,16 @@ DONE = {
     "limit": "held to the speed limit",
     "soften": "rounded off",
 }
-"""What a stage that changed a value did to it; `hold` and `constrain` say more."""
+"""Effect of each stage on a changed value; `hold` and `constrain` have specific explanations."""
 
 
 def explain(animation: "Animation", seconds: float) -> Explanation:
-    """Explain the frame of an animation that is nearest to a time.
+    """Explain the frame nearest to a time in seconds.
 
     Raises
     ------
     LipsyncError
-        The time lies outside the animation.
+        The time is outside the animation.
     """
     performer: Performer = animation.performer
     first, last = float(animation.times[0]), float(animation.times[-1])
@@ -66,7 +66,7 @@ def _explain_frame(
     halo = performance.halo()
     begin = max(0, frame - halo)
     stop = min(performance.frames.count, frame + halo + 1)
-    if performance.far:
+    if performance.far:  # a frame may depend on any other frame
         begin, stop = 0, performance.frames.count
     place = locate(track, performance.frames.times(frame, frame + 1))
     now = performance.frames.times(frame, frame + 1)
@@ -97,7 +97,7 @@ def _explain_frame(
 
 
 def _heard(performer: "Performer", performance: Performance, now: Floats) -> dict[str, float]:
-    """Return the share of each style that is heard."""
+    """Return the share of each active style."""
     if not performance.blends:
         return {}
     names = tuple(performer.compiled.style_origins)
@@ -111,7 +111,7 @@ def _bigrams(
     place: "FramePlace",
     heard: Mapping[str, float],
 ) -> tuple[BigramAt | None, BigramAt | None]:
-    """Return the bigram that ends with the frame's phoneme, and the one that begins with it."""
+    """Return the bigrams that end and begin with the phoneme of the frame."""
     at, track = int(place.phoneme[0]), performance.track
     found: list[BigramAt | None] = [None, None]
     boundary = track.boundary(performer.compiled.tables.neutral)
@@ -187,7 +187,7 @@ def _larger(covering: tuple[BigramAt | None, ...], values: list[float]) -> str:
 
 
 def _held(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
-    """Name the contacts that hold a pose up or down at a frame."""
+    """Return the contacts that limit a pose at a frame, as text."""
     names = performer.compiled.contact_names
     reasons = []
     for name, contact, (_, frames) in zip(
@@ -201,7 +201,7 @@ def _held(performer: "Performer", performance: Performance, pose: int, frame: in
 
 
 def _won(performer: "Performer", performance: Performance, pose: int, after: Stage) -> str:
-    """Name the constraint that left a pose the least room."""
+    """Return the tightest constraint of a pose, as text."""
     rooms = [
         (threshold - float(after.curves[high, 0]), high, threshold)
         for low, high, threshold in performance.tables.caps

@@ -1,4 +1,4 @@
-"""Animations of any program, read so that they can be judged: one module for each format."""
+"""Readers of animation files from any program, for evaluation: one module per format."""
 
 from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
 

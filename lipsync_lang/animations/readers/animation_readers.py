@@ -1,4 +1,4 @@
-"""Which animation files can be read, and what is in one: curves, times, and what was said."""
+"""Registry of animation readers, and the curves, times (seconds) and schedule of a file."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,27 +16,27 @@ from lipsync_lang.schedules.schedule import Schedule
 Floats = npt.NDArray[np.float64]
 
 MAX_ANIMATION_BYTES = 2**30
-"""Bytes; a larger file is no animation of a line."""
+"""Maximum file size in bytes."""
 
 LONGEST_SECONDS = 86_400.0
-"""A frame past this is not timed in seconds."""
+"""Maximum time in seconds; larger values indicate a different unit."""
 
 LEAST = 2
-"""Frames; one alone does not move."""
+"""Minimum number of frames; a single frame has no movement."""
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Curves as a file holds them.
+    """Curves as stored in a file.
 
     Parameters
     ----------
-    source : the file, as messages call it
-    times : (T,) seconds from the start of the sound, rising
-    names : C columns
+    source : file name for messages
+    times : (T,) increasing seconds from the start of the sound
+    names : C column names
     values : (T, C)
-    schedule : what was said, where the file tells
-    remarks : what is doubtful about it, in words
+    schedule : spoken phonemes and words, if the file has them
+    remarks : warnings about the content
     """
 
     source: str
@@ -47,7 +47,7 @@ class Recording:
     remarks: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:
-        """Refuse what no curve can be."""
+        """Reject invalid times and values."""
         if len(self.times) < LEAST:
             fail(self.source, f"has {len(self.times)} frames", "export the whole take")
         if not self.names:
@@ -69,7 +69,7 @@ def _refuse(source: str, bad: npt.NDArray[np.bool_], what: str) -> None:
 
 
 def fail(source: str | Path, what: str, mend: str = "") -> NoReturn:
-    """Say what is wrong with an animation file, and how to mend it."""
+    """Raise an error about an animation file, with a suggested fix."""
     raise AnimationError(f"{source}: {what}{'; ' if mend else ''}{mend}")
 
 
@@ -79,7 +79,7 @@ Guess = Callable[[bytes], bool]
 
 @dataclass(frozen=True)
 class AnimationReader(Format):
-    """One format: what reads it, and what tells it from others alike."""
+    """A format: its read function, and a test to tell it from others with the same suffix."""
 
     read: Read
     fits: Guess | None
@@ -91,8 +91,8 @@ READERS: Formats[AnimationReader] = Formats("animation_readers", "format", room=
 def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Read], Read]:
     """Register ``(path, content) -> Recording`` as the reader of a format.
 
-    Where several formats share a suffix, the first whose `fits` says so reads a file, and one
-    without `fits` reads all others.
+    Among formats with the same suffix, the first with a positive `fits` test reads the file. A
+    format without `fits` is the fallback.
     """
 
     def register(read: Read) -> Read:
@@ -104,12 +104,12 @@ def reader(name: str, *, suffix: str, fits: Guess | None = None) -> Callable[[Re
 
 
 def read_animation(path: str | Path) -> Recording:
-    """Read the curves of an animation file; its suffix names the format.
+    """Read the curves of an animation file; its suffix selects the format.
 
     Raises
     ------
     AnimationError
-        The file is missing, too large, of no known format, or holds no curves.
+        The file is missing, too large, in an unknown format, or without curves.
     """
     path = Path(path)
     chosen = sorted(READERS.ending(path), key=lambda one: one.fits is None)
@@ -126,7 +126,7 @@ def read_animation(path: str | Path) -> Recording:
 
 
 def text_of(path: Path, content: bytes) -> str:
-    """Return the text of a file, or say why it is none."""
+    """Decode the text of a file, or raise an error."""
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -1,4 +1,4 @@
-"""Comma-separated values: a column of times, and one for each curve."""
+"""Comma-separated values: a time column, and one column per curve."""
 
 import csv
 from itertools import islice
@@ -21,7 +21,7 @@ TIMES = {
     "timems": 1e-3,
     "milliseconds": 1e-3,
 }
-"""Headers of a column of times, without what parts words, and its unit in seconds."""
+"""Normalised headers of time columns, and their units in seconds."""
 
 SEPARATORS = ",;\t"
 
@@ -52,7 +52,7 @@ def _plain(name: str) -> str:
 
 
 def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:
-    """Return the numbers of a row."""
+    """Parse the numbers of a row."""
     if len(row) != count:
         fail(f"{path}:{line}", f"has {len(row)} values for {count} columns", "export it again")
     try:

@@ -1,8 +1,8 @@
-"""A model with an animation in it: the weights of its morph targets, by their names.
+"""A glTF model with an animation: the weights of its morph targets by name.
 
-Of several animations the last is read, which is the one that was added last; of several meshes
-with a shape of one name, the first that moves it. `audio_start` in the animation's extras, as
-written here, says when the sound begins; without it the sound begins with the animation.
+Of several animations, the last is read, because new ones are appended. Of several meshes with the
+same shape, the first animated mesh is used. `audio_start` in the animation's extras is the start
+of the sound in seconds; by default, the sound starts with the animation.
 """
 
 from pathlib import Path
@@ -19,7 +19,7 @@ from lipsync_lang.rigs.tracks import drives
 @reader("glb", suffix=".glb")
 def read_glb(path: Path, content: bytes) -> Recording:
     """The last animation of a GLB: weights of morph targets by name."""
-    del content  # read by parts, as they are needed
+    del content  # read in parts, on demand
     model = read_model(path)
     takes = model.document.get("animations", [])
     if not takes:
@@ -38,7 +38,7 @@ def read_glb(path: Path, content: bytes) -> Recording:
 
 
 def _curves(model: Model, take: Json) -> dict[str, tuple[Floats, Floats]]:
-    """Return the times and weights of each shape that an animation drives."""
+    """Return the times and weights of each animated shape."""
     meshes = {mesh.number: mesh for mesh in model.meshes}
     nodes = model.document.get("nodes", [])
     curves: dict[str, tuple[Floats, Floats]] = {}
@@ -57,7 +57,7 @@ def _curves(model: Model, take: Json) -> dict[str, tuple[Floats, Floats]]:
 
 
 def _audio_start(path: Path, take: Json) -> float:
-    """Return when the sound begins, in seconds of the animation."""
+    """Return the start of the sound in seconds of the animation."""
     extras = take.get("extras")
     if not isinstance(extras, dict) or "audio_start" not in extras:
         return 0.0

@@ -1,4 +1,4 @@
-"""JSON as it is written here: curves, and the phonemes they belong to."""
+"""JSON files of this program: curves, phonemes and words."""
 
 import json
 from pathlib import Path
@@ -27,7 +27,7 @@ def read_json(path: Path, content: bytes) -> Recording:
         document = json.loads(text_of(path, content))
     except json.JSONDecodeError as error:
         fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", FORM)
-    except ValueError:  # a number of thousands of digits
+    except ValueError:  # a number with thousands of digits
         fail(path, "holds a number that is none of an animation", FORM)
     except RecursionError:
         fail(path, "is nested too deep for an animation", FORM)
@@ -73,7 +73,7 @@ def _frames(path: Path, document: dict[str, Any]) -> Floats:
 
 
 def _schedule(path: Path, document: dict[str, Any]) -> Schedule | None:
-    """Return what was said, as far as the file tells."""
+    """Return the schedule of a file, if present."""
     rows = document.get("phonemes")
     if not isinstance(rows, list) or not rows:
         return None

@@ -1,7 +1,7 @@
-"""Takes of Live Link Face: a timecode, a count, and a column for each shape or turn of the head.
+"""Live Link Face takes: a timecode, a count, and one column per shape or head rotation.
 
-Timecodes are `HH:MM:SS:FF.mmm`: the fraction is of a frame. How many frames a second has, the file
-does not say; the greatest number of a frame that it holds does.
+Timecodes are `HH:MM:SS:FF.mmm`, with thousandths of a frame. The file does not store the frame
+rate; it is estimated from the timecodes.
 """
 
 import csv
@@ -21,17 +21,17 @@ from lipsync_lang.animations.readers.animation_readers import (
 CODE = re.compile(r"(\d+):(\d+):(\d+)[:;](\d+(?:\.\d+)?)")
 
 RATES = (24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
-"""Frames per second of cameras and timecodes."""
+"""Common frame rates of cameras and timecode, in frames per second."""
 
 USUAL = 60
-"""Frames per second where a take is too short to tell."""
+"""Default frame rate for takes too short for an estimate, in frames per second."""
 
 LEADING = 2
-"""Columns before those of curves: the timecode and the count."""
+"""Number of columns before the curves: timecode and count."""
 
 
 def fits(content: bytes) -> bool:
-    """Tell whether a table begins as these takes do."""
+    """Test for the header of a Live Link Face take."""
     first = content[:200].lower().lstrip(b"\xef\xbb\xbf")
     return first.replace(b" ", b"").startswith(b"timecode,blendshapecount")
 
@@ -48,7 +48,7 @@ def read_live_link(path: Path, content: bytes) -> Recording:
     rate = _rate(seconds, frames)
     times = seconds + frames / rate
     values = np.array([_values(path, line, row) for line, row in enumerate(takes, 2)])
-    kept = np.append(True, np.diff(times) > 0)  # a camera that stalls repeats itself
+    kept = np.append(True, np.diff(times) > 0)  # stalled cameras repeat a timecode
     lost = int((~kept).sum())
     remarks = [f"{path}: {rate} frames a second, judging by its timecodes"]
     if lost:
@@ -58,7 +58,7 @@ def read_live_link(path: Path, content: bytes) -> Recording:
 
 
 def _code(path: Path, line: int, row: list[str], count: int) -> tuple[float, float]:
-    """Return the whole seconds of a timecode, and its frames."""
+    """Return the whole seconds and the frames of a timecode."""
     if len(row) != count:
         fail(f"{path}:{line}", f"has {len(row)} values for {count} columns", "export it again")
     found = CODE.fullmatch(row[0].strip())
@@ -80,7 +80,7 @@ def _values(path: Path, line: int, row: list[str]) -> list[float]:
 
 
 def _rate(seconds: Floats, frames: Floats) -> int:
-    """Return how many frames a second has, judging by whole seconds or by the most there are."""
+    """Estimate the frame rate from whole seconds, or from the largest frame number."""
     most = int(frames.max()) + 1
     if seconds[-1] - seconds[0] < LEADING:
         return next((rate for rate in RATES if rate >= max(most, USUAL)), most)
