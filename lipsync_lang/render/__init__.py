@@ -1,1 +1,1 @@
-"""Pictures of a performance."""
+"""Pictures and videos of a performance."""

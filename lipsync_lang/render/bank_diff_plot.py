@@ -1,6 +1,6 @@
-"""A picture of what a layer changes: bigrams as small multiples, before and after, pose by pose.
+"""Plot of the bigrams that a layer changes: small multiples, before and after, pose by pose.
 
-Units: x is normalised time; y is inches from the top of a panel, so that every size is a real one.
+Units: x is normalised time; y is inches from the top of a panel, the scale of a printed page.
 """
 
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS, MOST = 4, 12
-"""Panels side by side, and how many there are at most."""
+"""Panels per row, and the maximum number of panels on a page."""
 
 HEAD, TITLE, AXIS, ROW, GAP, MARGIN = 0.85, 0.42, 0.45, 0.5, 0.14, 0.2
-"""Inches: the page's head, a panel's title and axis, a pose's row and what parts it, the margin."""
+"""Inches: page head, panel title, panel axis, pose row, gap between panels, margin."""
 
 LETTER = 0.085
-"""Inches that a letter of a pose's name takes, about."""
+"""Approximate width in inches of one letter of a pose name."""
 
 PALE, EDGE = BIGRAMS[0]
 CHANGED = STAGES["constrain"][1]
@@ -33,24 +33,24 @@ AFTER: dict[str, Any] = {"color": FINAL, "lw": 1.7, "zorder": 4}
 
 
 class Panel(NamedTuple):
-    """A bigram and the poses that it moves on either side."""
+    """A bigram with the poses that move in either version."""
 
     change: BigramChange
     poses: list[int]
 
     @property
     def height(self) -> float:
-        """Inches."""
+        """Height of the panel in inches."""
         return len(self.poses) * (ROW + GAP)
 
 
 def plot_diff(diff: Diff, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002 as `plot`
-    """Draw the bigrams that differ most, or those that were asked for.
+    """Draw the requested bigrams, by default those with the largest differences.
 
     Parameters
     ----------
-    stream : open for bytes
-    format : one of `FORMATS`, in any case
+    stream : binary stream, open for writing
+    format : a name in `FORMATS`, in any case
 
     Raises
     ------
@@ -86,7 +86,7 @@ def _page(diff: Diff) -> "Figure":
 
 
 def _moved(change: BigramChange) -> list[int]:
-    """Return the poses that move on either side."""
+    """List the poses that move before or after the change."""
     tops = np.maximum(change.before.curves, change.after.curves).max(axis=0)
     return [int(pose) for pose in np.flatnonzero(tops > VISIBLE)]
 
@@ -116,7 +116,7 @@ def _head(figure: "Figure", diff: Diff, shown: int, height: float) -> None:
 
 
 def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
-    """Draw one bigram: a row for each pose, ruled at 0 and 1, as in the picture of a line."""
+    """Draw one bigram: a row per pose, with rules at weights 0 and 1 as in the plot of a line."""
     change = panel.change
     word = f"  {change.word}" if change.word else ""
     axes.set_title(f"{change.bigram}{word}", size=11, weight="bold", loc="left", pad=16)
@@ -136,7 +136,7 @@ def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
 
 
 def _row(axes: "Axes", top: float, before: Floats, after: Floats) -> None:
-    """Draw a pose before and after."""
+    """Draw the curves of one pose before and after the change."""
     axes.axhline(top + ROW, **THIN | {"color": INK})
     axes.axhline(top, **THIN)
     old, new = (top + ROW * (1 - curve) for curve in (before, after))

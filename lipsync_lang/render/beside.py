@@ -1,4 +1,4 @@
-"""A picture of one line on several faces, below each other: what each makes of the same sounds."""
+"""Plot of one line on several faces, stacked for comparison on a common time axis in seconds."""
 
 from collections.abc import Sequence
 from textwrap import shorten
@@ -16,28 +16,28 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, PER_SECOND, MOST = 4.0, 4.0, 15.0
-"""Inches: least, for each second, and most."""
+"""Page width in inches: minimum, per second of the line, maximum."""
 
 HEAD, ROW, GAP, FOOT = 0.75, 0.24, 0.3, 0.4
 MARGIN, RIGHT = 0.2, 0.15
 
 HUES = ("#4f8fbf", "#c2853f", "#5f9e77", "#b0629a", "#8a7fc0", "#9a8f4a")
-"""One for each face, in turn."""
+"""Curve colours, one per face in turn."""
 
 
 def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
-    """Draw animations of one schedule below each other, each pose that moves in a row of its own.
+    """Draw animations of one schedule in a stack, with a row per moving pose.
 
     Parameters
     ----------
-    animations : of one schedule, each performed here
-    stream : open for bytes
+    animations : animations of one schedule, performed in this process
+    stream : binary stream, open for writing
     format : as of `plot`
 
     Raises
     ------
     LipsyncError
-        There is nothing to draw, or the animations speak different schedules.
+        There is nothing to draw, or the schedules of the animations differ.
     """
     if not animations:
         raise LipsyncError("no animation to draw")
@@ -84,7 +84,7 @@ def _page(animations: Sequence[Animation]) -> "Figure":
 
 
 def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> None:
-    """Draw what moves of one face."""
+    """Draw the moving poses of one face."""
     for row, pose in enumerate(rows):
         low = row + 0.97
         axes.fill_between(
@@ -104,7 +104,7 @@ def _face(axes: "Axes", animation: Animation, rows: Sequence[int], hue: str) -> 
 
 
 def _phonemes(axes: "Axes", animation: Animation) -> None:
-    """Set the phonemes above the first face."""
+    """Draw the phoneme labels above the first face."""
     schedule, (low, high) = animation.schedule, axes.get_xlim()
     for label, start, stop in zip(
         schedule.labels, schedule.times[:-1], schedule.times[1:], strict=True

@@ -1,10 +1,10 @@
-"""A picture of a line: what was spoken, and each pose's way through the stages (figures 6 to 10).
+"""Plot of a line: the spoken text and the curve of each pose through the stages (figures 6 to 10).
 
-Along the time axis the sound, the words and the phonemes; below them a row for every pose that
-moves. A row shows the bigrams, the stitched curve and the final one, and shades what each stage
-in between changed: what it added lies under the final curve, what it took away above.
+The sound, the words and the phonemes run along the time axis, above a row per moving pose. A row
+shows the bigrams, the stitched curve and the final one. Shades mark the changes of the stages in
+between: additions lie under the final curve, removals above it.
 
-Units: x is seconds; y is inches from the top of a strip, so that every size below is a real one.
+Units: x is seconds; y is inches from the top of a strip, the scale of a printed page.
 """
 
 import warnings
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 FORMATS: dict[str, dict[str, Any] | None] = dict.fromkeys(("png", "svg", "pdf", "jpg", "webp"))
 FORMATS |= {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-"""What can be drawn, and what keeps the clock out of the file."""
+"""File formats, with the metadata that keeps the clock out of each file."""
 
 RC = {
     "font.size": 9,
@@ -52,14 +52,14 @@ RC = {
     "svg.hashsalt": "lipsync-lang",
     "pdf.fonttype": 42,
 }
-"""What differs from matplotlib's own defaults; the user's are left out."""
+"""Differences from matplotlib's defaults; user settings are ignored for reproducible files."""
 
 DPI = 100
-TITLE = 130  # characters of a line that its title has room for
-THINNED = 4  # of a bigram's tabulated steps every fourth is drawn
+TITLE = 130  # maximum characters of a line in the title
+THINNED = 4  # stride through the tabulated steps of a bigram, for small files
 
 BIGRAMS = (("#d3e7f6", "#6ba6d3"), ("#f3e8c8", "#c2a54d"))
-"""Fill and edge of every other bigram."""
+"""Fill and edge colours of alternate bigrams."""
 
 STAGES = {
     "stitch": ("stitched", "#444444"),
@@ -75,28 +75,28 @@ STAGES = {
     "constrain": ("constrained", "#e88f55"),
     "soften": ("softened", "#8fc9c9"),
 }
-"""What a stage did, and its colour (tints of Okabe and Ito's, safe for the colour-blind)."""
+"""Labels and colours of the stages (tints of Okabe and Ito's colour-blind safe palette)."""
 
 FINAL, INK, SOUND_INK = "black", "#333333", "#777777"
 RULE, SILENT, OUTSIDE = "#c4c4c4", "#f5f5f5", "#e6e6e6"
 STITCHED: dict[str, Any] = {"lw": 1.0, "ls": (0, (1, 1))}
 THIN: dict[str, Any] = {"color": RULE, "lw": 0.6, "zorder": 0.5}
 GATE: dict[str, Any] = {"facecolor": "none", "edgecolor": "#b8408a", "lw": 1.2, "zorder": 4.5}
-"""The box that a pose must stay in while a contact is held."""
+"""Style of the box that bounds a pose during a contact."""
 
 
 def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
-    """Draw an animation and how it came about.
+    """Draw an animation with its intermediate stages.
 
     Parameters
     ----------
-    stream : open for bytes
-    format : one of `FORMATS`, in any case
+    stream : binary stream, open for writing
+    format : a name in `FORMATS`, in any case
 
     Raises
     ------
     OutputError
-        The format is unknown, matplotlib is missing, or nobody knows who performed this.
+        The format is unknown, matplotlib is missing, or the animation has no performer.
     """
     if animation.performer is None:
         raise OutputError("this animation was not performed here; its stages cannot be drawn")
@@ -104,7 +104,7 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
 
 
 def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  # noqa: A002
-    """Make a figure and write it, whatever the user's own settings of matplotlib are.
+    """Make a figure and write it, independent of the user's matplotlib settings.
 
     Raises
     ------
@@ -192,7 +192,7 @@ def _look(stage: Stage) -> tuple[str, str]:
 
 
 def _scales(axes: "Axes", view: View) -> None:
-    """Name bands and poses at the left; rule each row at 0 and 1; count seconds below."""
+    """Label bands and poses at the left; rule each row at 0 and 1; mark seconds below."""
     from matplotlib.ticker import AutoMinorLocator, FormatStrFormatter, MaxNLocator
 
     names = [(band.name, (band.top + band.bottom) / 2) for band in view.bands]
@@ -211,7 +211,7 @@ def _scales(axes: "Axes", view: View) -> None:
 
 
 def _grounds(axes: "Axes", view: View) -> None:
-    """Shade silence, and more so what lies outside the schedule; rule the phoneme boundaries."""
+    """Shade silence, and darker the time outside the schedule; rule the phoneme boundaries."""
     schedule, track = view.animation.schedule, view.performance.track
     silent = np.flatnonzero(track.ids == view.performance.tables.silence)
     spans = [(track.bounds[i], track.bounds[i + 1], SILENT) for i in silent]
@@ -223,7 +223,7 @@ def _grounds(axes: "Axes", view: View) -> None:
 
 
 def _sound(axes: "Axes", view: View) -> None:
-    """Draw the sound: its extremes in each column of pixels."""
+    """Draw the waveform: minimum and maximum per column of pixels."""
     audio = view.animation.schedule.audio
     if audio is None:
         return
@@ -241,7 +241,7 @@ def _sound(axes: "Axes", view: View) -> None:
 
 
 def _labels(axes: "Axes", view: View) -> None:
-    """Set every label at the middle of its span, in the strip that holds it."""
+    """Draw each label at the middle of its span, in the strip that holds it."""
     low, high = axes.get_xlim()
     for band in view.bands:
         axes.axhline(band.bottom, **THIN)
@@ -254,7 +254,7 @@ def _labels(axes: "Axes", view: View) -> None:
 
 
 def _bigrams(axes: "Axes", view: View) -> None:
-    """Draw each bigram's own curve over its span, every other one in the same hue."""
+    """Draw each bigram's own curve over its span, in alternate colours."""
     from matplotlib.collections import LineCollection, PolyCollection
 
     low, high = axes.get_xlim()
@@ -274,7 +274,7 @@ def _bigrams(axes: "Axes", view: View) -> None:
 
 
 def _changes(axes: "Axes", view: View) -> None:
-    """Shade what each stage after the first added or took away."""
+    """Shade the additions and removals of each stage after the first."""
     near = _near(axes, view.times)
     times = view.times[near]
     for before, after in pairwise(view.stages):
@@ -289,7 +289,7 @@ def _changes(axes: "Axes", view: View) -> None:
 
 
 def _curves(axes: "Axes", view: View) -> None:
-    """Draw the boxes of contacts, the stitched curve and, strongest, the final one."""
+    """Draw contact boxes, the stitched curve and, with most weight, the final curve."""
     low, high = axes.get_xlim()
     for row, start, end, least, greatest in view.gates:
         if start < high and end > low:
@@ -304,7 +304,7 @@ def _curves(axes: "Axes", view: View) -> None:
 
 
 def _near(axes: "Axes", times: Floats) -> Bools:
-    """Tell the frames of a strip and the ones beside it."""
+    """Select the frames of a strip and their direct neighbours."""
     low, high = axes.get_xlim()
     step = times[1] - times[0] if len(times) > 1 else 0.0
     near: Bools = (times >= low - step) & (times <= high + step)

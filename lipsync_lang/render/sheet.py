@@ -1,4 +1,4 @@
-"""A sheet of stills: the sounds of a line whose faces differ most, each with its word and time."""
+"""Contact sheet: stills of the most different faces of a line, each with its word and time."""
 
 from functools import cache
 from textwrap import shorten
@@ -16,7 +16,7 @@ from lipsync_lang.schedules.schedule import SILENCE, Schedule
 MOST, COLUMNS = 12, 4
 
 CELL, FOOT, GAP, EDGE = 320, 58, 12, 16
-"""Pixels: a still, the text below it, between stills, around the sheet."""
+"""Pixels: side of a still, height of its caption, gap between stills, margin of the sheet."""
 
 PAPER, INK, PALE = "#ffffff", "#222222", "#777777"
 
@@ -27,14 +27,14 @@ FONTS = (
     *("NotoSansArabic-Regular.ttf", "NotoSansHebrew-Regular.ttf", "NotoSansThai-Regular.ttf"),
     *("FreeSans.ttf", "unifont.ttf"),
 )
-"""Files that are looked for among the system's; the first one that has all letters of a text."""
+"""System fonts by preference; the first with all letters of a text is used."""
 
 ABSENT = "\U0010fffe"
-"""What no font has."""
+"""A character absent from every font."""
 
 
 def sheet(animation: Animation, out: BinaryIO) -> None:
-    """Draw a line's most different moments.
+    """Draw the most different faces of a line.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
 
 
 def _chosen(animation: Animation) -> Ints:
-    """Return the sounds whose faces are farthest from rest and from each other, in order."""
+    """Choose the sounds with faces farthest from rest and from each other, in time order."""
     labels, times = animation.schedule.labels, animation.schedule.times
     sounds = np.array([n for n, label in enumerate(labels) if label != SILENCE] or [0])
     middles = (times[sounds] + times[sounds + 1]) / 2
@@ -94,7 +94,7 @@ def _plain(text: str, width: int) -> str:
 
 
 def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> None:  # noqa: PLR0913, PLR0917
-    """Write a text in the first font that has its letters, or in the one that has most."""
+    """Draw a text in the first font with all its letters, or else in the one with most of them."""
     letters = [letter for letter in dict.fromkeys(text) if not letter.isspace()]
     fonts = _fonts(size)
     lacks = [sum(not _has(font, letter) for letter in letters) for font in fonts]

@@ -1,4 +1,4 @@
-"""Putting an animation on stage: its model, as the GLB writer lets it move."""
+"""Conversion of an animation to a drawable scene, through the GLB writer."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +10,7 @@ from lipsync_lang.render.model.scene import Scene
 
 
 def staged(animation: Animation) -> Scene:
-    """Return the scene that the animation's GLB shows; no offset is waited for.
+    """Build the scene of the animation's GLB, without any wait for an offset.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A video of a model that speaks, with sound; ffmpeg packs what is drawn here, frame by frame."""
+"""Video of a speaking model with sound; ffmpeg encodes the frames drawn here."""
 
 import math
 import subprocess
@@ -23,7 +23,7 @@ from lipsync_lang.schedules.schedule import Audio
 from lipsync_lang.terminal import progress, wipe
 
 SIZE = 720
-"""Pixels of a side."""
+"""Side of a frame in pixels."""
 
 CODECS = {
     "mp4": (
@@ -35,7 +35,7 @@ CODECS = {
         *("0", "-c:a", "libopus", "-b:a", "96k"),
     ),
 }
-"""What makes each kind of file."""
+"""Encoder options of each file kind."""
 
 COLOURS = (
     *("-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"),
@@ -43,22 +43,22 @@ COLOURS = (
 )
 
 ALIKE = ("-fflags", "+bitexact", "-flags:v", "+bitexact", "-flags:a", "+bitexact")
-"""Nothing of the day or the machine is written."""
+"""Options that keep dates and machine details out of the file, for reproducible output."""
 
 PATIENCE = 2.0
-"""Seconds of work before a terminal is told of it."""
+"""Seconds before a terminal shows progress."""
 
 T = TypeVar("T")
 
 
 def film(animation: Animation, out: BinaryIO, kind: str) -> None:
-    """Draw every frame of an animation and write them with its sound.
+    """Draw every frame of an animation and write a video with its sound.
 
-    It lasts as long as the animation or its sound, whichever ends later.
+    The duration is the longer of animation and sound.
 
     Parameters
     ----------
-    kind : one of `CODECS`
+    kind : a name in `CODECS`
 
     Raises
     ------
@@ -104,7 +104,7 @@ def _ffmpeg() -> str:
 
 
 def _write_sound(audio: Audio, start: float, seconds: float, path: Path) -> None:
-    """Write a sound with silence before it, and behind it up to the end of the film."""
+    """Write a sound with silence before it, and after it up to the end of the video."""
     before = round(start * audio.rate)
     after = max(0, math.ceil(seconds * audio.rate) - before - len(audio.samples))
     with wave.open(str(path), "wb") as sound:
@@ -115,7 +115,7 @@ def _write_sound(audio: Audio, start: float, seconds: float, path: Path) -> None
 
 
 def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
-    """Feed frames to ffmpeg."""
+    """Send frames to ffmpeg."""
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         log = Path(folder) / "log"
         with log.open("wb") as errors:
@@ -124,7 +124,7 @@ def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
             )
         assert process.stdin is not None  # noqa: S101 asked for above
         try:
-            with suppress(OSError), process.stdin as pipe:  # it has ended, and says why below
+            with suppress(OSError), process.stdin as pipe:  # ffmpeg ended; its error is read below
                 for frame in frames:
                     pipe.write(frame.tobytes())
             failed = process.wait()
@@ -139,7 +139,7 @@ def _pack(command: Sequence[str], frames: Iterable[Pixels]) -> None:
 
 
 def _told(items: Sequence[T]) -> Iterator[T]:
-    """Yield what is worked on; where that takes a while, a terminal is told how far it is."""
+    """Yield items, with progress on a terminal after `PATIENCE` seconds."""
     began = time.monotonic()
     try:
         for number, item in enumerate(items):

@@ -1,6 +1,6 @@
-"""What a picture of a line shows and where, before any drawing.
+"""Layout of the plot of a line, computed before any drawing.
 
-Units: seconds along, inches from the top of a strip down, so that every size is a real one.
+Units: x is seconds; y is inches from the top of a strip, the scale of a printed page.
 """
 
 import math
@@ -17,22 +17,22 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 STRIP, SHOWN = 6.5, 60.0
-"""Seconds: a longer line is wrapped into several strips, and the picture ends after `SHOWN`."""
+"""Seconds: length of a strip, after which a line wraps, and maximum length of the plot."""
 
 WIDTH, HEAD, AXIS, FOOT, LEFT, RIGHT = 15.0, 0.9, 0.5, 0.1, 0.15, 0.25
 SOUND, LANE, GAP, APART = 0.45, 0.18, 0.15, 0.04
 ROW, LOW_ROW, ALL_ROWS = 0.8, 0.3, 80.0
-"""Inches: the page and its margins; the bands; a row, and how far it shrinks on a full page."""
+"""Inches: page and margins; bands; a row, and its minimum height on a full page."""
 
 LANES = 3
-"""Lines of text over which crowded labels of a band are spread."""
+"""Number of text lanes for the crowded labels of a band."""
 
 VISIBLE = 5e-3
-"""Weight below which a pose rests, and a stage has changed nothing to be seen."""
+"""Weight threshold for resting poses and for invisible changes of a stage."""
 
 
 class Band(NamedTuple):
-    """Labels along the time axis, spread over lanes where they are crowded."""
+    """Labels along the time axis, in several lanes if crowded."""
 
     name: str
     texts: list[str]
@@ -45,10 +45,10 @@ class Band(NamedTuple):
 
 
 class View:
-    """What a picture shows and where, before any drawing."""
+    """Contents and layout of a plot, before any drawing."""
 
     def __init__(self, animation: Animation) -> None:
-        """Run the stages of as much as is shown."""
+        """Run the stages on the visible part of the line."""
         self.animation = animation
         self.performer: Performer = animation.performer
         self.performance = self.performer.performance(
@@ -73,7 +73,7 @@ class View:
         self.height = first + len(self.moving) * (self.row + GAP)
 
     def y(self, row: int, weights: Floats | float) -> Any:
-        """Place weights in a pose's row."""
+        """Map weights to heights in a pose's row."""
         return self.tops[row] + self.row * (1 - weights)
 
 
@@ -89,7 +89,7 @@ def _stages(performance: Performance, end: float) -> tuple[Floats, list[Stage]]:
 
 
 def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:
-    """Yield where contacts hold a pose: row, seconds from and to, least and greatest weight."""
+    """Yield the contact limits of poses: row, start and end (s), least and greatest weight."""
     performance = view.performance
     if performance.motion.contacts != "hold":
         return
@@ -105,7 +105,7 @@ def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:
 
 
 def _bands(view: View) -> list[Band]:
-    """Lay out the words, the phonemes as spoken, and the common phonemes they became."""
+    """Lay out the words, the spoken phonemes and the common phonemes."""
     schedule, track = view.animation.schedule, view.performance.track
     names = view.performer.compiled.phonemes
     spoken, common = (np.column_stack([b[:-1], b[1:]]) for b in (schedule.times, track.bounds))
@@ -125,7 +125,7 @@ def _bands(view: View) -> list[Band]:
 def _band(  # noqa: PLR0913, PLR0917 a row of `_bands`
     view: View, name: str, texts: Sequence[str], spans: Floats, size: float, top: float
 ) -> Band:
-    """Put every label into the first lane that has room for it."""
+    """Assign each label to the first lane with room for it."""
     spans = spans.clip(view.begin, view.end)
     shown = np.flatnonzero(spans[:, 0] < spans[:, 1])
     labels, spans = [" ".join(texts[i].split()) for i in shown.tolist()], spans[shown]
@@ -140,7 +140,7 @@ def _band(  # noqa: PLR0913, PLR0917 a row of `_bands`
 
 
 def text_width(text: str, size: float) -> float:
-    """Measure the inches of a text set in a size of points."""
+    """Measure the width of a text in inches, for a font size in points."""
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import text_to_path
 

@@ -1,1 +1,1 @@
-"""Rigs: which morph targets and bones a model has, and what drives them."""
+"""Rigs: morph targets and bones of models, and the channels that drive them."""

@@ -1,8 +1,10 @@
-"""The numbers in a model's binary data: accessors, buffer views and sparse changes of glTF 2.0.
+"""Reader for accessors, buffer views and sparse data of glTF 2.0.
 
-A model's file is not trusted. Each index, offset, stride and count is held against the bytes that
-are there before an array is made, and all arrays together stay below `MAX_VALUES`: a small file
-cannot ask for much memory by naming the same bytes many times.
+Arrays have the shape (count, width), with one row per element.
+
+Model files are untrusted. Each index, offset, stride and count is checked against the available
+bytes before an array is allocated. `MAX_VALUES` limits the total size of all arrays, because a
+small file can name the same bytes many times.
 """
 
 from math import prod
@@ -18,26 +20,26 @@ from lipsync_lang.rigs.model import Model, is_index
 Array = npt.NDArray[Any]
 
 COMPONENT_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-"""Codes of component types, as numpy calls the types."""
+"""glTF component type codes, with their numpy types."""
 
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-"""Components of each element. MAT2 and MAT3 pad their columns, and no part of a face uses them."""
+"""Components per element. MAT2 and MAT3 are left out: faces do not use their padded columns."""
 
 INDICES = {5121, 5123, 5125}
-"""Component types of the places that sparse changes name."""
+"""Component types for the indices of sparse accessors."""
 
 LARGEST_STRIDE = 252
-"""Bytes, by glTF 2.0 (3.6.2.4)."""
+"""Maximum stride in bytes (glTF 2.0, 3.6.2.4)."""
 
 MAX_VALUES = 2**26
-"""Values read of one model; a head of 100,000 points with 52 shapes has 16 million."""
+"""Maximum values read from one model; a head of 100,000 points with 52 shapes has 16 million."""
 
 COMPRESSIONS = {"EXT_meshopt_compression", "KHR_meshopt_compression"}
-"""Extensions of a buffer view that leave no plain numbers in it."""
+"""Buffer view extensions with compressed content, which has no plain numbers."""
 
 
 class Accessors:
-    """Arrays of a model's first buffer.
+    """Arrays in a model's first buffer.
 
     Parameters
     ----------
@@ -47,7 +49,7 @@ class Accessors:
     Raises
     ------
     ModelError
-        Binary data is missing, or lies in other files.
+        Binary data is missing or external to the file.
 
     Examples
     --------
@@ -64,12 +66,12 @@ class Accessors:
         self._left = MAX_VALUES
 
     def __getitem__(self, number: object) -> Array:
-        """Return the (count, width) values of an accessor; normalised integers become shares.
+        """Read an accessor as (count, width) values; normalised integers become fractions.
 
         Raises
         ------
         ModelError
-            The accessor is not there, is of an unknown kind, or reaches past the data.
+            The accessor is absent, of an unknown type, or exceeds the data.
         """
         if not is_index(number, len(self._rows)):
             fail(self.path, f"names accessor {_shown(number)}, but has {len(self._rows)}")
@@ -87,23 +89,23 @@ class Accessors:
         return values
 
     def view(self, number: object) -> bytes:
-        """Return the bytes of a buffer view."""
+        """Read the bytes of a buffer view."""
         start, length, _ = self._span(f"buffer view {_shown(number)}", number)
         return self._binary[start : start + length]
 
     def spend(self, values: int) -> None:
-        """Count values of an array that is made of a model; fail past `MAX_VALUES`."""
+        """Add the size of an array to the model's total; fail past `MAX_VALUES`."""
         self._left -= values
         if self._left < 0:
             mend = "export it with fewer vertices, shapes or frames"
             fail(self.path, f"holds more than {MAX_VALUES:,} numbers", mend)
 
     def _form(self, what: str, row: Json) -> tuple[tuple[int, int], np.dtype[Any]]:
-        """Return the shape and type of an accessor's values, and count them."""
+        """Validate the shape and type of an accessor, and add its size to the total."""
         kind, width = row.get("componentType"), WIDTHS.get(str(row.get("type")))
         if not is_index(kind, max(COMPONENT_TYPES) + 1) or kind not in COMPONENT_TYPES or not width:
             self._fail(what, "holds numbers of an unknown kind")
-        # A value takes a byte at least. Values without bytes are changes of points that have some.
+        # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.
         count = row.get("count")
         if not is_index(count, len(self._binary) + 1) or count == 0:
             self._fail(what, f"states {_shown(count)} values in {len(self._binary)} bytes of data")
@@ -112,7 +114,7 @@ class Accessors:
         return shape, np.dtype(COMPONENT_TYPES[kind])
 
     def _values(self, what: str, row: Json, shape: tuple[int, int], dtype: np.dtype[Any]) -> Array:
-        """Return values as they lie in a view, without copying them."""
+        """View values in place, without a copy."""
         start, length, stride = self._span(what, row.get("bufferView"))
         offset, size = row.get("byteOffset", 0), shape[1] * dtype.itemsize
         step = size if stride is None else stride
@@ -124,7 +126,7 @@ class Accessors:
         return np.ndarray(shape, dtype, self._binary, start + offset, (step, dtype.itemsize))
 
     def _span(self, what: str, number: object) -> tuple[int, int, object]:
-        """Return the first byte of a view, its length and its stride."""
+        """Compute the offset, length and stride of a view in bytes."""
         if not is_index(number, len(self._views)):
             self._fail(what, "lies in no buffer view")
         view = self._views[number]
@@ -140,7 +142,7 @@ class Accessors:
         return start, int(length), view.get("byteStride")
 
     def _changed(self, what: str, sparse: object, values: Array) -> Array:
-        """Return a copy of values with a few of them replaced."""
+        """Copy values and apply sparse replacements."""
         if not isinstance(sparse, dict):
             self._fail(what, "has sparse values that are no object")
         few, places, others = (sparse.get(name) for name in ("count", "indices", "values"))

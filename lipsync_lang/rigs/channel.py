@@ -1,4 +1,4 @@
-"""A channel: one shape or bone of a model that a column of an animation drives."""
+"""A channel: a shape or bone of a model, driven by one column of an animation."""
 
 from typing import NamedTuple
 
@@ -6,16 +6,16 @@ Vector = tuple[float, float, float]
 
 
 class Channel(NamedTuple):
-    """What one column of an animation drives on a model."""
+    """Target of one animation column on a model."""
 
     name: str
     names: tuple[str, ...] = ()
-    """How models spell it otherwise; `*` stands for anything."""
+    """Alternative spellings in models; `*` is a wildcard."""
     mesh: str | None = None
-    """The one mesh that has it; None for every mesh with such a shape."""
+    """Mesh of the shape; None for every mesh with such a shape."""
     node: str | None = None
-    """The bone it turns or moves; None for a morph target."""
+    """Bone to rotate or translate; None for a morph target."""
     rotation: Vector | None = None
-    """The axis it turns about; its values are degrees."""
+    """Rotation axis; the channel's values are degrees."""
     translation: Vector | None = None
-    """The way it moves, in the model's units for a value of 1."""
+    """Translation for a value of 1, in the model's units."""

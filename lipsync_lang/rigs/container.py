@@ -1,7 +1,7 @@
-"""GLB: a header, a chunk of JSON that says what there is, and chunks of binary data.
+"""GLB container: a header, a JSON chunk and chunks of binary data.
 
-Every length is held against the file's real size before anything is read, so that a file that
-lies costs nothing. A .gltf is JSON alone.
+All lengths and offsets are bytes. Every length is checked against the real file size before a
+read, so that a false length costs no memory. A .gltf file is plain JSON.
 """
 
 import struct
@@ -17,10 +17,10 @@ from lipsync_lang.errors import ModelError, OutputError
 Json = dict[str, Any]
 
 LARGEST = 2**30
-"""Bytes; a larger file is no model that a browser or a game would load."""
+"""Maximum model size in bytes, beyond what a browser or a game would load."""
 
 LARGEST_WRITTEN = 2**32 - 1
-"""Bytes; a GLB cannot say that it is larger."""
+"""Maximum GLB size in bytes: the header stores the length in 32 bits."""
 
 MAGIC = b"glTF"
 JSON_CHUNK = 0x4E4F534A
@@ -45,17 +45,17 @@ SEEMS = (
     (b"ply", "a PLY file"),
     (b"solid", "an STL file"),
 )
-"""How other files begin, and what they are."""
+"""Signatures of other file types, with their names for messages."""
 
 OBJ_LINES = ("#", "mtllib ", "o ", "g ", "v ", "vt ", "vn ", "f ", "usemtl ", "s ")
 
 
 MOST_CHUNKS = 1000
-"""Two are usual."""
+"""Maximum number of chunks; two are usual."""
 
 
 class Chunk(NamedTuple):
-    """Where a part of a GLB lies in its file."""
+    """Position of a chunk in its file."""
 
     kind: int
     start: int
@@ -63,17 +63,17 @@ class Chunk(NamedTuple):
 
 
 def fail(path: Path, what: str, mend: str = f"it is damaged; {EXPORT} anew") -> NoReturn:
-    """Say what is wrong with a model, and how to mend it."""
+    """Raise an error with the fault of a model and a remedy."""
     raise ModelError(f"{path}: {what}; {mend}")
 
 
 def open_model(path: Path) -> tuple[bytes, tuple[Chunk, ...]]:
-    """Return the JSON of a model, and where the other parts of its file lie.
+    """Read the JSON of a model and locate the other chunks of its file.
 
     Raises
     ------
     ModelError
-        The file is missing, too large, neither GLB nor JSON, or ends too early.
+        The file is missing, too large, truncated, or neither GLB nor JSON.
     """
     try:
         size = path.stat().st_size
@@ -144,7 +144,7 @@ def _chunks(path: Path, stream: BinaryIO, size: int) -> Iterator[Chunk]:
 
 
 def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
-    """Return the data of a document's first buffer.
+    """Read the data of a document's first buffer.
 
     Raises
     ------
@@ -180,12 +180,12 @@ def _first(path: Path, chunks: Sequence[Chunk]) -> bytes:
 
 
 def has_binary(chunks: Sequence[Chunk]) -> bool:
-    """Tell whether a file holds its first buffer, which comes right after the JSON."""
+    """Test for a binary chunk with the first buffer, directly after the JSON."""
     return bool(chunks) and chunks[0].kind == BINARY_CHUNK
 
 
 def read_chunk(path: Path, chunk: Chunk) -> bytes:
-    """Return a part of a file as it is."""
+    """Read the raw bytes of a chunk."""
     try:
         with path.open("rb") as stream:
             stream.seek(chunk.start)
@@ -198,12 +198,12 @@ def read_chunk(path: Path, chunk: Chunk) -> bytes:
 
 
 def write_parts(out: BinaryIO, parts: Iterable[tuple[int, Sequence[bytes]]]) -> None:
-    """Write the parts of a GLB: for each its kind, and pieces that add up to full words.
+    """Write the chunks of a GLB: a kind for each, with pieces that add up to full 32-bit words.
 
     Raises
     ------
     OutputError
-        They are more than a GLB holds.
+        The total exceeds the maximum size of a GLB.
     """
     known = [(kind, pieces, sum(map(len, pieces))) for kind, pieces in parts]
     total = 12 + sum(8 + length for _, _, length in known)

@@ -1,4 +1,4 @@
-"""What drives a model: a rig's channels as arrays, and what each of them is on the model."""
+"""Drivers of a model: the channels of a rig as arrays, with their targets on the model."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,27 +13,27 @@ from lipsync_lang.pipeline.drive import Rig, sides
 from lipsync_lang.rigs.channel import Channel
 
 MORPH = (0.0, 1.0)
-"""The range of a shape that states none."""
+"""Default range of a morph target weight."""
 
 FREE = (-inf, inf)
-"""That of a bone."""
+"""Default range of a bone channel."""
 
 
 @dataclass(frozen=True, eq=False)
 class Driver:
-    """A rig, ready to drive."""
+    """A rig in array form, ready for evaluation."""
 
     channels: tuple[Channel, ...]
     rig: Rig
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any], poses: Sequence[str], floors: Floats) -> Self:
-        """Return the driver of a rig as `resolver.rigging` states it.
+        """Build a driver from a rig in the form of `resolver.rigging`.
 
         Parameters
         ----------
         poses : P names, in the order of the curves
-        floors : (P,) the highest floor of any contact
+        floors : (P,) maximum floor of any contact
         """
         stated = data["channels"]
         gains = np.array([[one["gains"].get(pose, 0.0) for pose in poses] for one in stated], float)
@@ -45,7 +45,7 @@ class Driver:
 
 
 def bare(poses: Sequence[str], names: Mapping[str, Sequence[str]]) -> tuple[Channel, ...]:
-    """Return the channels of a face without a rig: its poses, as models spell them."""
+    """Build channels for a face without a rig: its poses, under the names in models."""
     return tuple(Channel(pose, tuple(names.get(pose, ()))) for pose in poses)
 
 
@@ -55,7 +55,7 @@ def _channel(one: Mapping[str, Any]) -> Channel:
 
 
 def _order(stated: Sequence[Mapping[str, Any]]) -> tuple[tuple[int, int], ...]:
-    """Return which channel yields to which, by number: each is final before it is used."""
+    """Sort the limits between channels, by number, so that each value is final before its use."""
     number = {one["name"]: index for index, one in enumerate(stated)}
     limits = {number[one["name"]]: number[one["at_most"]] for one in stated if one["at_most"]}
     order = TopologicalSorter({own: {other} for own, other in limits.items()}).static_order()

@@ -1,9 +1,9 @@
-"""What a rig cannot show: poses that drive nothing, little, or what another drives too.
+"""Losses of a rig: poses without effect, with a weak effect, or with the effect of another pose.
 
-Conventions: a pose is looked at alone, at its full weight. A channel counts by how far it goes
-from rest, over its span, so that degrees and weights compare; what a gain below zero takes from a
-channel at rest is nothing to see. That a channel yields to another is left out. Of two poses that
-look alike, the one that moves the model more is shown, and the other lost.
+Conventions: each pose is examined alone, at full weight. The effect on a channel is the distance
+from rest divided by the channel's span, so that degrees and weights are comparable. Negative gains
+from rest have no visible effect. Limits between channels are ignored. Of two poses that look
+alike, the one with the larger effect counts as shown and the other as lost.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,27 +21,27 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
 
 ALIKE = 0.97
-"""Cosine between the channels of two poses above which they look the same."""
+"""Minimum cosine between the channels of two poses for the same look."""
 
 WEAK = 0.5
-"""Share of its range that the largest channel of a pose should move."""
+"""Fraction of the range that the largest channel of a pose should reach."""
 
 
 @dataclass(frozen=True)
 class Loss:
-    """A pose that a rig does not show, or not as itself; prints itself."""
+    """A pose that a rig loses wholly or in part; `str` gives a message."""
 
     pose: str
     shown: float
-    """Share of its range by which the largest channel moves; 0 where nothing does."""
+    """Fraction of the range reached by the largest channel; 0 for no effect."""
     like: str | None
-    """The pose that it looks like, where there is one."""
+    """The pose with the same look, if any."""
     why: str
-    """The rig's own words; empty where it has none."""
+    """Reason given by the rig; empty if none."""
 
     @property
     def what(self) -> str:
-        """What is lost, in words; empty where only the rig's own words say so."""
+        """Description of the loss; empty if only the rig's reason applies."""
         if not self.shown:
             return "not shown"
         found = [f"looks like {self.like}"] if self.like else []
@@ -52,12 +52,12 @@ class Loss:
         return f"{self.pose}: {told}" + (f" ({self.why})" if self.why else "")
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain data, for JSON."""
+        """Convert to plain data for JSON."""
         return {**asdict(self), "what": self.what}
 
 
 def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
-    """List the poses that a rig loses something of, in the order of its pose set."""
+    """List the losses of a rig, in the order of its pose set."""
     poses = tuple(library.poseset(rig.model.poseset).model.poses)
     data = {"channels": plain_channels(rig.model, None)}
     driver = Driver.from_plain(data, poses, np.zeros(len(poses)))
@@ -68,13 +68,13 @@ def losses(library: "Library", rig: "Pack[models.RigPack]") -> tuple[Loss, ...]:
 
 
 def _losses(poses: Sequence[str], moves: Floats, lost: Mapping[str, str]) -> list[Loss]:
-    """Compare what poses move, (C, P), with one another."""
+    """Compare the effects of poses, (C, P), with one another."""
     shown = np.minimum(np.abs(moves).max(axis=0), 1)
     lengths = np.linalg.norm(moves, axis=0)
     unit = moves / np.where(lengths > 0, lengths, 1)
     rank = np.argsort(
         np.argsort(-shown, kind="stable")
-    )  # of two alike, the first or stronger is it
+    )  # of two alike poses, the first or stronger one is kept
     alike = np.where(rank[:, None] > rank, unit.T @ unit, 0)
     found = []
     for pose, share, others in zip(poses, shown.tolist(), alike, strict=True):
@@ -86,7 +86,7 @@ def _losses(poses: Sequence[str], moves: Floats, lost: Mapping[str, str]) -> lis
 
 
 def loss_table(found: Sequence[Loss]) -> str:
-    """Lay out what a rig loses, a pose a line."""
+    """Format the losses of a rig as a table, a pose per line."""
     if not found:
         return "every pose is shown as itself"
     rows = [("pose", "shown", "lost", "why")]

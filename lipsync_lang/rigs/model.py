@@ -1,6 +1,6 @@
-"""A 3D model as its file tells it: the names of its morph targets and nodes.
+"""Metadata of a 3D model: the names of its morph targets and nodes.
 
-Models are glTF 2.0. Names and rest poses are all in its JSON, so the binary data stays unread.
+Models are glTF 2.0. The JSON holds all names and rest weights, so the binary data stays unread.
 """
 
 import json
@@ -14,10 +14,10 @@ from typing import NoReturn, TypeGuard
 from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
 
 LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
-"""The lists of a document that are read or added to."""
+"""Document lists that are read or extended."""
 
 FEW = 12
-"""As many names as a message lists."""
+"""Maximum number of names in a message."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,11 @@ class Mesh:
 
     Parameters
     ----------
-    number : its place among the document's meshes
-    name : its name in messages and in `Model.shapes`, which no other mesh has
-    given : its name in the file, which other meshes may share
+    number : index among the document's meshes
+    name : unique name for messages and `Model.shapes`
+    given : name in the file, possibly shared with other meshes
     shapes : n names of morph targets
-    rest : n weights it has when nothing drives it
+    rest : n weights at rest
     """
 
     number: int
@@ -42,16 +42,16 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """What a model's file says of itself.
+    """Contents of a model file.
 
     Parameters
     ----------
     path : the file
     shapes : name of a mesh -> names of its morph targets, in order
-    nodes : names of the nodes that have one
+    nodes : names of the named nodes
     meshes : the meshes with morph targets
-    document : the file's JSON; whoever changes it changes a copy
-    chunks : the parts of a GLB past its JSON; none where the file is JSON itself
+    document : the file's JSON, shared and therefore read-only; copy before a change
+    chunks : the parts of a GLB after its JSON; empty for a JSON file
     """
 
     path: Path
@@ -63,17 +63,17 @@ class Model:
 
 
 def read_model(path: Path, *, bones: bool = False) -> Model:
-    """Read the names in a model.
+    """Read the metadata of a model.
 
     Parameters
     ----------
     path : a .glb or .gltf file
-    bones : whether a model without morph targets will do
+    bones : true to accept a model without morph targets
 
     Raises
     ------
     ModelError
-        The file is missing, no glTF 2.0, damaged, or has no morph targets that are needed.
+        The file is missing, damaged, not glTF 2.0, or lacks required morph targets.
     """
     text, chunks = open_model(path)
     document = _document(path, text)
@@ -91,7 +91,7 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
 
 
 def some(names: Iterable[str]) -> str:
-    """List a few names."""
+    """Format a few names for a message."""
     known = list(names)
     return ", ".join(known[:FEW]) + (", ..." if len(known) > FEW else "")
 
@@ -131,7 +131,7 @@ def _no_number(text: str) -> NoReturn:
 
 
 def check_list(path: Path, name: str, rows: object) -> list[Json]:
-    """Return the objects of a list in a document, or say that it is none."""
+    """Validate a list of objects in a document."""
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         fail(path, f"{name} are not a list of objects")
     return rows
@@ -147,12 +147,12 @@ def _check_nodes(path: Path, document: Json) -> None:
 
 
 def is_index(value: object, count: int) -> TypeGuard[int]:
-    """Tell whether a value of a document is a place in a list of `count`."""
+    """Test a value of a document for a valid index into a list of `count`."""
     return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
 
 
 def numbers(path: Path, what: str, values: object, count: int) -> tuple[float, ...]:
-    """Return `count` numbers of a document, or say what they are."""
+    """Validate and return `count` numbers of a document."""
     good = isinstance(values, list) and len(values) == count and all(map(_is_number, values))
     if not good or not isinstance(values, list):
         fail(path, f"{what}: not a list of {count} numbers")
@@ -186,7 +186,7 @@ def _meshes(path: Path, document: Json, *, bones: bool) -> tuple[Mesh, ...]:
 
 
 def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
-    """Yield a name for every mesh that is its alone."""
+    """Yield a unique name for every mesh."""
     names = [row.get("name", "") for row in rows]
     if not all(isinstance(name, str) for name in names):
         fail(path, "the name of a mesh is not text")
@@ -199,7 +199,7 @@ def _labels(path: Path, rows: list[Json]) -> Iterator[str]:
 
 
 def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
-    """Return the names of a mesh's morph targets."""
+    """List the morph target names of a mesh."""
     primitives = row.get("primitives")
     check_list(path, f"the primitives of '{label}'", primitives)
     counts = {_target_count(path, label, one) for one in primitives or ()}

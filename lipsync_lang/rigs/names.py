@@ -1,20 +1,21 @@
-"""Which shapes of a mesh channels mean, however a model spells them.
+"""Assignment of channels to the shapes of a mesh, across the naming styles of models.
 
-The strictest comparison that finds something decides; what it finds is no longer free for others.
+Comparisons run from strict to loose; the first with a result decides. Assigned shapes are not
+available to other channels.
 
-1. the channel's name, letter by letter; then a spelling of it that a pack states;
-2. the same folded: capitals, and what parts words (`_ - . : |` and blanks), are nothing, and L and
-   R are Left and Right. So mouthSmileLeft is MOUTH_SMILE_L, mouth.smile.l and Left_MouthSmile;
-3. the same without what stands before a dot or colon, or a beginning that most names share;
-4. a pattern, in which `*` stands for anything; a longer one before a shorter one. Where a sign that
-   parts words stands beside the `*`, a word ends there;
-5. the same without its side: one channel moves both shapes of a pair;
-6. the other way round: both channels of a pair move one shape, which is only about right, so it is
-   reported (`Placement.shared`). Of their two values the larger counts.
+1. exact: the channel's name, then an alternative spelling from a pack;
+2. folded: case and separators (`_ - . : |` and blanks) are ignored, and L and R equal Left and
+   Right. For example, mouthSmileLeft equals MOUTH_SMILE_L, mouth.smile.l and Left_MouthSmile;
+3. bare: folded, without a prefix before a dot or colon or one common to most names;
+4. pattern: `*` matches any text, longer patterns first. A separator next to the `*` marks the end
+   of a word;
+5. both sides: without the side, one channel moves both shapes of a pair;
+6. shared: both channels of a pair move one shape, with the larger of their values. This is only
+   approximate and therefore reported (`Placement.shared`).
 
-Only the channels of a pair ever share a shape. A channel is several shapes where spellings that a
-pack states, a pattern or a side say so, but one by its own name. Where more would fit, the first is
-taken, and that is reported too (`Placement.doubts`).
+Only the channels of a pair can share a shape. Alternative spellings, patterns and sides can assign
+several shapes to a channel; its own name assigns one. Among several candidates the first is taken,
+with a report in `Placement.doubts`.
 """
 
 import re
@@ -38,39 +39,39 @@ _LOOSE = re.compile(rf"\*[{_PARTING}]|[{_PARTING}]\*")
 _SIDES = {"l": "left", "r": "right", "left": "left", "right": "right"}
 
 NAME, STATED, FOLDED_NAME, FOLDED, BARE_NAME, BARE, PATTERN, BOTH_SIDES, ONE_SIDE = range(9)
-"""The comparisons, strictest first."""
+"""Comparisons in order, strictest first."""
 
 MANY = {STATED, FOLDED, BARE, PATTERN, BOTH_SIDES}
-"""Those by which a channel may be several shapes."""
+"""Comparisons that can assign several shapes to a channel."""
 
 Grade = tuple[int, int]
-"""A comparison, and how much of a name it leaves out; the least is the best."""
+"""A comparison and the number of ignored letters; smaller is better."""
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where channels are among the shapes of a mesh."""
+    """Assignment of channels to the shapes of a mesh."""
 
     shapes: dict[int, list[str]] = field(default_factory=dict)
-    """Number of a channel -> the shapes that it means."""
+    """Channel number -> its shapes."""
     shared: dict[str, list[int]] = field(default_factory=dict)
-    """A shape without a side -> the numbers of the channels that have one."""
+    """Shape without a side -> numbers of the left and right channels that share it."""
     doubts: tuple[str, ...] = ()
-    """What else could be meant, in words."""
+    """Descriptions of ambiguous assignments."""
 
 
 def places(channels: Sequence[Channel], shapes: Sequence[str]) -> dict[int, list[str]]:
-    """Return, for each channel number, the shapes of one mesh that it means."""
+    """Map each channel number to its shapes on one mesh."""
     return placed(channels, shapes).shapes
 
 
 def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
-    """Place channels among the shapes of one mesh, and say what is doubtful.
+    """Assign channels to the shapes of one mesh and describe ambiguities.
 
     Parameters
     ----------
-    channels : those of bones are nowhere
-    shapes : names, each once
+    channels : bone channels have no place among shapes and are skipped
+    shapes : unique names
     """
     known = _Index(shapes)
     wanted: dict[Grade, list[tuple[int, str]]] = defaultdict(list)
@@ -89,7 +90,7 @@ def placed(channels: Sequence[Channel], shapes: Sequence[str]) -> Placement:
 
 
 def on_mesh(channels: Sequence[Channel], mesh: Mesh) -> Placement:
-    """Place a model's channels on one of its meshes; those that name the mesh come first."""
+    """Assign a model's channels on one mesh; channels bound to that mesh come first."""
     found = Placement()
     for mine in ({mesh.name, mesh.given} - {None}, {None}):
         numbers = [n for n, channel in enumerate(channels) if channel.mesh in mine]
@@ -105,7 +106,7 @@ def on_mesh(channels: Sequence[Channel], mesh: Mesh) -> Placement:
 def _deal(
     found: Placement, rule: int, pairs: Sequence[tuple[int, str]], names: Sequence[str]
 ) -> Iterator[str]:
-    """Give shapes to the channels that want them by one comparison; yield what is doubtful."""
+    """Assign shapes by one comparison; yield descriptions of ambiguities."""
     wanting: dict[str, list[int]] = defaultdict(list)
     for number, shape in pairs:
         wanting[shape].append(number)
@@ -127,7 +128,7 @@ def _deal(
 
 
 class _Index:
-    """The shapes of a mesh, by what each of them may be called."""
+    """Index of a mesh's shapes by their possible names."""
 
     def __init__(self, shapes: Sequence[str]) -> None:
         self.shapes = shapes
@@ -141,7 +142,7 @@ class _Index:
                 self.sided[spelt.stem].append((dropped, shape))
 
     def meant_by(self, channel: Channel) -> dict[str, Grade]:
-        """Return the shapes that a channel may mean, each with the best grade that it has."""
+        """Find candidate shapes for a channel, each with its best grade."""
         best: dict[str, Grade] = {}
         for shape, grade in self._meant(channel):
             best[shape] = min(grade, best.get(shape, grade))
@@ -160,7 +161,7 @@ class _Index:
                 yield from ((shape, grade) for shape in self.shapes if fits(shape, pattern))
 
     def _spelt(self, name: "_Spelt", whole: int, bare: int) -> Iterator[tuple[str, Grade]]:
-        """Yield the shapes that are spelled as a name is, and those that are so but for a side."""
+        """Yield shapes with the same spelling as a name, then those that differ only by side."""
         for key in name.keys:
             for dropped, shape in self.called.get(key, ()):
                 yield shape, (bare if dropped else whole, dropped)
@@ -173,37 +174,37 @@ class _Index:
 
 
 def fits(shape: str, pattern: str) -> bool:
-    """Tell whether a shape's name is of a pattern, in which `*` stands for anything."""
+    """Match a shape's name against a pattern with `*` as a wildcard."""
     form = _spaced if _LOOSE.search(pattern) else folded
     escaped = re.sub(r"([\[?])", r"[\1]", pattern)
     return fnmatchcase(form(shape), "*".join(map(form, escaped.split("*"))))
 
 
 def folded(name: str) -> str:
-    """Return a name without capitals, and without what parts its words."""
+    """Fold a name: remove case and separators."""
     return _PARTED.sub("", unicodedata.normalize("NFKC", name)).casefold()
 
 
 def _spaced(name: str) -> str:
-    """Return a name's words with blanks between them, and where it begins or ends in one."""
+    """Join a name's words with blanks; mark the word boundaries at its ends."""
     ends = ("" if _PARTED.match(name) is None else " ", " " if _PARTED.search(name[-1:]) else "")
     return ends[0] + " ".join(map(str.casefold, _WORD.findall(name))) + ends[1]
 
 
 class _Spelt(NamedTuple):
-    """A name, taken apart."""
+    """A name split into stem and side."""
 
     keys: tuple[str, ...]
-    """It folded; with a side, in full and by its letter."""
+    """Folded name; for a name with a side, both with the full word and with its letter."""
     stem: str
-    """It folded, without a side."""
+    """Folded name without its side."""
     side: str
-    """Left or right, if it says so; else empty."""
+    """Side, left or right; empty if none."""
 
     @classmethod
     @lru_cache(4096)
     def of(cls, name: str) -> "_Spelt":
-        """Take a name apart."""
+        """Split a name into stem and side."""
         text = folded(name)
         words = [*_WORD.finditer(unicodedata.normalize("NFKC", name))]
         for number in _places_of_sides(words):
@@ -214,7 +215,7 @@ class _Spelt(NamedTuple):
 
 
 def _places_of_sides(words: Sequence["re.Match[str]"]) -> Iterator[int]:
-    """Yield which words may say the side: the last one, the first one, one that stands alone."""
+    """Yield candidate positions of the side: last word, first word, a word that stands alone."""
     if len(words) < 2:  # noqa: PLR2004 a side of nothing
         return
     last = len(words) - 1
@@ -230,7 +231,7 @@ def _places_of_sides(words: Sequence["re.Match[str]"]) -> Iterator[int]:
 
 
 def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
-    """Yield each shape, how many letters of it are dropped, and what remains."""
+    """Yield each shape with the number of dropped letters and the remaining name."""
     shared = _shared(shapes)
     for shape in shapes:
         yield shape, 0, shape
@@ -243,7 +244,7 @@ def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
 
 
 def _shared(names: Sequence[str]) -> list[str]:
-    """Return what most of a model's names begin with, up to the end of a word."""
+    """Find the prefix common to most of a model's names, up to a word boundary."""
     rests: dict[str, list[str]] = defaultdict(list)
     for name in names:
         for word in [*_WORD.finditer(name)][1:]:
@@ -253,5 +254,5 @@ def _shared(names: Sequence[str]) -> list[str]:
 
 
 def _says(rest: str) -> bool:
-    """Tell whether what is left of a name is more than its side."""
+    """Test the remainder of a name for content besides its side."""
     return folded(rest) not in {"", *_SIDES}

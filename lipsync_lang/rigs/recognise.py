@@ -1,4 +1,4 @@
-"""What a model is: which pose sets and rigs find their channels among its shapes and bones."""
+"""Model recognition: pose sets and rigs with channels among the model's shapes and bones."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -23,69 +23,69 @@ if TYPE_CHECKING:
 
 
 SHOWN = 3
-"""As many lost poses outweigh one that is shown."""
+"""Number of lost poses that outweigh one shown pose."""
 
 
 @dataclass(frozen=True, eq=False)
 class ChannelPlaces:
-    """Where channels are on a model."""
+    """Positions of channels on a model."""
 
     places: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """A channel that is found -> its shapes, over all meshes, or its bone."""
+    """Found channel -> its shapes, over all meshes, or its bone."""
     shared: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """A shape without a side -> the channels that have one, and share it."""
+    """Shape without a side -> the left and right channels that share it."""
     doubts: tuple[str, ...] = ()
-    """What else could be meant, in words."""
+    """Descriptions of ambiguous matches."""
 
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """How well a pose set, alone or with a rig, fits a model."""
+    """Fit of a pose set, alone or with a rig, to a model."""
 
     poseset: str
     rig: str | None
-    """The rig that drives the model; None where the poses themselves are its shapes."""
+    """Rig between poses and model; None if the poses themselves are the shapes."""
     poses: tuple[str, ...]
-    """Every pose of the set."""
+    """All poses of the set."""
     found: ChannelPlaces
     missing: tuple[str, ...]
-    """Channels that the model does not have."""
+    """Channels absent from the model."""
     left: tuple[str, ...]
-    """Shapes of the model that nothing drives."""
+    """Shapes of the model without a channel."""
     losses: tuple[Loss, ...]
-    """Poses that are not shown, or not as themselves."""
+    """Poses lost wholly or in part."""
 
     @property
     def shown(self) -> int:
-        """How many poses are shown as themselves."""
+        """Number of poses shown as themselves."""
         return len(self.poses) - len(self.losses)
 
     @property
     def complete(self) -> bool:
-        """Whether the model has every channel, each as a shape or bone of its own."""
+        """True if every channel has a shape or bone of its own."""
         return not self.missing and not self.found.shared
 
     @property
     def rank(self) -> tuple[object, ...]:
-        """What puts matches in order: the least is the best."""
+        """Sort key of matches; the smallest is the best."""
         worth = self.shown * SHOWN - len(self.losses)
         return (-worth, -self.shown, self.rig is not None, -self.own, self.name)
 
     @property
     def own(self) -> int:
-        """How many channels the model spells letter by letter."""
+        """Number of channels with exactly the model's spelling."""
         return sum(channel in shapes for channel, shapes in self.found.places.items())
 
     @property
     def name(self) -> str:
-        """The pose set, and the rig if there is one."""
+        """Name of the pose set, and of the rig if any."""
         return f"{self.poseset} with rig {self.rig}" if self.rig else self.poseset
 
     def __str__(self) -> str:
         return f"{self.shown} of {len(self.poses)} poses of {self.name}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain data, for JSON."""
+        """Convert to plain data for JSON."""
         return {
             "poseset": self.poseset,
             "rig": self.rig,
@@ -101,11 +101,11 @@ class Match:
 
 
 def recognise(library: "Library", model: "Model") -> tuple[Match, ...]:
-    """Try every pose set and every rig on a model.
+    """Match every pose set and every rig against a model.
 
-    What shows more poses as themselves comes first, but three lost poses outweigh a shown one; of
-    equals a pose set without a rig does. Those that find nothing are left out, and unsound packs
-    are passed over: `validate` tells their faults.
+    The number of poses shown as themselves decides the order, but three lost poses outweigh a
+    shown one. Among equals, a pose set without a rig comes first. Empty matches are left out.
+    Invalid packs are skipped, because `validate` reports their faults.
     """
     found: list[Match] = []
     for name in dict.fromkeys(one.name for one in library.names("poseset")):
@@ -117,7 +117,7 @@ def recognise(library: "Library", model: "Model") -> tuple[Match, ...]:
 
 
 def find(channels: "Sequence[Channel]", model: "Model") -> ChannelPlaces:
-    """Find channels among the shapes of every mesh, and among the bones."""
+    """Find channels among the shapes of all meshes and among the bones."""
     places: dict[str, dict[str, None]] = {}
     shared: dict[str, tuple[str, ...]] = {}
     doubts: dict[str, None] = {}
@@ -135,7 +135,7 @@ def find(channels: "Sequence[Channel]", model: "Model") -> ChannelPlaces:
 
 
 def reduced(rig: "models.RigPack", found: ChannelPlaces) -> "models.RigPack":
-    """Return a rig with those of its channels that are found, one by one."""
+    """Restrict a rig to the channels found on a model."""
     kept = {name: one for name, one in channels_of(rig).items() if name in found.places}
     plain = {
         name: one if one.at_most in kept else one.model_copy(update={"at_most": None})
@@ -145,7 +145,7 @@ def reduced(rig: "models.RigPack", found: ChannelPlaces) -> "models.RigPack":
 
 
 def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> Iterator[Match]:
-    """Yield what finds something: the pose set alone, and each of its rigs."""
+    """Yield non-empty matches: the pose set alone, and each of its rigs."""
     poses = tuple(poseset.poses)
     found = find(bare(poses, pose_names(poseset)), model)
     if found.places:
@@ -163,7 +163,7 @@ def _matches(library: "Library", poseset: "models.PoseSet", model: "Model") -> I
 
 
 def _sound(library: "Library", poseset: "models.PoseSet") -> "Iterator[Pack[models.RigPack]]":
-    """Yield the rigs of a pose set that nothing is wrong with."""
+    """Yield the valid rigs of a pose set."""
     known = {found.name for found in library.names("poseset")}
     for path in library.rigs_of(poseset.name):
         try:
@@ -183,7 +183,7 @@ def _channels(library: "Library", rig: "models.RigPack") -> "tuple[Channel, ...]
 
 
 def _left(model: "Model", found: ChannelPlaces) -> tuple[str, ...]:
-    """Return the shapes that nothing drives."""
+    """List the shapes without a channel."""
     driven = {shape for shapes in found.places.values() for shape in shapes}
     shapes = dict.fromkeys(shape for mesh in model.meshes for shape in mesh.shapes)
     return tuple(shape for shape in shapes if shape not in driven)

@@ -1,4 +1,4 @@
-"""An animation in a model: which property of which node it drives, and the values over time."""
+"""Animation tracks of a model: target node, property, times in seconds and values (T, n)."""
 
 from collections.abc import Collection, Iterator
 from typing import NamedTuple
@@ -13,13 +13,13 @@ from lipsync_lang.rigs.model import Model, check_list, is_index
 Floats = npt.NDArray[np.float64]
 
 VALUES_PER_KEY = {"LINEAR": 1, "STEP": 1, "CUBICSPLINE": 3}
-"""Interpolations, and how many values each key has: a spline's are between its two tangents."""
+"""Values per key of each interpolation; a spline key has a tangent on each side of its value."""
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": None}
-"""Properties of a node, and how many numbers each has; a mesh says how many weights."""
+"""Components of each node property; the number of weights depends on the mesh."""
 
 STEP_SECONDS = 1e-4
-"""How long before its key a step begins, so that straight lines step."""
+"""Seconds between the two keys of a step, because tracks have only straight lines."""
 
 
 class Drive(NamedTuple):
@@ -27,10 +27,10 @@ class Drive(NamedTuple):
 
     Parameters
     ----------
-    node : its place among the document's nodes
+    node : index among the document's nodes
     path : the property, such as `weights`
     times : (T,) seconds, rising
-    values : (T, n), with straight lines between them
+    values : (T, n), with linear interpolation
     """
 
     node: int
@@ -42,12 +42,12 @@ class Drive(NamedTuple):
 def drives(
     model: Model, accessors: Accessors, take: Json, paths: Collection[str] = PATHS
 ) -> Iterator[Drive]:
-    """Yield what an animation drives.
+    """Yield the tracks of an animation.
 
     Parameters
     ----------
     take : an animation of the model's document
-    paths : the properties wanted; others stay unread
+    paths : properties to read; others are skipped
 
     Raises
     ------
@@ -62,7 +62,7 @@ def drives(
             fail(where, "a channel of its animation has no target")
         node, path, number = target.get("node"), target.get("path"), channel.get("sampler")
         if node is None or not isinstance(path, str) or path not in paths or path not in PATHS:
-            continue  # as glTF asks: extensions have targets of their own
+            continue  # glTF requires this: extensions define targets of their own
         if not is_index(node, len(nodes)) or not is_index(number, len(samplers)):
             fail(where, "a channel of its animation names a node or sampler that is not there")
         times, values = _keys(accessors, samplers[number])
@@ -72,7 +72,7 @@ def drives(
 
 
 def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
-    """Return the (T,) times of a sampler and its (T, n) values."""
+    """Read the times, (T,), and values, (T, n), of a sampler."""
     where = accessors.path
     times = accessors[sampler.get("input")].astype(np.float64)
     values = accessors[sampler.get("output")].astype(np.float64)
@@ -94,7 +94,7 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
 
 
 def _stepped(times: Floats, table: Floats) -> tuple[Floats, Floats]:
-    """Add a key just before each next one, which holds the value until then."""
+    """Convert steps to straight lines: each value gets a second key just before the next."""
     before = times[1:] - np.minimum(np.diff(times) / 2, STEP_SECONDS)
     order = np.argsort(np.concatenate((times, before)), kind="stable")
     return np.concatenate((times, before))[order], np.concatenate((table, table[:-1]))[order]

@@ -1,6 +1,6 @@
-"""Turning nodes: quaternions are (T, 4) arrays of x, y, z, w, as glTF has them.
+"""Node transforms. Quaternions are (T, 4) arrays of x, y, z, w, in glTF's order.
 
-A matrix is (4, 4), and its rows are glTF's columns: where the three axes go, then the origin.
+Matrices are (4, 4). Their rows are glTF's columns: the images of the three axes, then the origin.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class Parts(NamedTuple):
-    """What a matrix is made of: it scales, then turns, then moves."""
+    """Components of a matrix, in order of application: scale, rotation, translation."""
 
     translation: Floats
     rotation: Floats
@@ -20,20 +20,20 @@ class Parts(NamedTuple):
 
 
 def turns(axis: Floats, degrees: Floats) -> Floats:
-    """Return quaternions that turn about an axis, which has some length."""
+    """Build rotation quaternions about an axis of non-zero length."""
     half = np.radians(degrees) / 2
     return np.column_stack([np.outer(np.sin(half), axis / np.linalg.norm(axis)), np.cos(half)])
 
 
 def product(first: Floats, then: Floats) -> Floats:
-    """Return the quaternions that turn by `then` about the axes as `first` has turned them."""
+    """Compose rotations: `first`, then `then` about the rotated axes."""
     (u, s), (v, t) = ((q[:, :3], q[:, 3:]) for q in (first, then))
     dot = np.sum(u * v, axis=1, keepdims=True)
     return np.hstack([s * v + t * u + np.cross(u, v), s * t - dot])
 
 
 def parts(matrix: Floats) -> Parts | None:
-    """Part a matrix; None where it shears or flattens, which no parts can."""
+    """Decompose a matrix; None for shear or a zero scale, which have no such components."""
     axes = matrix[:3, :3]
     scale = np.linalg.norm(axes, axis=1)
     scale[0] *= np.sign(np.linalg.det(axes))
@@ -46,9 +46,10 @@ def parts(matrix: Floats) -> Parts | None:
 
 
 def quaternion(axes: Floats) -> Floats:
-    """Return the (4,) quaternion of a rotation; the (3, 3) rows are where the axes go.
+    """Convert a rotation, (3, 3) with the images of the axes as rows, to a (4,) quaternion.
 
-    It is the eigenvector of the largest eigenvalue (Bar-Itzhack, 2000), which no angle troubles.
+    The result is the eigenvector of the largest eigenvalue (Bar-Itzhack, 2000), a method that is
+    stable for all angles.
     """
     x, y, z = axes
     table = [

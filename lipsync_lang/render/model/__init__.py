@@ -1,5 +1,5 @@
-"""A character's model, drawn: its glTF, posed in time, seen by a camera, in light.
+"""Software renderer for a character's animated glTF model, with a camera and lights.
 
-No graphics card, display or system library is needed: triangles are filled by numpy.
-Points are rows: ``point @ matrix`` moves one, as in `lipsync_lang.rigs.transforms`.
+numpy fills the triangles, so no graphics card, display or system library is needed.
+Points are rows: ``point @ matrix`` transforms one, as in `lipsync_lang.rigs.transforms`.
 """

@@ -1,4 +1,4 @@
-"""From where a model is looked at: a bust of who speaks, from the front."""
+"""Camera for a model: a bust portrait of the speaker from the front."""
 
 from dataclasses import dataclass
 
@@ -8,31 +8,31 @@ from lipsync_lang.render.model.gltf import Floats
 from lipsync_lang.render.model.scene import Scene
 
 FIELD = 24.0
-"""Degrees from the lower edge of a picture to the upper one."""
+"""Vertical field of view in degrees."""
 
 ROOM = 1.06
-"""How much more than the head a picture shows."""
+"""Size of the frame relative to the head."""
 
 BUST = 5.0
-"""Of a body, a picture shows this many times the height of what moves."""
+"""Height of the frame relative to the moving region, for a model with a body."""
 
 MOVED = 0.1
-"""Of the largest movement; what moves less is no part of the mouth."""
+"""Fraction of the largest movement; points that move less do not count as the mouth."""
 
 SIDE = 0.4
-"""Of a model's depth: what moves is not nearer to its back than this."""
+"""Fraction of the model's depth: minimum distance of the moving region from the back."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """An eye at a distance from what it looks at.
+    """An eye at a fixed distance from its target.
 
     Parameters
     ----------
-    middle : (3,) what it looks at
-    turn : (3, 3) rows: where the model's axes go, seen from the eye: x right, y up, z to it
-    distance : of the eye from there, in the model's units
-    half : as far as it sees around there, in all directions
+    middle : (3,) target point, in the model's units
+    turn : (3, 3) rotation of the model's axes into eye axes, as rows: x right, y up, z to the eye
+    distance : from the eye to the target, in the model's units
+    half : half the side of the visible square at the target, in the model's units
     """
 
     middle: Floats
@@ -41,11 +41,11 @@ class Camera:
     half: float
 
     def see(self, points: Floats, size: int) -> tuple[Floats, Floats]:
-        """Project points on a picture of `size` by `size` samples.
+        """Project points onto a picture of `size` by `size` samples.
 
         Returns
         -------
-        (V, 2) columns and rows; (V,) 1 / distance from the eye, not above 0 where it is behind it
+        (V, 2) columns and rows; (V,) 1 / distance from the eye, at most 0 for points behind it
         """
         seen = (points - self.middle) @ self.turn
         depth = self.distance - seen[:, 2]
@@ -56,9 +56,10 @@ class Camera:
 
 
 def framed(scene: Scene) -> Camera:
-    """Look at the head that speaks, or at as much of a body as shows how it does.
+    """Frame the speaking head, or the upper part of a body with the mouth in view.
 
-    The front is glTF's own, unless what moves faces the other way, as in some models it does.
+    The front follows glTF's convention unless the moving points lie on the opposite side, because
+    some models are exported backwards.
     """
     low, high = _box(scene)
     middle = (low + high) / 2
@@ -69,7 +70,7 @@ def framed(scene: Scene) -> Camera:
 
 
 def _box(scene: Scene) -> tuple[Floats, Floats]:
-    """Return the least and greatest (3,) of what is looked at."""
+    """Compute the minimum and maximum corners, (3,) each, of the framed region."""
     moved = scene.moves >= MOVED * scene.moves.max()
     mouth = scene.rest[moved]
     whole = scene.rest[np.isin(scene.shown_by, scene.shown_by[moved])]
@@ -84,7 +85,7 @@ def _box(scene: Scene) -> tuple[Floats, Floats]:
 
 
 def _faces_back(scene: Scene) -> bool:
-    """Tell whether what moves is on the far side of its model's middle."""
+    """Test for moving points on the far side of the model's middle."""
     back, front = scene.rest[:, 2].min(), scene.rest[:, 2].max()
     mouth = np.average(scene.rest[:, 2], weights=scene.moves)
     return bool(mouth < back + SIDE * (front - back))

@@ -1,4 +1,4 @@
-"""The parts of a glTF file that are drawn: its arrays, its textures and its nodes."""
+"""Drawable parts of a glTF file: arrays, textures and nodes."""
 
 import warnings
 from io import BytesIO
@@ -18,25 +18,25 @@ Floats = npt.NDArray[np.float64]
 Texels = npt.NDArray[np.uint8]
 
 PACKED = {"KHR_draco_mesh_compression", *COMPRESSIONS}
-"""Extensions that leave nothing to draw to those who do not know them."""
+"""Compression extensions that make a file impossible to draw without a decoder."""
 
 LARGEST = 2048
-"""Pixels of a texture's longer side; more are not seen."""
+"""Maximum pixels of a texture's longer side; a picture would not show more detail."""
 
 MAX_PIXELS = 2**26
-"""Pixels of a picture, 8192 by 8192; a small file may unpack to any number."""
+"""Maximum pixels of an image, 8192 by 8192; without it a small file could unpack to any size."""
 
 FORMATS = ("PNG", "JPEG", "WEBP")
-"""Formats of pictures that glTF and its extensions have; Pillow's others stay shut."""
+"""Image formats of glTF and its extensions; Pillow's other decoders stay disabled for safety."""
 
 
 class Gltf:
-    """A model's document and its binary data.
+    """A glTF document with its binary data.
 
     Parameters
     ----------
-    model : what is read
-    path : what messages call it
+    model : the model, as read from its file
+    path : file name for messages
     """
 
     def __init__(self, model: Model, path: Path) -> None:
@@ -50,7 +50,7 @@ class Gltf:
             fail(path, f"is compressed ({min(packed)})", "export the model without compression")
 
     def texture(self, number: int) -> Texels | None:
-        """Return a texture's picture, (H, W, 4); None where it cannot be read."""
+        """Decode a texture's image to (H, W, 4); None if it is unreadable."""
         row = self.document["textures"][number]
         kinds = (row, *row.get("extensions", {}).values())
         sources = [kind["source"] for kind in kinds if "source" in kind]
@@ -62,7 +62,7 @@ class Gltf:
     # Nodes
 
     def order(self) -> dict[int, int | None]:
-        """Return the nodes that are shown, each with its parent and after it."""
+        """List the visible nodes with their parents, parents first."""
         nodes, scenes = self.document.get("nodes", []), self.document.get("scenes", [])
         children = set(chain.from_iterable(node.get("children", ()) for node in nodes))
         roots = [number for number in range(len(nodes)) if number not in children]
@@ -78,11 +78,11 @@ class Gltf:
         return found
 
     def local(self, number: int, **moved: Floats) -> Floats:
-        """Return a node's (4, 4) matrix within its parent.
+        """Compute the (4, 4) matrix of a node relative to its parent.
 
         Parameters
         ----------
-        moved : its `translation` or `rotation`, where that is not what the file says
+        moved : animated `translation` or `rotation`, in place of the value in the file
         """
         node = self.document["nodes"][number]
         if "matrix" in node:
@@ -97,7 +97,7 @@ class Gltf:
 
 
 def _axes(quaternion: Floats) -> Floats:
-    """Return where the three axes go, one a row."""
+    """Compute the images of the three axes, one per row."""
     v, s = quaternion[:3], quaternion[3]
     cross = np.cross(np.eye(3), v)
     found: Floats = (2 * s * s - 1) * np.eye(3) + 2 * np.outer(v, v) - 2 * s * cross
@@ -120,7 +120,7 @@ def _picture(data: bytes) -> Texels | None:
 
 
 def pillow() -> Any:
-    """Return the library that reads and writes pictures, or say how to get it."""
+    """Import Pillow; the error message says how to install it."""
     try:
         from PIL import Image
     except ImportError:

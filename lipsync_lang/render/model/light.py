@@ -1,6 +1,6 @@
-"""Light: smooth normals, and how bright they make a surface.
+"""Lighting: smooth normals and the brightness of surfaces.
 
-Everything is linear until `encoded` makes it what screens show.
+All values are linear light; `encoded` converts the result to sRGB for display.
 """
 
 from typing import NamedTuple
@@ -15,25 +15,25 @@ from lipsync_lang.render.model.scene import Bools, Ints, Scene
 
 _VALUES = np.linspace(0, 1, 256)
 LINEAR = np.where(_VALUES <= 0.04045, _VALUES / 12.92, ((_VALUES + 0.055) / 1.055) ** 2.4)  # noqa: PLR2004 sRGB
-"""(256,): the light of each value of sRGB."""
+"""(256,) linear light of each 8-bit sRGB value."""
 
 _STEPS = 4096
 _SHADES = np.searchsorted((LINEAR[1:] + LINEAR[:-1]) / 2, np.linspace(0, 1, _STEPS)).astype("u1")
 
 GRAIN = 1e-4, 0.05
-"""Corners are one where their places agree to this part of the model's size, and their normals."""
+"""Relative tolerance for merging corners: of positions, by the model's size, and of normals."""
 
 
 class Lamp(NamedTuple):
-    """Light that comes from afar."""
+    """A directional light."""
 
     way: tuple[float, float, float]
-    """To the lamp: right, up, towards the eye."""
+    """Direction to the lamp: right, up, towards the eye."""
     colour: tuple[float, float, float]
     wrap: float
-    """How far it reaches around an edge; 0 for a point, 1 for a sky."""
+    """Wrap of the light around an edge: 0 for a point source, 1 for a sky."""
     shine: float
-    """How bright its reflection is."""
+    """Brightness of the specular reflection."""
 
 
 LAMPS = (
@@ -41,25 +41,25 @@ LAMPS = (
     Lamp((0.9, 0.1, 0.5), (0.17, 0.19, 0.22), 0.3, 0.0),
     Lamp((0.6, 0.7, -0.8), (0.24, 0.25, 0.27), 0.0, 0.0),
 )
-"""Key, fill and rim."""
+"""Key, fill and rim light."""
 
 SKY, GROUND = np.array([0.30, 0.31, 0.33]), np.array([0.15, 0.14, 0.13])
-"""From above and from below."""
+"""Ambient light from above and from below."""
 
 AROUND, CELLS, BIAS = 40, 256, 4
-"""Directions from which light comes, cells along a side of the grid of each; cells."""
+"""Directions of the ambient light; cells per side of each shadow grid; shadow bias in cells."""
 
 LEAST_LIGHT = 0.4
-"""What reaches even the deepest point."""
+"""Minimum ambient light at any point."""
 
 SHARPEST = 60.0
-"""How small a reflection gets on what is perfectly smooth."""
+"""Specular exponent of a perfectly smooth surface."""
 
 
 class Normals:
-    """Normals that follow what moves.
+    """Normals of a deforming surface.
 
-    They are those of the file, changed as the surface turns; without any, those of the surface.
+    The file's normals turn with the surface. Without them, the surface's own smooth normals apply.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -69,18 +69,18 @@ class Normals:
         self._change = np.nan_to_num(unit(scene.directions(scene.normals)) - smooth)
 
     def at(self, points: Floats) -> Floats:
-        """Return the (V, 3) normals of points."""
+        """Compute the (V, 3) normals at given point positions."""
         return unit(self._smooth(points) + self._change)
 
     def around(self, triangles: Ints) -> Bools:
-        """Tell of (V,) points whether their normals change when some triangles move."""
+        """Mask the (V,) points whose normals change with the given moving triangles."""
         turned: Bools = np.zeros(len(self._group), bool)
         turned[self._group[triangles]] = True
         found: Bools = turned[self._group]
         return found
 
     def _smooth(self, points: Floats) -> Floats:
-        """Average the normals of the triangles around each point, the larger ones counting more."""
+        """Average the triangle normals around each point, weighted by area."""
         a, b, c = points[self._corners].swapaxes(0, 1)
         faces = np.cross(b - a, c - a)
         owners = self._group[self._corners].T.ravel()
@@ -89,7 +89,7 @@ class Normals:
 
 
 def _groups(scene: Scene) -> Ints:
-    """Return (V,) the first of the points that are one but for their place in a texture."""
+    """Map each of (V,) points to the first one equal to it but for texture coordinates."""
     given = scene.normals
     bare: Bools = np.isnan(given[:, 0])
     size = float(np.ptp(scene.rest)) or 1.0
@@ -101,14 +101,14 @@ def _groups(scene: Scene) -> Ints:
 
 
 def unit(vectors: Floats) -> Floats:
-    """Return vectors of length 1; those without a length stay without."""
+    """Normalise vectors to length 1; zero vectors stay zero."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     found: Floats = vectors / np.where(lengths > 0, lengths, 1.0)
     return found
 
 
 def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
-    """Return the light that (n, 3) normals, as the eye sees them, scatter and reflect.
+    """Compute the light that surfaces scatter and reflect, from (n, 3) normals in eye axes.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
 
     Returns
     -------
-    (n, 3) to be coloured by the surface; (n, 1) white
+    (n, 3) diffuse light, to be multiplied by the surface colour; (n, 1) white specular light
     """
     up = normals[:, 1:2] / 2 + 0.5
     scattered = GROUND + (SKY - GROUND) * up
@@ -133,10 +133,10 @@ def lit(normals: Floats, gloss: Floats) -> tuple[Floats, Floats]:
 
 
 def openness(scene: Scene, camera: Camera) -> Floats:
-    """Return (V,) how much of the light around reaches points, when the mouth is wide open.
+    """Estimate the (V,) share of ambient light at points, with the mouth wide open.
 
-    A point is in the shade of what is before it on the way to the light. Seen from the light,
-    what is nearest in each cell of a grid shades the rest; `BIAS` cells on the way do not.
+    Each light direction has a depth grid. The nearest surface in a grid cell shades every point
+    more than `BIAS` cells behind it; the bias keeps a surface from shading itself.
     """
     points = (scene.widest - camera.middle) / camera.half
     normals = Normals(scene).at(scene.widest)
@@ -160,7 +160,7 @@ def openness(scene: Scene, camera: Camera) -> Floats:
 
 
 def _sphere(count: int) -> Floats:
-    """Return directions that are spread evenly."""
+    """Generate evenly spread unit directions."""
     height = 1 - (2 * np.arange(count) + 1) / count
     turn = np.arange(count) * np.pi * (3 - np.sqrt(5))
     across = np.sqrt(1 - height**2)
@@ -168,7 +168,7 @@ def _sphere(count: int) -> Floats:
 
 
 def encoded(light: npt.NDArray[np.floating]) -> npt.NDArray[np.uint8]:
-    """Return what a screen is sent to show some light."""
+    """Encode linear light as sRGB."""
     steps = (light * (_STEPS - 1)).clip(0, _STEPS - 1).astype(np.uint16)
     found: npt.NDArray[np.uint8] = _SHADES[steps]
     return found

@@ -1,4 +1,4 @@
-"""How surfaces look, as far as a picture shows: colour, texture, cut-outs, gloss."""
+"""Surface materials: colour, texture, alpha cutoff and gloss."""
 
 from dataclasses import dataclass
 
@@ -11,16 +11,16 @@ from lipsync_lang.rigs.container import Json
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface looks.
+    """Appearance of a surface.
 
     Parameters
     ----------
     colour : (4,) linear red, green, blue and alpha
     texture : (H, W, 4) sRGB, or None
-    cutoff : alpha below which there is nothing
-    double : whether it is seen from behind
+    cutoff : alpha below which the surface is absent
+    double : true for surfaces visible from behind
     gloss : in [0, 1]
-    lit : whether light matters
+    lit : false for surfaces that ignore light
     """
 
     colour: Floats
@@ -31,7 +31,7 @@ class Material:
     lit: bool
 
     def texels(self, u: Array, v: Array) -> Texels:
-        """Return (n, 4) the texture at some places, which repeats without end."""
+        """Sample the texture at texture coordinates, (n, 4); the texture repeats."""
         if self.texture is None:
             return np.full((len(u), 4), 255, np.uint8)
         height, width = self.texture.shape[:2]
@@ -42,7 +42,7 @@ class Material:
 
 
 def material(gltf: Gltf, row: Json) -> Material:
-    """Read a material; what a file leaves out is glTF's own default."""
+    """Read a material; glTF's defaults fill missing properties."""
     surface = row.get("pbrMetallicRoughness", {})
     mode = row.get("alphaMode", "OPAQUE")
     texture = surface.get("baseColorTexture")

@@ -1,7 +1,7 @@
 """Pictures of a model: (size, size, 3) sRGB.
 
-Every pixel is the mean of `FINE` by `FINE` samples. What never moves is drawn once; a moment costs
-what the triangles that move cost, which in speech are those around the mouth.
+Each pixel is the mean of `FINE` by `FINE` samples. Still geometry is drawn once. The cost of a
+frame is therefore that of the moving triangles: in speech, those around the mouth.
 """
 
 from collections.abc import Callable, Iterator
@@ -35,36 +35,36 @@ Light = npt.NDArray[np.float32]
 FINE = 2
 
 COVERED, SHADED = 1 << 18, 1 << 14
-"""Samples that are worked on at once."""
+"""Samples per batch, for coverage and for shading."""
 
 OVERHEAD = 64.0
-"""Samples that a triangle costs besides those it covers."""
+"""Fixed cost of a triangle, in samples."""
 
 ABOVE, BELOW = (0.72, 0.74, 0.77), (0.36, 0.38, 0.42)
-"""Light of the background."""
+"""Background light at the top and the bottom."""
 
 BEHIND = 0.4
-"""How much light is on the inside of a surface that is seen from both sides."""
+"""Brightness of the inside of a double-sided surface."""
 
 
 class Faces(NamedTuple):
-    """The n triangles that can be seen at a moment, and how they look."""
+    """Screen positions and appearance of the n visible triangles of a frame."""
 
     names: Ints
     corners: Floats
-    """(n, 3, 2)."""
+    """(n, 3, 2) samples."""
     depth: Floats
-    """(n, 3)."""
+    """(n, 3) 1 / distance."""
     looks: Light
-    """(3, k, n) planes: light that is coloured (3), white light, place in the texture (3)."""
+    """(3, k, n) planes: diffuse light (3), specular light, texture coordinates (3)."""
 
 
 class Artist:
-    """Draws a scene.
+    """Renderer of a scene.
 
     Parameters
     ----------
-    size : pixels of a side
+    size : side of the picture in pixels
     """
 
     def __init__(self, scene: Scene, size: int) -> None:
@@ -84,11 +84,11 @@ class Artist:
         self._draw_still()
 
     def _each(self, of: Callable[[Material], bool]) -> Bools:
-        """Return (F,) what is so of the materials of triangles."""
+        """Evaluate a property of the material for each triangle: (F,)."""
         return np.array([of(material) for material in self._scene.materials])[self._scene.material]
 
     def _draw_still(self) -> None:
-        """Draw what never moves, before the background."""
+        """Draw the still geometry in front of the background."""
         fine = self._fine
         ground = np.linspace(ABOVE, BELOW, fine).T[..., None]
         self._light = np.broadcast_to(ground, (3, fine, fine)).astype(np.float32)
@@ -99,7 +99,7 @@ class Artist:
         self._pixels = _pixels(self._light)
 
     def draw(self, seconds: float) -> Pixels:
-        """Draw a moment."""
+        """Draw one frame."""
         faces = self._faces(seconds, np.flatnonzero(self._moving))
         pixels = self._pixels.copy()
         window = self._window(faces)
@@ -109,13 +109,13 @@ class Artist:
         return pixels
 
     def _faces(self, seconds: float, names: Ints) -> Faces:
-        """Return those of some triangles that can be seen."""
+        """Project triangles and keep the visible ones."""
         scene = self._scene
         points = scene.points(seconds)
         flat, near = self._camera.see(points, self._fine)
         triangles = scene.triangles[names]
         corners, depth = flat[triangles], near[triangles]
-        areas = area(corners)  # of a front below zero, for rows count downwards
+        areas = area(corners)  # negative for front faces, because rows count downwards
         seen = (np.abs(areas) > LEAST) & (depth > 0).all(axis=1)
         seen &= (areas < 0) | self._double[names]
         names, corners, depth = names[seen], corners[seen], depth[seen]
@@ -124,7 +124,7 @@ class Artist:
         return Faces(names, corners, depth, ways)
 
     def _looks(self, points: Floats, names: Ints, depth: Floats, behind: Bools) -> Floats:
-        """Return (n, 3, k) what there is to be seen at the corners of triangles."""
+        """Compute the (n, 3, k) appearance at the corners of triangles."""
         scene = self._scene
         normals = self._normals.at(points) @ self._camera.turn
         triangles = scene.triangles[names]
@@ -145,7 +145,7 @@ class Artist:
         return np.concatenate(parts, axis=2)
 
     def _window(self, faces: Faces) -> Window:
-        """Return the smallest part of the picture, of whole pixels, that some triangles are in."""
+        """Compute the smallest window of whole pixels around triangles."""
         if not len(faces.names):
             return Window(0, 0, 0, 0)
         low = faces.corners.min(axis=(0, 1)) // FINE * FINE
@@ -154,7 +154,7 @@ class Artist:
         return Window(*sides.tolist())
 
     def _drawn(self, faces: Faces, window: Window) -> tuple[Keys, Light]:
-        """Return a window of what stands still with some triangles before, between and behind."""
+        """Composite moving triangles with the still picture in a window, by depth."""
         rows, columns = slice(window.top, window.bottom), slice(window.left, window.right)
         still, light = self._keys[rows, columns], self._light[:, rows, columns].copy()
         keys = still.copy()
@@ -176,7 +176,7 @@ class Artist:
         return keys, light
 
     def _opaque(self, faces: Faces, own: Ints, samples: Samples) -> Bools:
-        """Tell at which samples of triangles there is more than their materials' cutoff."""
+        """Mask the samples of triangles with alpha above their materials' cutoff."""
         scene = self._scene
         samples = samples._replace(triangle=own[samples.triangle])
         number = scene.material[faces.names[samples.triangle]]
@@ -188,7 +188,7 @@ class Artist:
         return found
 
     def _shade(self, faces: Faces, samples: Samples) -> Light:
-        """Return the (3, n) light of samples."""
+        """Compute the (3, n) light of samples."""
         looks = _at(faces, samples, slice(0, 4))
         for one, _, texels in self._texels(faces, samples):
             looks[:3, one] *= LINEAR[texels[:, :3]].T
@@ -196,7 +196,7 @@ class Artist:
         return found
 
     def _texels(self, faces: Faces, samples: Samples) -> Iterator[tuple[Ints, Material, Pixels]]:
-        """Yield, for every textured material, its samples, itself and its texture there."""
+        """Yield each textured material with its samples and their texture values."""
         names = faces.names[samples.triangle]
         textured = np.flatnonzero(self._textured[names])
         numbers = self._scene.material[names[textured]]
@@ -209,7 +209,7 @@ class Artist:
 
 
 def _batches(numbers: Ints, cost: Floats, most: int) -> list[Ints]:
-    """Part some numbers, so that what is worked on at once stays within the processor's reach."""
+    """Split triangles into batches small enough for the processor cache."""
     batch = np.cumsum(cost[numbers]) // most
     return np.split(numbers, np.flatnonzero(np.diff(batch)) + 1) if len(numbers) else []
 
@@ -225,7 +225,7 @@ def _fill(
 
 
 def _at(faces: Faces, samples: Samples, part: slice) -> Light:
-    """Return (k, n) what a part of the looks is at samples."""
+    """Evaluate some of the appearance planes at samples: (k, n)."""
     x, y = samples.x.astype(np.float32), samples.y.astype(np.float32)
     first, along, down = faces.looks[:, part].take(samples.triangle, axis=2)
     found: Light = first + along * x + down * y
@@ -233,7 +233,7 @@ def _at(faces: Faces, samples: Samples, part: slice) -> Light:
 
 
 def _pixels(light: Light) -> Pixels:
-    """Return the pixels that (3, rows, columns) samples make."""
+    """Average (3, rows, columns) samples to pixels."""
     total = light[:, ::FINE, ::FINE].copy()
     for row, column in list(np.ndindex(FINE, FINE))[1:]:
         total += light[:, row::FINE, column::FINE]

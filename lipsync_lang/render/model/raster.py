@@ -1,7 +1,7 @@
-"""Filling triangles: which of them each sample of a picture shows.
+"""Triangle rasteriser: the visible triangle of each sample.
 
-Coordinates are samples from the upper left corner, x to the right and y down; a sample lies where
-both are whole. Depth is 1 / distance, which is linear across a triangle: the larger is in front.
+Coordinates are samples from the upper left corner, x to the right and y down; samples lie at whole
+coordinates. Depth is 1 / distance: it is linear across a triangle, and larger values are nearer.
 """
 
 from collections.abc import Callable
@@ -16,14 +16,14 @@ Bools = npt.NDArray[np.bool_]
 Keys = npt.NDArray[np.uint64]
 
 LEVEL = 1e-9
-"""Samples that an edge rises; with less it crosses no row."""
+"""Minimum rise of an edge in samples; flatter edges cross no row."""
 
 LEAST = 1e-6
-"""Samples of area; a smaller triangle has no place in a picture."""
+"""Minimum area in samples; smaller triangles are invisible."""
 
 
 class Window(NamedTuple):
-    """A part of a picture: from its first column and row up to its last ones, without these."""
+    """A rectangle of a picture: first column and row, and exclusive last ones."""
 
     left: int
     top: int
@@ -32,12 +32,12 @@ class Window(NamedTuple):
 
     @property
     def width(self) -> int:
-        """How many columns it has."""
+        """Number of columns."""
         return self.right - self.left
 
 
 class Samples(NamedTuple):
-    """(n,) samples that triangles cover: columns, rows, triangles."""
+    """Columns, rows and triangles of n covered samples, (n,) each."""
 
     x: Ints
     y: Ints
@@ -45,11 +45,11 @@ class Samples(NamedTuple):
 
 
 def planes(corners: Floats, values: Floats) -> Floats:
-    """Return how values change across triangles.
+    """Compute the linear functions of values across triangles.
 
     Parameters
     ----------
-    corners : (F, 3, 2), of some area
+    corners : (F, 3, 2), of non-zero area
     values : (F, 3, k) at the corners
 
     Returns
@@ -65,7 +65,7 @@ def planes(corners: Floats, values: Floats) -> Floats:
 
 
 def area(corners: Floats) -> Floats:
-    """Return (F,) twice the areas of triangles; those that turn to the left are below zero."""
+    """Compute twice the signed area of triangles, (F,); left turns are negative."""
     (ax, ay), (bx, by) = ((corners[:, n] - corners[:, 0]).T for n in (1, 2))
     found: Floats = ax * by - bx * ay
     return found
@@ -79,15 +79,15 @@ def fill(  # noqa: PLR0913, PLR0917 a triangle has no less to it
     names: Ints,
     seen: Callable[[Samples], Bools] | None = None,
 ) -> None:
-    """Let samples show triangles, where nothing nearer is there.
+    """Rasterise triangles into samples with a depth test.
 
     Parameters
     ----------
-    keys : (rows * columns,) of a window, at first 0; changed in place, and read by `shown`
-    corners : (F, 3, 2), of some area
+    keys : (rows * columns,) depth and name of a window, at first 0; changed in place; see `shown`
+    corners : (F, 3, 2), of non-zero area
     depth : (F, 3) above 0
-    names : (F,) below 2**32
-    seen : tells of which samples there is something to be seen; by default, of all
+    names : (F,) numbers of the triangles, below 2**32
+    seen : predicate that masks visible samples; by default, all are visible
     """
     triangle, y, first, stop = _spans(corners, window)
     base, along, down = planes(corners, depth[..., None])[..., 0].T
@@ -96,7 +96,7 @@ def fill(  # noqa: PLR0913, PLR0917 a triangle has no less to it
     span, step = _spread(stop - first)
     near = start.astype("<f4")[span]
     near += along.astype("<f4")[triangle][span] * step
-    made = np.empty((len(near), 2), "<u4")  # the low half of a key, then the high one
+    made = np.empty((len(near), 2), "<u4")  # little-endian: low half of a key, then the high one
     made[:, 0] = (names[triangle] + 1).astype("<u4")[span]
     made[:, 1] = near.view("<u4")
     new, where = made.view("<u8")[:, 0], place[span] + step
@@ -107,21 +107,21 @@ def fill(  # noqa: PLR0913, PLR0917 a triangle has no less to it
 
 
 def shown(keys: Keys) -> Ints:
-    """Return the names of the triangles that samples show; below 0 where there are none."""
+    """Extract the triangle numbers of samples; negative for empty ones."""
     return (keys & np.uint64(0xFFFFFFFF)).astype(np.intp) - 1
 
 
 def depths(keys: Keys) -> npt.NDArray[np.float32]:
-    """Return the depth of samples; 0 where they show nothing."""
+    """Extract the depth of samples; 0 for empty ones."""
     return (keys >> np.uint64(32)).astype("<u4").view("<f4")
 
 
 def _spans(corners: Floats, window: Window) -> tuple[Ints, Ints, Ints, Ints]:
-    """Return the samples that triangles cover, row by row: triangle, row, first, past the last.
+    """Compute the covered samples row by row: triangle, row, first, past the last.
 
-    They lie between the longest of the edges, downwards, and the other two, one below the other.
-    A sample on an edge is on its right and lower side only, so that neighbours share none; that
-    they agree to the last bit, each edge is followed from its upper end.
+    A span lies between the longest edge and the chain of the other two. A sample on an edge counts
+    only for the triangle on its right or lower side, so neighbours share none. Interpolation starts
+    at the upper end of each edge, so that neighbours agree to the last bit.
     """
     order = np.argsort(corners[..., 1], axis=1)[..., None]
     upper, middle, lower = np.take_along_axis(corners, order, axis=1).swapaxes(0, 1)
@@ -138,7 +138,7 @@ def _spans(corners: Floats, window: Window) -> tuple[Ints, Ints, Ints, Ints]:
 
 
 def _crossing(starts: Floats, stops: Floats, edge: Ints, y: Ints) -> Floats:
-    """Return where edges, given by their numbers, cross rows."""
+    """Compute the crossings of edges, given by number, with rows."""
     across, rise = (stops - starts).T
     slope = across / np.where(rise < LEVEL, 1.0, rise)
     found: Floats = starts[edge, 0] + slope[edge] * (y - starts[edge, 1])
@@ -146,12 +146,12 @@ def _crossing(starts: Floats, stops: Floats, edge: Ints, y: Ints) -> Floats:
 
 
 def _whole(values: Floats, least: int, most: int) -> Ints:
-    """Return the next whole numbers, within bounds."""
+    """Round up to whole numbers, within bounds."""
     return np.ceil(values).clip(least, most).astype(np.intp)
 
 
 def _spread(counts: Ints) -> tuple[Ints, Ints]:
-    """Return an owner for each of some things that are counted, and its number there from 0."""
+    """Expand counts: for each item, its owner and its number there from 0."""
     counts = np.maximum(counts, 0)
     owners = np.repeat(np.arange(len(counts)), counts)
     return owners, np.arange(len(owners)) - (np.cumsum(counts) - counts)[owners]

@@ -1,7 +1,7 @@
-"""A model in time: the triangles of all it shows, and where their corners are at a moment.
+"""Animated scene: the triangles of a model and the positions of their corners over time.
 
-The model comes with its animation, as `animations.glb` writes it: a picture shows what that file
-plays, and nothing here knows of poses or rigs.
+The input is a GLB with an animation, as written for `animations.glb`. Poses and rigs play no part
+here: a picture shows exactly the motion in the file. Times are seconds; points are (V, 3).
 """
 
 from collections.abc import Iterator
@@ -24,26 +24,26 @@ Ints = npt.NDArray[np.intp]
 Bools = npt.NDArray[np.bool_]
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
-"""Modes of a primitive that has surfaces."""
+"""Primitive modes with surfaces."""
 
 STILL = 3e-4
-"""Of a mesh's size: what moves less stands still."""
+"""Fraction of a mesh's size; smaller movements count as still."""
 
 LOOKS = {"NORMAL": {3}, "COLOR_0": {3, 4}, "TEXCOORD_0": {2}}
-"""What says how points look, and how many numbers it has for each."""
+"""Vertex attributes for appearance, with their numbers of components."""
 
 MOMENTS = 24
-"""Moments at which is looked for what moves."""
+"""Number of times sampled to find moving points."""
 
 
 class KeyTrack(NamedTuple):
-    """Values at some times, with straight lines between them."""
+    """Keyframes with linear interpolation."""
 
     times: Floats
     values: Floats
 
     def at(self, seconds: float) -> Floats:
-        """Return the values at a time."""
+        """Interpolate the values at a time."""
         after = int(np.clip(np.searchsorted(self.times, seconds), 1, len(self.times) - 1))
         low, high = self.times[after - 1 : after + 1]
         share = np.clip((seconds - low) / (high - low), 0.0, 1.0)
@@ -53,7 +53,7 @@ class KeyTrack(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """How bones move points: (J,) nodes, (J, 4, 4) their inverses at rest, (N, S) bones, shares."""
+    """Skinning data: (J,) nodes, (J, 4, 4) inverse bind matrices, (N, S) bones, (N, S) weights."""
 
     nodes: Ints
     inverse: Floats
@@ -63,32 +63,32 @@ class Skin:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A primitive that a node shows; its N points are `points` among all of the scene's."""
+    """A primitive of a node; `points` are the places of its N points in the scene."""
 
     node: int
     points: slice
     base: Floats
-    """(N, 3)."""
+    """(N, 3) positions at rest."""
     deltas: Floats
-    """(K, N, 3) of the morph targets that ever count."""
+    """(K, N, 3) offsets of the morph targets in use."""
     active: Ints
-    """(K,) their numbers."""
+    """(K,) numbers of these morph targets."""
     weights: KeyTrack
     skin: Skin | None
 
 
 class Scene:
-    """All that a model shows: V points, F triangles.
+    """Visible geometry of a model: V points, F triangles.
 
     Parameters
     ----------
-    path : a GLB whose last animation is played
-    name : what messages call it
+    path : a GLB; its last animation is played
+    name : file name for messages
 
     Raises
     ------
     ModelError
-        It is compressed or damaged, or shows nothing.
+        The file is compressed or damaged, or has nothing to draw.
     """
 
     def __init__(self, path: Path, name: Path) -> None:
@@ -110,24 +110,24 @@ class Scene:
             fail(name, "shows no surfaces", "export the model itself, with its meshes")
         triangles, normals, colours, places, materials = zip(*self._rows, strict=True)
         self.triangles: Ints = np.concatenate(triangles)
-        """(F, 3) points."""
+        """(F, 3) point numbers."""
         self.normals: Floats = np.concatenate(normals)
-        """(V, 3) at rest; nan where the file has none."""
+        """(V, 3) at rest; nan if the file has none."""
         self.colours: Floats = np.concatenate(colours)
-        """(V, 4) linear."""
+        """(V, 4) linear red, green, blue and alpha."""
         self.places: Floats = np.concatenate(places)
-        """(V, 2) in the texture."""
+        """(V, 2) texture coordinates."""
         self.material: Ints = np.concatenate(materials)
-        """(F,)."""
+        """(F,) material numbers."""
 
     def _read(self) -> None:
         gltf, document = self._gltf, self.document
         animation = document["animations"][-1]
         self.sound: float = animation.get("extras", {}).get("audio_start", 0.0)
-        """Seconds at which the sound begins."""
+        """Start of the sound in seconds."""
         self._tracks = dict(_tracks(self._model, gltf, animation))
         self.seconds = max(float(track.times[-1]) for track in self._tracks.values())
-        """How long it moves."""
+        """Duration in seconds."""
         self._order = gltf.order()
         self.materials = [material(gltf, row) for row in [*document.get("materials", ()), {}]]
         for number in self._order:
@@ -138,7 +138,7 @@ class Scene:
                     self._add(number, node, mesh, primitive)
 
     def _add(self, number: int, node: Json, mesh: Json, primitive: Json) -> None:
-        """Add what a node shows of a primitive."""
+        """Add a primitive of a node."""
         gltf, attributes = self._gltf, primitive["attributes"]
         mode = primitive.get("mode", TRIANGLES)
         if mode not in {TRIANGLES, STRIP, FAN} or "POSITION" not in attributes:
@@ -172,7 +172,7 @@ class Scene:
         self._rows.append((triangles + first, normals, colours, places, own))
 
     def _mirror(self) -> None:
-        """Turn the triangles of nodes that show their mesh as in a mirror."""
+        """Flip the triangles of mirrored nodes, whose winding order is reversed."""
         matrices = self._matrices(0.0)
         for number, part in enumerate(self._parts):
             if part.skin is None and np.linalg.det(matrices[part.node]) < 0:
@@ -180,7 +180,7 @@ class Scene:
 
     @property
     def count(self) -> int:
-        """How many points there are."""
+        """Number of points."""
         return self._parts[-1].points.stop if self._parts else 0
 
     def _weights(self, number: int, node: Json, mesh: Json, primitive: Json) -> KeyTrack:
@@ -208,7 +208,7 @@ class Scene:
     def _looks(
         self, attributes: Json, count: int, material: Material
     ) -> tuple[Floats, Floats, Floats]:
-        """Return normals, colours and places in the texture of some points."""
+        """Read the normals, colours and texture coordinates of points."""
         arrays = {n: self._gltf.arrays[attributes[n]] for n in LOOKS if n in attributes}
         for name, values in arrays.items():
             if values.shape[0] != count or values.shape[1] not in LOOKS[name]:
@@ -224,7 +224,7 @@ class Scene:
     # In time
 
     def points(self, seconds: float) -> Floats:
-        """Return where all points are at a time: (V, 3)."""
+        """Compute the positions of all points at a time: (V, 3)."""
         matrices = self._matrices(seconds)
         found = np.empty((self.count, 3))
         for part in self._parts:
@@ -236,12 +236,12 @@ class Scene:
         return found
 
     def directions(self, own: Floats) -> Floats:
-        """Return where (V, 3) directions of points lead at the beginning."""
+        """Transform (V, 3) directions at points by the initial state of the model."""
         matrices = self._matrices(0.0)
         return np.vstack([_moved(own[part.points], part, matrices, 0.0) for part in self._parts])
 
     def _matrices(self, seconds: float) -> dict[int, Floats]:
-        """Return the matrix of every node that is shown."""
+        """Compute the world matrix of every visible node."""
         found: dict[int, Floats] = {}
         for number, parent in self._order.items():
             paths = ("translation", "rotation")
@@ -255,17 +255,17 @@ class Scene:
 
     @cached_property
     def rest(self) -> Floats:
-        """(V, 3): where the points are at the beginning."""
+        """(V, 3) initial positions of the points."""
         return self.points(0.0)
 
     @cached_property
     def shown_by(self) -> Ints:
-        """(V,): the node that shows each point."""
+        """(V,) node of each point."""
         return np.repeat([p.node for p in self._parts], [len(p.base) for p in self._parts])
 
     @cached_property
     def moving(self) -> Bools:
-        """(V,): which points may ever move."""
+        """(V,) mask of points that can move."""
         driven = {node for node, path in self._tracks if path != "weights"}
         for number, parent in self._order.items():
             if parent in driven:
@@ -281,14 +281,14 @@ class Scene:
 
     @cached_property
     def moves(self) -> Floats:
-        """(V,): how far each point goes from where it rests, as far as a few looks show."""
+        """(V,) maximum distance of each point from rest, estimated at a few times."""
         far = np.max([np.abs(self.points(t) - self.rest) for t in self._moments], axis=(0, 2))
         found: Floats = far if far.any() else far + 1.0
         return found
 
     @cached_property
     def widest(self) -> Floats:
-        """(V, 3): where the points are when most is farthest from where it rests."""
+        """(V, 3) positions at the time of the largest total movement."""
         return max(map(self.points, self._moments), key=lambda p: np.abs(p - self.rest).sum())
 
     @property
@@ -298,7 +298,7 @@ class Scene:
 
 
 def _moved(points: Floats, part: Part, matrices: dict[int, Floats], shift: float = 1.0) -> Floats:
-    """Move points by the node that shows them, or by their bones; without shift, only turn them."""
+    """Transform points by node or bones; without shift, by the rotation only."""
     if part.skin is None:
         matrix = matrices[part.node]
         return points @ matrix[:3, :3] + shift * matrix[3, :3]
@@ -321,7 +321,7 @@ def _check_below(numbers: Array, count: int, otherwise: str) -> None:
 def _tracks(
     model: Model, gltf: Gltf, animation: Json
 ) -> Iterator[tuple[tuple[int, str], KeyTrack]]:
-    """Yield the driven properties of nodes, and their values."""
+    """Yield the animated properties of nodes with their values."""
     for drive in drives(model, gltf.arrays, animation):
         times, values = drive.times, drive.values
         if len(times) == 1:
