@@ -302,8 +302,11 @@ def beside(pack: Path, name: str) -> Path | None:
     A file outside the folder above the pack's counts as missing: a pack may not read it.
     """
     path = pack.parent / name
-    within = path.resolve().is_relative_to(pack.parent.parent.resolve())
-    return path if within and path.is_file() else None
+    try:
+        within = path.resolve().is_relative_to(pack.parent.parent.resolve())
+        return path if within and path.is_file() else None
+    except (OSError, ValueError, RuntimeError):
+        return None  # too long a name, a null in it, or a circle of links
 
 
 def built_in() -> Path:
