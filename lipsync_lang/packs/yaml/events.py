@@ -46,6 +46,10 @@ class YamlError(Exception):
         self.started = started
 
 
+MAX_SLOW_BRACKETS = 200
+"""Open brackets; ruamel.yaml looks at each of them again for every token that follows."""
+
+
 def parsers(text: str) -> tuple[Parser, ...]:
     """Return the parsers for a text, in the order to try them.
 
@@ -59,7 +63,7 @@ def parsers(text: str) -> tuple[Parser, ...]:
     if not has_libyaml():
         return (by_ruamel,)
     disputed = _disputed(text)
-    if len(text) <= MAX_SLOW_CHARS:
+    if len(text) <= MAX_SLOW_CHARS and _brackets(text) <= MAX_SLOW_BRACKETS:
         return (by_ruamel,) if disputed is not None else (by_libyaml, by_ruamel)
     if disputed is not None:
         line = text.count("\n", 0, disputed) + 1
@@ -67,6 +71,15 @@ def parsers(text: str) -> tuple[Parser, ...]:
         what = f"U+{ord(text[disputed]):04X} is not read here in a file this large"
         raise YamlError((line, column), what, "delete it, or write it as an escape in quotes", None)
     return (by_libyaml,)
+
+
+def _brackets(text: str) -> int:
+    """Return the most brackets open at once, those in quotes and comments counted too."""
+    depth = deepest = 0
+    for bracket in re.findall(r"[\[\]{}]", text):
+        depth = depth + 1 if bracket in "[{" else max(depth - 1, 0)
+        deepest = max(deepest, depth)
+    return deepest
 
 
 def by_libyaml(text: str) -> Iterator[Event]:
