@@ -349,6 +349,8 @@ class PairPacks:
 
 def _all_faults(library: "Library", error: PackFaults) -> PackFaults:
     """Return the faults of a file together with those of comparing it with other files."""
-    files = [Path(fault.file) for fault in error.faults if Path(fault.file).is_file()]
+    # each file once: a file of a thousand faults would be checked a thousand times
+    named = dict.fromkeys(Path(fault.file) for fault in error.faults)
+    files = [file for file in named if file.is_file()]
     found = {*error.faults, *validate(library, files)}
     return PackFaults(sorted(fault for fault in found if fault.severity == "fault"))

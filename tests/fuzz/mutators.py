@@ -128,7 +128,7 @@ def nest(rng: Random, text: str) -> str:
     """Open brackets or elements again and again."""
     at = rng.randrange(len(text))
     mark = rng.choice(("[", "{", "<a>", '{"a":', "- ", "(", "&lt;", '"', "\\", "a: "))
-    return text[:at] + mark * rng.choice((50, 2_000, 20_000)) + text[at:]
+    return text[:at] + mark * rng.choice((50, 2_000, 5_000)) + text[at:]
 
 
 SLIPS: tuple[Callable[[Random, str], str], ...] = (

@@ -23,7 +23,7 @@ BYTES, BYTES_PER_BYTE = 64 * 2**20, 1_000
 MOST_CHARS = 5_000
 """Of a message."""
 
-HANG_SECONDS = 60
+HANG_SECONDS = 300
 """After which an input is given up; a guard, not a measure."""
 
 
