@@ -479,6 +479,14 @@ def test_a_page_of_nothing_says_so(document):
     assert "nan" not in root.one("main").text.lower()
 
 
+def test_every_report_of_equal_figures_has_its_own_number():
+    document = whole(empty_report())
+    document["reports"] = document["reports"] * 3
+    cells = read(document).one("section", id="matrix").all("td")
+    numbers = [cell.attributes["data-report"] for cell in cells if "data-report" in cell.attributes]
+    assert numbers == ["0", "1", "2"]
+
+
 def test_places_leave_out_the_folder_that_all_files_are_in():
     document = json.loads(json.dumps(made(1, 1)).replace('"act', '"/project/lines/act'))
     document["corpus"]["files"][2] = "/project/lines/barks.csv"

@@ -106,8 +106,10 @@ def test_curves_start_and_end_at_rest(line, motion, fps):
 def test_a_lead_in_and_a_tail_last_a_quarter_of_a_second_at_most(preset, line, fps):
     motion = Motion() if preset == "default" else PRESETS[preset]
     times = line.perform(motion, fps).frames.times()
-    assert times[0] >= line.times[0] - LEAD - MOVED
-    assert times[-1] <= line.times[-1] + LEAD + MOVED
+    # a contact is held for a whole frame: below 15 frames a second half of it may come on top
+    longest = LEAD + (0.5 / fps if fps < 15 else 0) + MOVED
+    assert times[0] >= line.times[0] - longest
+    assert times[-1] <= line.times[-1] + longest
 
 
 def demanded(line, contact):

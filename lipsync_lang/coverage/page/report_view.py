@@ -14,9 +14,11 @@ MAX_PLACES = 3
 """Places of a bigram that are named in its row."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReportView:
     """A report of the document, ready for the templates.
+
+    Two reports may hold the same figures, so the page tells views apart by identity.
 
     Parameters
     ----------
