@@ -4,6 +4,7 @@ Data goes to stdout, messages to stderr. Exit codes: 0 success; 1 faults found; 
 143 for interruption and termination, as in shells.
 """
 
+import logging
 import os
 import sys
 from collections.abc import Sequence
@@ -16,8 +17,11 @@ from lipsync_lang.commands.parser import Command, parser
 from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.commands.words import saying
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extensions import plug_in_behind
 from lipsync_lang.files.signals import Terminated, terminating
 from lipsync_lang.terminal import safe_streams
+
+_log = logging.getLogger(__name__)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -53,6 +57,13 @@ def _worded(arguments: Sequence[str] | None) -> int:
     except MemoryError:
         print("lipsync-lang: out of memory; give fewer --fps or a shorter line", file=sys.stderr)
         return MISUSE
+    except Exception as error:
+        plug_in = plug_in_behind(error)
+        if plug_in is None:
+            raise  # a fault of this program: its traceback belongs in the report
+        _log.debug("%s failed", plug_in, exc_info=True)
+        print(f"lipsync-lang: {_blame(plug_in, error)}", file=sys.stderr)
+        return MISUSE
 
 
 def _run(arguments: Sequence[str] | None) -> int:
@@ -65,6 +76,11 @@ def _run(arguments: Sequence[str] | None) -> int:
     finally:
         if sys.stdout is not None:
             sys.stdout.flush()
+
+
+def _blame(plug_in: str, error: Exception) -> str:
+    problem = f"the plug-in {plug_in} failed: {type(error).__name__}: {error}"
+    return f"{problem}; tell its authors, with what `-v` shows"
 
 
 def _os_words(error: OSError) -> str:

@@ -19,6 +19,7 @@ from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 from threading import RLock
+from traceback import walk_tb
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
@@ -53,6 +54,8 @@ class Extensions(Mapping[str, T]):
     """Distribution of the plug-in during its import, else None."""
     journal: ClassVar[list[tuple["Extensions[Any]", str]]] = []
     """Registrations of that plug-in, for rollback after a failed import."""
+    packages: ClassVar[dict[str, str]] = {}
+    """Distribution of each imported plug-in, by its top-level module."""
 
     def __init__(
         self,
@@ -216,16 +219,28 @@ def _load(entry_point: "EntryPoint") -> None:
         what = f"{Extensions.origin} is left out: {entry_point.value} cannot be imported"
         warnings.warn(f"{what}: {type(error).__name__}: {error}", PluginWarning, stacklevel=2)
     else:
+        if Extensions.origin != PROGRAM:
+            Extensions.packages[_top(entry_point.module)] = Extensions.origin
         _log.info("loaded %s of %s", entry_point.value, Extensions.origin)
     finally:
         Extensions.origin = before
         del Extensions.journal[start:]
 
 
+def _top(module: str) -> str:
+    return module.partition(".")[0]
+
+
 def _owner(module: str) -> str:
     """Return the distribution of a module, guessed from its name."""
-    top = module.partition(".")[0]
-    return PROGRAM if top == __name__.partition(".")[0] else top
+    return PROGRAM if _top(module) == _top(__name__) else _top(module)
+
+
+def plug_in_behind(error: BaseException) -> str | None:
+    """Return the distribution of the plug-in whose code an error passed through, if any."""
+    frames = (frame for frame, _ in walk_tb(error.__traceback__))
+    names = (_top(frame.f_globals.get("__name__", "")) for frame in frames)
+    return next((Extensions.packages[name] for name in names if name in Extensions.packages), None)
 
 
 def installed(group: str) -> "list[EntryPoint]":

@@ -10,6 +10,7 @@ from test_import_is_light import modules_after
 from lipsync_lang import extensions
 from lipsync_lang.animations.animation_writers import WRITERS, find_writer, writer
 from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
+from lipsync_lang.cli import main
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.extensions import Extensions, PluginWarning
@@ -154,6 +155,33 @@ def test_a_plug_ins_longer_suffix_comes_before_a_built_in_one(install, monkeypat
     )
     assert find_writer(tmp_path / "line.json").name == "json"
     assert find_writer(tmp_path / "line.take.json").name == "take"
+
+
+def test_a_plug_in_that_fails_in_use_is_named_without_a_traceback(
+    install, monkeypatch, tmp_path, capsys
+):
+    assert WRITERS.built_in()
+    monkeypatch.setattr(WRITERS, "_plugged", False)
+    for names in ("known", "origins"):
+        monkeypatch.setattr(WRITERS, names, dict(getattr(WRITERS, names)))
+    install(
+        "takes",
+        "from lipsync_lang.animations.animation_writers import writer\n"
+        "@writer('take', suffix='.take')\n"
+        "def write(animation, out):\n"
+        "    'Takes.'\n"
+        "    raise KeyError('shoulder')\n",
+        "writers",
+    )
+    monkeypatch.chdir(tmp_path)
+    line = tmp_path / "line.csv"
+    line.write_text("start,end,phoneme\n0,0.2,p\n0.2,0.4,a\n")
+    options = ["run", "--schedule", str(line), "-l", "english", "-c", "facefx", "-o", "a.take"]
+    assert main(options) == 2
+    said = capsys.readouterr().err
+    assert "the plug-in takes failed: KeyError: 'shoulder'" in said
+    assert "Traceback" not in said
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["line.csv", "site"]
 
 
 @every_kind
