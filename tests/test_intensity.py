@@ -148,7 +148,7 @@ def test_every_promise_is_kept_however_loud(gains, intensity, seconds, fps, pose
 
 def test_what_explains_a_frame_counts_loudness_too(performer):
     animation = performer.perform(VARIED, intensity=2)
-    assert "scaled by the dial" in str(animation.explain(0.2))
+    assert "loudness x 0." in str(animation.explain(0.2))
 
 
 @pytest.mark.parametrize("number", [-0.1, 2.1, float("nan")])

@@ -236,7 +236,8 @@ def test_intervals_are_contiguous_and_each_has_some_length(rows, pause):
         SpokenSound(label, end - length, end)
         for (label, length), end in zip(rows, ends, strict=True)
     ]
-    labels, bounds, index = intervals(sounds, pause)
+    labels, bounds, index, stress = intervals(sounds, pause)
+    assert len(stress) == len(labels)
     assert len(bounds) == len(labels) + 1
     assert (np.diff(bounds) > 0).all()
     assert all(0 <= n <= len(labels) for n in index)
@@ -253,7 +254,7 @@ def of(*rows):
         SpokenSound(label, end - length, end)
         for (label, length), end in zip(rows, ends, strict=True)
     ]
-    labels, bounds, _ = intervals(sounds, 50)
+    labels, bounds, *_ = intervals(sounds, 50)
     return list(zip(labels, np.diff(bounds).tolist(), strict=True))
 
 

@@ -12,6 +12,7 @@ def write_json(animation: Animation, out: TextIO) -> None:
     """Pose names, a list of weights per frame, and the phonemes and words performed."""
     schedule = animation.schedule
     times = [round(t, 6) for t in schedule.times.tolist()]
+    marks = schedule.stress or (None,) * len(schedule)
     document = {
         "format": "lipsync-lang animation 1",
         "fps": animation.fps,
@@ -23,7 +24,10 @@ def write_json(animation: Animation, out: TextIO) -> None:
         "poses": list(animation.poses),
         "phonemes": [
             {"label": label, "start": start, "end": end}
-            for label, start, end in zip(schedule.labels, times, times[1:], strict=False)
+            | ({} if stress is None else {"stress": stress})
+            for label, start, end, stress in zip(
+                schedule.labels, times, times[1:], marks, strict=False
+            )
         ],
         "words": [
             {"text": w.text, "start": times[w.first], "end": times[w.stop]} for w in schedule.words

@@ -54,7 +54,7 @@ def delivery(
         if level.values.max() > 0
     ]
     scaled = [
-        Dial(np.isin(np.arange(poses), compiled.regions[name]), level)
+        Dial(np.isin(np.arange(poses), compiled.regions[name]), level, f"dial {name}")
         for name, level in _levels("dial", own, schedule, dials or {}, compiled.regions).items()
         if np.any(level.values != 1)
     ]

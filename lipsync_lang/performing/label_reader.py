@@ -1,5 +1,6 @@
 """Label reader: detects the notation of a schedule and maps its labels to common phonemes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -20,6 +21,9 @@ from lipsync_lang.schedules.schedule import Schedule
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import Compiled
+
+VOWEL = "vowel"
+"""Sound class of the sounds that carry stress."""
 
 Unknown = Literal["error", "rest", "nearest"]
 """Treatments of unmapped labels; `nearest` maps IPA by phonetic features."""
@@ -98,11 +102,39 @@ class LabelReader:
         rest: Value = ((self.compiled.phonemes[0], 1.0),)
         return [rest if value is None else value for value in values]
 
-    def classes(self, schedule: Schedule) -> list[str]:
-        """Return the sound class of each label's first sound; empty for silence."""
-        kinds, silence = self.compiled.manner["kinds"], self.compiled.phonemes[0]
-        firsts = [value[0][0] if value else silence for value in self._values(schedule)]
-        return ["" if name == silence else kinds.get(name) or "sound" for name in firsts]
+    def classes(self, ids: Ints, source: Ints, count: int) -> list[str]:
+        """Return the sound class of the first sound of each label; empty for silence.
+
+        Parameters
+        ----------
+        ids, source : common phonemes and their labels, as from `common_phonemes`
+        count : number of labels
+        """
+        firsts = [0] * count
+        for number, label in zip(ids[::-1].tolist(), source[::-1].tolist(), strict=True):
+            firsts[label] = number
+        return [self._classes[number] for number in firsts]
+
+    def stresses(self, schedule: Schedule, classes: Sequence[str]) -> list[int | None]:
+        """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.
+
+        A mark before a consonant belongs to the vowel after it, as the IPA writes stress. Where
+        some vowels are marked, the others have no stress.
+        """
+        notation = self.notation(schedule)
+        marks = schedule.stress or tuple(map(notation.stress, schedule.labels))
+        if not any(mark is not None for mark in marks):
+            return []
+        found: list[int | None] = []
+        before = None
+        for mark, kind in zip(marks, classes, strict=True):
+            if kind == VOWEL:
+                found.append(mark if mark is not None else before or 0)
+                before = None
+            else:
+                found.append(None)
+                before = (mark or before) if kind else None
+        return found
 
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
         """Look up each label in a notation, with the requested treatment of unknown IPA."""
@@ -140,7 +172,8 @@ class LabelReader:
         near = self.near.value if self.near is not None else None
         tables = {**self.compiled.visemes, **self.compiled.notations}
         spelling, silences = self.compiled.spelling, self.compiled.silences
-        return ready(tables, silences, silence, IPA, spelling, near)
+        digits = self.compiled.manner["stress_digits"]
+        return ready(tables, silences, silence, IPA, spelling, near, digits)
 
     @cached_property
     def near(self) -> "NearestPhonemes | None":
@@ -156,6 +189,12 @@ class LabelReader:
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 
         return self.near or among_shared(self.compiled.phonemes[1:], self.paths)
+
+    @cached_property
+    def _classes(self) -> list[str]:
+        """Sound class of each common phoneme; silence, the first, has none."""
+        kinds = self.compiled.manner["kinds"]
+        return ["", *(kinds.get(name) or "sound" for name in self.compiled.phonemes[1:])]
 
     @cached_property
     def _numbers(self) -> dict[str, int]:

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.stress import opening
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import numpy.typing as npt
 
     from lipsync_lang.resolver.compiled import Compiled
@@ -38,14 +37,14 @@ _NEAR = (0.25, 0.5, 0.25)
 def loudness_dial(
     compiled: "Compiled",
     schedule: "Schedule",
-    classes: "Callable[[], Sequence[str]]",
+    classes: Sequence[str],
     intensity: float,
 ) -> Dial | None:
     """Return the dial for loudness; None if the intensity is 0.
 
     Parameters
     ----------
-    classes : function for the sound class of each phoneme, (n,); empty for silence
+    classes : (n,) sound class of each phoneme; empty for silence
     intensity : 0 for no effect, 1 for the setting of the pose set, 2 for twice that
 
     Raises
@@ -69,11 +68,9 @@ def loudness_dial(
             f"{schedule.source} has no sound to take the loudness from; "
             "speak a text, or give the recording with the timed phonemes"
         )
-    poses = [pose for region in stated["regions"] for pose in compiled.regions.get(region, [])]
-    level = levels(
-        schedule, schedule.audio, classes(), intensity, (stated["least"], stated["most"])
-    )
-    return Dial(np.isin(np.arange(len(compiled.poses)), poses), level)
+    limits = (stated["least"], stated["most"])
+    level = levels(schedule, schedule.audio, classes, intensity, limits)
+    return Dial(opening(compiled), level, "loudness")
 
 
 def levels(

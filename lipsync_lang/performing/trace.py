@@ -28,7 +28,6 @@ DONE = {
     "stitch": "the larger of the overlapping bigrams",
     "overlay": "the character's own curve of this word or line",
     "smooth": "a valley filled",
-    "dial": "scaled by the dial of its region",
     "switch": "one pose at a time, each for a least time",
     "anticipate": "begins before its sound",
     "ease": "rounded off",
@@ -36,7 +35,7 @@ DONE = {
     "limit": "held to the speed limit",
     "soften": "rounded off",
 }
-"""Effect of each stage on a changed value; `hold` and `constrain` have specific explanations."""
+"""Effect of each stage on a changed value; the others have specific explanations."""
 
 
 def explain(animation: "Animation", seconds: float) -> Explanation:
@@ -166,6 +165,8 @@ def _pose(  # noqa: PLR0913, PLR0917 what a frame went through
             why = DONE.get(stage.name, "")
             if stage.name == "stitch":
                 why = _larger(covering, [float(v[pose]) for v in values])
+            elif stage.name == "dial":
+                why = _scaled(performance, pose, frame)
             elif stage.name == "hold":
                 why = _held(performer, performance, pose, frame)
             elif stage.name == "constrain":
@@ -184,6 +185,14 @@ def _larger(covering: tuple[BigramAt | None, ...], values: list[float]) -> str:
         if bigram is not None
     ]
     return ", ".join(parts)
+
+
+def _scaled(performance: Performance, pose: int, frame: int) -> str:
+    """Return the factors of a pose at a frame, as text."""
+    now = performance.frames.times(frame, frame + 1)
+    factors = [(d.name, float(d.level.at(now)[0])) for d in performance.dials if d.poses[pose]]
+    told = [f"{name} x {factor:.2f}" for name, factor in factors if abs(factor - 1) > VISIBLE]
+    return f"scaled by {', '.join(told)}"
 
 
 def _held(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:

@@ -38,6 +38,9 @@ SAME = str.maketrans({**dict.fromkeys(TIES), **LIGATURES, **LOOKALIKES})
 STRESS = "ˈˌ'\"%"
 """Marks before a stressed sound: IPA's, ASCII's, and SAMPA's two."""
 
+SECONDARY = "ˌ%"
+"""Marks of secondary stress; the others are of primary stress."""
+
 LENGTH = ":ˑ"
 TONE = "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩"
 """Stress digits of ARPAbet, tone digits and IPA tone letters; never the whole label."""
@@ -91,6 +94,7 @@ class Notation:
     silence : the value of these spellings
     nearest : returns a value for a label missing from the table, or None
     unseen : marks that may be dropped, each with the letters on which it is visible all the same
+    digits : True if a digit at the end of a label is its stress, as in ``AH0``
     """
 
     table: Mapping[str, Value]
@@ -98,6 +102,7 @@ class Notation:
     silence: Value = ()
     nearest: Callable[[str], Value | None] | None = None
     unseen: Mapping[str, str] = field(default_factory=dict)
+    digits: bool = False
     _exact: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
@@ -160,6 +165,18 @@ class Notation:
             if spelling.casefold() in self._folded:
                 return self._folded[spelling.casefold()]
         return None
+
+    def stress(self, label: str) -> int | None:
+        """Return the stress that a label is marked with; None for a label without a mark.
+
+        Labels of the table are taken as they are: their signs are no marks of stress.
+        """
+        whole = normalise(label)
+        if len(whole) < len("ˈa") or whole in self._exact or whole.casefold() in self._folded:
+            return None
+        if whole[0] in STRESS:
+            return 2 if whole[0] in SECONDARY else 1
+        return int(whole[-1]) if self.digits and whole[-1] in "012" else None
 
     def is_silence(self, label: str) -> bool:
         """Return True if a label is a spelling of silence."""

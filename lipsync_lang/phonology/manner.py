@@ -44,6 +44,7 @@ class Manner:
     durations : seconds by class, where no voice gives any
     words : pronunciations that override the engine, by word in plain spelling
     audio : how recordings of it become phonemes
+    stress_digits : notations whose labels may end in a stress digit
     """
 
     language: str
@@ -56,6 +57,7 @@ class Manner:
     durations: Mapping[str, float] = field(default_factory=dict)
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     audio: Hearing = field(default_factory=Hearing)
+    stress_digits: tuple[str, ...] = ()
 
     @property
     def direct(self) -> bool:
@@ -94,5 +96,6 @@ class Manner:
                 "voice": tuple(data["voice"]) if data["voice"] else None,
                 "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
                 "audio": Hearing(**{**audio, "phones": phones}),
+                "stress_digits": tuple(data["stress_digits"]),
             }
         )

@@ -28,6 +28,11 @@ class Spelled(Notation):
             text, rest = text + self.signs[sign], rest[len(sign) :]
         return text
 
+    def stress(self, label: str) -> int | None:
+        """Return the stress that a label is marked with; None for a label without a mark."""
+        text = self.text(label)
+        return None if text is None else super().stress(text)
+
     def likely(self, label: str) -> Value | None:
         """Return a value by likeness for a label missing from the table; None if unknown."""
         text = self.text(label)
@@ -51,6 +56,7 @@ def ready(  # noqa: PLR0913, PLR0917 what a language has
     ipa: str,
     spelling: Mapping[str, Any],
     nearest: Callable[[str], Value | None] | None = None,
+    stress_digits: Collection[str] = (),
 ) -> dict[str, Notation]:
     """Return tables as notations, and after them those that spell the IPA, if there is any.
 
@@ -61,8 +67,12 @@ def ready(  # noqa: PLR0913, PLR0917 what a language has
     ipa : the name of the IPA's table
     spelling : how the IPA is spelled, and which of its marks are not seen
     nearest : answers for IPA that the table lacks
+    stress_digits : names of the tables whose labels may end in a stress digit
     """
-    made = {name: Notation(table, silences, silence) for name, table in tables.items()}
+    made = {
+        name: Notation(table, silences, silence, digits=name in stress_digits)
+        for name, table in tables.items()
+    }
     if ipa in tables:
         rest = (tables[ipa], silences, silence, nearest, spelling["unseen"])
         made[ipa] = Notation(*rest)

@@ -45,6 +45,8 @@ class Dial(NamedTuple):
     """(P,)"""
     level: Level
     """0 not at all, 1 as usual, 2 twice as far."""
+    name: str = "dial"
+    """Its source, for explanations."""
 
 
 def shares(blends: Sequence[Blend], times: Floats) -> Floats:

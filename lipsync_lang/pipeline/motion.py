@@ -47,6 +47,9 @@ class Motion:
     softness: float = 1.0
     """Factor of the half-widths over which poses are rounded off; 0 leaves their corners."""
 
+    stress: float = 1.0
+    """Factor of how far stress opens vowels, and its lack closes them; 0 has none."""
+
     hold: float = 0.0
     """Seconds; poses are shown one at a time, each at least as long. At 0 they blend."""
 
@@ -62,6 +65,7 @@ PRESETS = {
         limit="after",
         thresholds="paper",
         softness=0,
+        stress=0,
     ),
 }
 """Named settings: `paper` is as sections 3.2.1 to 3.2.3 have it."""

@@ -112,7 +112,7 @@ class Compiled:
     regions: dict[str, list[int]]
     """Pose numbers by region."""
     intensity: dict[str, Any] | None
-    """Effect of loudness: `regions`, `least` and `most`; None if no pack states any."""
+    """Effect of loudness and stress, as in the pose set; None if no pack states any."""
     delivery: dict[str, Any]
     """Manner of the character: points of `styles` and `dials`, by name."""
     line_deliveries: dict[str, dict[str, Any]]

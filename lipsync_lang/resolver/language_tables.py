@@ -39,6 +39,7 @@ def manner_of(
         durations={str(k): v for k, v in {**common.durations, **model.durations}.items()},
         words=words,
         audio=_hearing(model),
+        stress_digits=model.stress_digits,
     )
 
 
@@ -81,7 +82,8 @@ def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[
     silence: Value = ((common.silence, 1.0),)
     near = among(library, language).value if model.automatic else None
     tables = {**visemes_of(common), **tables_of(model)}
-    return ready(tables, silences, silence, IPA, spelling(library), near)
+    digits = model.stress_digits
+    return ready(tables, silences, silence, IPA, spelling(library), near, digits)
 
 
 def visemes_of(common: "models.Phonemes") -> dict[str, dict[str, Value]]:

@@ -12,6 +12,7 @@ RANGES = {
     "window": (0.0, 10.0),
     "anticipate": (0.0, 4.0),
     "softness": (0.0, 4.0),
+    "stress": (0.0, 4.0),
     "silence_reach": (0.0, 10.0),
     "hold": (0.0, 10.0),
 }

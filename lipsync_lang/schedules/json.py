@@ -30,9 +30,16 @@ def read_json(source: TimingFile) -> Schedule:
         source=str(source.path),
         notation=_text(document, "notation"),
         language=_text(document, "language"),
+        stress=_stress(rows),
     )
     words = document.get("words") if isinstance(document, dict) else None
     return schedule if words is None else _with_words(source, schedule, words)
+
+
+def _stress(rows: list[Any]) -> tuple[int | None, ...]:
+    """Return the stress of each phoneme; empty if no row states any."""
+    stated = [row.get("stress") if isinstance(row, dict) else None for row in rows]
+    return tuple(stated) if any(one is not None for one in stated) else ()
 
 
 def _text(document: object, key: str) -> str | None:

@@ -17,6 +17,9 @@ from lipsync_lang.errors import ScheduleError
 SILENCE = "_"
 """The label of silence, in every notation."""
 
+STRESSES = (None, 0, 1, 2)
+"""Values of stress: unmarked, none, primary and secondary."""
+
 SNAP_SECONDS = 5e-4
 """Seconds; smaller gaps and overlaps between neighbours are rounding errors, and are closed."""
 
@@ -68,6 +71,8 @@ class Schedule:
     remarks : doubts about the schedule
     recognised : True if speech recognition found the words, so that they may be wrong
     confidence : in [0, 1], the fit of times or words to the sound; None if unknown
+    stress : 1 for primary, 2 for secondary and 0 for no stress of each phoneme, None where nothing
+        marks it; empty if the labels themselves carry the marks
     """
 
     labels: tuple[str, ...]
@@ -83,6 +88,7 @@ class Schedule:
     remarks: tuple[str, ...] = ()
     recognised: bool = False
     confidence: float | None = None
+    stress: tuple[int | None, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse faulty times, labels and words."""
@@ -91,8 +97,10 @@ class Schedule:
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "labels", tuple(self.labels))
         object.__setattr__(self, "words", tuple(self.words))
+        object.__setattr__(self, "stress", tuple(self.stress))
         _check(self.source, self.labels, times)
         _check_words(self.source, self.words, len(self.labels))
+        _check_stress(self.source, self.stress, len(self.labels))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle by fields, so that a copy's times are read-only as well."""
@@ -242,6 +250,17 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
             f"{source}: its sounds last {np.median(sounds):g} s each; are the times in "
             "milliseconds, samples or frames? They must be seconds"
         )
+
+
+def _check_stress(source: str, stress: Sequence[object], count: int) -> None:
+    if stress and len(stress) != count:
+        raise ScheduleError(f"{source}: {len(stress)} stresses for {count} phonemes; give each one")
+    for number, one in enumerate(stress):
+        if isinstance(one, bool) or one not in STRESSES:
+            raise ScheduleError(
+                f"{source}: phoneme {number}: stress is {one!r}; it is 0 (none), 1 (primary), "
+                "2 (secondary) or null"
+            )
 
 
 def _check_words(source: str, words: Sequence[Word], count: int) -> None:

@@ -81,7 +81,7 @@ def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
         samples = np.frombuffer(sound, dtype=np.int16)
         rate = int(header["rate"])
         sounds, marks = read_events(header["events"], header["spelled"], len(samples))
-        labels, bounds, index = intervals(sounds, int(PAUSE * rate))
+        labels, bounds, index, stress = intervals(sounds, int(PAUSE * rate))
     except (KeyError, ValueError, TypeError, AttributeError):
         raise SpeechError("eSpeak NG gave no answer that makes sense; try again") from None
     if all(label == SILENCE for label in labels):
@@ -96,4 +96,5 @@ def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
         notation="ipa",
         audio=Audio(samples, rate),
         source=f"speech {quoted(text)}",
+        stress=tuple(stress) if any(stress) else (),
     )

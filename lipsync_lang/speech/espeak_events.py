@@ -2,18 +2,19 @@
 
 Corrections to the library's output:
 
-- Stress marks, tone digits and ``(en)`` language flags are dropped. Modifiers that come as events
-  of their own (``k``, ``ʲ``) join the phoneme before. Names cut at 8 bytes are completed.
+- Stress marks become numbers; tone digits and ``(en)`` language flags are dropped. Modifiers that
+  come as events of their own (``k``, ``ʲ``) join the phoneme before. Names cut at 8 bytes are
+  completed.
 - A short silence between two sounds is the end of the first, not a pause.
 - A sound of zero length, spoken within its neighbour, gets a share of the neighbour's time.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from lipsync_lang.phonology.espeak.names import label_of, modifies
+from lipsync_lang.phonology.espeak.names import label_of, modifies, stress_of
 from lipsync_lang.schedules.schedule import SILENCE
 
 SHARE = 0.3
@@ -29,6 +30,7 @@ class SpokenSound:
     label: str
     start: int
     end: int
+    stress: int | None = None
 
     @property
     def silent(self) -> bool:
@@ -52,15 +54,19 @@ def read_events(
         else:
             names.append(value.encode("latin-1"))
             times.append(min(max(sample, times[-1] if times else 0), end))
-    labels = [label_of(name) or SILENCE for name in _completed(names, spelled)]
     spans = pairwise([*times, end])
-    sounds = [SpokenSound(label, *span) for label, span in zip(labels, spans, strict=True)]
+    sounds = [
+        SpokenSound(label_of(name) or SILENCE, *span, stress_of(name))
+        for name, span in zip(_completed(names, spelled), spans, strict=True)
+    ]
     lead = times[0] if times else end
     marks = [(position, number + 1) for position, number in marks]
     return [SpokenSound(SILENCE, 0, lead), *sounds], marks
 
 
-def intervals(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[str], list[int], list[int]]:
+def intervals(
+    sounds: Sequence[SpokenSound], pause: int
+) -> tuple[list[str], list[int], list[int], list[int | None]]:
     """Convert sounds to contiguous intervals of positive length.
 
     Parameters
@@ -70,13 +76,14 @@ def intervals(sounds: Sequence[SpokenSound], pause: int) -> tuple[list[str], lis
 
     Returns
     -------
-    n labels, n + 1 boundaries, and for each sound, and for their end, the count of intervals
-    before it
+    n labels, n + 1 boundaries, for each sound, and for their end, the count of intervals before it,
+    and n stresses
     """
     joined, first = _joined(sounds)
     kept, second = _settled(joined, pause)
     bounds = [sound.start for sound in kept] + [kept[-1].end] if kept else [0]
-    return [sound.label for sound in kept], bounds, [second[n] for n in first]
+    labels, stress = [sound.label for sound in kept], [sound.stress for sound in kept]
+    return labels, bounds, [second[n] for n in first], stress
 
 
 def _completed(names: Sequence[bytes], spelled: Sequence[str]) -> list[str]:
@@ -105,9 +112,10 @@ def _joined(sounds: Iterable[SpokenSound]) -> tuple[list[SpokenSound], list[int]
             last.end = sound.end
         elif last and not last.silent and modifies(sound.label):
             last.label += sound.label
+            last.stress = last.stress or sound.stress
             last.end = sound.end
         else:
-            joined.append(SpokenSound(sound.label, sound.start, sound.end))
+            joined.append(replace(sound))
     return joined, [*index, len(joined)]
 
 

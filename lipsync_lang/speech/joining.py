@@ -178,10 +178,22 @@ def _scheduled(
         spoken,
         labels=tuple(labels),
         times=np.array(times),
+        stress=_stress(spoken, times),
         words=_words(transcript, numbers),
         notation=transcript.notation,
         language=transcript.language,
         unread=transcript.unread,
+    )
+
+
+def _stress(spoken: Schedule, times: Sequence[float]) -> tuple[int | None, ...]:
+    """Return for each interval the strongest stress of a voice's sounds whose middle is in it."""
+    if not spoken.stress:
+        return ()
+    middles = (spoken.times[:-1] + spoken.times[1:]) / 2
+    cuts = middles.searchsorted(np.array(times)).tolist()
+    return tuple(
+        min(filter(None, spoken.stress[low:high]), default=None) for low, high in pairwise(cuts)
     )
 
 

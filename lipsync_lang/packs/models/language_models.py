@@ -268,6 +268,8 @@ class Language(PackModel):
     """Labels of silence, beyond those of the common pack."""
     notations: dict[Text, dict[Label, Annotated[Sounds, ShortSounds]]] = Field(default={})
     """For each notation, the common phonemes of each label."""
+    stress_digits: tuple[Text, ...] = ()
+    """Notations whose labels may end in a digit of stress: 0 none, 1 primary, 2 secondary."""
     words: dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]] = Field(default={})
     """Pronunciations of words, which override the engine."""
     examples: dict[Label, str] = Field(default={})

@@ -135,15 +135,21 @@ class MotionFields(Strict):
     """The thresholds in use: the pairs' own, or those under `paper`."""
     softness: Annotated[float, Field(ge=0, le=4)] | None = None
     """Factor for the seconds over which poses are rounded off."""
+    stress: Annotated[float, Field(ge=0, le=4)] | None = None
+    """Factor for the effect of stress on vowels."""
     hold: NotNegative | None = None
     """Least seconds of each pose, with one pose shown at a time; at 0 poses blend."""
 
 
 class Intensity(Strict):
-    """The effect of loudness on poses, used on request."""
+    """The effect of loudness and stress on poses."""
 
     regions: tuple[Text, ...] = Field(min_length=1)
     """The regions whose poses are scaled."""
+    stressed: Annotated[float, Field(ge=1, le=2)] = 1.08
+    """Scale for vowels with primary stress."""
+    unstressed: Unit = 0.94
+    """Scale for vowels without stress."""
     least: Unit = 0.6
     """Scale for a sound that is much softer than others of its class; 1 changes nothing."""
     most: Annotated[float, Field(ge=1, le=2)] = 1.4
@@ -223,7 +229,7 @@ class PoseSet(PackModel):
     motion: MotionFields = MotionFields()
     """Settings for joining, smoothing and limiting curves."""
     intensity: Intensity | None = None
-    """The effect of loudness on poses."""
+    """The effect of loudness and stress on poses."""
     targets: dict[Common, Targets] = Field(default={})
     """The weights of poses at each phoneme; a list of several for a sound that moves."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})

@@ -3,6 +3,9 @@
 import re
 
 _MARKS = "ˈˌ0123456789"
+STRESS_MARKS = {"ˈ": 1, "ˌ": 2}
+"""Stress by mark: primary and secondary."""
+
 _STRESSED = re.compile("([ˈˌ])")
 
 
@@ -28,6 +31,11 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
 def label_of(name: str) -> str:
     """Return the bare sound of a name; empty for flags and marks, which have none."""
     return "" if name.startswith("(") else name.strip(_MARKS)
+
+
+def stress_of(name: str) -> int | None:
+    """Return the stress that a name is marked with: 1, 2 or None."""
+    return next((level for mark, level in STRESS_MARKS.items() if mark in name), None)
 
 
 def modifies(label: str) -> bool:

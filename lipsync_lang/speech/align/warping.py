@@ -165,6 +165,7 @@ class Warp:
             labels=labels,
             times=times,
             words=words,
+            stress=_stress(labels, voice.schedule),
             audio=audio,
             source="recording",
             remarks=(doubt,) if confidence < DOUBTFUL else (),
@@ -303,6 +304,14 @@ def _laid(
         Word(word.text, place[word.first], place[word.stop - 1] + 1) for word in voice.words
     )
     return tuple(labels), _spaced(np.array(times), seconds), words
+
+
+def _stress(labels: tuple[str, ...], spoken: Schedule) -> tuple[int | None, ...]:
+    """Return the stress of labels that differ from a schedule's in their pauses alone."""
+    pairs = zip(spoken.labels, spoken.stress, strict=False)
+    marks = iter([mark for label, mark in pairs if label != SILENCE])
+    stress = tuple(None if label == SILENCE else next(marks, None) for label in labels)
+    return stress if spoken.stress else ()
 
 
 def _pauses(edges: Floats, kept: Ints, voice: SpokenVoice) -> dict[int, tuple[float, float]]:

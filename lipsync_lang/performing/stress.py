@@ -1,0 +1,54 @@
+"""Dials from stress: stressed vowels open the mouth a little wider, unstressed ones a little less.
+
+Speakers lower the jaw further for stressed vowels (Summers 1987, "Effects of stress and final
+consonant voicing on vowel production"; Erickson 2002, "Articulation of extreme formant patterns for
+emphasized vowels"). The pose set states by how much; its amounts are far below those of emphasis.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools
+from lipsync_lang.pipeline.levels import Dial, Level
+
+if TYPE_CHECKING:
+    from lipsync_lang.resolver.compiled import Compiled
+    from lipsync_lang.schedules.schedule import Schedule
+
+PRIMARY, UNSTRESSED = 1, 0
+
+
+def stress_dial(
+    compiled: "Compiled", schedule: "Schedule", stresses: Sequence[int | None], factor: float
+) -> Dial | None:
+    """Return the dial for stress; None if nothing is marked or the pose set states no amounts.
+
+    Parameters
+    ----------
+    stresses : stress of each vowel, None for other sounds; empty if nothing marks any
+    factor : 0 for no effect, 1 for the setting of the pose set
+    """
+    stated = compiled.intensity
+    if stated is None or not factor or not stresses:
+        return None
+    change: dict[int | None, float] = {
+        PRIMARY: stated["stressed"] - 1,
+        UNSTRESSED: stated["unstressed"] - 1,
+    }
+    vowels = [number for number, stress in enumerate(stresses) if stress is not None]
+    if not vowels:
+        return None
+    values = [1 + factor * change.get(stresses[number], 0.0) for number in vowels]
+    middles = (schedule.times[:-1] + schedule.times[1:]) / 2
+    level = Level(middles[vowels], np.maximum(values, 0.0))
+    return Dial(opening(compiled), level, "stress")
+
+
+def opening(compiled: "Compiled") -> Bools:
+    """Return True for each pose that effort moves: (P,)."""
+    regions = compiled.intensity["regions"] if compiled.intensity else ()
+    poses = [pose for region in regions for pose in compiled.regions.get(region, [])]
+    found: Bools = np.isin(np.arange(len(compiled.poses)), poses)
+    return found
