@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lipsync_lang import SpeechError
-from lipsync_lang.phonology.espeak.names import words_of
+from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts

@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from functools import cache
 from pathlib import Path
 
@@ -269,6 +269,16 @@ def test_no_two_classes_share_a_name():
             if isinstance(node, ast.ClassDef):
                 places[node.name].append(f"{name}:{node.lineno}")
     assert not {name: found for name, found in places.items() if len(found) > 1}
+
+
+FORMATS = {"azure", "csv", "glb", "json", "rhubarb", "smartbody", "subtitles", "text"}
+"""Formats that several rooms read or write."""
+
+
+def test_only_formats_give_their_name_to_two_modules():
+    names = Counter(name.rpartition("/")[2].removesuffix(".py") for name in MODULES)
+    twice = {name for name, count in names.items() if count > 1 and name != "__init__"}
+    assert twice == FORMATS
 
 
 def public(tree):

@@ -10,7 +10,7 @@ from shipped import LIBRARY, POSESETS
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import Mesh
-from lipsync_lang.rigs.names import fits, folded, on_mesh, placed, places
+from lipsync_lang.rigs.shape_matching import fits, folded, on_mesh, placed, places
 
 SETS = {name: LIBRARY.poseset(name).model for name in POSESETS}
 

@@ -16,7 +16,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Pose, PoseSet
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.rigs.driver import bare
-from lipsync_lang.rigs.names import places
+from lipsync_lang.rigs.shape_matching import places
 
 
 @pytest.fixture

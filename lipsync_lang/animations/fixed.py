@@ -2,7 +2,7 @@
 
 The lists are text files in `names/`, with one name per line in file order: first the shapes, then,
 after an empty line, the rotations of head and eyes. Speech leaves rotations at 0. Columns match
-shapes by the name rules of `rigs/names.py`, so spelling variants are accepted.
+shapes by the name rules of `rigs/shape_matching.py`, so spelling variants are accepted.
 """
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.model import some
-from lipsync_lang.rigs.names import places
+from lipsync_lang.rigs.shape_matching import places
 
 Floats = npt.NDArray[np.float64]
 

@@ -34,7 +34,7 @@ from lipsync_lang.rigs.container import (
     write_parts,
 )
 from lipsync_lang.rigs.model import Mesh, Model, numbers, read_model, some
-from lipsync_lang.rigs.names import on_mesh
+from lipsync_lang.rigs.shape_matching import on_mesh
 from lipsync_lang.rigs.transforms import parts, product, turns
 
 Floats = npt.NDArray[np.float64]

@@ -47,7 +47,7 @@ def keys(animation: Animation, found: list[MovingShape], tolerance: float) -> li
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:
     """Return mesh, shape name and column of each shape of a known model."""
     from lipsync_lang.rigs.model import read_model
-    from lipsync_lang.rigs.names import on_mesh
+    from lipsync_lang.rigs.shape_matching import on_mesh
 
     if animation.model is None:
         return []

@@ -30,7 +30,7 @@ from lipsync_lang.packs.models import (
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.rigs.driver import bare
-from lipsync_lang.rigs.names import places
+from lipsync_lang.rigs.shape_matching import places
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library

@@ -11,7 +11,7 @@ from lipsync_lang.authoring.poseset_text import WIDTH, scalar
 from lipsync_lang.packs.models import PoseSet, RigChannel, RigPack
 from lipsync_lang.packs.models.braces import expanded
 from lipsync_lang.packs.models.rig_channels import channels_of
-from lipsync_lang.rigs.names import folded
+from lipsync_lang.rigs.shape_matching import folded
 
 if TYPE_CHECKING:
     from lipsync_lang.rigs.model import Model

@@ -4,9 +4,8 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from lipsync_lang.commands import banks, coverage, listing, packs, performing
+from lipsync_lang.commands import banks, coverage, listing, packs, performing, validate_packs
 from lipsync_lang.commands import quality as check
-from lipsync_lang.commands import validation as checking
 from lipsync_lang.commands.completion import SHELLS, completion, leaves
 from lipsync_lang.commands.shared_options import (
     add_json,
@@ -154,7 +153,7 @@ def _add_performing(add: Add) -> None:
 def _add_checking(add: Add) -> None:
     resolve_ = add(
         "resolve",
-        checking.resolve,
+        validate_packs.resolve,
         "show what of a language-character pair comes from which layer, and its gaps",
         "resolve -l english -c facefx",
     )
@@ -163,7 +162,7 @@ def _add_checking(add: Add) -> None:
 
     validate_ = add(
         "validate",
-        checking.validate,
+        validate_packs.validate,
         "list every fault of every pack found, or of the files given",
         "validate languages/finnish.yaml",
     )
@@ -179,7 +178,7 @@ def _add_checking(add: Add) -> None:
 
     schema_ = add(
         "schema",
-        checking.schema,
+        validate_packs.schema,
         "print the JSON Schema of a kind of pack",
         "schema language > language.json",
     )

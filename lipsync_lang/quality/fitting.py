@@ -10,7 +10,7 @@ from lipsync_lang.animations.readers.animation_readers import Recording, read_an
 from lipsync_lang.errors import AnimationError
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.rigs.driver import Driver
-from lipsync_lang.rigs.names import placed
+from lipsync_lang.rigs.shape_matching import placed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -11,7 +11,7 @@ from lipsync_lang.packs.checking.rig_checks import check_rig
 from lipsync_lang.packs.models.rig_channels import channels_of, plain_channels, pose_names
 from lipsync_lang.rigs.driver import Driver, bare
 from lipsync_lang.rigs.loss import Loss, losses
-from lipsync_lang.rigs.names import on_mesh
+from lipsync_lang.rigs.shape_matching import on_mesh
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from lipsync_lang.phonology.espeak.names import label_of, modifies, stress_of
+from lipsync_lang.phonology.espeak.phoneme_labels import label_of, modifies, stress_of
 from lipsync_lang.schedules.schedule import SILENCE
 
 SHARE = 0.3

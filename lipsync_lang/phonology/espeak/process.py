@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.errors import SpeechError, did_you_mean
-from lipsync_lang.phonology.espeak.names import words_of
+from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 
 MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
