@@ -30,7 +30,9 @@ def write_json(animation: Animation, out: TextIO) -> None:
             )
         ],
         "words": [
-            {"text": w.text, "start": times[w.first], "end": times[w.stop]} for w in schedule.words
+            {"text": w.text, "start": times[w.first], "end": times[w.stop]}
+            | ({"emphasis": w.emphasis} if w.emphasis else {})
+            for w in schedule.words
         ],
     }
     head = json.dumps(document, ensure_ascii=False, indent=1)

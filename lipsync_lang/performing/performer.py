@@ -16,7 +16,7 @@ from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.loudness import loudness_dial
-from lipsync_lang.performing.stress import stress_dial
+from lipsync_lang.performing.stress import emphasis_dial, stress_dial
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.drive import drive
@@ -214,7 +214,8 @@ class Performer:
         stresses = self.labels.stresses(schedule, classes) if self.motion.stress else []
         stress = stress_dial(compiled, schedule, stresses, self.motion.stress)
         loud = loudness_dial(compiled, schedule, classes, intensity)
-        scaled += tuple(dial for dial in (stress, loud) if dial is not None)
+        raised = emphasis_dial(compiled, schedule)
+        scaled += tuple(dial for dial in (stress, raised, loud) if dial is not None)
         track = lay_track(ids, times, source, compiled.tables, self.motion, blends)
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:

@@ -1,4 +1,7 @@
-"""Dials from stress: stressed vowels open the mouth a little wider, unstressed ones a little less.
+"""Dials from stress and emphasis.
+
+Stressed vowels open the mouth a little wider, unstressed ones a little less, emphasised words a
+good deal wider.
 
 Speakers lower the jaw further for stressed vowels (Summers 1987, "Effects of stress and final
 consonant voicing on vowel production"; Erickson 2002, "Articulation of extreme formant patterns for
@@ -18,6 +21,9 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 PRIMARY, UNSTRESSED = 1, 0
+
+RAMP_SECONDS = 0.08
+"""Time over which an emphasised word begins, and ends, to open the mouth wider."""
 
 
 def stress_dial(
@@ -44,6 +50,25 @@ def stress_dial(
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     level = Level(middles[vowels], np.maximum(values, 0.0))
     return Dial(opening(compiled), level, "stress")
+
+
+def emphasis_dial(compiled: "Compiled", schedule: "Schedule") -> Dial | None:
+    """Return the dial for emphasised words; None if there are none, or nothing for them to move."""
+    words = [word for word in schedule.words if word.emphasis]
+    stated = compiled.intensity
+    if stated is None or not words:
+        return None
+    ramps = [
+        (schedule.times[word.first] - RAMP_SECONDS, schedule.times[word.first],
+         schedule.times[word.stop], schedule.times[word.stop] + RAMP_SECONDS)
+        for word in words
+    ]  # fmt: skip
+    times = np.unique(np.array(ramps))
+    highs = [word.emphasis * (stated["emphasised"] - 1) for word in words]
+    rises = [
+        np.interp(times, ramp, (0, high, high, 0)) for ramp, high in zip(ramps, highs, strict=True)
+    ]
+    return Dial(opening(compiled), Level(times, 1 + np.max(rises, axis=0)), "emphasis")
 
 
 def opening(compiled: "Compiled") -> Bools:

@@ -64,4 +64,6 @@ def _with_words(source: TimingFile, schedule: Schedule, rows: object) -> Schedul
     if not isinstance(rows, list):
         raise source.fault(f"words must be a list; the form is {SHAPE}")
     spans = [_row(source, "word", "text", n, row) for n, row in enumerate(rows)]
-    return replace(schedule, words=words_from_spans(schedule, spans))
+    stated = [row.get("emphasis", 0) if isinstance(row, dict) else 0 for row in rows]
+    emphasis = [float(one) if isinstance(one, bool) else one for one in stated]
+    return replace(schedule, words=words_from_spans(schedule, spans, emphasis))

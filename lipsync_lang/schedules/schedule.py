@@ -20,6 +20,9 @@ SILENCE = "_"
 STRESSES = (None, 0, 1, 2)
 """Values of stress: unmarked, none, primary and secondary."""
 
+MAX_EMPHASIS = 2.0
+"""Greatest emphasis of a word, twice the pose set's."""
+
 SNAP_SECONDS = 5e-4
 """Seconds; smaller gaps and overlaps between neighbours are rounding errors, and are closed."""
 
@@ -45,11 +48,15 @@ class Audio:
 
 @dataclass(frozen=True)
 class Word:
-    """A word and its phonemes: ``labels[first:stop]``."""
+    """A word and its phonemes: ``labels[first:stop]``.
+
+    `emphasis` opens the mouth wider over the word: 0 not at all, 1 as the pose set says, up to 2.
+    """
 
     text: str
     first: int
     stop: int
+    emphasis: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,8 +179,16 @@ class Schedule:
         return len(self.labels)
 
 
-def words_from_spans(schedule: Schedule, spans: list[tuple[str, float, float]]) -> tuple[Word, ...]:
-    """Give each timed word the phonemes whose middle lies in it; drop words without phonemes."""
+def words_from_spans(
+    schedule: Schedule, spans: list[tuple[str, float, float]], emphasis: Sequence[float] = ()
+) -> tuple[Word, ...]:
+    """Give each timed word the phonemes whose middle lies in it; drop words without phonemes.
+
+    Parameters
+    ----------
+    spans : text, start and end of each word
+    emphasis : of each word; empty for none
+    """
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []
     for number, (text, start, end) in enumerate(spans):
@@ -186,7 +201,7 @@ def words_from_spans(schedule: Schedule, spans: list[tuple[str, float, float]]) 
         if words:
             first = max(first, words[-1].stop)
         if text.strip() and first < stop:
-            words.append(Word(text, first, stop))
+            words.append(Word(text, first, stop, emphasis[number] if emphasis else 0.0))
     return tuple(words)
 
 
@@ -263,12 +278,22 @@ def _check_stress(source: str, stress: Sequence[object], count: int) -> None:
             )
 
 
+def _is_emphasis(value: object) -> bool:
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    return number and 0 <= value <= MAX_EMPHASIS  # type: ignore[operator]  # a number
+
+
 def _check_words(source: str, words: Sequence[Word], count: int) -> None:
     for word in words:
         if not 0 <= word.first < word.stop <= count:
             raise ScheduleError(
                 f"{source}: word {word.text!r} covers phonemes {word.first} to {word.stop - 1}, "
                 f"but the schedule has 0 to {count - 1}"
+            )
+        if not _is_emphasis(word.emphasis):
+            raise ScheduleError(
+                f"{source}: word {word.text!r}: emphasis is {word.emphasis!r}; it is a number from "
+                f"0 to {MAX_EMPHASIS:g}"
             )
     for left, right in pairwise(words):
         if right.first < left.stop:

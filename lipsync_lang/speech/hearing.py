@@ -8,8 +8,9 @@ from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
+from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.schedules.schedule import Audio, Schedule
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.speaking import Speaker, with_emphasis
 
 
 def align(
@@ -84,7 +85,7 @@ def aligned(
     name = aligner or stated.align
     chosen = ALIGNERS.find(name, SpeechError)
     model = stated.model if name == stated.align else None
-    return chosen.align(_sound(audio), text, speaker, model)
+    return with_emphasis(chosen.align(_sound(audio), text, speaker, model), emphasised(text))
 
 
 def recognised(

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.phonology.emphasis import EmphasisedText, emphasised, touched
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
@@ -92,14 +93,16 @@ class Speaker:
         return cls(manner_of(pack, common), notations_of(library, pack), near)
 
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
-        """Convert texts to phonemes, one after the other.
+        """Convert texts to phonemes, one after the other; marks of emphasis are left out.
 
         Raises
         ------
         SpeechError
             The pack has no G2P settings, or its engine failed.
         """
-        whole = list(texts)
+        yield from self._transcripts([emphasised(text).text for text in texts])
+
+    def _transcripts(self, whole: Sequence[str]) -> Iterator[Transcript]:
         for text, words in zip(whole, self._read(whole), strict=True):
             yield self._transcript(text, words)
 
@@ -222,7 +225,7 @@ class Speaker:
 
         Parameters
         ----------
-        text : text to speak
+        text : text to speak; ``*word*`` emphasises a word
         engine : overrides the pack's speech engine; `none` for estimated times
         words_per_minute : speech rate; None for the engine's default
 
@@ -231,6 +234,11 @@ class Speaker:
         SpeechError
             The text is empty or unreadable in the language, or the engine failed.
         """
+        marked = emphasised(text)
+        schedule = self._spoken(marked.text, engine, words_per_minute)
+        return with_emphasis(schedule, marked)
+
+    def _spoken(self, text: str, engine: str | None, words_per_minute: int | None) -> Schedule:
         from lipsync_lang.speech import speak as say
 
         manner = self.manner
@@ -240,7 +248,7 @@ class Speaker:
         if manner.direct or manner.voice is None or name != manner.voice[0]:
             schedule = say(text, voice, engine=name, words_per_minute=words_per_minute)
             return replace(schedule, language=manner.language)
-        (transcript,) = self.transcribe([text])
+        (transcript,) = self._transcripts([text])
         spelling = _spelling(transcript)
         schedule = say(spelling, voice, engine=name, words_per_minute=words_per_minute)
         from lipsync_lang.speech.joining import join
@@ -273,8 +281,19 @@ class Speaker:
                 f"{self.manner.language} names no voice: give its pack a `tts`, a `g2p` to "
                 "estimate times by, or give timed phonemes (`schedule`)"
             )
-        (transcript,) = self.transcribe([text])
+        (transcript,) = self._transcripts([text])
         return estimate(transcript, self.manner, self.notations[self.manner.notation])
+
+
+def with_emphasis(schedule: Schedule, text: EmphasisedText) -> Schedule:
+    """Return a schedule with the emphasis that its text marks."""
+    if not text.spans:
+        return schedule
+    marked = touched((word.text for word in schedule.words), text)
+    words = (
+        replace(word, emphasis=float(one)) for word, one in zip(schedule.words, marked, strict=True)
+    )
+    return replace(schedule, words=tuple(words))
 
 
 def _spelling(transcript: Transcript) -> str:
@@ -355,7 +374,7 @@ def speak(
 
     Parameters
     ----------
-    text : what to say; of several texts, each in its turn
+    text : what to say; of several texts, each in its turn; ``*word*`` emphasises a word
     language : a language pack's name, tag or file
     engine : another speech engine than the pack's; `none` for estimated times without sound
     words_per_minute : the speed of speech; None is the engine's own

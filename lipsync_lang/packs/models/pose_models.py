@@ -150,6 +150,8 @@ class Intensity(Strict):
     """Scale for vowels with primary stress."""
     unstressed: Unit = 0.94
     """Scale for vowels without stress."""
+    emphasised: Annotated[float, Field(ge=1, le=2)] = 1.25
+    """Scale for words with emphasis."""
     least: Unit = 0.6
     """Scale for a sound that is much softer than others of its class; 1 changes nothing."""
     most: Annotated[float, Field(ge=1, le=2)] = 1.4
