@@ -6,8 +6,8 @@ Eight English lines are spoken by eSpeak NG and performed. FOLDER may hold artic
 recordings, as `articulography.py` reads them. All that a row says is of the poses of one region
 or of a read-out (`measures`) of the pose set, so that pose sets compare:
 
-jaw           the sum of the poses of the region `jaw`, at 30 frames per second (the captures'
-              rate), divided by its 99th percentile over all lines
+jaw           the sum of the poses that loudness opens (`intensity`), at 30 frames per second (the
+              captures' rate), divided by its 99th percentile over all lines
 speed, jerk   95th percentiles of its first and third derivative, in 1/s and 1/s^3
 > 8 Hz        share of the power of its spectrum above 8 Hz, each line by itself
 still         share of the frames with the jaw above 0.1 to and from which it moves by less than
@@ -32,7 +32,10 @@ import numpy as np
 
 import lipsync_lang as ll
 from lipsync_lang.pipeline.hold import demands
+from lipsync_lang.quality import curve_statistics as statistics
 from lipsync_lang.quality.baselines import read_out
+from lipsync_lang.quality.likeness import CAPTURE_FPS
+from lipsync_lang.quality.take import face_of
 
 LINES = (
     "Please buy five more maps before Bob's baby puppy bumps.",
@@ -50,10 +53,6 @@ LIPS = {"bmp", "f"}
 BEFORE = {"s", "kg", "d", "_"}
 ROUNDED = ("u", "o", "ʊ")
 """How the labels of the vowels begin; the common phoneme w is also the consonant of "we"."""
-STILL = 0.015
-"""A move from frame to frame below it is none, as a share of the 99th percentile."""
-CLOSE = 0.1
-"""A jaw below it is shut, as a share of its 99th percentile."""
 
 
 @cache
@@ -63,59 +62,34 @@ def lines() -> tuple[ll.Schedule, ...]:
 
 
 def jaw(performer: ll.Performer, animation: ll.Animation) -> np.ndarray:
-    """Return the sum of the poses of the jaw: (T,)."""
-    return animation.weights[:, performer.compiled.regions.get("jaw", [])].sum(axis=1)
+    """Return the sum of the poses that open the mouth: (T,)."""
+    return animation.weights[:, face_of(animation, performer).roles.opening].sum(axis=1)
 
 
 def at_rate(performer: ll.Performer, fps: float) -> tuple[list[np.ndarray], float]:
     """Return each line's jaw, and its 99th percentile over all."""
     curves = [jaw(performer, performer.perform(line, fps=fps)) for line in lines()]
-    return curves, max(float(np.percentile(np.concatenate(curves), 99)), 1e-9)
-
-
-def high_share(curve: np.ndarray, fps: float, above: float = 8.0) -> float:
-    """Return the share of a curve's power, its mean aside, above some frequency."""
-    window = np.hanning(len(curve))
-    power = np.abs(np.fft.rfft((curve - curve.mean()) * window)) ** 2
-    return float(power[np.fft.rfftfreq(len(curve), 1 / fps) > above].sum() / power.sum())
-
-
-def turns(curve: np.ndarray, least: float = 0.02) -> int:
-    """Count the extrema that differ from the last by `least` or more."""
-    count, last, way = 0, curve[0], 0
-    for value in curve:
-        if way >= 0 and value < last - least:
-            count, last, way = count + 1, value, -1
-        elif way <= 0 and value > last + least:
-            count, last, way = count + 1, value, 1
-        elif (value > last) == (way >= 0) and way != 0:
-            last = value
-    return count
+    return curves, max(statistics.peak(np.concatenate(curves)), 1e-9)
 
 
 def movement(performer: ll.Performer) -> dict[str, float]:
     """Measure the jaw at the captures' rate."""
-    fps = 30.0
+    fps = CAPTURE_FPS
     raw, full = at_rate(performer, fps)
     curves = [curve / full for curve in raw]
     speed, jerk = (
-        np.percentile(np.concatenate([np.abs(np.diff(c, order)) * fps**order for c in curves]), 95)
+        np.percentile(np.concatenate([statistics.derivative(c, fps, order) for c in curves]), 95)
         for order in (1, 3)
     )
-    still = opened = 0
-    for curve in curves:
-        inside = curve[1:-1] > CLOSE
-        steps = np.abs(np.diff(curve))
-        moved = np.maximum(steps[1:], steps[:-1])
-        opened += int(inside.sum())
-        still += int((inside & (moved < STILL)).sum())
+    frames = [statistics.open_frames(curve) for curve in curves]
+    opened, still = (sum(int(part.sum()) for part in parts) for parts in zip(*frames, strict=True))
     seconds = sum(len(c) for c in curves) / fps
     return {
-        "> 8 Hz %": 100 * float(np.mean([high_share(c, fps) for c in curves])),
+        "> 8 Hz %": 100 * float(np.mean([statistics.high_share(c, fps) for c in curves])),
         "still %": 100 * still / max(opened, 1),
         "speed": float(speed),
         "jerk e4": float(jerk) / 1e4,
-        "extrema": sum(turns(c) for c in curves) / seconds,
+        "extrema": sum(statistics.turns(c) for c in curves) / seconds,
         "peak": full,
     }
 
@@ -139,7 +113,7 @@ def shut(performer: ll.Performer) -> float:
             if name in VOWELS - {"w", "yu"} and around & LIPS:
                 inside = np.flatnonzero((begin >= times[i]) & (begin <= times[i + 1]))
                 frames += len(inside)
-                closed += int((curve[inside] < CLOSE * full).sum())
+                closed += int((curve[inside] < statistics.SHUT_SHARE * full).sum())
     return 100 * closed / max(frames, 1)
 
 
@@ -159,12 +133,10 @@ def leads(performer: ll.Performer, gains: dict[str, float]) -> dict[str, float]:
                 continue
             start = int(np.searchsorted(at, times[i]))
             stop = int(np.searchsorted(at, times[i + 1]))
-            peak = curve[start : stop + 1].max()
             for share, kept in found.items():
-                below = np.flatnonzero(curve[:stop] < share * peak)
-                risen = np.flatnonzero(curve[start:stop] >= share * peak)[0] + start
-                first = below[below < risen][-1] + 1 if (below < risen).any() else 0
-                kept.append(1000 * (times[i] - at[first]))
+                begun = statistics.rise(curve, start, stop, share)
+                if begun is not None:
+                    kept.append(1000 * (times[i] - at[begun]))
     return {f"lead {share:g}": float(np.median(kept)) for share, kept in found.items() if kept}
 
 

@@ -273,8 +273,16 @@ BROKEN = {
     "a trembling tongue": ("tBack", shaking, {"jitter"}),
     "a jump": ("tBack", jumping, {"speed"}),
     "a fidget": ("wide", fidgeting, {"silence"}),
-    "too wide": ("open", lambda _, w: np.minimum(w * 2, 1), {"constraints", "rules sibilants"}),
-    "a mouth that stays shut": ("open", lambda t, w: np.minimum(w, shut(t, w)), {"rules opens"}),
+    "too wide": (
+        "open",
+        lambda _, w: np.minimum(w * 2, 1),
+        {"constraints", "rules sibilants", "shelves"},
+    ),
+    "a mouth that stays shut": (
+        "open",
+        lambda t, w: np.minimum(w, shut(t, w)),
+        {"rules opens", "shut_vowels"},
+    ),
 }
 
 
@@ -291,7 +299,7 @@ def test_an_animation_that_is_late_is_late():
     found = failed(check(late))
     assert {"closure_late", "closure_offset"} <= found
     assert found <= {"closure_late", "closure_offset", "contacts lips", "contacts teeth",
-                     "rules sibilants", "rules opens"}  # fmt: skip
+                     "rules sibilants", "rules opens", "opening_lag"}  # fmt: skip
 
 
 # What does not change the figures
@@ -315,7 +323,7 @@ def test_twice_the_frames_change_the_figures_little(character, fps):
     once, twice = (check(performed(character, rate)) for rate in (fps, 2 * fps))
     assert failed(once) == failed(twice)
     for name, value in values(once).items():
-        if value is None or name in ("speed", "jitter", "changes", "short_holds"):
+        if value is None or name in ("speed", "jitter", "changes", "short_holds", "jerk", "turns"):
             continue
         assert values(twice)[name] == pytest.approx(value, abs=1.1 / fps + 0.03), name
 

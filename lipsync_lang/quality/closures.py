@@ -165,7 +165,7 @@ def _largest_offset(scene: Take, sign: int) -> Iterable[Measured]:
     """Return the largest offset in one direction: late for sign 1, early for -1."""
     every = offsets(scene)
     if not every:
-        return unjudged("no closure can be descriptions")
+        return unjudged("no closure can be judged")
     found = [offset for offset in every if offset.seconds * sign > 0]
     word = "late" if sign > 0 else "early"
     descriptions = {o.phoneme: f"closes '{o.touch}' {abs(o.seconds):.3f} s {word}" for o in found}
@@ -209,7 +209,7 @@ def closure_offset(scene: Take) -> Iterable[Measured]:
     """
     found = [offset.seconds for offset in offsets(scene)]
     if not found:
-        return unjudged("no closure can be descriptions")
+        return unjudged("no closure can be judged")
     median = float(np.median(found))
     return one(abs(median), {"median": round(median, 6), "closures": len(found)})
 

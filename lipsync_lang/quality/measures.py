@@ -85,6 +85,7 @@ def load_measures() -> dict[str, Measure]:
     """Return every measure by name, in the order of reports."""
     import_module("lipsync_lang.quality.closures")
     import_module("lipsync_lang.quality.movement")
+    import_module("lipsync_lang.quality.likeness")
     return MEASURES
 
 

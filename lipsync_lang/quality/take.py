@@ -19,12 +19,21 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.track import Track
+    from lipsync_lang.resolver.compiled import Compiled
 
 FLOOR_SHARE = 0.9
 """Share of a floor that makes a visible contact."""
 
 CEILING_TOLERANCE = 0.05
 """Share of a column's range by which nobody sees that a ceiling is exceeded."""
+
+
+OPENS_SHARE = 0.4
+"""Phonemes that open the mouth by this share of the widest one should be seen to open it."""
+
+BLOCK_SHARE = 0.25
+"""Phonemes that show this share of a pose's highest, or of an opponent's, keep it from looking
+ahead."""
 
 
 class Touch(NamedTuple):
@@ -44,6 +53,21 @@ class Touch(NamedTuple):
         return bool(np.isfinite(self.low).any())
 
 
+class Roles(NamedTuple):
+    """What the pose set says of its poses and phonemes, for measures of motion."""
+
+    opening: Bools
+    """(C,) True for the columns that loudness opens (`intensity`); none is unknown."""
+    ahead: Floats
+    """(C,) seconds by which a column looks ahead (`anticipate`)."""
+    opens: Bools
+    """(N,) True for common phonemes that open the mouth wide when said alone."""
+    begins: Floats
+    """(N, C) peak of each column in the first half of a phoneme said alone, of its highest."""
+    blocks: Bools
+    """(N, C) True for phonemes that keep a column from looking ahead."""
+
+
 @dataclass(frozen=True, eq=False)
 class Face:
     """The columns of an animation, with their ranges, contacts and constraints."""
@@ -59,6 +83,8 @@ class Face:
     """(C,) width of each range."""
     measures: dict[str, Floats]
     """By name, (C,) gains."""
+    roles: Roles | None = None
+    """None for the channels of a rig."""
 
 
 def face_of(animation: "Animation", performer: "Performer") -> Face:
@@ -101,8 +127,37 @@ def _posed(performer: "Performer") -> Face:
     unit = np.ones(count)
     zero = np.zeros(count)
     return Face(
-        performer.poses, tuple(touches), tables.caps, tables.at_most, zero, unit, unit, measures
+        performer.poses,
+        tuple(touches),
+        tables.caps,
+        tables.at_most,
+        zero,
+        unit,
+        unit,
+        measures,
+        _roles(compiled),
     )
+
+
+def _roles(compiled: "Compiled") -> Roles:
+    """Read roles off the bank: each phoneme is looked at in its own part of silence-phoneme."""
+    tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
+    own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]
+    opening = np.isin(np.arange(len(compiled.poses)), own)
+    rows = tables.pairs[tables.silence]
+    curves = tables.curves[rows].astype(float)
+    start = tables.boundary[rows][:, None]
+    at = np.linspace(0, 1, curves.shape[1])[None]
+    said = at >= start
+    early = said & (at <= (1 + start) / 2)
+    widest = (curves[:, :, opening].sum(axis=2) * said).max(axis=1)
+    begins = (curves * early[:, :, None]).max(axis=1) / tables.highest
+    shown = (curves * said[:, :, None]).max(axis=1)
+    blocks = tables.opposed | (shown @ tables.blockers > BLOCK_SHARE) | (begins > BLOCK_SHARE)
+    for contact in tables.contacts:
+        blocks |= contact.phonemes[:, None] & (contact.ceiling < 1)
+    opens = widest > OPENS_SHARE * widest.max(initial=0.0)
+    return Roles(opening, tables.anticipate, opens, begins, blocks)
 
 
 def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:

@@ -64,3 +64,17 @@ class Checks(Strict):
     """Share of the frames of speech in which a pose may stand at its maximum."""
     still: Unit | None = None
     """Share of the frames of speech without movement."""
+    jerk: NotNegative | None = None
+    """Jerk of the jaw (95th percentile), in shares of its peak per second cubed."""
+    high_power: Unit | None = None
+    """Share of the jaw's power above 8 Hz."""
+    shelves: Unit | None = None
+    """Share of the frames with an open jaw in which it stands still."""
+    turns: NotNegative | None = None
+    """Turns of the jaw per second."""
+    lead_missing: NotNegative | None = None
+    """Seconds by which poses that look ahead may begin later than 0.1 s before their sound."""
+    shut_vowels: Unit | None = None
+    """Share of the sounds beside a contact that should open the mouth and may stay shut."""
+    opening_lag: NotNegative | None = None
+    """Seconds until the mouth opens after a contact (median)."""

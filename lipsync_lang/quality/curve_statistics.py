@@ -1,0 +1,87 @@
+"""Statistics of one curve, for measures of motion and for benchmarks.
+
+Conventions: a curve is (T,), in frames that are evenly spaced; shares are of 1.
+"""
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats
+
+HIGH_HERTZ = 8.0
+"""Hardly any power of a captured jaw is above."""
+
+STILL_STEP = 0.015
+"""Moves from frame to frame below it are none, as a share of the curve's peak."""
+
+SHUT_SHARE = 0.1
+"""A jaw below it is shut, as a share of the curve's peak."""
+
+TURN_SHARE = 0.02
+"""A turn is visible if the curve returns by this share of its peak."""
+
+
+def peak(curve: Floats) -> float:
+    """Return the 99th percentile of a curve: its highest level, but for a single frame."""
+    return float(np.percentile(curve, 99)) if curve.size else 0.0
+
+
+def derivative(curve: Floats, fps: float, order: int) -> Floats:
+    """Return the size of a derivative: (T - order,), per second to the power of `order`."""
+    size: Floats = np.abs(np.diff(curve, order)) * fps**order
+    return size
+
+
+def high_share(curve: Floats, fps: float) -> float:
+    """Return the share of a curve's power, its mean aside, above `HIGH_HERTZ`."""
+    window = np.hanning(len(curve))
+    power = np.abs(np.fft.rfft((curve - curve.mean()) * window)) ** 2
+    high = power[np.fft.rfftfreq(len(curve), 1 / fps) > HIGH_HERTZ].sum()
+    return float(high / max(power.sum(), np.finfo(float).tiny))
+
+
+def turns(curve: Floats) -> int:
+    """Count the extrema that differ from the last one by `TURN_SHARE` or more."""
+    count, way = 0, 0
+    last = float(curve[0])
+    for value in curve.tolist():
+        if way >= 0 and value < last - TURN_SHARE:
+            count, last, way = count + 1, value, -1
+        elif way <= 0 and value > last + TURN_SHARE:
+            count, last, way = count + 1, value, 1
+        elif way != 0 and (value > last) == (way >= 0):
+            last = value
+    return count
+
+
+def open_frames(curve: Floats) -> tuple[Bools, Bools]:
+    """Return the frames with the jaw open, and those of them in which it stands still: (T,) each.
+
+    A still frame is hardly moved to and hardly moved from, so that a peak is none, but a shelf is.
+    The first and the last frame count for neither.
+    """
+    opened, still = np.zeros((2, len(curve)), bool)
+    steps = np.abs(np.diff(curve))
+    opened[1:-1] = curve[1:-1] > SHUT_SHARE
+    still[1:-1] = opened[1:-1] & (np.maximum(steps[1:], steps[:-1]) < STILL_STEP)
+    return opened, still
+
+
+def rise(curve: Floats, start: int, stop: int, share: float) -> int | None:
+    """Return the frame at which a curve starts to rise for a sound.
+
+    Parameters
+    ----------
+    start, stop : first frame of the sound, and the frame past its last
+    share : of the sound's own peak, at which the rise starts
+
+    Returns
+    -------
+    The first frame from which the curve stays at `share` of its peak until it gets there within
+    the sound; None if the curve is 0 throughout
+    """
+    top = curve[start:stop].max(initial=0.0)
+    if top <= 0:
+        return None
+    reached = start + int(np.flatnonzero(curve[start:stop] >= share * top)[0])
+    below = np.flatnonzero(curve[:reached] < share * top)
+    return int(below[-1]) + 1 if below.size else 0

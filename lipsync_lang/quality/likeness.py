@@ -1,0 +1,339 @@
+"""Measures of how much a mouth moves as captured faces do.
+
+Conventions: the jaw is the sum of the columns that loudness opens, as the pose set states them
+(`intensity`). For statistics it is sampled at 30 frames per second, the rate of the captures, and
+divided by its 99th percentile, as the captures were.
+
+The figures of the captures are over many lines of one face. A line of a few seconds scatters
+widely around them, so each limit leaves it room, as its measure states.
+"""
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.quality import curve_statistics as statistics
+from lipsync_lang.quality.figures import Finding
+from lipsync_lang.quality.measures import (
+    VISIBLE_SHARE,
+    Measured,
+    measure,
+    one,
+    places,
+    unjudged,
+)
+from lipsync_lang.quality.take import Roles, Take
+
+CAPTURE_FPS = 30.0
+"""Frames per second of the captures; jerk and power depend on it."""
+
+LEAST_FPS = 29.0
+"""An animation of fewer frames per second cannot be compared with captures."""
+
+LEAST_SECONDS = 2.0
+"""Speech shorter than this has too few movements for statistics."""
+
+HELD_SECONDS = 0.3
+"""Sounds longer than this may hold their shape."""
+
+LEAD_SECONDS = 0.1
+"""In running speech, lips begin to round this long before their sound, or longer."""
+
+MAX_LEAD_SECONDS = 1.0
+"""How far back the rise of a pose is searched."""
+
+ONSET_SHARE = 0.1
+"""A pose has begun when it reaches this share of its peak in the sound."""
+
+ROUNDED_SHARE = 0.5
+"""Phonemes that begin with this share of the highest weight of a pose want it."""
+
+MAX_PLACES = 8
+"""Sounds that findings name."""
+
+
+class Jaw(NamedTuple):
+    """The jaw of a line as the captures have it."""
+
+    times: Floats
+    """(F,) seconds, `CAPTURE_FPS` apart."""
+    curve: Floats
+    """(F,) shares of the peak."""
+
+
+LEAST_SOUNDS = 3
+"""Medians are taken over no fewer sounds."""
+
+
+def _opening(scene: Take) -> Floats | str:
+    """Return the sum of the columns that open the mouth, (T,), or the reason for none."""
+    roles = scene.face.roles
+    if roles is None:
+        return "channels of a rig have no roles; check the poses"
+    if scene.motion.hold > 0:
+        return "poses are shown one at a time"
+    if not roles.opening.any():
+        return "the pose set does not say which poses open the mouth (`intensity`)"
+    curve: Floats = scene.curves[roles.opening].sum(axis=0)
+    if statistics.peak(curve) < VISIBLE_SHARE:
+        return "the mouth does not open"
+    return curve
+
+
+def _jaws(scene: Take) -> list[Jaw] | str:
+    """Return the jaw as captures have it, or the reason why it cannot be compared.
+
+    A rate of several times the captures' gives several jaws, each a frame later.
+    """
+    curve = _opening(scene)
+    if isinstance(curve, str):
+        return curve
+    if 1 / scene.frame < LEAST_FPS:
+        return f"captures have {CAPTURE_FPS:g} frames per second, this has fewer"
+    if scene.seconds < LEAST_SECONDS:
+        return f"{scene.seconds:.1f} s of speech are too short; statistics need {LEAST_SECONDS:g} s"
+    curve = curve / statistics.peak(curve)
+    phases = max(1, int(1 / scene.frame / CAPTURE_FPS + 0.01))
+    starts = scene.times[0] + scene.frame * np.arange(phases)
+    grids = [np.arange(start, scene.times[-1] + 1e-9, 1 / CAPTURE_FPS) for start in starts]
+    return [Jaw(times, np.interp(times, scene.times, curve)) for times in grids]
+
+
+def _judged(scene: Take, figure: Callable[[list[Jaw]], Iterable[Measured]]) -> Iterable[Measured]:
+    jaws = _jaws(scene)
+    return unjudged(jaws) if isinstance(jaws, str) else figure(jaws)
+
+
+@measure("jerk", "peaks per s^3", limit=2.2e4)
+def jerk(scene: Take) -> Iterable[Measured]:
+    """Jerk of the jaw: the 95th percentile of its third derivative.
+
+    Corners have much. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines scatter by up to
+    1.7 of that, which is the limit::
+
+        value = 95th percentile over frames of |jaw'''(t)|,   jaw in shares of its peak
+    """
+
+    def figure(jaws: list[Jaw]) -> list[Measured]:
+        size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
+        times = np.concatenate([j.times[1:-2] for j in jaws])
+        at = round(float(times[size.argmax()]), 4)
+        return one(float(np.percentile(size, 95)), {}, [Finding(at, "the jaw jerks most")])
+
+    return _judged(scene, figure)
+
+
+@measure("high_power", "of power", limit=0.055)
+def high_power(scene: Take) -> Iterable[Measured]:
+    """Share of the power of the jaw's spectrum above 8 Hz.
+
+    Nobody speaks so fast: it is corners and tremble. Captures have 0.010 to 0.012 over eight
+    lines. Smooth single lines of quick consonants reach 0.052; the limit is just above::
+
+        value = power above 8 Hz / power,   Hann window, mean removed
+    """
+
+    def figure(jaws: list[Jaw]) -> list[Measured]:
+        shares = [statistics.high_share(jaw.curve, CAPTURE_FPS) for jaw in jaws]
+        return one(float(np.mean(shares)))
+
+    return _judged(scene, figure)
+
+
+@measure("shelves", "of open frames", limit=0.1)
+def shelves(scene: Take) -> Iterable[Measured]:
+    """Frames with the jaw open in which it stands still.
+
+    A frame is still if the jaw moves by less than 0.015 of its peak to it and from it, so a peak is
+    none, but a shelf is. Sounds longer than 0.3 s may hold and are left out. Captures have 0.01 to
+    0.02 over eight lines. The limit leaves a single line its slow turns; curves whose valleys are
+    filled have 0.2 to 0.4::
+
+        value = still frames / frames with the jaw above 0.1 of its peak
+    """
+
+    def figure(jaws: list[Jaw]) -> list[Measured]:
+        found: dict[int, float] = {}
+        standing = counted = 0
+        for jaw in jaws:
+            opened, still, owner = _still(scene, jaw)
+            standing += int(still.sum())
+            counted += int(opened.sum())
+            found |= dict(zip(owner[still].tolist(), jaw.times[still].tolist(), strict=True))
+        shown = [
+            Finding(round(at, 4), f"the jaw stands still in {scene.labels[number]}")
+            for number, at in found.items()
+        ]
+        return one(standing / max(1, counted), {}, shown)
+
+    return _judged(scene, figure)
+
+
+def _still(scene: Take, jaw: Jaw) -> tuple[Bools, Bools, Ints]:
+    """Return the frames with the jaw open, those in which it stands still, and their sounds.
+
+    Long sounds are left out: (F,) each.
+    """
+    opened, still = statistics.open_frames(jaw.curve)
+    owner = np.searchsorted(scene.track.bounds, jaw.times, side="right") - 1
+    owner = owner.clip(0, len(scene.track.ids) - 1)
+    lasting = scene.sounds & (np.diff(scene.track.bounds) > HELD_SECONDS)
+    short = ~lasting[owner]
+    return opened & short, still & short, owner
+
+
+@measure("turns", "per second")
+def turns(scene: Take) -> Iterable[Measured]:
+    """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
+
+    Captures have 6.5 to 7.3. Fewer are mumbled or slow, so nothing is limited unless a pack says
+    so::
+
+        value = turns / seconds
+    """
+
+    def figure(jaws: list[Jaw]) -> list[Measured]:
+        rates = [statistics.turns(jaw.curve) / len(jaw.curve) for jaw in jaws]
+        return one(CAPTURE_FPS * float(np.mean(rates)))
+
+    return _judged(scene, figure)
+
+
+@measure("lead_missing", "s", limit=0.05)
+def lead_missing(scene: Take) -> Iterable[Measured]:
+    """Time by which poses that look ahead begin later than 0.1 s before their sound.
+
+    A pose that looks ahead (`anticipate`) begins where it rises to a tenth of its peak in a sound
+    that begins with it. Sounds in the 0.1 s before may not oppose the pose, be constrained with it,
+    demand a contact that keeps it down, or want it too. Lips round 0.1 s and more before their
+    vowel; the limit is half of that::
+
+        value = max(0, 0.1 - median over sounds of (start of sound - start of rise))
+    """
+    roles = scene.face.roles
+    if roles is None:
+        return unjudged("channels of a rig have no roles; check the poses")
+    if scene.motion.hold > 0:
+        return unjudged("poses are shown one at a time")
+    if not (roles.ahead > 0).any():
+        return unjudged("no pose of the pose set looks ahead")
+    leads = dict(_leads(scene, roles))
+    if len(leads) < LEAST_SOUNDS:
+        return unjudged(f"fewer than {LEAST_SOUNDS} sounds let a pose look ahead")
+    median = float(np.median(list(leads.values())))
+    late = sorted(leads, key=lambda number: leads[number])[:MAX_PLACES]
+    told = {number: f"is announced {leads[number]:.3f} s ahead" for number in late}
+    parts = {"median": round(median, 6), "sounds": len(leads)}
+    return one(max(0.0, LEAD_SECONDS - median), parts, places(scene, told))
+
+
+def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
+    """Yield sounds and the seconds by which their poses lead, where nothing is in the way."""
+    track, times = scene.track, scene.times
+    for pose in np.flatnonzero(roles.ahead > 0).tolist():
+        wanted = (roles.begins[track.ids, pose] >= ROUNDED_SHARE) & scene.sounds
+        blocked = roles.blocks[track.ids, pose]
+        for number in np.flatnonzero(wanted).tolist():
+            start = float(track.bounds[number])
+            first = int(np.searchsorted(track.bounds, start - LEAD_SECONDS, side="right")) - 1
+            if blocked[max(0, first) : number].any():
+                continue
+            span = (start - MAX_LEAD_SECONDS, start, track.bounds[number + 1])
+            far, here, there = np.searchsorted(times, span).tolist()
+            begun = statistics.rise(scene.curves[pose, far:], here - far, there - far, ONSET_SHARE)
+            if begun is not None:
+                yield number, start - float(times[far + begun])
+
+
+@measure("shut_vowels", "of frames", limit=0.12)
+def shut_vowels(scene: Take) -> Iterable[Measured]:
+    """Frames with the jaw shut, of sounds beside a contact that should open the mouth.
+
+    These are the sounds that open the mouth wide when said alone. Captures keep the jaw shut for
+    0.08 of the time of vowels beside p b m f v; the limit is half as much again::
+
+        value = frames with the jaw below 0.1 of its peak / frames of such sounds
+    """
+    curve = _opening(scene)
+    if isinstance(curve, str):
+        return unjudged(curve)
+    which = _beside(scene)
+    if len(which) < LEAST_SOUNDS:
+        return unjudged(f"fewer than {LEAST_SOUNDS} sounds beside a contact open the mouth")
+    inside = np.isin(scene.owner, which)
+    closed = inside & (curve < statistics.SHUT_SHARE * statistics.peak(curve))
+    counts = np.bincount(scene.owner[closed], minlength=len(scene.track.ids))
+    worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
+    told = {
+        n: f"keeps the jaw up for {counts[n] * scene.frame:.3f} s"
+        for n in worst.tolist()
+        if counts[n]
+    }
+    never = counts[which] == np.bincount(scene.owner, minlength=len(counts))[which]
+    parts = {"never": int(never.sum()), "sounds": len(which)}
+    return one(closed.sum() / max(1, inside.sum()), parts, places(scene, told))
+
+
+def _beside(scene: Take) -> Ints:
+    """Return the sounds that open the mouth and have a contact on either side."""
+    touched = _touched(scene)
+    around = np.append(touched[1:], False) | np.insert(touched[:-1], 0, False)
+    return np.flatnonzero(around & _opens(scene))
+
+
+def _touched(scene: Take) -> Bools:
+    """Return True for the sounds that demand any contact: (n,)."""
+    demanded = [scene.demanded(touch) for touch in scene.face.touches]
+    touched: Bools = np.logical_or.reduce([np.zeros(len(scene.track.ids), bool), *demanded])
+    return touched
+
+
+def _opens(scene: Take) -> Bools:
+    """Return True for the sounds that open the mouth when said alone: (n,)."""
+    roles = scene.face.roles
+    if roles is None:
+        return np.zeros(len(scene.sounds), bool)
+    opens: Bools = scene.sounds & roles.opens[scene.track.ids]
+    return opens
+
+
+@measure("opening_lag", "s", limit=0.017)
+def opening_lag(scene: Take) -> Iterable[Measured]:
+    """Time from the end of a sound with a contact until the mouth opens for the next sound.
+
+    Of each sound that opens the mouth wide when said alone and follows a contact: the seconds
+    until the jaw reaches 0.1 of its peak and stays above on its way to the top, or all of the sound
+    if it never does. No capture states it: released lips open with their sound, so the limit is
+    half a frame of the captures::
+
+        value = median over such sounds of (jaw opens - sound begins), at least 0
+    """
+    curve = _opening(scene)
+    if isinstance(curve, str):
+        return unjudged(curve)
+    which = np.flatnonzero(_opens(scene)[1:] & _touched(scene)[:-1]) + 1
+    if len(which) < LEAST_SOUNDS:
+        return unjudged(f"fewer than {LEAST_SOUNDS} sounds after a contact open the mouth")
+    lags = np.array([_lag(scene, curve, number) for number in which.tolist()])
+    worst = np.argsort(-lags)[:MAX_PLACES]
+    told = {int(which[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst}
+    parts = {"longest": round(float(lags.max()), 6), "sounds": len(which)}
+    return one(float(np.median(lags)), parts, places(scene, told))
+
+
+def _lag(scene: Take, curve: Floats, number: int) -> float:
+    """Return the seconds from the start of a sound until the jaw opens and stays so to its peak."""
+    level = statistics.SHUT_SHARE * statistics.peak(curve)
+    begin, start, end = (float(at) for at in scene.track.bounds[number - 1 : number + 2])
+    far, here, there = (int(frame) for frame in np.searchsorted(scene.times, (begin, start, end)))
+    if not curve[here:there].max(initial=0.0) > level:
+        return end - start
+    top = here + int(curve[here:there].argmax())
+    low = np.flatnonzero(curve[far:top] <= level)
+    if not low.size:
+        return 0.0
+    frame = far + int(low[-1])
+    crossed = np.interp(level, curve[frame : frame + 2], scene.times[frame : frame + 2])
+    return max(0.0, float(crossed) - start)
