@@ -44,7 +44,7 @@ demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 test: $(VENV)/ready ## run the quick tests
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not full"
 
-# What `test` leaves out, and every property once more with three times the examples
+# What `test` leaves out, and every property once more with five times the examples
 test-rest: $(VENV)/ready
 	$(BIN)/python -m pytest -n auto --dist loadgroup -m "full or hypothesis" --hypothesis-profile=full
 

@@ -98,12 +98,18 @@ def random_points(rng):
     return np.column_stack((times, values))
 
 
+@cache
+def pool():
+    """Curves to choose from, (500, RESOLUTION + 1): each takes as long as a whole line."""
+    rng, at = np.random.default_rng(0), np.linspace(0, 1, RESOLUTION + 1)
+    return np.stack([bspline(random_points(rng)[None], at)[0].clip(0, 1) for _ in range(500)])
+
+
 def random_curves(rng, poses):
     """Tabulated curves of one bigram: (RESOLUTION + 1, P)."""
-    at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((RESOLUTION + 1, poses), np.float32)
-    for pose in np.flatnonzero(rng.random(poses) < 0.7):
-        out[:, pose] = bspline(random_points(rng)[None], at)[0].clip(0, 1)
+    shown = rng.random(poses) < 0.7
+    out[:, shown] = pool()[rng.integers(len(pool()), size=np.count_nonzero(shown))].T
     return out
 
 

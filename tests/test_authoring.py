@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+from lanes import full
 
 from lipsync_lang.authoring.inventories import read_inventory
 from lipsync_lang.authoring.language_draft import LanguageWish, _entry, draft
@@ -139,6 +140,7 @@ def test_a_draft_of_a_voice_hears_its_numbers(folder, cli):
     assert cli("validate", "languages/icelandic.yaml").code == 0
 
 
+@full
 def test_a_draft_of_a_code_reads_by_it(folder, cli):
     pytest.importorskip("epitran", reason="the epitran extra is not installed")
     (folder / "lines.txt").write_text("molo ngqangi\n", "utf-8")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import costly
+from lanes import costly, full
 
 from lipsync_lang import resolve
 from lipsync_lang.errors import LipsyncError, OutputError
@@ -184,6 +184,7 @@ def test_the_command_lists_what_differs(cli):
     ) in ended.out
 
 
+@full
 def test_many_are_cut_short_unless_all_are_wanted(cli, folder):
     keys = [f"{sound}-ah" for sound in Library().common().model.base]
     assert cli("bank", "draft", *PAIR, "--to", "drafts.yaml", *keys).code == 0

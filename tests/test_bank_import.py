@@ -454,6 +454,7 @@ def test_a_hundred_thousand_keys_take_seconds(folder, library):
     assert time.process_time() - start < 60
 
 
+@full
 def test_a_whole_bank_takes_seconds(folder, library):
     rng = np.random.default_rng(3)
     model = library.common().model

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lanes import full
 from packs_tree import plant, put
 
 import lipsync_lang as ll
@@ -499,6 +500,7 @@ for _ in range(25):
 """
 
 
+@full
 def test_processes_may_write_at_once(store):
     command = [sys.executable, "-c", CROWD]
     pipe = subprocess.PIPE

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from lanes import full
 from packs_tree import plant
 from shipped import LIBRARY, POSESETS
 from small_models import glb
@@ -117,6 +118,7 @@ def test_the_model_itself_is_not_proposed_to_be_written(cli, folder):
     assert "-o anna-line.glb" in said
 
 
+@full
 def test_a_head_with_two_sets_of_shapes(cli, folder, data):
     model = data / "rigs/head_arkit52_oculus15.glb"
     said, made = new(cli, "anna", "--model", model)

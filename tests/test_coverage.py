@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import costly
+from lanes import costly, full
 
 from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage, plan, scripts
@@ -312,6 +312,7 @@ def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_
     assert (spelled.words, "sh-ay" in heard(spelled)) == (4, False), "not 'Chinese letter'"
 
 
+@full
 def test_real_lines_in_another_script_are_not_taken_for_speech(data):
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     path = data / "text/the_question_lines.tsv"
@@ -478,6 +479,7 @@ def test_the_document_has_the_keys_of_its_version():
     assert isinstance(document["minutes"], int)
 
 
+@full
 def test_real_sentences_are_counted_soundly(data):
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     path = data / "text/harvard-sentences.txt"

@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from lanes import full
 
 from lipsync_lang.authoring import inventories
 from lipsync_lang.coverage import changes
@@ -84,6 +85,7 @@ def test_a_script_without_an_end_is_told(cli, endless):
     )
 
 
+@full
 def test_a_large_script_in_a_file_is_read_all_the_same(folder):
     (folder / "script.txt").write_bytes(b"moi\n" * MIB_BYTES)
     assert sum(1 for _ in read_lines("script.txt")) == MIB_BYTES

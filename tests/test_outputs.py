@@ -16,6 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
+from lanes import swept
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import temporary, writing
@@ -339,7 +340,8 @@ def stopped(number, *outputs):
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGTERM, 143), (signal.SIGINT, 130), (signal.SIGHUP, 129)]
+    ("number", "code"),
+    swept([(signal.SIGTERM, 143), (signal.SIGINT, 130), (signal.SIGHUP, 129)]),
 )
 def test_a_command_that_is_ended_leaves_nothing(folder, number, code):
     assert stopped(number, "-o", "a.csv", "-o", "b.hang") == code

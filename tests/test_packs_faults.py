@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from lanes import full
 from packs_tree import TREE, plant, put
 
 from lipsync_lang.errors import LipsyncError
@@ -312,7 +313,13 @@ def test_the_tree_is_sound(tmp_path):
     assert faults_of(plant(tmp_path)) == []
 
 
-@pytest.mark.parametrize("bad", BAD, ids=lambda bad: bad.name)
+UNKNOWN = {"phonemes of a rule", "phoneme in a contact", "phoneme with a target"}
+"""Like "phoneme in a bank", these read all languages for one that declares the phoneme."""
+
+
+@pytest.mark.parametrize(
+    "bad", [pytest.param(bad, marks=[full] * (bad.name in UNKNOWN), id=bad.name) for bad in BAD]
+)
 def test_a_bad_pack_gives_its_faults_at_their_places(bad, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     plant(tmp_path)
@@ -337,6 +344,7 @@ def test_a_bad_pack_gives_its_faults_at_their_places(bad, tmp_path, monkeypatch)
         assert any(bad.hint in fault.hint for fault in here)
 
 
+@full
 def test_a_pose_set_may_speak_of_what_any_language_declares(tmp_path):
     plant(tmp_path)
     child = TREE["languages/child.yaml"].replace("words:", "adds: {zz: {class: vowel}}\nwords:")

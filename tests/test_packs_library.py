@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from lanes import full
 from packs_tree import BANK, CHILD, PARENT, POSESET, plant, put
 
 from lipsync_lang.errors import PackError
@@ -99,6 +100,7 @@ def test_a_language_answers_to_its_tag(library, tmp_path):
     assert Library([tmp_path], project=None).language("qaa").model.name == "qaa"
 
 
+@full
 def test_two_languages_of_one_tag_are_a_warning(tmp_path):
     plant(tmp_path)
     put(tmp_path, "languages/zwei.yaml", PARENT.replace("name: parent", "name: zwei"))

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lanes import swept
 from small_models import glb
 from test_engine_files import READERS, bytes_of, shown
 from test_godot import from_tres
@@ -54,7 +55,7 @@ def by_reading(name, animation, tmp_path):
     return np.column_stack(found)
 
 
-@pytest.mark.parametrize("fps", RATES)
+@pytest.mark.parametrize("fps", swept(RATES, quick=[12, 24, 29.97]))
 def test_contacts_are_seen_in_every_file_at_every_rate(fps, tmp_path):
     animation = ll.resolve("english", "arkit").perform(SCHEDULE, fps=fps)
     model = glb(tmp_path / "face.glb", *animation.poses)
@@ -88,7 +89,7 @@ def test_contacts_are_seen_in_every_file_of_drawings_at_every_rate(character, fp
         assert seen(animation, weights) == (5, 0), name
 
 
-@pytest.mark.parametrize("fps", RATES)
+@pytest.mark.parametrize("fps", swept(RATES, quick=[60]))
 def test_the_first_and_the_last_frame_of_every_file_are_at_rest(fps):
     animation = ll.resolve("english", "arkit").perform(SCHEDULE, fps=fps)
     for name in READERS:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import costly
+from lanes import costly, full
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE
@@ -54,6 +54,7 @@ def test_what_was_recognised_can_be_performed(heard):
     assert animation.weights.max() > 0.3
 
 
+@full
 def test_long_recordings_are_heard_in_parts(heard, english, monkeypatch):
     module = "lipsync_lang.speech.recognise.pocketsphinx_recogniser"
     monkeypatch.setattr(f"{module}.SHORTEST", 2 * RATE)

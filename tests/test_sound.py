@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
@@ -130,6 +131,7 @@ def test_without_a_library_the_extra_is_named(tmp_path, monkeypatch, name, call)
         call(path)
 
 
+@full
 @given(st.sampled_from([8000, 11_025, 22_050, 44_100, 48_000]), st.integers(1, 3000))
 def test_a_resampled_sound_lasts_as_long(rate, count):
     audio = ll.Audio(np.zeros(count, np.int16), rate)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.espeak.process import WORKER
@@ -120,6 +121,7 @@ def test_speaking_again_gives_the_same_bytes():
     assert all(same(first, speak(line, "en-us")) for _ in range(4))
 
 
+@full
 @needs_espeak
 def test_a_long_text_is_spoken_whole_and_the_same_each_time():
     sentence = "Rice is often served in round bowls, and 12 cats look on. "
@@ -311,6 +313,7 @@ def test_a_text_of_a_book_is_to_be_spoken_line_by_line():
         speak("a" * (LONGEST + 1), "en-us")
 
 
+@full
 @needs_espeak
 def test_a_script_that_the_voice_does_not_know_says_so_or_is_spelled_out():
     assert texts(speak("你好 world", "en-us")) == ["你好", "world"]
@@ -369,6 +372,7 @@ def test_a_voice_goes_by_code_title_identifier_and_variant():
     assert len(voices) > 100
 
 
+@full
 @needs_espeak
 def test_every_voice_speaks_its_own_code_or_says_why_not():
     for voice in list(ENGINES["espeak"].voices())[::12]:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align as match
@@ -184,6 +185,7 @@ def test_any_language_with_a_voice_is_aligned(speakers):
     assert np.median(np.abs(errors(found, recording))) < 0.015
 
 
+@full
 def test_a_long_recording_is_aligned_in_parts_as_well_as_a_short_one(speakers):
     text = " ".join([TEXT, "Four hours of steady work faced us. The box was thrown."] * 6)
     recording = speak(text, "en-us+f3", words_per_minute=140)

@@ -4,6 +4,7 @@ import re
 from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from hashlib import sha256
 from importlib.resources import files
 from itertools import groupby
@@ -110,6 +111,7 @@ def page(document: Mapping[str, Any]) -> str:
     )
 
 
+@cache
 def _environment() -> Environment:
     environment = Environment(
         autoescape=True,
