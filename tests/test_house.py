@@ -300,6 +300,21 @@ def test_everything_public_says_what_it_is(name):
         assert ast.get_docstring(node), f"{name}:{node.lineno} {node.name} says nothing"
 
 
+RIDDLE = re.compile(r"(One|What|It|Who|Whether|Which|Where|How|That|Those)\b")
+
+
+@every_module
+def test_a_summary_begins_with_a_verb_or_a_noun_of_the_field(name):
+    texts = [
+        (node.lineno, node.value.value)
+        for node in ast.walk(MODULES[name])
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    ]
+    assert not [(line, text.splitlines()[0]) for line, text in texts if RIDDLE.match(text)]
+
+
 @every_module
 def test_only_the_command_line_prints(name):
     calls = [n for n in ast.walk(MODULES[name]) if isinstance(n, ast.Call)]

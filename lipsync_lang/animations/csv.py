@@ -10,7 +10,7 @@ from lipsync_lang.animations.animation_writers import writer
 
 @writer("csv", suffix=".csv")
 def write_csv(animation: Animation, out: TextIO) -> None:
-    """One row per frame: time_s, then a column per pose."""
+    """A row per frame: time_s, then a column per pose."""
     out.write(",".join(["time_s", *map(_quoted, animation.poses)]) + "\n")
     row = ",".join(["%.6f", *["%.5f"] * len(animation.poses)]) + "\n"
     table = np.column_stack([animation.times + animation.offset, animation.weights])

@@ -48,7 +48,7 @@ class _Stray:
 
 
 class Fitting:
-    """One bank during its conversion to ours."""
+    """A foreign bank during its conversion to a bank pack."""
 
     def __init__(self, names: BankNames, remarks: Remarks) -> None:
         self.names, self.remarks = names, remarks

@@ -122,7 +122,7 @@ class CoverageReport(Fact):
     unused: tuple[str, ...]
     """Bigrams of the language that never occur."""
     needed: dict[str, int]
-    """How many bigrams cover 90, 95, 99 and 100 percent of all occurrences."""
+    """Number of bigrams that cover 90, 95, 99 and 100 percent of all occurrences."""
     authored: Authored
     left: Left
     next_hour: NextHour

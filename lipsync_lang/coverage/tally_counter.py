@@ -7,7 +7,7 @@ MAX_NAMES = 10_000
 
 
 class TallyCounter:
-    """How often each name occurs, and where first."""
+    """Count and first place of each name."""
 
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}

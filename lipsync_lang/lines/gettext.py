@@ -19,7 +19,7 @@ CHARSET = re.compile(rb"charset=([\w.:-]+)", re.ASCII)
 
 @dataclass
 class Entry:
-    """One entry: its texts by key (`msgstr 1` is a plural form), and their lines."""
+    """An entry: its texts by key (`msgstr 1` is a plural form), and their lines."""
 
     texts: dict[str, str] = field(default_factory=dict)
     places: dict[str, int] = field(default_factory=dict)
@@ -40,7 +40,7 @@ class Entry:
 
 @reader("gettext", suffixes=[".po", ".pot"])
 def read(source: LineFile) -> Iterator[Line]:
-    """Translations of gettext: what is translated, or the originals where nothing is."""
+    """Translations of gettext; untranslated entries give their originals."""
     source = replace(source, encoding=source.encoding or _charset(source))
     translated = any(any(entry.translations()) for entry in _sound(source))
     left = 0

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a script.
+    """A line of a script.
 
     Parameters
     ----------

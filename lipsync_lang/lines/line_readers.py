@@ -1,4 +1,4 @@
-"""Which formats lines are kept in, and reading files and folders of them."""
+"""Formats of scripts, and the reading of files and folders."""
 
 import os
 import warnings
@@ -21,7 +21,7 @@ MAX_PIPED_BYTES = 64 * MIB_BYTES
 """Bytes of a script that comes through a pipe, and so has to be held; files may be any size."""
 
 Remark = Callable[[str], None]
-"""What is worth a word, but no fault."""
+"""Remarks that are no faults."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class LineFile:
         return numbered(self.path, self.open, self.encoding)
 
     def line(self, number: int, text: str, *, name: str = "", speaker: str = "") -> Line:
-        """Return what is said there, markup removed."""
+        """Return the spoken text, markup removed."""
         said, dropped, gaps = spoken(text)
         return Line(said, f"{self.path}:{number}", name, speaker, dropped=dropped, gaps=gaps)
 
@@ -74,7 +74,7 @@ Read = Callable[[LineFile], Iterable[Line]]
 
 @dataclass(frozen=True)
 class LineReader(Format):
-    """One format, and what reads it."""
+    """A script format and its reader."""
 
     read: Read
 
@@ -94,7 +94,7 @@ def reader(name: str, *, suffixes: Sequence[str]) -> Callable[[Read], Read]:
 
 @cache
 def by_suffix() -> dict[str, LineReader]:
-    """Return the reader of each suffix; of timed phonemes, those that no text claims."""
+    """Return the reader of each suffix; text formats win over timed phonemes."""
     from lipsync_lang.lines.timings import NAME
 
     known: dict[str, LineReader] = {}
@@ -142,7 +142,7 @@ def read_lines(
 
 
 def _known(path: Path) -> Path:
-    """Return a file that was named, or say what is wrong with it."""
+    """Check that a named file can be read; return it."""
     if path == STANDARD_STREAM:
         return path
     suffixes = ", ".join(sorted(by_suffix()))

@@ -54,7 +54,7 @@ QUOTES = {'"""': 3, "'''": 3}
 
 @reader("renpy", suffixes=[".rpy"])
 def read(source: LineFile) -> Iterator[Line]:
-    """Ren'Py scripts: what is said, choices of menus, and translations."""
+    """Ren'Py scripts: spoken lines, choices of menus, and translations."""
     passed, name = -1, ""
     for number, statement in _statements(source):
         indent = len(statement) - len(statement.lstrip())

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Kind = Literal["language", "poseset", "character"]
 
 Paths = str | Path | Iterable[str | Path]
-"""One folder of packs, or several, in the order of search; a file stands for its pack alone."""
+"""Folders of packs, in the order of search; a file stands for its pack alone."""
 
 GROUP = "lipsync_lang.packs"
 """The entry point group of distributions with packs."""
@@ -53,7 +53,7 @@ BENEATH = "beneath"
 """The kind of look-up for the pack that a file shadows."""
 
 SUFFIXES = (".yaml", ".yml")
-"""How text ends that names a pack's file."""
+"""Endings of text that names a pack's file."""
 
 PARTS = {"banks": "bank", "rigs": "rig"}
 """The folders within a pose set, with their kinds of pack."""

@@ -1,4 +1,4 @@
-"""The project file: what is said again and again in a folder, stated once.
+"""The project file: options that hold for every command in a folder.
 
 `lipsync.yaml` lies in the current folder. Within a repository it may lie in a folder above too, up
 to the root. Folders above are searched nowhere else: a file in a shared folder such as the home

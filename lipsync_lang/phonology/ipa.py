@@ -29,7 +29,7 @@ Words = frozenset[str]
 
 
 class LetterSound(NamedTuple):
-    """One letter of a label, with the effect of its marks."""
+    """A letter of a label, with the effect of its marks."""
 
     letter: str
     words: Words
@@ -46,7 +46,7 @@ class LabelReading(NamedTuple):
 
 
 class Case(NamedTuple):
-    """What a mark does to letters that fit."""
+    """Effect of a mark on letters that fit."""
 
     on: tuple[Words, ...]
     set: tuple[tuple[int, float], ...]
@@ -89,7 +89,7 @@ class Join(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Features:
-    """What every letter and mark of the IPA does to the mouth.
+    """Effects of every IPA letter and mark on the mouth.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ class Hearing:
 
 @dataclass(frozen=True)
 class Manner:
-    """How a language's text is read and spoken.
+    """Settings for reading and speaking a language's text.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ class LabelPiece(NamedTuple):
 
 
 class _Cut(NamedTuple):
-    """One way to cut the start of a label."""
+    """A possible first sound of a label."""
 
     cost: float
     size: int

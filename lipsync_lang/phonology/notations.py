@@ -1,4 +1,4 @@
-"""Make the notations of a language: its own, and those that spell its IPA in other signs.
+"""Make the notations of a language: its own, and other spellings of its IPA.
 
 The signs of notations such as X-SAMPA, and the invisible marks, come from the IPA pack:
 `{"spelled": {notation: {sign: IPA}}, "unseen": {mark: letters on which it is visible}}`.
@@ -58,7 +58,7 @@ def ready(  # noqa: PLR0913, PLR0917 what a language has
     nearest: Callable[[str], Value | None] | None = None,
     stress_digits: Collection[str] = (),
 ) -> dict[str, Notation]:
-    """Return tables as notations, and after them those that spell the IPA, if there is any.
+    """Return tables as notations, followed by other spellings of the IPA, if any.
 
     Parameters
     ----------

@@ -165,7 +165,7 @@ def _ends(weights: Floats) -> tuple[bool, bool]:
 
 
 def _slowed(curves: Floats, rig: Rig, which: Bools, step: float, ends: tuple[bool, bool]) -> Floats:
-    """Slow (C, T) curves of some channels, keeping those that a contact needs up, or down."""
+    """Slow (C, T) curves of some channels; channels that a contact needs stay up, or down."""
     span, rest = rig.span[which, None], np.clip(0.0, rig.low, rig.high)[which, None]
     unit = np.where(span > 0, span, 1.0)
     curves = _near_rest((curves - rest) / unit, step, ends, 0)

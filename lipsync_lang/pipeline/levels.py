@@ -30,7 +30,7 @@ class Level(NamedTuple):
 
 
 class Blend(NamedTuple):
-    """One style and its share."""
+    """A style and its share."""
 
     style: int
     """Index into the tables' styles."""

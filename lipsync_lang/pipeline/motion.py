@@ -1,4 +1,4 @@
-"""How curves become motion: every setting, its default, and the paper's own values."""
+"""Settings of motion: every setting, its default, and the paper's own values."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -12,7 +12,7 @@ class Motion:
     """Settings of the runtime stages; a pose set, a character and a call may each change some."""
 
     stitch: Literal["max", "crossfade"] = "max"
-    """How overlapping bigrams join: the larger (paper 3.2.1), or a fade from one to the next."""
+    """Join of overlapping bigrams: the larger (paper 3.2.1), or a fade from one to the next."""
 
     warp: Literal["anchored", "linear"] = "anchored"
     """Pin each bigram's own phoneme boundary to the spoken one, or stretch it evenly (paper)."""
@@ -33,7 +33,7 @@ class Motion:
     """Seconds of silence that a bigram may use on its silent side."""
 
     contacts: Literal["hold", "free"] = "hold"
-    """Whether phonemes that demand a contact are sure to get it."""
+    """Contacts are sure to be reached, or left to the curves."""
 
     limit: Literal["before", "after"] = "before"
     """Speed is limited before the constraints, or after them (paper).

@@ -16,7 +16,7 @@ from lipsync_lang.pipeline.warp import TOUCH
 
 
 class Overlay(NamedTuple):
-    """One pose's curve over a stretch of time."""
+    """A pose's curve over a stretch of time."""
 
     start: float
     """Seconds."""

@@ -259,7 +259,7 @@ def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
 
 
 def _frames_until(edge: float, sound: float, reach: float, lead: int, fps: float) -> int:
-    """Count the frames up to a schedule's edge and what is needed past its outermost sound."""
+    """Count the frames up to a schedule's edge, and past its outermost sound as far as needed."""
     reached = math.floor((sound + reach) * fps + 1e-6)
     held = math.floor((sound + max(SHORTEST, 1 / fps) / 2) * fps + 1e-6)
     return max(math.ceil(edge * fps - 1e-6), reached, held + lead if lead else reached)

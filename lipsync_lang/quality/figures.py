@@ -14,7 +14,7 @@ MAX_FINDINGS = 5
 
 
 class Finding(NamedTuple):
-    """One place that counts against a figure."""
+    """A place that counts against a figure."""
 
     at: float
     """Seconds."""

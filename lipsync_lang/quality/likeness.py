@@ -42,7 +42,7 @@ LEAD_SECONDS = 0.1
 """In running speech, lips begin to round this long before their sound, or longer."""
 
 MAX_LEAD_SECONDS = 1.0
-"""How far back the rise of a pose is searched."""
+"""Seconds before a sound in which the rise of a pose is searched."""
 
 ONSET_SHARE = 0.1
 """A pose has begun when it reaches this share of its peak in the sound."""

@@ -36,7 +36,7 @@ FULL_TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class Measured:
-    """One figure of a measure, before it gets its name and limit.
+    """A figure of a measure, before it gets its name and limit.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class Touch(NamedTuple):
 
 
 class Roles(NamedTuple):
-    """What the pose set says of its poses and phonemes, for measures of motion."""
+    """The pose set's facts about its poses and phonemes, for measures of motion."""
 
     opening: Bools
     """(C,) True for the columns that loudness opens (`intensity`); none is unknown."""

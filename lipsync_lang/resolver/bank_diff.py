@@ -63,7 +63,7 @@ class PoseChange:
 
 @dataclass(frozen=True, eq=False)
 class BigramChange:
-    """One bigram on both sides, with its changed poses, largest difference first."""
+    """A bigram on both sides, with its changed poses, largest difference first."""
 
     before: Side
     after: Side

@@ -34,7 +34,7 @@ NEUTRAL = "neutral"
 
 @dataclass(frozen=True, eq=False)
 class BigramRow:
-    """One bigram before it enters the tables."""
+    """A bigram before it enters the tables."""
 
     origin: Origin
     curves: dict[int, Floats]

@@ -161,7 +161,7 @@ class _Index:
                 yield from ((shape, grade) for shape in self.shapes if fits(shape, pattern))
 
     def _spelt(self, name: "_Spelt", whole: int, bare: int) -> Iterator[tuple[str, Grade]]:
-        """Yield shapes with the same spelling as a name, then those that differ only by side."""
+        """Yield shapes with the same spelling as a name, then shapes of the other side."""
         for key in name.keys:
             for dropped, shape in self.called.get(key, ()):
                 yield shape, (bare if dropped else whole, dropped)

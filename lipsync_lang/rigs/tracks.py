@@ -23,7 +23,7 @@ STEP_SECONDS = 1e-4
 
 
 class Drive(NamedTuple):
-    """One property of a node over time.
+    """A property of a node over time.
 
     Parameters
     ----------

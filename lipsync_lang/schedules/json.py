@@ -56,7 +56,7 @@ def _row(
 
 
 def _seconds(source: TimingFile, value: Any) -> Any:
-    """Return a time in seconds; without a rate, `Schedule` refuses what is not a number."""
+    """Return a time in seconds; without a rate, `Schedule` refuses non-numbers."""
     return source.number(value) / source.rate if source.rate else value
 
 

@@ -1,4 +1,4 @@
-"""Tiers: parallel rows of labels, one of which holds the phones.
+"""Tiers: parallel rows of labels; the phones stand in one row.
 
 The phone tier is recognised by its name (`phones`, `MAU`, `Name - phones`, ...). If no name
 matches, the tier with many short and brief labels is taken. The words of the same speaker come
@@ -27,7 +27,7 @@ SPEAKER = re.compile(r"(?:(?P<speaker>.*\S)\s+-\s+)?(?P<role>.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Tier:
-    """One tier: name, rows, and the line of its name in the file."""
+    """A tier: name, rows, and the line of its name in the file."""
 
     name: str
     rows: tuple[LabelRow, ...]

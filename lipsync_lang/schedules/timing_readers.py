@@ -1,4 +1,4 @@
-"""Which input formats are known, and which one a file is in.
+"""Input formats of timings, and the recognition of a file's format.
 
 A file's content tells its format, before its suffix does: many programs write `.json`, `.lab`,
 `.csv` and `.txt`.
@@ -23,12 +23,12 @@ Sniff = Callable[[TimingFile], bool]
 
 @dataclass(frozen=True)
 class ScheduleReader(Format):
-    """One input format: how its content is told, and what reads it."""
+    """An input format: its signature and its reader."""
 
     sniff: Sniff
     read: Read
     tiers: bool = False
-    """Whether a file may hold several of what it is, of which `tier` names one."""
+    """True if a file may hold several tiers; `tier` names one."""
 
 
 READERS: Formats[ScheduleReader] = Formats("readers", "format", room=__package__)
@@ -128,7 +128,7 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
 
 
 def _check_form(source: TimingFile) -> None:
-    """Refuse what is neither text nor, where it starts like them, JSON or XML."""
+    """Refuse damaged JSON and XML."""
     start = source.text.lstrip()[:1]
     if start in ("{", "["):
         _ = source.json

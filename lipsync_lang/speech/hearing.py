@@ -52,7 +52,7 @@ def recognise(
     recogniser: str | None = None,
     paths: Paths = (),
 ) -> Schedule:
-    """Find what is said in a recording, and when.
+    """Find the words of a recording and their times.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which forms of a coverage there are, and what may be asked of them."""
+"""Forms of a coverage report and their options."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Asked:
-    """How a form is wanted.
+    """Options of a report's form.
 
     Parameters
     ----------

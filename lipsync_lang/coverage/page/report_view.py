@@ -1,4 +1,4 @@
-"""One report of the document, with the names and figures that the templates show of it."""
+"""A report of the document, with the names and figures for the templates."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -69,7 +69,7 @@ def validate(library: Library, paths: Sequence[str | Path] | None = None) -> lis
 
 
 class _Validation:
-    """One run of validation, which collects faults."""
+    """A run of validation, which collects faults."""
 
     def __init__(self, library: Library) -> None:
         self.library = library

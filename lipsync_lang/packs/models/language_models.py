@@ -243,7 +243,7 @@ class StatedInventory(Strict):
 
 
 class Language(PackModel):
-    """One language: its notations, mapped to the common phonemes, and its engines."""
+    """A language: its notations, mapped to the common phonemes, and its engines."""
 
     kind: Literal["language"]
     """The kind of pack."""

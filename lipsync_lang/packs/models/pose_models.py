@@ -40,7 +40,7 @@ Softness = Annotated[float, Field(ge=0, le=0.2)]
 
 
 class Pose(Strict):
-    """One shape of the face or tongue."""
+    """A shape of the face or tongue."""
 
     title: str = ""
     """The shape in words."""
@@ -166,7 +166,7 @@ class PhonemeTarget(Strict):
     dominance: dict[PoseName, NotNegative] = Field(default={})
     """The dominance of each pose over the neighbours' targets; or one number for all poses."""
     overall: NotNegative | None = None
-    """One dominance for all poses except those constrained against a pose of the target."""
+    """Dominance of all poses except those constrained against a pose of the target."""
 
 
 def _target(value: Data) -> Data:

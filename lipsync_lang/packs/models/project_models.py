@@ -41,12 +41,12 @@ Output = Annotated[Text, AfterValidator(_within)]
 
 
 class Project(PackModel):
-    """What the commands of a folder leave out; an option of the command line wins."""
+    """Defaults for the commands of a folder; an option of the command line wins."""
 
     kind: Literal["project"]
     """The kind of file."""
     name: Name = "project"
-    """What the project is called."""
+    """Name of the project."""
     language: Parent | None = None
     """The language of its lines, by name or tag."""
     character: Name | None = None
@@ -61,6 +61,6 @@ class Project(PackModel):
     motion: Annotated[MotionFields, Short(_preset, forms=_or({"type": "string"}))] | None = None
     """Motion settings over the character's own; a preset's name alone is short for it."""
     outputs: Annotated[tuple[Output, ...], OrOne] = ()
-    """What `run` writes, from this folder: FILE or FORMAT:FILE; `{line}` stands for the line."""
+    """Outputs of `run`, from this folder: FILE or FORMAT:FILE; `{line}` stands for the line."""
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""

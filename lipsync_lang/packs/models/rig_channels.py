@@ -8,7 +8,7 @@ from lipsync_lang.packs.models.braces import expanded, paired
 
 
 class Stated(NamedTuple):
-    """One channel with the key that states it in the rig."""
+    """A channel with the key that states it in the rig."""
 
     key: str
     name: str

@@ -20,7 +20,7 @@ Data = Any
 """A value from a YAML file, or a type annotation."""
 
 Report = Mapping[str, Any]
-"""One entry of `ValidationError.errors()`."""
+"""An entry of `ValidationError.errors()`."""
 
 KEY_STEP = "[key]"
 """Last step of pydantic's location for an error in a key."""

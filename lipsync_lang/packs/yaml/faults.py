@@ -98,7 +98,7 @@ CODES: dict[str, str] = {
 
 @dataclass(frozen=True, order=True)
 class Fault:
-    """One mistake at one place of one file; `str` gives the message for the user.
+    """A mistake at a place of a file; `str` gives the message for the user.
 
     Parameters
     ----------

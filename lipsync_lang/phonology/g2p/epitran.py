@@ -1,4 +1,4 @@
-"""Text to IPA by Epitran, for languages whose spelling says what is spoken."""
+"""Text to IPA by Epitran, for languages with a regular spelling."""
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import lru_cache

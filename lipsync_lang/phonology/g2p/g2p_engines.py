@@ -1,4 +1,4 @@
-"""Which engines turn text into phonemes, and what all of them take and give."""
+"""Engines that turn text into phonemes, and their common interface."""
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class Rule(NamedTuple):
 
 @dataclass(frozen=True)
 class Settings:
-    """What a language pack says of its engine.
+    """A language pack's settings of its engine.
 
     Parameters
     ----------

@@ -68,14 +68,14 @@ def plain(word: str) -> str:
 
 
 class WordReading(NamedTuple):
-    """What became of a word: its labels, and the characters that nothing read."""
+    """A word after reading: its labels, and the characters that nothing read."""
 
     labels: tuple[str, ...]
     unread: str = ""
 
 
 def read_words(text: str, read: Callable[[str], WordReading]) -> tuple[Said, ...]:
-    """Read a text word by word; what is not read is kept, to be named."""
+    """Read a text word by word; unread characters are kept, to be named."""
     out: list[Said] = []
     for piece in pieces(text):
         if piece.kind == "word":
