@@ -1,5 +1,7 @@
 """Loudness shapes the mouth: louder sounds open it wider, and every promise is kept."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,7 +13,7 @@ from lipsync_lang import Schedule
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.performing.loudness import levels
+from lipsync_lang.performing.loudness import FULL_SCALE, levels
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import SILENCE, Audio
 
@@ -19,12 +21,16 @@ RATE = 8000
 LABELS = ("P", "AA", "T", "IY", "M", "UW", "F", "AA", "L", SILENCE)
 
 
+USUAL = -24.0
+"""Level of a hum of amplitude 3000 in dBFS."""
+
+
 def line(gains, seconds=0.12, *, labels=LABELS):
     """A line with a hum of a given amplitude in each phoneme."""
     times = np.arange(len(labels) + 1) * seconds
     at = np.minimum((np.arange(int(times[-1] * RATE)) / RATE / seconds).astype(int), len(gains) - 1)
-    hum = np.sin(np.arange(len(at)) * 0.3) * np.array(gains, float)[at]
-    return Schedule(labels, times, notation="arpabet", audio=Audio(hum.astype(np.int16), RATE))
+    wave = np.sin(np.arange(len(at)) * 0.3) * np.array(gains, float)[at]
+    return Schedule(labels, times, notation="arpabet", audio=Audio(wave.astype(np.int16), RATE))
 
 
 EVEN = line([3000] * 9 + [0])
@@ -54,7 +60,7 @@ def test_an_even_voice_moves_the_mouth_as_usual(performer):
 def test_a_louder_vowel_opens_the_jaw_wider_and_a_softer_one_less():
     performer = ll.resolve("english", "crab")
     wide = performer.poses.index("mouthOpen")
-    usual = performer.perform(VARIED).weights[:, wide]
+    usual = performer.perform(VARIED, intensity=0).weights[:, wide]
     shaped = performer.perform(VARIED, intensity=1)
     times, change = shaped.times, shaped.weights[:, wide] - usual
     soft = (times > 0.12) & (times < 0.24)
@@ -63,21 +69,79 @@ def test_a_louder_vowel_opens_the_jaw_wider_and_a_softer_one_less():
     assert change[loud].mean() > 0.02
 
 
-def test_the_level_of_the_whole_recording_does_not_count(performer):
-    gains = [900, 3000, 400, 2000, 800, 1500, 300, 4000, 900, 0]
-    soft, loud = (level(performer, line(np.array(gains) * k), intensity=1) for k in (1, 4))
-    assert soft.values == pytest.approx(loud.values, abs=0.01)
+def hum(loudness):
+    """A line of an even voice at a level in dBFS."""
+    return line(np.array([*[2**0.5 * FULL_SCALE * 10 ** (loudness / 20)] * 9, 0]))
+
+
+@pytest.mark.parametrize(
+    ("loudness", "value"),
+    [(-60, 0.6), (-38, 1 - 0.4 * 6 / 9), (-31, 1), (-21, 1), (-14, 1 + 0.4 * 6 / 9), (-6, 1.4)],
+)
+def test_a_line_far_from_ordinary_speech_is_small_or_wide_throughout(performer, loudness, value):
+    assert level(performer, hum(loudness)).values == pytest.approx(value, abs=0.03)
+
+
+def test_a_shouted_line_looks_shouted_and_a_whispered_one_small():
+    for poseset in ("facefx", "arkit"):
+        performer = ll.resolve("english", poseset)
+        jaw = performer.compiled.regions["jaw"]
+        whisper, usual, shout = (
+            performer.perform(hum(loudness)).weights[:, jaw].max() for loudness in (-50, -26, -6)
+        )
+        assert whisper < 0.75 * usual
+        assert shout > 1.25 * usual
+
+
+def test_a_project_states_another_reference(performer):
+    quiet = performer.with_motion({"reference_level": -50.0})
+    assert level(quiet, hum(-50)).values == pytest.approx(1, abs=0.03)
+
+
+def test_a_voice_that_states_its_own_level_is_held_against_that(performer):
+    loud = hum(-8)
+    voice = replace(loud, audio=replace(loud.audio, usual_level=-8.0))
+    assert level(performer, voice).values == pytest.approx(1, abs=0.03)
+
+
+def test_loudness_counts_where_there_is_sound_unless_it_is_turned_off(performer):
+    silent = Schedule(VARIED.labels, VARIED.times, notation="arpabet")
+    plain = performer.perform(silent).weights
+    shaped = performer.perform(VARIED).weights
+    assert not np.array_equal(shaped, plain)
+    assert np.array_equal(shaped, performer.perform(VARIED, intensity=1).weights)
+    off = performer.with_motion({"loudness": 0})
+    assert np.array_equal(off.perform(VARIED).weights, plain)
+    assert np.array_equal(performer.perform(VARIED, intensity=0).weights, plain)
+    paper = performer.with_motion("paper")
+    assert np.array_equal(paper.perform(VARIED).weights, paper.perform(silent).weights)
+
+
+def test_a_pose_set_that_says_nothing_of_it_ignores_the_sound():
+    mouths = ll.resolve("english", "three-mouths")
+    silent = Schedule(VARIED.labels, VARIED.times, notation="arpabet")
+    assert np.array_equal(mouths.perform(VARIED).weights, mouths.perform(silent).weights)
+
+
+@pytest.mark.parametrize("poseset", ["facefx", "arkit"])
+def test_a_dial_of_two_visibly_opens_the_jaw(poseset):
+    performer = ll.resolve("english", poseset)
+    jaw = performer.compiled.regions["jaw"]
+    usual, twice = (
+        performer.perform(EVEN, dials={"jaw": dial}).weights[:, jaw].max() for dial in (1, 2)
+    )
+    assert twice > 1.35 * usual
 
 
 def test_a_sound_is_compared_with_its_own_class():
     """Vowels are ten times as loud as stops in any voice; that alone stresses nothing."""
     schedule = line([300, 3000] * 5, labels=("P", "AA") * 5)
-    found = levels(schedule, schedule.audio, ["stop", "vowel"] * 5, 1.0, (0.5, 1.5))
+    found = levels(schedule, schedule.audio, ["stop", "vowel"] * 5, 1.0, (0.5, 1.5), USUAL)
     assert found.values == pytest.approx(1, abs=0.03)
 
 
 def test_intensity_is_in_proportion_and_stays_within_its_limits(performer):
-    gains = [10, 30000, 10, 10, 30000, 3000, 10, 3000, 10, 0]
+    gains = [10, 3000, 10, 10, 3000, 300, 10, 300, 10, 0]
     half, full, twice = (level(performer, line(gains), intensity=x).values - 1 for x in (0.5, 1, 2))
     assert half * 2 == pytest.approx(full)
     assert full * 2 == pytest.approx(twice)
@@ -90,7 +154,7 @@ def test_intensity_is_in_proportion_and_stays_within_its_limits(performer):
 def test_the_level_has_no_steps(gains, intensity):
     schedule = line(gains)
     classes = ["" if label == SILENCE else "sound" for label in schedule.labels]
-    found = levels(schedule, schedule.audio, classes, intensity, (0.6, 1.4))
+    found = levels(schedule, schedule.audio, classes, intensity, (0.6, 1.4), USUAL)
     times = np.linspace(-0.2, schedule.end + 0.2, 3000)
     steps = np.abs(np.diff(found.at(times)))
     steepest = 0.8 * 2 / 0.12  # from least to most, twice over, between two middles
@@ -99,15 +163,15 @@ def test_the_level_has_no_steps(gains, intensity):
 
 
 def test_a_pause_takes_nothing_from_the_sounds_beside_it():
-    schedule = line([3000, 0, 12000, 0, 3000], labels=("AA", SILENCE) * 2 + ("AA",))
+    schedule = line([1500, 0, 6000, 0, 1500], labels=("AA", SILENCE) * 2 + ("AA",))
     classes = ["vowel" if label != SILENCE else "" for label in schedule.labels]
-    found = levels(schedule, schedule.audio, classes, 1.0, (0.6, 1.4))
+    found = levels(schedule, schedule.audio, classes, 1.0, (0.6, 1.4), USUAL)
     assert found.values == pytest.approx([1, 1.4, 1], abs=0.01)
 
 
 def test_a_soft_sound_closes_the_mouth_and_never_turns_it_round():
     schedule = line([3000, 3000, 10, 10, 3000, 3000, 3000, 3000, 3000, 0])
-    found = levels(schedule, schedule.audio, [*["sound"] * 9, ""], 2.0, (0.0, 1.0))
+    found = levels(schedule, schedule.audio, [*["sound"] * 9, ""], 2.0, (0.0, 1.0), USUAL)
     assert found.values.min() == 0
 
 

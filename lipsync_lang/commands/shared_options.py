@@ -97,8 +97,9 @@ def add_line(made: argparse.ArgumentParser) -> None:
         help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
     )  # fmt: skip
     how.add_argument(
-        "--intensity", metavar="X", type=float, default=0.0,
-        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 [0]",
+        "--intensity", metavar="X", type=float, default=None,
+        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 "
+        "[1 where there is sound]",
     )  # fmt: skip
     how.add_argument(
         "--fps", metavar="N", type=parse_rate, default=None,

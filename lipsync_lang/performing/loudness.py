@@ -1,23 +1,25 @@
 """Dials from loudness: louder sounds move the mouth further.
 
 Vowels are always louder than stops, so each sound is compared with the median of its sound class in
-the same line, in decibels. The overall volume has no effect, because it depends on the microphone.
+the same line, in decibels. The line as a whole is compared with a reference: its active level, the
+mean power of its sounds without the pauses (as ITU-T P.56 measures it), against that of ordinary
+speech. Microphones and mixes differ, so the first `TOLERANCE` decibels of that do not count.
 """
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import copysign, log10
+from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.performing.stress import opening
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.resolver.compiled import Compiled
     from lipsync_lang.schedules.schedule import Audio, Schedule
 
@@ -27,6 +29,12 @@ MOST = 2.0
 SPAN = 9.0
 """Difference from the median in decibels at the minimum and maximum level."""
 
+TOLERANCE = 6.0
+"""Difference of a line from the reference level in decibels that has no effect."""
+
+FULL_SCALE = 32768.0
+"""Amplitude of int16 samples at 0 dBFS."""
+
 FLOOR = 1.0
 """Amplitude of int16 samples that counts as silence; avoids the logarithm of 0."""
 
@@ -34,29 +42,37 @@ _NEAR = (0.25, 0.5, 0.25)
 """Smoothing weights of the previous, current and next sound."""
 
 
-def loudness_dial(
+def loudness_dial(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
     compiled: "Compiled",
     schedule: "Schedule",
     classes: Sequence[str],
-    intensity: float,
+    intensity: float | None,
+    motion: "Motion",
+    poses: Bools,
 ) -> Dial | None:
     """Return the dial for loudness; None if the intensity is 0.
 
     Parameters
     ----------
     classes : (n,) sound class of each phoneme; empty for silence
-    intensity : 0 for no effect, 1 for the setting of the pose set, 2 for twice that
+    intensity : 0 for no effect, 1 for the setting of the pose set, 2 for twice that; None for the
+        motion's `loudness`, without an error where there is no sound or nothing to move
+    motion : its `loudness` and `reference_level`
+    poses : (P,) True for the poses that effort moves
 
     Raises
     ------
     LipsyncError
         The intensity is out of range, the pose set names no region, or the schedule has no audio.
     """
+    stated = compiled.intensity
+    if intensity is None:
+        missing = stated is None or schedule.audio is None
+        intensity = 0.0 if missing else motion.loudness
     if not 0 <= intensity <= MOST:
         raise LipsyncError(f"intensity {intensity:g}: give a number from 0 to {MOST:g}")
     if intensity == 0:
         return None
-    stated = compiled.intensity
     if stated is None:
         region = next(iter(compiled.regions), "REGION")
         raise LipsyncError(
@@ -69,55 +85,74 @@ def loudness_dial(
             "speak a text, or give the recording with the timed phonemes"
         )
     limits = (stated["least"], stated["most"])
-    level = levels(schedule, schedule.audio, classes, intensity, limits)
-    return Dial(opening(compiled), level, "loudness")
+    usual = schedule.audio.usual_level
+    reference = motion.reference_level if usual is None else usual
+    level = levels(schedule, schedule.audio, classes, intensity, limits, reference)
+    return Dial(poses, level, "loudness")
 
 
-def levels(
+def levels(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
     schedule: "Schedule",
     audio: "Audio",
     classes: Sequence[str],
     intensity: float,
     limits: tuple[float, float],
+    reference: float,
 ) -> Level:
-    """Return the level over time: 1 at the median loudness of the sound class, within limits.
+    """Return the level over time, within limits.
+
+    It is 1 for a sound as loud as the median of its class, in a line near the `reference` in dBFS.
 
     The points are at the middle of each sound, with linear interpolation between them.
     """
-    sounding = np.array([bool(one) for one in classes])
-    if not sounding.any():
+    if not any(classes):
         return Level(np.zeros(1), np.ones(1))
-    above = _above(_decibels(audio, schedule.times), np.array(classes), sounding)
-    share = np.clip(_smooth(above, sounding) / SPAN, -1, 1)
+    powers, counts = _powers(audio, schedule.times)
+    above = _smooth(_above(list(map(_decibels, powers, counts)), classes), classes)
+    sounding = [number for number, one in enumerate(classes) if one]
+    active = _decibels(sum(powers[n] for n in sounding), sum(counts[n] for n in sounding))
+    beyond = _beyond(active - reference)
+    share = np.clip((np.array(above)[sounding] + beyond) / SPAN, -1, 1)
     least, most = limits
     values = 1 + intensity * share * np.where(share > 0, most - 1, 1 - least)
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
-    return Level(middles[sounding], np.maximum(values[sounding], 0.0))
+    return Level(middles[sounding], np.maximum(values, 0.0))
 
 
-def _decibels(audio: "Audio", times: Floats) -> Floats:
-    """Return the loudness of each scheduled span in decibels: (n,); 0 for silence."""
-    # A cumulative sum gives the power of every span without a loop over spans.
-    power = np.concatenate([[0.0], np.cumsum(audio.samples.astype(np.float64) ** 2)])
+def _powers(audio: "Audio", times: Floats) -> tuple[list[float], list[int]]:
+    """Return the sum of squares of each scheduled span, and its number of samples: n each."""
     at = np.clip(np.rint(times * audio.rate), 0, len(audio.samples)).astype(np.intp)
-    counts = np.maximum(np.diff(at), 1)
-    return 10 * np.log10(np.maximum(np.diff(power[at]) / counts, FLOOR**2))
+    samples = audio.samples.astype(np.float32)
+    spans = [samples[low:high] for low, high in pairwise(at.tolist())]
+    return [float(span @ span) for span in spans], [len(span) for span in spans]
 
 
-def _above(decibels: Floats, classes: "npt.NDArray[np.str_]", sounding: Bools) -> Floats:
-    """Return each loudness relative to the median of its class: (n,) decibels; 0 in silence."""
-    out = np.zeros(len(decibels))
-    for one in set(classes[sounding]):
-        here = classes == one
-        # The median is robust against a few stressed sounds.
-        out[here] = decibels[here] - np.median(decibels[here])
-    return out
+def _decibels(power: float, count: int) -> float:
+    """Return the level of a sum of squares over some samples in dBFS."""
+    return 10 * log10(max(power / max(count, 1), FLOOR**2) / FULL_SCALE**2)
 
 
-def _smooth(values: Floats, sounding: Bools) -> Floats:
-    """Smooth neighbouring values within each run of sounds."""
-    out = values.copy()
-    cuts = np.flatnonzero(np.diff(sounding)) + 1
-    for low, high in pairwise([0, *cuts, len(values)]):
-        out[low:high] = np.convolve(np.pad(values[low:high], 1, mode="edge"), _NEAR, "valid")
+def _beyond(decibels: float) -> float:
+    """Return a difference from the reference beyond what is tolerated on either side."""
+    return copysign(max(abs(decibels) - TOLERANCE, 0.0), decibels)
+
+
+def _above(decibels: Sequence[float], classes: Sequence[str]) -> list[float]:
+    """Return each loudness relative to the median of its class: n decibels; 0 in silence."""
+    alike: dict[str, list[float]] = {}
+    for level, one in zip(decibels, classes, strict=True):
+        alike.setdefault(one, []).append(level)
+    # The median is robust against a few stressed sounds.
+    usual = {one: median(values) for one, values in alike.items()}
+    return [d - usual[one] if one else 0.0 for d, one in zip(decibels, classes, strict=True)]
+
+
+def _smooth(values: Sequence[float], classes: Sequence[str]) -> list[float]:
+    """Smooth neighbouring values within each run of sounds; classes are empty for silence."""
+    last = len(values) - 1
+    out = []
+    for number, value in enumerate(values):
+        before = number - 1 if number and classes[number - 1] else number
+        after = number + 1 if number < last and classes[number + 1] else number
+        out.append(_NEAR[0] * values[before] + _NEAR[1] * value + _NEAR[2] * values[after])
     return out

@@ -18,7 +18,7 @@ from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
 from lipsync_lang.phonology.labels import Notation
-from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import Performance, perform
@@ -27,11 +27,12 @@ from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.performing.delivery import Levels
     from lipsync_lang.phonology.nearest import Nearest
+    from lipsync_lang.pipeline.levels import Dial
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.resolver.compiled import Compiled, Report
     from lipsync_lang.rigs.channel import Channel
@@ -115,7 +116,7 @@ class Performer:
         line: str | None = None,
         styles: "Levels | None" = None,
         dials: "Levels | None" = None,
-        intensity: float = 0.0,
+        intensity: float | None = None,
     ) -> Animation:
         """Animate a schedule.
 
@@ -128,7 +129,8 @@ class Performer:
         dials : level of each region: 0 for no movement, 1 for normal, 2 for twice as far; shares
             and levels may also be points of seconds and value
         intensity : effect of loudness on movement, on top of the dials: 0 for none, 1 for the
-            setting of the pose set, up to 2; requires a schedule with audio
+            setting of the pose set, up to 2, with a schedule that has audio; None for the motion's
+            `loudness`, where there is audio
 
         Raises
         ------
@@ -201,7 +203,7 @@ class Performer:
         line: str | None = None,
         styles: "Levels | None" = None,
         dials: "Levels | None" = None,
-        intensity: float = 0.0,
+        intensity: float | None = None,
     ) -> Performance:
         """Prepare a performance with access to each stage; see `perform`."""
         if not 1 <= fps <= FASTEST:
@@ -210,12 +212,7 @@ class Performer:
         ids, times, source = self.labels.common_phonemes(schedule)
         compiled = self.compiled
         blends, scaled = delivery(compiled, schedule, line, styles, dials)
-        classes = self.labels.classes(ids, source, len(schedule))
-        stresses = self.labels.stresses(schedule, classes) if self.motion.stress else []
-        stress = stress_dial(compiled, schedule, stresses, self.motion.stress)
-        loud = loudness_dial(compiled, schedule, classes, intensity)
-        raised = emphasis_dial(compiled, schedule)
-        scaled += tuple(dial for dial in (stress, raised, loud) if dial is not None)
+        scaled += self._effort(schedule, self.labels.classes(ids, source, len(schedule)), intensity)
         track = lay_track(ids, times, source, compiled.tables, self.motion, blends)
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:
@@ -225,6 +222,19 @@ class Performer:
         return perform(
             compiled.tables, track, self.motion, fps, overlays=own, blends=blends, dials=scaled
         )
+
+    def _effort(
+        self, schedule: Schedule, classes: "Sequence[str]", intensity: float | None
+    ) -> "tuple[Dial, ...]":
+        """Return the dials of stress, emphasis and loudness; none where there is no effect."""
+        stated, poses, motion = self.compiled.intensity, self._opening, self.motion
+        stresses = self.labels.stresses(schedule, classes) if motion.stress and stated else []
+        dials = (
+            stress_dial(stated, schedule, stresses, motion.stress, poses),
+            emphasis_dial(stated, schedule, poses),
+            loudness_dial(self.compiled, schedule, classes, intensity, motion, poses),
+        )
+        return tuple(dial for dial in dials if dial is not None)
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in an animation of this performer."""
@@ -258,6 +268,13 @@ class Performer:
         return Speaker(
             Manner.from_plain(self.compiled.manner), self.labels.notations, self.labels.near
         )
+
+    @cached_property
+    def _opening(self) -> Bools:
+        """(P,) True for the poses that stress, emphasis and loudness move."""
+        regions = self.compiled.intensity["regions"] if self.compiled.intensity else ()
+        poses = [pose for one in regions for pose in self.compiled.regions.get(one, [])]
+        return np.isin(np.arange(len(self.poses)), poses)
 
     @cached_property
     def _driver(self) -> "Driver | None":

@@ -8,8 +8,8 @@ consonant voicing on vowel production"; Erickson 2002, "Articulation of extreme 
 emphasized vowels"). The pose set states by how much; its amounts are far below those of emphasis.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from lipsync_lang.pipeline.arrays import Bools
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
-    from lipsync_lang.resolver.compiled import Compiled
     from lipsync_lang.schedules.schedule import Schedule
 
 PRIMARY, UNSTRESSED = 1, 0
@@ -27,16 +26,21 @@ RAMP_SECONDS = 0.08
 
 
 def stress_dial(
-    compiled: "Compiled", schedule: "Schedule", stresses: Sequence[int | None], factor: float
+    stated: Mapping[str, Any] | None,
+    schedule: "Schedule",
+    stresses: Sequence[int | None],
+    factor: float,
+    poses: Bools,
 ) -> Dial | None:
     """Return the dial for stress; None if nothing is marked or the pose set states no amounts.
 
     Parameters
     ----------
+    stated : the pose set's `intensity`
     stresses : stress of each vowel, None for other sounds; empty if nothing marks any
     factor : 0 for no effect, 1 for the setting of the pose set
+    poses : (P,) True for the poses that effort moves
     """
-    stated = compiled.intensity
     if stated is None or not factor or not stresses:
         return None
     change: dict[int | None, float] = {
@@ -49,13 +53,17 @@ def stress_dial(
     values = [1 + factor * change.get(stresses[number], 0.0) for number in vowels]
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     level = Level(middles[vowels], np.maximum(values, 0.0))
-    return Dial(opening(compiled), level, "stress")
+    return Dial(poses, level, "stress")
 
 
-def emphasis_dial(compiled: "Compiled", schedule: "Schedule") -> Dial | None:
-    """Return the dial for emphasised words; None if there are none, or nothing for them to move."""
+def emphasis_dial(
+    stated: Mapping[str, Any] | None, schedule: "Schedule", poses: Bools
+) -> Dial | None:
+    """Return the dial for emphasised words; None if there are none, or nothing for them to move.
+
+    The parameters are those of `stress_dial`.
+    """
     words = [word for word in schedule.words if word.emphasis]
-    stated = compiled.intensity
     if stated is None or not words:
         return None
     ramps = [
@@ -68,12 +76,4 @@ def emphasis_dial(compiled: "Compiled", schedule: "Schedule") -> Dial | None:
     rises = [
         np.interp(times, ramp, (0, high, high, 0)) for ramp, high in zip(ramps, highs, strict=True)
     ]
-    return Dial(opening(compiled), Level(times, 1 + np.max(rises, axis=0)), "emphasis")
-
-
-def opening(compiled: "Compiled") -> Bools:
-    """Return True for each pose that effort moves: (P,)."""
-    regions = compiled.intensity["regions"] if compiled.intensity else ()
-    poses = [pose for region in regions for pose in compiled.regions.get(region, [])]
-    found: Bools = np.isin(np.arange(len(compiled.poses)), poses)
-    return found
+    return Dial(poses, Level(times, 1 + np.max(rises, axis=0)), "emphasis")

@@ -50,6 +50,15 @@ class Motion:
     stress: float = 1.0
     """Factor of how far stress opens vowels, and its lack closes them; 0 has none."""
 
+    loudness: float = 1.0
+    """Factor of how far loudness moves the mouth, where there is sound; 0 has none."""
+
+    reference_level: float = -26.0
+    """Level of ordinary speech in a recording, in dBFS over its sounds.
+
+    The level to which speech is usually normalised (ITU-T P.56, G.191).
+    """
+
     hold: float = 0.0
     """Seconds; poses are shown one at a time, each at least as long. At 0 they blend."""
 
@@ -66,6 +75,7 @@ PRESETS = {
         thresholds="paper",
         softness=0,
         stress=0,
+        loudness=0,
     ),
 }
 """Named settings: `paper` is as sections 3.2.1 to 3.2.3 have it."""

@@ -13,10 +13,12 @@ RANGES = {
     "anticipate": (0.0, 4.0),
     "softness": (0.0, 4.0),
     "stress": (0.0, 4.0),
+    "loudness": (0.0, 2.0),
+    "reference_level": (-90.0, 0.0),
     "silence_reach": (0.0, 10.0),
     "hold": (0.0, 10.0),
 }
-"""Range of each numeric setting: weight per second, seconds, or a factor."""
+"""Range of each numeric setting: weight per second, seconds, a factor, or decibels."""
 
 
 def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Motion:

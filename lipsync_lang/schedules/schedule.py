@@ -35,10 +35,14 @@ MAX_MEDIAN_SECONDS = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Audio:
-    """Mono sound: int16 samples at a rate in hertz."""
+    """Mono sound: int16 samples at a rate in hertz.
+
+    `usual_level` is the level of ordinary speech from this source in dBFS, None if unknown.
+    """
 
     samples: npt.NDArray[np.int16]
     rate: int
+    usual_level: float | None = None
 
     @property
     def seconds(self) -> float:

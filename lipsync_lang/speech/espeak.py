@@ -26,6 +26,10 @@ PAUSE = 0.09
 """Minimum pause in seconds; a shorter silence between sounds counts as articulation."""
 
 
+USUAL_LEVEL = -19.0
+"""Level of its voices in dBFS over sounds, without pauses: -20.3 to -17.4 in nine languages."""
+
+
 @speech_engine("espeak")
 @dataclass
 class Espeak(EspeakProcess):
@@ -94,7 +98,7 @@ def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
         np.array(bounds) / rate,
         words=find_words(text, [(at, index[number]) for at, number in marks], labels),
         notation="ipa",
-        audio=Audio(samples, rate),
+        audio=Audio(samples, rate, USUAL_LEVEL),
         source=f"speech {quoted(text)}",
         stress=tuple(stress) if any(stress) else (),
     )

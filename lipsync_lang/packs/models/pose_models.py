@@ -137,6 +137,10 @@ class MotionFields(Strict):
     """Factor for the seconds over which poses are rounded off."""
     stress: Annotated[float, Field(ge=0, le=4)] | None = None
     """Factor for the effect of stress on vowels."""
+    loudness: Annotated[float, Field(ge=0, le=2)] | None = None
+    """Factor for the effect of loudness, where there is sound."""
+    reference_level: Annotated[float, Field(ge=-90, le=0)] | None = None
+    """Level of ordinary speech in recordings, in dBFS."""
     hold: NotNegative | None = None
     """Least seconds of each pose, with one pose shown at a time; at 0 poses blend."""
 
@@ -153,9 +157,10 @@ class Intensity(Strict):
     emphasised: Annotated[float, Field(ge=1, le=2)] = 1.25
     """Scale for words with emphasis."""
     least: Unit = 0.6
-    """Scale for a sound that is much softer than others of its class; 1 changes nothing."""
+    """Scale for a sound much softer than others of its class, and for lines of a low level; 1
+    changes nothing."""
     most: Annotated[float, Field(ge=1, le=2)] = 1.4
-    """Scale for a sound that is much louder than others of its class."""
+    """Scale for a sound much louder than others of its class, and for lines of a high level."""
 
 
 class PhonemeTarget(Strict):
