@@ -47,7 +47,7 @@ def delivery(
         A style or region is unknown, a level is out of range, or a word is beyond the line.
     """
     own = [compiled.delivery, compiled.line_deliveries.get(line or "", {})]
-    known_styles, poses = tuple(compiled.style_origins), len(compiled.poses)
+    known_styles, poses = compiled.style_names, len(compiled.poses)
     blends = [
         Blend(known_styles.index(name), level)
         for name, level in _levels("style", own, schedule, styles or {}, known_styles).items()

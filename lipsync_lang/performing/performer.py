@@ -17,6 +17,7 @@ from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
+from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.drive import drive
@@ -32,8 +33,9 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.performing.delivery import Levels
     from lipsync_lang.phonology.nearest import Nearest
-    from lipsync_lang.pipeline.levels import Dial
+    from lipsync_lang.pipeline.levels import Blend, Dial
     from lipsync_lang.pipeline.overlay import Overlay
+    from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.resolver.compiled import Compiled, Report
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.driver import Driver
@@ -213,15 +215,24 @@ class Performer:
         compiled = self.compiled
         blends, scaled = delivery(compiled, schedule, line, styles, dials)
         scaled += self._effort(schedule, self.labels.classes(ids, source, len(schedule)), intensity)
-        track = lay_track(ids, times, source, compiled.tables, self.motion, blends)
+        tables = self._tables(blends)
+        track = lay_track(ids, times, source, tables, self.motion, blends)
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:
             silent = np.ones(len(schedule), bool)
             silent[source[ids != compiled.tables.silence]] = False
             own = overlays(compiled, schedule, silent.tolist(), line)
-        return perform(
-            compiled.tables, track, self.motion, fps, overlays=own, blends=blends, dials=scaled
-        )
+        return perform(tables, track, self.motion, fps, overlays=own, blends=blends, dials=scaled)
+
+    def _tables(self, blends: "Sequence[Blend]") -> "Tables":
+        """Return the tables with the banks of the drafted styles that are heard."""
+        names, drafts = self.compiled.style_names, self.compiled.style_drafts
+        heard = frozenset(names[one.style] for one in blends if names[one.style] in drafts)
+        if not heard:
+            return self.compiled.tables
+        if heard not in self._drafted:
+            self._drafted[heard] = with_drafts(self.compiled, heard)
+        return self._drafted[heard]
 
     def _effort(
         self, schedule: Schedule, classes: "Sequence[str]", intensity: float | None
@@ -268,6 +279,11 @@ class Performer:
         return Speaker(
             Manner.from_plain(self.compiled.manner), self.labels.notations, self.labels.near
         )
+
+    @cached_property
+    def _drafted(self) -> "dict[frozenset[str], Tables]":
+        """Tables with drafted styles, by the styles that are heard."""
+        return {}
 
     @cached_property
     def _opening(self) -> Bools:

@@ -14,12 +14,14 @@ from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.levels import shares
 from lipsync_lang.pipeline.perform import Performance, Stage
 from lipsync_lang.pipeline.warp import locate
+from lipsync_lang.resolver.compiled import Origin
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.track import Track
     from lipsync_lang.pipeline.warp import FramePlace
+    from lipsync_lang.resolver.compiled import Compiled
 
 VISIBLE = 5e-4
 """Minimum change of weight for an explanation."""
@@ -99,7 +101,7 @@ def _heard(performer: "Performer", performance: Performance, now: Floats) -> dic
     """Return the share of each active style."""
     if not performance.blends:
         return {}
-    names = tuple(performer.compiled.style_origins)
+    names = performer.compiled.style_names
     parts = shares(performance.blends, now)[1:, 0].tolist()
     return {names[b.style]: p for b, p in zip(performance.blends, parts, strict=True) if p > 0}
 
@@ -136,7 +138,7 @@ def _bigram(
     names = (compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
     first, second = names
     own = (
-        (style, share, compiled.style_origins[style].get(str(track.rows[number])))
+        (style, share, _style_origin(compiled, style, int(track.rows[number])))
         for style, share in heard.items()
     )
     styles = tuple(
@@ -145,6 +147,14 @@ def _bigram(
     return BigramAt(
         (first, second), position, origin.layer, origin.status, origin.places, origin.word, styles
     )
+
+
+def _style_origin(compiled: "Compiled", style: str, row: int) -> Origin | None:
+    """Return the origin of a row in a style; None where the neutral one stands in."""
+    draft = compiled.style_drafts.get(style)
+    if draft is not None:
+        return Origin(compiled.origins[row].pair, "draft", "drafted", (draft["place"],))
+    return compiled.style_origins[style].get(str(row))
 
 
 def _pose(  # noqa: PLR0913, PLR0917 what a frame went through

@@ -24,7 +24,7 @@ from lipsync_lang.resolver.settings import motion_with
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.library import Library, Pack
 
 
 def compile_pair(library: "Library", language: str, character: str) -> Compiled:
@@ -80,6 +80,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
             style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
             for style, changed in styles.items()
         },
+        style_drafts=_style_drafts(poseset, styles),
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
@@ -194,6 +195,25 @@ def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
         if pose.region:
             regions.setdefault(pose.region, []).append(number)
     return regions
+
+
+def _style_drafts(
+    poseset: "Pack[models.PoseSet]", drawn: Mapping[str, object]
+) -> dict[str, dict[str, Any]]:
+    """Return scale and offset of every pose for the pose set's styles that no bank draws."""
+    poses = poseset.model.poses
+    return {
+        name: {
+            "scale": [
+                style.regions.get(pose.region, 1.0) * style.scale.get(one, 1.0)
+                for one, pose in poses.items()
+            ],
+            "offset": [style.offset.get(one, 0.0) for one in poses],
+            "place": str(poseset.where(("styles", name))),
+        }
+        for name, style in poseset.model.styles.items()
+        if name not in drawn
+    }
 
 
 def _delivery(manner: "models.Delivery") -> dict[str, Any]:

@@ -109,6 +109,8 @@ class Compiled:
     contact_names: tuple[str, ...]
     style_origins: dict[str, dict[str, Origin]]
     """Origins of the rows that each style changes, in the order of the tables."""
+    style_drafts: dict[str, dict[str, Any]]
+    """`scale` and `offset` of each pose, and `place`, for styles of the pose set without a bank."""
     regions: dict[str, list[int]]
     """Pose numbers by region."""
     intensity: dict[str, Any] | None
@@ -135,6 +137,11 @@ class Compiled:
     """Name of the face at rest."""
     model: str | None
     """Absolute path of the model file."""
+
+    @property
+    def style_names(self) -> tuple[str, ...]:
+        """Styles by the number of their bank: those of the tables, then drafts."""
+        return (*self.style_origins, *self.style_drafts)
 
     def __repr__(self) -> str:
         return f"<Compiled {self.language} on {self.character}>"

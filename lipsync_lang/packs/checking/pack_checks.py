@@ -142,6 +142,10 @@ def check_poseset(
     yield from _rules(poseset, model.checks, model, phonemes)
     for number, region in enumerate(model.intensity.regions if model.intensity else ()):
         yield from _region(poseset, ("intensity", "regions", number), region, model)
+    for name, style in model.styles.items():
+        for region in style.regions:
+            at_region = ("styles", name, "regions", region)
+            yield from _region(poseset, at_region, region, model, key=True)
     yield from _model(poseset)
     yield from conflicts(poseset, banks)
     yield from _without_target(poseset)
@@ -165,6 +169,9 @@ def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
             at_target: Loc = ("targets", label, index)
             yield from (((*at_target, pose), pose) for pose in target.weights)
             yield from (((*at_target, "dominance", pose), pose) for pose in target.dominance)
+    for name, style in model.styles.items():
+        yield from ((("styles", name, "scale", pose), pose) for pose in style.scale)
+        yield from ((("styles", name, "offset", pose), pose) for pose in style.offset)
     for name, gains in model.measures.items():
         yield from ((("measures", name, pose), pose) for pose in gains)
 
@@ -302,10 +309,10 @@ def _delivery(
     poseset: PoseSet,
     styles: Collection[str],
 ) -> Iterator[Fault]:
-    """Check that dials name regions of the pose set, and that styles have a bank."""
+    """Check that dials name regions of the pose set, and that styles have a bank or a draft."""
     for region in stated.dials:
         yield from _region(character, (*at, "dials", region), region, poseset, key=True)
-    known = set(styles) - {BankPack.model_fields["style"].default}
+    known = {*styles, *poseset.styles} - {BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:
             what = f"no bank has the style '{style}', so that nothing of it is heard"

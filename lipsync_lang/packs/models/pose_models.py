@@ -163,6 +163,17 @@ class Intensity(Strict):
     """Scale for a sound much louder than others of its class, and for lines of a high level."""
 
 
+class StyleDraft(Strict):
+    """A style drafted from the neutral bigrams, used until a bank of that style is drawn."""
+
+    regions: dict[Text, Annotated[float, Field(ge=0, le=2)]] = Field(default={})
+    """Scale for the poses of each region."""
+    scale: dict[PoseName, Annotated[float, Field(ge=0, le=2)]] = Field(default={})
+    """Scale for single poses, on top of that of their region."""
+    offset: dict[PoseName, Annotated[float, Field(ge=-1, le=1)]] = Field(default={})
+    """Weight added to poses, except in silence."""
+
+
 class PhonemeTarget(Strict):
     """The weights of poses at a phoneme, and their dominance over neighbouring phonemes."""
 
@@ -237,6 +248,8 @@ class PoseSet(PackModel):
     """Settings for joining, smoothing and limiting curves."""
     intensity: Intensity | None = None
     """The effect of loudness and stress on poses."""
+    styles: dict[Text, StyleDraft] = Field(default={})
+    """Styles drafted from the neutral bigrams, by name."""
     targets: dict[Common, Targets] = Field(default={})
     """The weights of poses at each phoneme; a list of several for a sound that moves."""
     measures: dict[Text, dict[PoseName, float]] = Field(default={})

@@ -1,0 +1,61 @@
+"""Banks of drafted styles: neutral curves, scaled and raised as the pose set states.
+
+A bank is as large as the neutral one, so it is made when a style is first heard.
+"""
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
+
+if TYPE_CHECKING:
+    from lipsync_lang.resolver.compiled import Compiled
+
+
+def with_drafts(compiled: "Compiled", heard: Collection[str]) -> Tables:
+    """Return the tables with a bank for each drafted style, in the order of `style_names`.
+
+    Parameters
+    ----------
+    heard : styles to draft; the banks of the others stay neutral, and are not to be heard
+    """
+    tables = compiled.tables
+    sounding = _sounding(compiled)
+    banks = (
+        _drafted(tables.neutral, draft, sounding) if name in heard else tables.neutral
+        for name, draft in compiled.style_drafts.items()
+    )
+    return replace(tables, styles=(*tables.styles, *banks))
+
+
+def _drafted(neutral: Bank, draft: dict[str, Any], sounding: Floats) -> Bank:
+    scale, offset = (np.array(draft[name], np.float32) for name in ("scale", "offset"))
+    curves = neutral.curves * scale
+    for pose in np.flatnonzero(offset):
+        curves[:, :, pose] += offset[pose] * sounding
+    np.clip(curves, 0, 1, out=curves)
+    curves.setflags(write=False)
+    return neutral._replace(curves=curves)
+
+
+def _sounding(compiled: "Compiled") -> Floats:
+    """Return the share of an offset over each bigram: 1 in sounds, down to 0 in silence.
+
+    Returns
+    -------
+    (B, RESOLUTION + 1); a row of two sounds is 1 throughout, and row 0, rest, is 0
+    """
+    at = np.linspace(0, 1, RESOLUTION + 1)[None, :]
+    silence = compiled.phonemes[0]
+    pairs = [origin.pair for origin in compiled.origins]
+    boundary = compiled.tables.boundary[:, None]
+    starts = np.array([first == silence for first, _ in pairs])[:, None]
+    ends = np.array([second == silence for _, second in pairs])[:, None]
+    share = np.where(starts, np.minimum(at / boundary, 1), 1.0)
+    share = np.where(ends, np.minimum(share, np.minimum((1 - at) / (1 - boundary), 1)), share)
+    share[0] = 0
+    return share.astype(np.float32)
