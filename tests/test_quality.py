@@ -276,7 +276,7 @@ BROKEN = {
     "too wide": (
         "open",
         lambda _, w: np.minimum(w * 2, 1),
-        {"constraints", "rules sibilants", "shelves"},
+        {"constraints", "shelves"},
     ),
     "a mouth that stays shut": (
         "open",
