@@ -23,8 +23,8 @@ Points = Sequence[Sequence[float]]
 Levels = Mapping[str, "float | Points"]
 """A constant level, or points of seconds and level, by name."""
 
-MOST = {"style": 1.0, "dial": 2.0}
-"""Maximum share of a style, and maximum level of a dial."""
+MOST = {"style": 1.0, "dial": 2.0, "expression": 1.0}
+"""Maximum share of a style, level of a dial, and weight of a shape of an expression."""
 
 
 def delivery(
@@ -78,7 +78,7 @@ def _levels(
         name = spelled(stated_name, known)
         if name not in known:
             raise LipsyncError(f"no {_called(what)} '{name}' here; {did_you_mean(name, known)}")
-        found[name] = _timed(what, name, level)
+        found[name] = timed(what, name, level)
     return found
 
 
@@ -86,7 +86,7 @@ def _called(what: str) -> str:
     return "style" if what == "style" else "region for a dial"
 
 
-def _timed(what: str, name: str, level: "float | Points") -> Level:
+def timed(what: str, name: str, level: "float | Points") -> Level:
     """Return the level for a setting of a call, in seconds."""
     points = [(0.0, level)] if isinstance(level, (int, float)) else [tuple(p) for p in level]
     most = MOST[what]

@@ -197,6 +197,36 @@ class Performer:
             contacts=(),
         )
 
+    def with_expression(self, animation: Animation, expression: "Levels") -> Animation:
+        """Add an expression to an animation of this performer; speech has the right of way.
+
+        Contacts and constraints stay as they are: an expression adds what they leave. Shapes that
+        speech does not move are added as columns of their own.
+
+        Parameters
+        ----------
+        animation : poses, before `rigged`
+        expression : weight of each shape from 0 to 1, or points of seconds and weight
+
+        Raises
+        ------
+        LipsyncError
+            A weight is out of range, or the animation has other poses.
+
+        Examples
+        --------
+        >>> performer = ll.resolve("english", "facefx")
+        >>> spoken = performer.perform(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]))
+        >>> smiling = performer.with_expression(spoken, {"wide": 0.3, "browUp": 0.5})
+        >>> smiling.poses[-1], bool((smiling["wide"] >= spoken["wide"]).all())
+        ('browUp', True)
+        """
+        from lipsync_lang.performing.expression import with_expression
+
+        tables = self.compiled.tables
+        papers = self.motion.thresholds == "paper"
+        return with_expression(animation, tables.papers if papers else tables, expression)
+
     def performance(  # noqa: PLR0913 as `perform`
         self,
         schedule: Schedule,

@@ -1,0 +1,86 @@
+"""Expressions on top of speech: what a smile and a line add up to.
+
+Weights add up, and speech has the right of way: an expression fills the room that is left.
+
+- A contact wins. While lips or teeth touch, an expression adds nothing to a pose that the contact
+  keeps down; before and after, it fades with the weights that make the contact.
+- A constraint wins. An expression adds no more to a pose than its pairs leave.
+- A shape that speech does not move keeps the weight of the expression.
+
+Speech itself is never lowered, so what it kept by itself it keeps. Speed and acceleration are no
+longer bound by the motion's limits where an expression fades.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import LipsyncError, spelled
+from lipsync_lang.performing.delivery import timed
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.prepare import GIVEN
+from lipsync_lang.pipeline.tables import Contact, Tables
+from lipsync_lang.rigs.channel import Channel
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.delivery import Levels
+
+
+def with_expression(animation: Animation, tables: Tables, expression: "Levels") -> Animation:
+    """Return an animation with an expression added; see `Performer.with_expression`.
+
+    Parameters
+    ----------
+    animation : of poses, in the order of the tables
+    tables : with the contacts and constraints that the animation keeps
+    expression : weight of each shape from 0 to 1, or points of seconds and weight
+    """
+    if len(animation.poses) != len(tables.priority):
+        raise LipsyncError("an expression is added to poses; add it before the rig drives channels")
+    wanted = {
+        spelled(name, animation.poses): timed("expression", name, level).at(animation.times)
+        for name, level in expression.items()
+    }
+    weights = np.ascontiguousarray(animation.weights.T)
+    closed = [_closed(contact, weights) for contact in tables.contacts]
+    for name in [name for name in wanted if name in animation.poses]:
+        pose = animation.poses.index(name)
+        weights[pose] += _added(wanted.pop(name), pose, weights, tables, closed)
+    rows = np.vstack([weights, *wanted.values()])
+    channels = (*animation.columns, *map(Channel, wanted))
+    return replace(
+        animation,
+        poses=(*animation.poses, *wanted),
+        weights=np.ascontiguousarray(rows.T),
+        channels=channels,
+    )
+
+
+def _closed(contact: Contact, weights: Floats) -> Floats:
+    """Return how far a contact is made: (T,), 1 where its floors are met; 1 without floors."""
+    raised = contact.raised
+    if not raised:
+        return np.ones(weights.shape[1])
+    met: Floats = (weights[raised].T / (contact.floor[raised] - GIVEN)).clip(0, 1).min(axis=1)
+    return met
+
+
+def _added(
+    wanted: Floats, pose: int, weights: Floats, tables: Tables, closed: Sequence[Floats]
+) -> Floats:
+    """Return what an expression adds to a pose: (T,), what contacts and constraints leave."""
+    added = np.minimum(wanted, 1 - weights[pose])
+    for contact, made in zip(tables.contacts, closed, strict=True):
+        if contact.ceiling[pose] < 1:
+            added = added * (1 - made)
+    for low, high, threshold in tables.caps:
+        if pose in (low, high):
+            added = np.minimum(added, threshold - weights[low] - weights[high])
+    for low, other in tables.at_most:
+        if pose == low:
+            added = np.minimum(added, weights[other] - weights[pose])
+    out: Floats = np.maximum(added, 0.0)
+    return out
