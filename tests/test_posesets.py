@@ -18,7 +18,7 @@ from lipsync_lang.speech.speaking import Speaker
 EXACT = 1e-9
 FPS = 30
 WORDS = 8
-LONGEST = 64
+MAX_LINES = 90
 """Lines of YAML that a pose set takes, comments and blank ones aside."""
 
 every_set = pytest.mark.parametrize("name", POSESETS)
@@ -104,10 +104,10 @@ def test_a_pose_set_is_sound_and_says_nothing_in_vain(name):
 
 
 @every_set
-def test_a_pose_set_takes_sixty_lines_or_fewer(name):
+def test_a_pose_set_with_its_styles_fits_on_two_screens(name):
     text = LIBRARY.find("poseset", name).read_text("utf-8")
     stated = [one for one in text.splitlines() if one.strip() and not one.strip().startswith("#")]
-    assert len(stated) <= LONGEST
+    assert len(stated) <= MAX_LINES
 
 
 @every_set
