@@ -21,7 +21,7 @@ VISIBLE_SHARE = 0.05
 FLICKER_SECONDS = 0.07
 """A pose that moves and returns within this time flickers."""
 
-SHORT_HOLD_SECONDS = 0.1
+SHORT_HOLD_SECONDS = 0.06
 """A shape that stays shorter is hardly seen."""
 
 STILL_SPEED = 0.1

@@ -140,12 +140,12 @@ def changes(scene: Take) -> Iterable[Measured]:
 
 @measure("short_holds", "of stays")
 def short_holds(scene: Take) -> Iterable[Measured]:
-    """Stays of the strongest pose that are shorter than 0.1 s, the first and the last left out.
+    """Stays of the strongest pose that are shorter than 0.06 s, the first and the last left out.
 
     Limited only by pose sets that say so: blended poses change places all the time, while drawings
     that do so flicker::
 
-        value = stays under 0.1 s / stays
+        value = stays under 0.06 s / stays
     """
     if not scene.speaking.any():
         return unjudged(SILENT)

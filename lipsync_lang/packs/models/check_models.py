@@ -57,7 +57,7 @@ class Checks(Strict):
     changes: NotNegative | None = None
     """Changes of the strongest pose per second of speech."""
     short_holds: Unit | None = None
-    """Share of the strongest pose's holds that may be shorter than 0.1 s."""
+    """Share of the strongest pose's holds that may be shorter than 0.06 s."""
     silence: NotNegative | None = None
     """Largest change of a pose's weight during silence."""
     saturation: Unit | None = None
