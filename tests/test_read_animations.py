@@ -190,13 +190,18 @@ def test_weights_are_read_by_the_names_of_the_targets(tmp_path):
     np.testing.assert_allclose(recording.values, [[0, 0], [0.5, 1], [0, 0]])
 
 
-def test_steps_and_splines_are_read_at_their_keys(tmp_path):
+def test_steps_and_splines_are_read_between_their_keys_too(tmp_path):
     stepped = read_animation(written(tmp_path, "a.glb", glb("STEP")))
     at = np.interp([-0.2, 0.2, 0.3, 0.7], stepped.times, stepped.values[:, 0])
     np.testing.assert_allclose(at, [0, 0, 0.5, 0.5])
     values = [9, 9, 0, 0, 9, 9, 9, 9, 0.5, 1, 9, 9, 9, 9, 0, 0, 9, 9]
     spline = read_animation(written(tmp_path, "b.glb", glb("CUBICSPLINE", values)))
-    np.testing.assert_allclose(spline.values[:, 0], [0, 0.5, 0])
+    at = np.interp([-0.25, 0.0, 0.25, 0.5, 0.75], spline.times, spline.values[:, 0])
+    np.testing.assert_allclose(at, [0, 0.25, 0.5, 0.25, 0], atol=1e-4)  # equal slopes cancel
+    rising = [0, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
+    leaning = read_animation(written(tmp_path, "c.glb", glb("CUBICSPLINE", rising)))
+    middle = np.interp(0.0, leaning.times, leaning.values[:, 0])
+    assert middle == pytest.approx(0.5 + 2 * 0.5 / 8, abs=1e-4)  # slopes count per second
 
 
 # What is refused, and where

@@ -40,10 +40,12 @@ class Animation:
     channels : the model channel of each column; empty if unknown
     model : the model file of the character or its pose set
     offset : start of the sound on the timeline of output files, in seconds
-    tolerance : maximum error of keyframes, in formats with keyframes; None for the default of the
-        format
+    tolerance : maximum error of keyframes with straight lines between them, in formats with
+        keyframes; None for the default of the format
+    keys : maximum error of keyframes with cubic curves between them, in formats that have tangents;
+        None for straight lines
     neutral : the name of the neutral pose, if any
-    contacts : poses that must stay visible at every contact
+    contacts : poses that must stay visible at every contact, with the levels that contacts hold
     """
 
     times: npt.NDArray[np.float64]
@@ -57,8 +59,9 @@ class Animation:
     model: Path | None = None
     offset: float = 0.0
     tolerance: float | None = None
+    keys: float | None = None
     neutral: str | None = None
-    contacts: tuple[str, ...] = ()
+    contacts: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
@@ -87,17 +90,44 @@ class Animation:
         """(T,) seconds from the start of a file without negative time."""
         return np.maximum(self.times + self.begins, 0.0)
 
-    def keyframes(self, tolerance: float) -> "list[Curve]":
+    def keyframes(self, tolerance: float, *, lines: bool = False) -> "list[Curve]":
         """Return a minimal set of keyframes for each column within a tolerance.
 
         Parameters
         ----------
-        tolerance : default of the format; the animation's own tolerance takes precedence
-        """
-        from lipsync_lang.animations.keys import curves
+        tolerance : default of the format; the animation's own tolerance takes precedence, and its
+            `keys` over both
+        lines : straight lines within `keys`, for formats without tangents
 
+        Raises
+        ------
+        LipsyncError
+            `keys` is not in (0, 0.5].
+        """
+        from lipsync_lang.animations.keys import cubic_curves, curves, margin
+
+        if self.keys is not None and not lines:
+            return cubic_curves(self.poses, self.timeline, self.weights, self.keys, self.contacts)
         error = tolerance if self.tolerance is None else self.tolerance
+        error = error if self.keys is None else margin(self.keys)
         return curves(self.poses, self.timeline, self.weights, error)
+
+    def thinned(self) -> Self:
+        """Return only the frames that straight lines within `keys` need; all of them without.
+
+        For formats whose curves share their times and have no tangents.
+
+        Raises
+        ------
+        LipsyncError
+            `keys` is not in (0, 0.5].
+        """
+        from lipsync_lang.animations.keys import margin, needed
+
+        if self.keys is None:
+            return self
+        kept = needed(self.times, self.weights, margin(self.keys))
+        return replace(self, times=self.times[kept], weights=self.weights[kept])
 
     def __repr__(self) -> str:
         """Summarise the animation in one line."""
@@ -187,7 +217,9 @@ class Animation:
         inside = (self.times > self.schedule.start - half) & (self.times < self.schedule.end + half)
         return replace(self, times=self.times[inside], weights=self.weights[inside])
 
-    def save(self, path: str | Path, writer: str | None = None) -> None:
+    def save(
+        self, path: str | Path, writer: str | None = None, *, keys: float | None = None
+    ) -> None:
         """Write to a file.
 
         Parameters
@@ -195,11 +227,21 @@ class Animation:
         path : the output file; its suffix selects the format (``lipsync-lang formats`` lists them).
             ``-`` is standard output
         writer : format name, to override the suffix
+        keys : maximum error of cubic keyframes; by default, the animation's own `keys`
+
+        Raises
+        ------
+        LipsyncError
+            The format is unknown, the file cannot be written, or `keys` is not in (0, 0.5].
         """
         from lipsync_lang.animations.animation_writers import save
+        from lipsync_lang.animations.keys import margin
         from lipsync_lang.files import argument_path
 
-        save(self, argument_path(path), writer)
+        if keys is not None:
+            margin(keys)
+        shown = self if keys is None else replace(self, keys=keys)
+        save(shown, argument_path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in seconds."""

@@ -2,7 +2,8 @@
 
 Blender cannot import curve files but runs Python. The script holds the keyframes as JSON, followed
 by the code from `templates/blender.txt`. It applies them to all meshes with matching shape keys;
-known alternative spellings match too. Curves are linear between keys. The sound starts at frame 1
+known alternative spellings match too. Curves are linear between keys, or Bezier curves with `keys`:
+handles a third of the way to the next key make them cubic in time. The sound starts at frame 1
 plus the offset; movement before the sound is at earlier frames.
 """
 
@@ -18,7 +19,7 @@ import numpy.typing as npt
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, shape_columns
-from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.keys import ERROR, Curve
 from lipsync_lang.animations.moving_shapes import on_model
 
 Floats = npt.NDArray[np.float64]
@@ -47,6 +48,7 @@ def write_blender(animation: Animation, out: TextIO) -> None:
                 "mesh": channel.mesh,
                 "frames": _frames(animation, curve.times - animation.begins),
                 "values": curve.values.round(6).tolist(),
+                **_slopes(curve, animation.fps),
             }
         )
     take = {
@@ -65,6 +67,13 @@ def _frames(animation: Animation, times: Floats) -> list[float]:
     """Convert seconds of the sound to scene frames."""
     frames: list[float] = (FIRST + (times + animation.offset) * animation.fps).round(5).tolist()
     return frames
+
+
+def _slopes(curve: Curve, fps: float) -> dict[str, list[list[float]]]:
+    """Return the slopes on both sides of each key per frame; nothing for straight lines."""
+    if not curve.cubic:
+        return {}
+    return {"slopes": (np.column_stack((curve.arriving, curve.leaving)) / fps).round(8).tolist()}
 
 
 def _spellings(animation: Animation) -> list[list[str]]:

@@ -5,7 +5,9 @@ The JSON is edited directly, because glTF libraries drop unknown fields.
 
 glTF has no negative time. If movement starts before the sound, all times are shifted, and
 `audio_start` in the animation's extras is the start of the sound in seconds. Every frame is a key
-by default; with a tolerance, only the frames needed by any column are keys.
+by default; with a tolerance, only the frames needed by any column are keys. With `keys`, each
+sampler is a cubic spline, whose numbers share their keys: all shapes of a mesh, or all components
+of a bone's transform.
 """
 
 import json
@@ -20,7 +22,8 @@ import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
-from lipsync_lang.animations.keys import needed
+from lipsync_lang.animations.fitted_keys import fit
+from lipsync_lang.animations.keys import margin, needed
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.container import (
@@ -78,11 +81,12 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     model = _model(animation.model, channels)
     times = animation.timeline.astype("<f4")
     frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
-    if animation.tolerance:
+    if animation.tolerance and animation.keys is None:
         kept = needed(times[frames].astype(float), animation.weights[frames], animation.tolerance)
         frames = frames[kept]
-    take = _Take(model, times[frames])
-    _move_shapes(take, channels, animation.weights[frames])
+    take = _Take(model, times[frames], animation.keys)
+    floors = [animation.contacts.get(pose, 0.0) for pose in animation.poses]
+    _move_shapes(take, channels, animation.weights[frames], floors)
     _move_nodes(take, channels, animation.weights[frames])
     if not take.channels:
         raise _nothing_moves(model, channels)
@@ -93,15 +97,17 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
 class _Take:
     """An animation under construction: new JSON rows and binary data."""
 
-    def __init__(self, model: Model, times: npt.NDArray[np.float32]) -> None:
+    def __init__(self, model: Model, times: npt.NDArray[np.float32], error: float | None) -> None:
         self.model = model
+        self.times = times.astype(float)
+        self.error = None if error is None else margin(error)
         self.document = dict(model.document)
         self.binary = binary_of(model.path, model.document, model.chunks)
         self.data: list[bytes] = []
         self.samplers: list[Json] = []
         self.channels: list[Json] = []
-        bounds = {"min": [float(times[0])], "max": [float(times[-1])]}
-        self._accessors = [self._accessor("SCALAR", times) | bounds]
+        self._accessors: list[Json] = []
+        self._lines = None if self.error else self._clock(times)
 
     def _accessor(self, kind: str, values: npt.NDArray[np.float32]) -> Json:
         """Append values to the binary data and return their accessor."""
@@ -112,12 +118,34 @@ class _Take:
         place = {"bufferView": view, "byteOffset": offset}
         return {**place, "componentType": FLOAT, "count": count, "type": kind}
 
-    def sample(self, kind: str, values: Floats) -> int:
-        """Append a value per key time and return the index of the new sampler."""
-        first = len(self.document.get("accessors", ()))
-        output = first + len(self._accessors)
-        self._accessors.append(self._accessor(kind, values.astype(np.float32)))
-        self.samplers.append({"input": first, "output": output, "interpolation": "LINEAR"})
+    def _clock(self, times: npt.NDArray[np.float32]) -> int:
+        """Append times and return the index of their accessor."""
+        bounds = {"min": [float(times[0])], "max": [float(times[-1])]}
+        return self._add(self._accessor("SCALAR", times) | bounds)
+
+    def _add(self, accessor: Json) -> int:
+        self._accessors.append(accessor)
+        return len(self.document.get("accessors", ())) + len(self._accessors) - 1
+
+    def sample(
+        self, kind: str, values: Floats, span: float = 1.0, floors: Floats | None = None
+    ) -> int:
+        """Append values over time and return the index of the new sampler.
+
+        Parameters
+        ----------
+        values : (T, n)
+        span : the range of the values, of which the error of keys is a share
+        floors : (n,) levels that contacts hold
+        """
+        clock, rows, way = self._lines, values, "LINEAR"
+        if self.error:
+            spline = fit(self.times, values, self.error * span, floors)
+            clock, way = self._clock(self.times[spline.frames].astype(np.float32)), "CUBICSPLINE"
+            parts = (spline.arriving, spline.values, spline.leaving)
+            rows = np.stack(parts, axis=1).reshape(-1, values.shape[1])
+        output = self._add(self._accessor(kind, rows.astype(np.float32)))
+        self.samplers.append({"input": clock, "output": output, "interpolation": way})
         return len(self.samplers) - 1
 
     def drive(self, node: int, path: str, sampler: int) -> None:
@@ -159,14 +187,20 @@ class _Take:
 # Morph targets
 
 
-def _move_shapes(take: _Take, channels: Sequence[Channel], values: Floats) -> None:
+def _move_shapes(
+    take: _Take, channels: Sequence[Channel], values: Floats, floors: Sequence[float]
+) -> None:
     """Animate the morph weights of every node whose mesh has a matching shape."""
     driven = {mesh.number: _columns(mesh, channels) for mesh in take.model.meshes}
     samplers: dict[tuple[int, tuple[float, ...]], int] = {}
     for number, mesh, rest in _shown(take.model):
         columns, key = driven[mesh.number], (mesh.number, rest)
         if columns and key not in samplers:
-            samplers[key] = take.sample("SCALAR", _weights(rest, columns, values))
+            levels = np.zeros(len(rest))
+            for target, sources in columns.items():
+                levels[target] = max(floors[source] for source in sources)
+            weights = _weights(rest, columns, values)
+            samplers[key] = take.sample("SCALAR", weights, floors=levels)
         if columns:
             take.drive(number, "weights", samplers[key])
 
@@ -229,11 +263,17 @@ def _move_node(take: _Take, number: int, moves: list[tuple[Channel, Floats]]) ->
         if length < TINY:
             fail(path, f"rotation of {what}: is 0 throughout")
         values = reduce(product, rotations, np.array([rest]) / length)
-        take.drive(number, "rotation", take.sample("VEC4", values))
+        take.drive(number, "rotation", take.sample("VEC4", values, _range(values)))
     shifts = [np.outer(v, c.translation) for c, v in moves if c.translation is not None]
     if shifts:
         rest = numbers(path, f"translation of {what}", node.get("translation", [0.0] * 3), 3)
-        take.drive(number, "translation", take.sample("VEC3", np.array(rest) + sum(shifts)))
+        values = np.array(rest) + sum(shifts)
+        take.drive(number, "translation", take.sample("VEC3", values, _range(values)))
+
+
+def _range(values: Floats) -> float:
+    """Return the widest range of a component; 1 for values that stand still."""
+    return float(np.ptp(values, axis=0).max()) or 1.0
 
 
 def _turned(channel: Channel, degrees: Floats) -> Floats:

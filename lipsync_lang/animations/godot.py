@@ -6,16 +6,21 @@ property `blend_shapes/<name>` of a MeshInstance. For models with several meshes
 name of the mesh; otherwise it is the root of the AnimationPlayer. Godot has no negative time. If
 movement starts before the sound, all times are shifted, and the metadata `audio_start` (Godot 4)
 is the start of the sound in seconds.
+
+With `keys`, tracks are Bezier tracks instead. Handles a third of the way to the next key make their
+curves cubic in time.
 """
 
 from collections.abc import Iterator
 from typing import TextIO
 
+import numpy as np
+
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.glb import unplaced
-from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.keys import ERROR, Curve, Floats
 from lipsync_lang.animations.moving_shapes import MovingShape, keys, shapes
 
 PROGRAM = "Godot"
@@ -45,21 +50,45 @@ def write_godot(animation: Animation, out: TextIO) -> None:
     )
     curves = keys(animation, tracks, ERROR)
     for number, (track, curve) in enumerate(zip(tracks, curves, strict=True)):
-        times = ", ".join(map(_number, curve.times))
-        values = ", ".join(map(_number, curve.values))
-        once = ", ".join(["1"] * len(curve.times))
+        kind = "bezier" if curve.cubic else "value"
         out.write(
-            f'tracks/{number}/type = "value"\n'
+            f'tracks/{number}/type = "{kind}"\n'
             f'tracks/{number}/path = NodePath("{_path(track)}")\n'
             f"tracks/{number}/interp = 1\n"
             f"tracks/{number}/loop_wrap = true\n"
             f"tracks/{number}/imported = false\n"
             f"tracks/{number}/enabled = true\n"
-            f'tracks/{number}/keys = {{\n"times": PoolRealArray( {times} ),\n'
-            f'"transitions": PoolRealArray( {once} ),\n'
-            f'"update": 0,\n"values": [ {values} ]\n}}\n'
+            f"tracks/{number}/keys = {{\n{_bezier(curve) if curve.cubic else _lines(curve)}}}\n"
         )
     out.write(f"metadata/audio_start = {_number(animation.begins)}\n")
+
+
+def _lines(curve: Curve) -> str:
+    """Return the keys of a value track."""
+    once = ", ".join(["1"] * len(curve.times))
+    return (
+        f'"times": PoolRealArray( {_numbers(curve.times)} ),\n'
+        f'"transitions": PoolRealArray( {once} ),\n'
+        f'"update": 0,\n"values": [ {_numbers(curve.values)} ]\n'
+    )
+
+
+def _bezier(curve: Curve) -> str:
+    """Return the keys of a Bezier track: a value and two handles each, relative to the key."""
+    thirds = np.diff(curve.times) / 3
+    before, after = np.append(0, thirds), np.append(thirds, 0)
+    handles = (-before, -before * curve.arriving, after, after * curve.leaving)
+    points = np.column_stack((curve.values, *handles)).ravel() + 0.0
+    modes = ", ".join(["0"] * len(curve.times))
+    return (
+        f'"handle_modes": PoolIntArray( {modes} ),\n'
+        f'"points": PoolRealArray( {_numbers(points)} ),\n'
+        f'"times": PoolRealArray( {_numbers(curve.times)} )\n'
+    )
+
+
+def _numbers(values: Floats) -> str:
+    return ", ".join(map(_number, values.tolist()))
 
 
 def _path(shape: MovingShape) -> str:

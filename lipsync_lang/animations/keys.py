@@ -1,10 +1,11 @@
-"""Reduction of curves to linear keyframes within a maximum error.
+"""Reduction of curves to keyframes within a maximum error: straight lines, or cubic curves.
 
-The algorithm is greedy: from each key, the longest line within the error of all frames leads to the
-next key. Both ends of a run of equal values are always keys, so contacts and rests keep their exact
-duration and depth.
+For lines, the algorithm is greedy: from each key, the longest line within the error of all frames
+leads to the next key. `fitted_keys` fits cubic curves. Both ends of a run of equal values are
+always keys, so contacts and rests keep their exact duration and depth.
 """
 
+from collections.abc import Mapping
 from functools import reduce
 from itertools import pairwise
 from typing import NamedTuple
@@ -12,11 +13,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.animations.fitted_keys import fit
+from lipsync_lang.errors import LipsyncError
+
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
 ERROR = 0.005
 """Default maximum error, in units of pose weight."""
+
+LARGEST_ERROR = 0.5
+"""Half of a pose's range; keys of a larger error show nothing of a curve."""
 
 ROUNDING = 5e-5
 """Margin of the error for decimal rounding in files."""
@@ -32,6 +39,12 @@ class Curve(NamedTuple):
     """(K,) seconds, as in the animation."""
     values: Floats
     """(K,) weights."""
+    arriving: Floats
+    """(K,) slope before each key, per second; 0 before the first."""
+    leaving: Floats
+    """(K,) slope after each key, per second; 0 after the last."""
+    cubic: bool = False
+    """True for cubic curves between the keys, False for straight lines."""
 
 
 def keyframes(times: Floats, values: Floats, error: float) -> Ints:
@@ -94,8 +107,58 @@ def curves(
     found = []
     for number, name in enumerate(names):
         frames = keyframes(times, weights[:, number], error)
-        found.append(Curve(name, frames, times[frames], weights[frames, number]))
+        at, values = times[frames], weights[frames, number]
+        slopes = np.diff(values) / np.diff(at)
+        found.append(Curve(name, frames, at, values, np.append(0, slopes), np.append(slopes, 0)))
     return found
+
+
+def cubic_curves(
+    names: tuple[str, ...],
+    times: Floats,
+    weights: Floats,
+    error: float,
+    floors: Mapping[str, float],
+) -> list[Curve]:
+    """Return keyframes with slopes of every channel of an animation.
+
+    Parameters
+    ----------
+    names : C channel names
+    times : (T,) seconds
+    weights : (T, C)
+    error : the maximum distance between a frame and the curve, in (0, 0.5]
+    floors : levels that contacts hold, by name
+
+    Raises
+    ------
+    LipsyncError
+        The error is out of range.
+    """
+    found = []
+    for number, name in enumerate(names):
+        column, floor = weights[:, number : number + 1], np.array([floors.get(name, 0.0)])
+        spline = fit(times, column, margin(error), floor)
+        keys = spline.frames
+        parts = (spline.values[:, 0], spline.arriving[:, 0], spline.leaving[:, 0])
+        found.append(Curve(name, keys, times[keys], *parts, cubic=True))
+    return found
+
+
+def margin(error: float) -> float:
+    """Return the error of cubic keys without the rounding of files.
+
+    Raises
+    ------
+    LipsyncError
+        The error is not in (0, 0.5].
+    """
+    if not 0 < error <= LARGEST_ERROR:
+        raise LipsyncError(
+            f"keys={error:g}: give the largest error of keys, above 0 and at most "
+            f"{LARGEST_ERROR:g}, such as 0.01"
+        )
+    return max(error - ROUNDING, error / 2)
 
 
 def needed(times: Floats, weights: Floats, error: float) -> Ints:

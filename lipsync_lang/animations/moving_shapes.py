@@ -22,6 +22,8 @@ class MovingShape(NamedTuple):
     name: str
     values: Floats
     """(T,) weights."""
+    floor: float
+    """Level that a contact holds; 0 for none."""
 
 
 def shapes(animation: Animation) -> list[MovingShape]:
@@ -33,15 +35,24 @@ def shapes(animation: Animation) -> list[MovingShape]:
     columns: dict[tuple[str, str], list[int]] = defaultdict(list)
     for mesh, name, column in on_model(animation) or _by_name(animation):
         columns[mesh, name].append(column)
-    weights = animation.weights
-    return [MovingShape(*key, weights[:, own].max(axis=1)) for key, own in columns.items()]
+    weights, poses, floors = animation.weights, animation.poses, animation.contacts
+    return [
+        MovingShape(
+            *key,
+            weights[:, own].max(axis=1),
+            max(floors.get(poses[column], 0.0) for column in own),
+        )
+        for key, own in columns.items()
+    ]
 
 
 def keys(animation: Animation, found: list[MovingShape], tolerance: float) -> list[Curve]:
     """Return the keyframes of each shape; see `Animation.keyframes`."""
-    names = tuple(shape.name for shape in found)
+    names = tuple(str(number) for number in range(len(found)))  # meshes may share a name
+    floors = {number: shape.floor for number, shape in zip(names, found, strict=True)}
     values = np.column_stack([shape.values for shape in found])
-    return replace(animation, poses=names, weights=values).keyframes(tolerance)
+    shown = replace(animation, poses=names, weights=values, contacts=floors)
+    return shown.keyframes(tolerance)
 
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:

@@ -4,7 +4,8 @@ Based on `sbm_speech_audiofile.cpp` and the sample lines of SmartBody. `<curves>
 per viseme, with four numbers per key: seconds of the sound, weight, and two unused slopes. Keys may
 have negative times. `<sync>` marks are the start and end of words. The file belongs next to an
 audio file of the same name and is played by `<speech ref="NAME"/>`, for characters with visemes in
-curve mode. Interpolation is linear, unless the character requests splines.
+curve mode. Interpolation is linear, unless the character requests splines; so keys are those of
+lines, with `keys` too.
 """
 
 from collections.abc import Iterator
@@ -35,7 +36,7 @@ def write_smartbody(animation: Animation, out: TextIO) -> None:
     )
     out.write("    </text>\n  </speech>\n  <curves>\n")
     shift = animation.offset - animation.begins
-    curves = animation.keyframes(ERROR)
+    curves = animation.keyframes(ERROR, lines=True)
     out.writelines(_curve(curves[number], shift) for number in shape_columns(animation))
     out.write("  </curves>\n</bml>\n")
 

@@ -3,9 +3,9 @@
 Based on clips of Unity 2018 and later (`AnimationClip`, serialized version 6). Each blend shape has
 a curve with the attribute `blendShape.<name>` (class 137: SkinnedMeshRenderer). Weights are in
 percent. `path` leads from the Animator object to the mesh object: the mesh name for models with
-several meshes, else empty. Keys have broken linear tangents (mode 69); slopes are percent per
-second. Derived data, such as editor curves and bindings, is omitted because Unity rebuilds it.
-Clips have no negative time.
+several meshes, else empty. Keys have broken linear tangents (mode 69), or free ones with `keys`
+(mode 0, and 1 where both sides differ); slopes are percent per second. Derived data, such as editor
+curves and bindings, is omitted because Unity rebuilds it. Clips have no negative time.
 """
 
 import re
@@ -22,6 +22,8 @@ from lipsync_lang.animations.moving_shapes import keys, shapes
 
 PROGRAM = "Unity"
 PERCENT = 100
+LINEAR = 69
+"""Tangent mode of broken, linear tangents; free ones are 0, broken ones 1."""
 PLAIN = re.compile(
     r"(?!(?:true|false|yes|no|on|off|null|y|n)$)[a-z][\w./-]*", re.ASCII | re.IGNORECASE
 )
@@ -69,7 +71,7 @@ KEY = """\
         value: {value}
         inSlope: {before}
         outSlope: {after}
-        tangentMode: 69
+        tangentMode: {mode}
         weightedMode: 0
         inWeight: 0.33333334
         outWeight: 0.33333334
@@ -138,13 +140,29 @@ def write_unity(animation: Animation, out: TextIO) -> None:
 def _keys(curve: Curve) -> str:
     points = list(zip(curve.times.round(6).tolist(), curve.values.tolist(), strict=True))
     points = [(time, round(value * PERCENT, 4)) for time, value in points]
-    slopes = [
-        (after - before) / (end - start) for (start, before), (end, after) in pairwise(points)
-    ]
+    rows = zip(points, _slopes(curve, points), strict=True)
     return "".join(
-        KEY.format(time=_number(t), value=_number(v), before=_number(i), after=_number(o))
-        for (t, v), i, o in zip(points, [0.0, *slopes], [*slopes, 0.0], strict=True)
+        KEY.format(
+            time=_number(t),
+            value=_number(v),
+            before=_number(before),
+            after=_number(after),
+            mode=int(before != after) if curve.cubic else LINEAR,
+        )
+        for (t, v), (before, after) in rows
     )
+
+
+def _slopes(curve: Curve, points: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the slopes on both sides of each key, in percent per second."""
+    if curve.cubic:
+        before, after = (
+            (PERCENT * part).round(4).tolist() for part in (curve.arriving, curve.leaving)
+        )
+    else:  # of the rounded points, so that the line is straight
+        slopes = [(w - v) / (u - t) for (t, v), (u, w) in pairwise(points)]
+        before, after = [0.0, *slopes], [*slopes, 0.0]
+    return list(zip(before, after, strict=True))
 
 
 def _number(value: float) -> str:

@@ -4,7 +4,8 @@ Based on `UCurveTable::CreateTableFromCSVString`. The first row holds the times,
 is a curve. The first cell of a row is its name; the first cell of the first row is ignored. Names
 are case-insensitive, and duplicates are rejected. The import dialog sets the interpolation; choose
 `Linear`. Times are seconds of the sound and may be negative. Line ends are CRLF, as required by the
-importers of older versions.
+importers of older versions. The rows share their times and a table has no tangents: with `keys`,
+the file holds the columns that straight lines within this error need.
 """
 
 import csv
@@ -25,6 +26,7 @@ def write_unreal(animation: Animation, out: TextIO) -> None:
         raise OutputError(
             f"Unreal Engine does not tell {' and '.join(twice)} apart; rename one of them"
         )
+    animation = animation.thinned()
     table = csv.writer(out, lineterminator="\r\n")
     times = (animation.times + animation.offset).tolist()
     table.writerow(["Name", *(f"{time:.6f}" for time in times)])

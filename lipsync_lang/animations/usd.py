@@ -3,7 +3,8 @@
 The file holds only the animation; the model binds it by `skel:animationSource` and matches shapes
 by name (openusd.org, "UsdSkel schemas"). Time codes are frames, so rates such as 24000/1001 stay
 exact. The sound starts at time code 0 plus the offset; earlier movement has lower time codes. Every
-sample holds the weights of all shapes.
+sample holds the weights of all shapes. USD joins samples by straight lines: with `keys`, the file
+holds the samples that lines within this error need.
 """
 
 from collections import defaultdict
@@ -35,6 +36,7 @@ def doubts(animation: Animation) -> Iterator[str]:
 @writer("usd", suffix=".usda", remarks=doubts)
 def write_usd(animation: Animation, out: TextIO) -> None:
     """A USD SkelAnimation of blend shapes, to be bound to a model."""
+    animation = animation.thinned()
     columns = _columns(animation)
     frames = (animation.times + animation.offset) * animation.fps
     codes = [_code(frame) for frame in frames.tolist()]

@@ -115,6 +115,11 @@ def _add_performing(add: Add) -> None:
         "[0.005 in formats that are edited by hand, else 0]",
     )  # fmt: skip
     written.add_argument(
+        "--keys", metavar="ERROR", type=float,
+        help="store few keys with tangents; curves between them stray by this much at most, such "
+        "as 0.01. Formats without tangents have straight lines within it",
+    )  # fmt: skip
+    written.add_argument(
         "--check", action="store_true", help="judge the animation's poses as well, as `check` does"
     )
 

@@ -32,6 +32,7 @@ def run(options: Namespace) -> int:
 
     if options.tolerance is not None and not 0 <= options.tolerance < 1:
         raise LipsyncError(f"--tolerance {options.tolerance:g}: give 0, or a number below 1")
+    _check_keys(options)
     writers = dict(map(parse_output, options.output))
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
@@ -39,7 +40,12 @@ def run(options: Namespace) -> int:
     performer = performer_for(options)
     animation = perform_line(options, performer, schedule_for(options, performer))
     offset = parse_offset(options.offset, animation.fps)
-    shown = replace(_shown(options, animation, writers), offset=offset, tolerance=options.tolerance)
+    shown = replace(
+        _shown(options, animation, writers),
+        offset=offset,
+        tolerance=options.tolerance,
+        keys=options.keys,
+    )
 
     def writing(path: Path) -> Callable[[Any], None]:
         return lambda stream: writers[path].write(shown, stream)
@@ -58,6 +64,24 @@ def run(options: Namespace) -> int:
 
         print(check(animation), file=sys.stderr)
     return SOUND
+
+
+def _check_keys(options: Namespace) -> None:
+    """Refuse an error of keys that is out of range, or stated twice."""
+    from lipsync_lang.animations.keys import LARGEST_ERROR
+
+    if options.keys is None:
+        return
+    if not 0 < options.keys <= LARGEST_ERROR:
+        raise LipsyncError(
+            f"--keys {options.keys:g}: give the largest error of keys, above 0 and at most "
+            f"{LARGEST_ERROR:g} (--keys 0.01)"
+        )
+    if options.tolerance is not None:
+        raise LipsyncError(
+            "--keys and --tolerance both state the error of keys; give --keys for keys with "
+            "tangents, or --tolerance for straight lines"
+        )
 
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:

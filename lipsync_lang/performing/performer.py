@@ -3,7 +3,6 @@
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
-from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -154,6 +153,7 @@ class Performer:
             "line": line, "styles": styles, "dials": dials, "intensity": intensity,
         }  # fmt: skip
         performance = self.performance(schedule, fps, **asked)
+        floors = self.compiled.tables.floors
         return Animation(
             performance.frames.times(),
             self.poses,
@@ -165,7 +165,7 @@ class Performer:
             channels=self.channels,
             model=self.model,
             neutral=self.compiled.neutral,
-            contacts=tuple(compress(self.poses, self.compiled.tables.held)),
+            contacts={p: float(f) for p, f in zip(self.poses, floors, strict=True) if f > 0},
         )
 
     def rigged(self, animation: Animation) -> Animation:
@@ -194,7 +194,7 @@ class Performer:
             weights=values,
             channels=driver.channels,
             model=self.model,
-            contacts=(),
+            contacts={},
         )
 
     def with_expression(self, animation: Animation, expression: "Levels") -> Animation:

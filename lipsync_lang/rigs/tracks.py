@@ -1,14 +1,16 @@
 """Animation tracks of a model: target node, property, times in seconds and values (T, n)."""
 
 from collections.abc import Collection, Iterator
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.rigs.accessors import Accessors
+from lipsync_lang.rigs.accessors import MAX_VALUES, Accessors
 from lipsync_lang.rigs.container import Json, fail
 from lipsync_lang.rigs.model import Model, check_list, is_index
+from lipsync_lang.rigs.splines import Spline, sample
 
 Floats = npt.NDArray[np.float64]
 
@@ -17,6 +19,9 @@ VALUES_PER_KEY = {"LINEAR": 1, "STEP": 1, "CUBICSPLINE": 3}
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": None}
 """Components of each node property; the number of weights depends on the mesh."""
+
+SPLINE_SECONDS = 1 / 240
+"""Seconds between the points of the straight lines that stand for a cubic spline."""
 
 STEP_SECONDS = 1e-4
 """Seconds between the two keys of a step, because tracks have only straight lines."""
@@ -89,8 +94,25 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
         fail(where, "the times of its animation do not rise")
     if not np.isfinite(values).all():
         fail(where, "a value of its animation is no number")
-    table = values.reshape(len(times), each, -1)[:, each // 2]
-    return _stepped(times, table) if way == "STEP" else (times, table)
+    table = values.reshape(len(times), each, -1)
+    if way == "CUBICSPLINE":
+        return _splined(where, times, table)
+    return _stepped(times, table[:, 0]) if way == "STEP" else (times, table[:, 0])
+
+
+def _splined(where: Path, times: Floats, table: Floats) -> tuple[Floats, Floats]:
+    """Convert a cubic spline, (K, 3, n), to short straight lines.
+
+    Each key has a slope per second before it, its value, and a slope after it (glTF 2.0, appendix
+    C.5).
+    """
+    count = len(times) + (times[-1] - times[0]) / SPLINE_SECONDS
+    if count * table.shape[2] > MAX_VALUES:
+        fail(where, f"its cubic splines last {times[-1] - times[0]:.0f} s, too long to read")
+    steps = np.arange(times[0], times[-1], SPLINE_SECONDS)
+    at = np.union1d(times, steps)
+    spline = Spline(np.arange(len(times)), table[:, 1], table[:, 0], table[:, 2])
+    return at, sample(times, spline, at)
 
 
 def _stepped(times: Floats, table: Floats) -> tuple[Floats, Floats]:
