@@ -113,7 +113,7 @@ def test_a_p_or_an_f_makes_open_yield_and_says_so(label, pose, contact, floor):
     times = [0, 0.3, 0.33, 0.6]
     schedule = Schedule(("AA", label, "AA"), times, words=(Word("word", 0, 3),), notation="arpabet")
     animation = real().perform(schedule, fps=100)
-    found = animation.explain(0.312)
+    found = animation.explain(0.302)
     poses = {p.pose: p for p in found.poses}
     assert (found.phoneme, found.word) == (label, "word")
     last, other = (
@@ -124,7 +124,7 @@ def test_a_p_or_an_f_makes_open_yield_and_says_so(label, pose, contact, floor):
     assert poses[pose].weight >= floor
     assert other.why == ""
     printed = str(found)
-    assert f"0.310 s (frame {found.frame}): {label} as" in printed
+    assert f"0.300 s (frame {found.frame}): {label} as" in printed
     assert f"{pose} outranks it: together at most 1" in printed
     assert json.loads(json.dumps(found.to_dict()))["word"] == "word"
     held = next(s for s in poses[pose].stages if s.stage == "hold")
