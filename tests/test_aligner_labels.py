@@ -88,9 +88,15 @@ def test_a_mark_that_is_dropped_changes_nothing_that_is_seen(mark):
         marked, plain = (FEATURES.read(text, own=(letter,)).sounds[0] for text in (label, letter))
         pairs = [(a, b) for a, b in zip(marked.features, plain.features, strict=True) if a != b]
         assert all(abs(a - b) < FEATURES.told_from for a, b in pairs), letter
-        if [p for p, _ in NEAR.value(label)] != [p for p, _ in NEAR.value(letter)]:
+        if coarse(label) != coarse(letter):
             changed.append(letter)
     assert bool(changed) == (mark in SHADES), changed
+
+
+def coarse(label):
+    """The common phonemes nearest to a label, without shades."""
+    finer = LIBRARY.common().model.shades
+    return [finer[p].like if p in finer else p for p, _ in NEAR.value(label)]
 
 
 @pytest.mark.parametrize("label", ["š", "ž", "č", "ŝ", "ẑ", "s\u030c"])

@@ -26,7 +26,7 @@ from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, recognise
-from lipsync_lang.phonology.nearest import NearestPhonemes
+from lipsync_lang.phonology.nearest import NearestPhonemes, ShadeLabels
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.nearest_phonemes import among, candidates, disagreements
@@ -362,6 +362,31 @@ def test_a_phoneme_of_ones_own_takes_part(tmp_path):
     assert shown("y", nearest) == "w"
 
 
+SHADED = NearestPhonemes(
+    FEATURES,
+    {name: COMMON.phonemes[name].ipa for name in COMMON.base},
+    shades={name: ShadeLabels(s.like, s.ipa) for name, s in COMMON.shades.items()},
+)
+
+
+@pytest.mark.parametrize(
+    ("label", "shade"),
+    [
+        ("ə", "ax"), ("æ", "ae"), ("æ̃", "ae"), ("ŋ", "ng"), ("ŋ̩", "ng"), ("n̪", "n"), ("ɲ", "n"),
+        ("t", "d"), ("ʌ", "ah"), ("i", "iy"), ("ɪ", "ih"), ("ʊ", "uh"), ("u", "w"), ("ɯ", "ux"),
+        ("t͡ʃ", "ch"), ("ʃ", "sh"), ("ʂ", "sh"), ("ɕ", "xi"), ("ɚ", "axr"), ("ɝ", "er"), ("ɒ", "oa"),
+        ("j", "iy"), ("o", "ao"), ("k", "kg"),
+    ],
+)  # fmt: skip
+def test_a_segment_becomes_the_shade_that_it_is(label, shade):
+    assert shown(label, SHADED) == shade
+
+
+def test_one_o_is_a_shade_beside_an_open_one():
+    beside = replace(SHADED, labels=("o", "ɔ"))
+    assert [shown(label, beside) for label in ("o", "ɔ")] == ["oc", "ao"]
+
+
 # Languages without a pack
 
 
@@ -418,7 +443,8 @@ def test_an_unknown_engine_names_those_there_are():
 def test_timed_ipa_of_any_language_is_performed_and_no_text():
     performer = ll.resolve("ipa:lg", "facefx")
     line = schedule("m", "ʊ", "ɲ", "dʒ", "aː", notation="ipa")
-    assert spoken(performer, line)[:2] == ["bmp", "w"]
+    assert spoken(performer, line)[:4] == ["bmp", "uh", "n", "ch"]
+    assert spoken(replace(performer, shades=False), line)[:4] == ["bmp", "w", "d", "sh"]
     assert performer.perform(line)["PBM"].max() >= 0.8
     with pytest.raises(ll.SpeechError, match="give timed phonemes"):
         ll.speak("Oli otya", "ipa:lg")
@@ -433,7 +459,7 @@ def test_such_a_language_resolves_and_says_so():
     assert (report.language, performer.language) == ("espeak:sw", "espeak:sw")
     assert not ll.resolve("english", "facefx").report.automatic
     line = schedule("k͡p", "a", "_", "ⁿd", "iː", "yː", "˥", "sil", "tɬ", notation="ipa")
-    assert spoken(performer, line) == ["bmp", "aa", "_", "d", "ih", "yu", "_", "d", "l"]
+    assert spoken(performer, line) == ["bmp", "aa", "_", "d", "iy", "yu", "_", "d", "l"]
     weights = performer.perform(line).weights
     assert 0 <= weights.min() <= weights.max() <= 1
 
@@ -580,14 +606,15 @@ def test_a_voice_speaks_without_a_pack():
 def test_disagreements_come_with_their_reasons(tmp_path):
     text = (
         "kind: language\nformat: 1\nname: odd\ntag: qaa\n"
-        "notations: {ipa: {t: d, ŋ: kg, tt: [d, d], r: kg, Q: s}}\nreasons: {ŋ: its tongue}\n"
+        "notations: {ipa: {t: d, ŋ: kg, ɾ: kg, tt: [d, d], r: kg, Q: s}}\n"
+        "reasons: {ɾ: its tongue}\n"
     )
     put(tmp_path, "languages/odd.yaml", text)
     library = Library([tmp_path], project=None)
     pack = library.language("odd")
     found = disagreements(pack.model, among(library, pack))
     assert [(d.label, d.common, d.automatic, d.reason) for d in found] == [
-        ("ŋ", (("kg", 1.0),), (("d", 1.0),), "its tongue"),
+        ("ɾ", (("kg", 1.0),), (("d", 1.0),), "its tongue"),
         ("r", (("kg", 1.0),), (("d", 1.0),), ""),
         ("Q", (("s", 1.0),), (), ""),
     ]

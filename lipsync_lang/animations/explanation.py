@@ -18,6 +18,8 @@ class BigramAt:
     word: str | None
     styles: tuple["StyleAt", ...] = ()
     """Styles that change the bigram at this time."""
+    drawn_as: tuple[str, str] | None = None
+    """The pair whose curves are played, if a bank draws that one instead: the shades' parents."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ class Explanation:
     word: str | None
     bigrams: tuple[BigramAt, ...]
     poses: tuple[PoseAt, ...]
+    shade_of: str | None = None
+    """The parent of the common phoneme, if it is a shade."""
 
     def to_dict(self) -> dict[str, Any]:
         """Return a plain dictionary, for JSON."""
@@ -74,13 +78,15 @@ class Explanation:
 
     def __str__(self) -> str:
         where = f", in '{self.word}'" if self.word else ""
-        sound = f"{self.phoneme} as {self.common}, {self.start:.3f} to {self.end:.3f} s{where}"
+        common = f"{self.common} (a shade of {self.shade_of})" if self.shade_of else self.common
+        sound = f"{self.phoneme} as {common}, {self.start:.3f} to {self.end:.3f} s{where}"
         lines = [f"{self.seconds:.3f} s (frame {self.frame}): {sound}"]
         for bigram in self.bigrams:
             example = f", as in {bigram.word}" if bigram.word else ""
+            drawn = f", drawn as {'-'.join(bigram.drawn_as)}" if bigram.drawn_as else ""
             lines.append(
                 f"  bigram {'-'.join(bigram.pair)} at {bigram.position:.2f}{example}: "
-                f"{bigram.layer}, {bigram.status or 'none'}"
+                f"{bigram.layer}, {bigram.status or 'none'}{drawn}"
             )
             lines.extend(f"    {place}" for place in bigram.places)
             for one in bigram.styles:

@@ -133,10 +133,10 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
     among = among_all(library, [*sounds.words])
     found = {label: among.nearest(label) for label in sounds.words}
     common = library.common().model
-    added = {n for near in found.values() for n, _ in near.value} - {*common.base}
-    text = "\n".join(
-        [*_head(wanted, inventory, sorted(added)), *_body(sounds, found, [*common.phonemes])]
-    )
+    mapped = {n for near in found.values() for n, _ in near.value}
+    parents = {common.shades[n].like if n in common.shades else n for n in mapped}
+    added, order = sorted(parents - {*common.base}), [*common.phonemes, *common.shades]
+    text = "\n".join([*_head(wanted, inventory, added), *_body(sounds, found, order)])
     text += "\n" + "\n".join([*_inventory(inventory, found), *_tests()]) + "\n"
     doubtful = sum(map(_doubtful, found.values()))
     return LanguageDraft(path, text, wanted.lexicon, doubtful, len(found))

@@ -3,8 +3,8 @@
 A test is a text with its expected common phonemes; a mismatch is a fault with a location.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,11 +36,13 @@ class Trial:
     pack : language pack
     transcripts : one per test, in order; empty if the tests could not run
     refusal : reason for tests that could not run, or empty
+    shades : shades of the common phonemes, which pass for their parents
     """
 
     pack: "Pack[models.Language]"
     transcripts: tuple[Transcript, ...] = ()
     refusal: str = ""
+    shades: "Mapping[str, models.Shade]" = field(default_factory=dict)
 
     def faults(self, silence: str) -> Iterator[Fault]:
         """Yield a fault per failed test, with its location in the pack."""
@@ -56,7 +58,7 @@ class Trial:
                 what = f"'{test.text}' has {_listed(heard.unmapped)}, which nothing maps"
                 hint = f"map it under `notations: {heard.notation}`"
                 yield self.pack.fault(loc, "P221", what, hint)
-            elif said != list(test.phonemes):
+            elif not test.accepts(said, self.shades):
                 what = f"'{test.text}' becomes {' '.join(said)}, not {' '.join(test.phonemes)}"
                 hint = f"it was read as {' '.join(heard.labels)}; mend the map, or the test"
                 yield self.pack.fault(loc, "P221", what, hint)
@@ -96,7 +98,7 @@ def try_out(library: Library, pack: "Pack[models.Language]") -> Trial:
         common = library.common().model
         speaker = Speaker(manner_of(pack, common), notations_of(library, pack))
         texts = [test.text for test in pack.model.tests]
-        return Trial(pack, tuple(speaker.transcribe(texts)))
+        return Trial(pack, tuple(speaker.transcribe(texts)), shades=common.shades)
     except LipsyncError as error:
         return Trial(pack, refusal=str(error).splitlines()[0])
 

@@ -59,6 +59,8 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
         again = any(one.startswith("motion=") for one in options.settings)
         own_settings = [] if again else [_setting(name, value) for name, value in stated.items()]
         options.settings = [*own_settings, *options.settings]
+    if getattr(options, "shades", True) is None:
+        options.shades = project.shades
     if getattr(options, "output", None) == []:
         options.output = [_output(one, folder, _line(options)) for one in project.outputs]
 

@@ -190,6 +190,7 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
         gaps=options.gaps,
         unknown=options.unknown,
         motion=_motion(options.settings),
+        shades=options.shades,
     )
 
 

@@ -110,6 +110,11 @@ def add_line(made: argparse.ArgumentParser) -> None:
         help="change a motion setting, or take a preset: --set motion=paper",
     )  # fmt: skip
     how.add_argument(
+        "--shades", action=argparse.BooleanOptionalAction, default=None,
+        help="perform the finer sounds that drafts know, or each as its parent [the project's, or "
+        "yes; no with motion=paper]",
+    )  # fmt: skip
+    how.add_argument(
         "--gaps", choices=("error", "rest"), default="error",
         help="bigrams that nothing answers [error]",
     )  # fmt: skip

@@ -128,10 +128,10 @@ class Count:
     """
 
     def __init__(self, performer: "Performer", scripts: "Iterable[str]" = ()) -> None:
-        self._performer = replace(performer, unknown="rest")
+        self._performer = replace(performer, unknown="rest", shades=False)
         self._speaker = performer.speaker
-        self._numbers = {name: n for n, name in enumerate(performer.compiled.phonemes)}
-        self.size = len(self._numbers)
+        self._numbers = performer.compiled.numbers(shades=False)
+        self.size = len(performer.compiled.counted)
         self.lines = self.words = 0
         self.phonemes = np.zeros(self.size, np.int64)
         self.bigrams = np.zeros(self.size**2, np.int64)

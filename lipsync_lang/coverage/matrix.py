@@ -215,10 +215,11 @@ class CountFigures:
 def _report(
     performer: "Performer", counted_lines: CountFigures, minutes: float, title: str
 ) -> CoverageReport:
-    counted, phonemes = counted_lines.count, performer.compiled.phonemes
+    counted, phonemes = counted_lines.count, performer.compiled.counted
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
     codes = {name: code for code, name in enumerate(names)}
-    origins = {codes["-".join(o.pair)]: o for o in performer.compiled.origins[1:]}
+    keyed = (("-".join(origin.pair), origin) for origin in performer.compiled.origins)
+    origins = {codes[key]: origin for key, origin in keyed if key in codes}
     rows = counted_lines.bigrams(counted_lines.spoken, origins, names)
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]

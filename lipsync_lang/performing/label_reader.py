@@ -38,11 +38,13 @@ class LabelReader:
     compiled : compiled language-character pair
     unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only)
     paths : folders with priority in pack searches, for message hints
+    shades : True to tell shades from their parents
     """
 
     compiled: "Compiled"
     unknown: Unknown = "error"
     paths: tuple[Path, ...] = ()
+    shades: bool = True
 
     def common_phonemes(self, schedule: Schedule) -> tuple[Ints, Floats, Ints]:
         """Map the labels of a schedule to common phonemes.
@@ -198,7 +200,7 @@ class LabelReader:
 
     @cached_property
     def _numbers(self) -> dict[str, int]:
-        return {name: number for number, name in enumerate(self.compiled.phonemes)}
+        return self.compiled.numbers(shades=self.shades)
 
     @cached_property
     def _recognised(self) -> "WeakKeyDictionary[Schedule, str]":

@@ -54,13 +54,15 @@ class Performer:
     """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only)."""
     paths: tuple[Path, ...] = ()
     """Folders and files with priority in pack searches."""
+    shades: bool | None = None
+    """Whether shades have curves of their own; None for yes, unless thresholds are the paper's."""
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)
 
     def __repr__(self) -> str:
         """Summarise the performer in one line."""
-        counts = f"{len(self.compiled.phonemes) - 1} common phonemes, {len(self.poses)} poses"
+        counts = f"{len(self.report.phonemes)} common phonemes, {len(self.poses)} poses"
         return f"<Performer {self.language} on {self.character}: {counts}>"
 
     def _repr_html_(self) -> str:
@@ -298,7 +300,8 @@ class Performer:
     @cached_property
     def labels(self) -> LabelReader:
         """Label reader of the language."""
-        return LabelReader(self.compiled, self.unknown, self.paths)
+        shades = self.motion.thresholds != "paper" if self.shades is None else self.shades
+        return LabelReader(self.compiled, self.unknown, self.paths, shades)
 
     @cached_property
     def speaker(self) -> "Speaker":

@@ -9,6 +9,9 @@ and recorded as the origin of the bigram:
 4. the same pair with added phonemes replaced by their `like` phonemes, in layers 1 to 3,
 5. a draft from the pose set's phoneme targets.
 
+A pair with shades is looked up finest first, down to the pair of their parents, and drafted only if
+nobody drew any of these.
+
 Pairs without a match are gaps. They are errors by default, or rest on request.
 """
 
@@ -35,6 +38,7 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     gaps: Gaps = "error",
     unknown: Unknown = "error",
     motion: Mapping[str, object] | str | None = None,
+    shades: bool | None = None,
     cache: bool = True,
 ) -> Performer:
     """Compose a language with a character.
@@ -48,6 +52,7 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, by phonetic
         features)
     motion : name of a preset, or changed settings of `Motion`
+    shades : False to perform each shade as its parent; by default only the paper's thresholds do
     cache : True to read and write compiled pairs in the cache
 
     Raises
@@ -78,7 +83,7 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
             store.save(compiled, language, character, library)
     if compiled.report.gaps and gaps != "rest":
         raise PackError(_gap_message(compiled.report))
-    return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders)
+    return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
 
 
 def _gap_message(report: Report) -> str:

@@ -79,13 +79,14 @@ def _explain_frame(
     at = int(place.phoneme[0])
     index = int(track.source[at])
     word = schedule.word_at(index) if index >= 0 else None
+    common = performer.compiled.phonemes[int(track.ids[at])]
     covering = _bigrams(performer, performance, place, _heard(performer, performance, now))
     return Explanation(
         seconds=float(now[0]),
         frame=frame,
         phoneme=schedule.labels[index] if index >= 0 else performer.compiled.phonemes[0],
         index=index if index >= 0 else None,
-        common=performer.compiled.phonemes[int(track.ids[at])],
+        common=common,
         start=float(track.bounds[at]),
         end=float(track.bounds[at + 1]),
         word=word.text if word else None,
@@ -94,6 +95,7 @@ def _explain_frame(
             _pose(performer, performance, number, frame, stages, values, covering)
             for number in range(len(performer.poses))
         ),
+        shade_of=performer.compiled.shades.get(common),
     )
 
 
@@ -144,8 +146,16 @@ def _bigram(
     styles = tuple(
         StyleAt(style, share, o.layer, o.status, o.places) for style, share, o in own if o
     )
+    finer = origin.pair != (first, second) and origin.layer != "gap"
     return BigramAt(
-        (first, second), position, origin.layer, origin.status, origin.places, origin.word, styles
+        (first, second),
+        position,
+        origin.layer,
+        origin.status,
+        origin.places,
+        origin.word,
+        styles,
+        origin.pair if finer else None,
     )
 
 

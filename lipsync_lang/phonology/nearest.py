@@ -10,6 +10,9 @@ without `another` for a piece that becomes what the one before it became. The di
 letters is the weighted sum of the differences of their features. In that of two runs the letters
 after the first count less, and how they move from letter to letter is added. Of equal costs the
 fewer pieces win, and of equal distances the phoneme that is named first.
+
+A piece becomes a shade of its phoneme if it is nearer to that than to the phoneme's other letters.
+A letter that a shade names, in spite of small marks, is that shade whatever phoneme it is like.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -24,6 +27,10 @@ from lipsync_lang.phonology.labels import Value
 
 CLEAR_DIFFERENCE = 0.9
 """Difference in a feature that is obvious to the eye."""
+
+
+SMALL_MARK = 0.35
+"""Distance within which a letter with marks is still the letter itself: a nasal vowel, say."""
 
 
 class Nearest(NamedTuple):
@@ -55,6 +62,13 @@ class LabelPiece(NamedTuple):
     stop: int
 
 
+class ShadeLabels(NamedTuple):
+    """A shade: its parent, and the labels that it names."""
+
+    parent: str
+    labels: Sequence[str]
+
+
 class _Cut(NamedTuple):
     """A possible first sound of a label."""
 
@@ -76,11 +90,13 @@ class NearestPhonemes:
     features : the IPA
     candidates : for each common phoneme, the labels it names, most typical first
     labels : those of the language, as far as they are known
+    shades : shades of the candidates by name; without them every answer is a candidate
     """
 
     features: Features
     candidates: Mapping[str, Sequence[str]]
     labels: Collection[str] = ()
+    shades: Mapping[str, ShadeLabels] = field(default_factory=dict)
     _runs: dict[int, list[Exemplar]] = field(init=False, repr=False, default_factory=dict)
     _own: set[str] = field(init=False, repr=False, default_factory=set)
     _near: dict[tuple[Numbers, ...], tuple[float, Exemplar] | None] = field(
@@ -115,7 +131,9 @@ class NearestPhonemes:
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make it of the data of the IPA and candidates, as JSON holds them."""
-        return cls(Features.from_data(data["features"]), data["candidates"], data["labels"])
+        shades = {name: ShadeLabels(*told) for name, told in data.get("shades", {}).items()}
+        features = Features.from_data(data["features"])
+        return cls(features, data["candidates"], data["labels"], shades)
 
     def value(self, label: str) -> Value | None:
         """Return the nearest common phonemes; None if the label is not IPA, or none is near."""
@@ -154,6 +172,8 @@ class NearestPhonemes:
         for runs in self._runs.values():
             for exemplar in runs:
                 typical.setdefault(exemplar.phoneme, exemplar.run)
+        for exemplar in self._shaded:
+            typical.setdefault(exemplar.phoneme, exemplar.run)
         return typical
 
     def _nearest(self, reading: LabelReading) -> Nearest:
@@ -164,7 +184,7 @@ class NearestPhonemes:
         times: list[tuple[str, float]] = []
         for piece in pieces:
             time = sum(sound.time for sound in reading.sounds[piece.start : piece.stop])
-            name = piece.exemplar.phoneme
+            name = self._finer(piece.exemplar.phoneme, runs[piece.start : piece.stop])
             if times and times[-1][0] == name:
                 time += times.pop()[1]
             times.append((name, time))
@@ -193,6 +213,40 @@ class NearestPhonemes:
                     cut = before.longer(piece, 0.0 if last == name else self.features.another)
                     best[-1][name] = min(best[-1].get(name, cut), cut, key=_cost)
         return min(best[-1].values(), key=_cost).pieces if best[-1] else None
+
+    def _finer(self, phoneme: str, run: tuple[Numbers, ...]) -> str:
+        """Return the shade that a run of letters is, or the phoneme itself."""
+        alike = [e for e in self._shaded if len(e.run) == len(run)]
+        known = [(round(self.distance(run, e.run), 9), e.phoneme) for e in alike]
+        distance, nearest = min(known, default=(inf, phoneme))
+        if nearest in self.shades and distance <= SMALL_MARK:
+            return nearest
+        own = {phoneme, *(name for name, told in self.shades.items() if told.parent == phoneme)}
+        return min((one for one in known if one[1] in own), default=(inf, phoneme))[1]
+
+    @cached_property
+    def _shaded(self) -> list[Exemplar]:
+        """What shades name, and what phonemes name beside them.
+
+        A letter that features keep from the parent of a shade is kept from the shade.
+        """
+        plain = [*self._named()]
+        aside, beside = self.features.aside, self.features.beside
+        named = [
+            (shade, label)
+            for shade, (parent, labels) in self.shades.items()
+            for label in map(key, labels)
+            if label not in aside.get(parent, ())
+            and (label not in beside.get(parent, ()) or (parent, label) in plain)
+        ]
+        taken = {label for _, label in named}
+        rest = [(p, label) for p, label in plain if named and label not in taken]
+        exemplars = []
+        for phoneme, label in (*named, *rest):
+            sounds = self.features.read(label, own=(label,)).sounds
+            if sounds:
+                exemplars.append(Exemplar(phoneme, tuple(sound.features for sound in sounds)))
+        return exemplars
 
     def _exemplar(self, run: tuple[Numbers, ...]) -> tuple[float, Exemplar] | None:
         """Return the nearest exemplar of the same length as a run; in a tie, the first."""

@@ -103,9 +103,14 @@ def dominance(
 def _targets(
     performer: Performer, library: Library | None
 ) -> "Mapping[str, tuple[PhonemeTarget, ...]]":
-    """Return the targets of the performer's pose set, found on the performer's own paths."""
+    """Return the targets of the performer's pose set, found on the performer's own paths.
+
+    A shade without a target has that of its parent.
+    """
     packs = library or Library(performer.paths)
-    return packs.poseset(performer.compiled.poseset).model.targets
+    targets = packs.poseset(performer.compiled.poseset).model.targets
+    parents = performer.compiled.shades.items()
+    return {shade: targets.get(parent, ()) for shade, parent in parents} | targets
 
 
 def _dominances(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tuple[Floats, Floats]:

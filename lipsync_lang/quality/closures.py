@@ -232,7 +232,7 @@ def rules(scene: Take) -> Iterable[Measured]:
 
 def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     gains = scene.face.measures.get(rule["measure"])
-    about = [n for n, label in enumerate(scene.phonemes) if label in rule["phonemes"]]
+    about = [n for n, names in enumerate(scene.phonemes) if names & {*rule["phonemes"]}]
     which = np.flatnonzero(np.isin(scene.track.ids, about))
     if gains is None:
         return unjudged("channels of a rig have no measures", of=name)

@@ -207,8 +207,8 @@ class Take:
     silence: int
     motion: "Motion"
     rules: dict[str, dict[str, Any]]
-    phonemes: tuple[str, ...]
-    """Names of the common phonemes, by number."""
+    phonemes: tuple[frozenset[str], ...]
+    """Names of the common phonemes, by number; a shade also has the name of its parent."""
 
     @property
     def frame(self) -> float:
@@ -317,5 +317,5 @@ def scene_of(animation: "Animation", performer: "Performer") -> Take:
         compiled.tables.silence,
         performer.motion,
         compiled.checks["rules"],
-        compiled.phonemes,
+        tuple(frozenset({name, compiled.shades.get(name, name)}) for name in compiled.phonemes),
     )

@@ -11,11 +11,11 @@ import numpy as np
 from lipsync_lang.banks.draft import shape
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown
-from lipsync_lang.pipeline.arrays import Bools, Floats, Singles
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
-from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Report
+from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Pair, Report
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
 from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, PairPacks
 from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
@@ -31,11 +31,9 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
     shelf = PairPacks.open(library, language, character)
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
-    rows = list(shelf.rows())
-    pairs = np.zeros((len(shelf.phonemes), len(shelf.phonemes)), np.intp)
-    for number, row in enumerate(rows, start=1):
-        a, b = (shelf.phonemes.index(p) for p in row.origin.pair)
-        pairs[a, b] = number if row.origin.layer != "gap" else 0
+    counted = list(shelf.rows())
+    finer = shelf.shade_rows()
+    rows = [*counted, *(row for pair, row in finer.items() if row.origin.pair == pair)]
     curves = _tabulate(rows, len(shelf.poses))
     boundary, free = _marks(rows)
     styles = {style: _styled(shelf, rows, style) for style in shelf.styles}
@@ -43,7 +41,7 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         curves=curves,
         boundary=boundary,
         free=free,
-        pairs=pairs,
+        pairs=_pairs(shelf, rows, finer),
         silence=0,
         contacts=tuple(shelf.contacts()),
         thresholds=shelf.thresholds(),
@@ -64,7 +62,8 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         character=who.model.name,
         poseset=poseset.model.name,
         poses=shelf.poses,
-        phonemes=shelf.phonemes,
+        phonemes=shelf.numbered,
+        shades=dict(shelf.parents),
         notations=tables_of(model),
         visemes=visemes_of(common.model),
         spelling=spelling(library),
@@ -90,8 +89,8 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         checks=_checks(poseset.model.checks, who.model.checks),
         report=replace(
-            _report(shelf, [r.origin for r in rows], _warnings(shelf, rows, tables)),
-            styles={style: _statuses(changed) for style, changed in styles.items()},
+            _report(shelf, [r.origin for r in counted], _warnings(shelf, rows, tables)),
+            styles={style: _statuses(rows[: len(counted)]) for style, rows in styles.items()},
         ),
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
@@ -100,6 +99,17 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
     )
+
+
+def _pairs(shelf: PairPacks, rows: list[BigramRow], finer: Mapping[Pair, BigramRow]) -> Ints:
+    """Return (N, N) row numbers; several pairs with shades may share the row of a coarser pair."""
+    numbers = {row.origin.pair: n for n, row in enumerate(rows, 1) if row.origin.layer != "gap"}
+    played = numbers | {pair: numbers[row.origin.pair] for pair, row in finer.items()}
+    index = {phoneme: number for number, phoneme in enumerate(shelf.numbered)}
+    pairs = np.zeros((len(index), len(index)), np.intp)
+    for (a, b), number in played.items():
+        pairs[index[a], index[b]] = number
+    return pairs
 
 
 def _freeze(tables: Tables) -> None:
@@ -237,7 +247,7 @@ def _warnings(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> list[F
         halves = tables.curves[number, : edge + 1], tables.curves[number, edge:]
         for phoneme, half in zip(row.origin.pair, halves, strict=True):
             for name, contact in zip(names, tables.contacts, strict=True):
-                if not contact.phonemes[shelf.phonemes.index(phoneme)]:
+                if not contact.phonemes[shelf.numbered.index(phoneme)]:
                     continue
                 for pose in contact.raised:
                     top, floor = float(half[:, pose].max()), float(contact.floor[pose])
@@ -277,6 +287,7 @@ def _report(shelf: PairPacks, origins: list[Origin], warnings: list[Fault]) -> R
         poseset=shelf.poseset.model.name,
         phonemes=shelf.phonemes[1:],
         added=tuple(p for p in shelf.phonemes[1:] if p not in base),
+        shades=shelf.shades,
         layers=by_layer(spoken),
         silence_layers=by_layer([o for o in origins if silence in o.pair]),
         shared=sum(base.issuperset(o.pair) for o in spoken),

@@ -36,6 +36,8 @@ class Report:
     """Common phonemes of the language, without silence."""
     added: tuple[str, ...]
     """Phonemes that the language adds to the base."""
+    shades: tuple[str, ...]
+    """Finer phonemes with curves of their own; their bigrams count as those of their parents."""
     layers: dict[str, dict[str, int]]
     """Number of bigrams by layer, then status, without silence."""
     silence_layers: dict[str, dict[str, int]]
@@ -65,6 +67,8 @@ class Report:
             f"{sum(sum(s.values()) for s in self.silence_layers.values())} more with silence",
             *_layer_lines(self.silence_layers),
         ]
+        if self.shades:
+            lines.append(f"{len(self.shades)} shades: {' '.join(self.shades)}")
         if self.automatic:
             lines.insert(1, "automatic: IPA that no pack maps goes to the nearest by features")
         for style, statuses in self.styles.items():
@@ -92,7 +96,12 @@ class Compiled:
     poseset: str
     poses: tuple[str, ...]
     phonemes: tuple[str, ...]
-    """Common phonemes, silence first; the index is a phoneme's number in the tables."""
+    """Common phonemes, silence first, shades last; the index is a phoneme's number in the tables.
+
+    A shade that nothing tells from its parent has no number of its own.
+    """
+    shades: dict[str, str]
+    """Parent of each shade that the language may have, with a number of its own or not."""
     notations: dict[str, dict[str, Value]]
     visemes: dict[str, dict[str, Value]]
     """Notations of mouth shapes. Guessing the notation of labels never tries these."""
@@ -142,6 +151,21 @@ class Compiled:
     def style_names(self) -> tuple[str, ...]:
         """Styles by the number of their bank: those of the tables, then drafts."""
         return (*self.style_origins, *self.style_drafts)
+
+    @property
+    def counted(self) -> tuple[str, ...]:
+        """Common phonemes without shades, silence first: those that banks are counted by."""
+        return tuple(name for name in self.phonemes if name not in self.shades)
+
+    def numbers(self, *, shades: bool) -> dict[str, int]:
+        """Return the number of every phoneme in the tables.
+
+        Shades without curves of their own have the number of their parent; all have it where
+        `shades` is False. Nothing else folds shades to their parents.
+        """
+        names = self.phonemes if shades else self.counted
+        own = {name: number for number, name in enumerate(names)}
+        return {name: own[parent] for name, parent in self.shades.items()} | own
 
     def __repr__(self) -> str:
         return f"<Compiled {self.language} on {self.character}>"

@@ -27,6 +27,8 @@ def draft_bigrams(
     """
     shelf = PairPacks.open(library, language, character)
     pairs = {"-".join(pair): pair for pair in shelf.pairs()}
+    if wanted:
+        pairs |= {"-".join(pair): pair for pair in shelf.shade_pairs()}
     for key in wanted:
         if key not in pairs:
             raise LipsyncError(f"no bigram '{key}' in {language}; {did_you_mean(key, pairs)}")

@@ -27,7 +27,8 @@ def manner_of(
         for said in (model.words, *(own.get(name, {}) for name in (*language.lineage[::-1],)))
         for word, sounds in said.items()
     }
-    phonemes = {**common.phonemes, **{k: p for k, p in model.adds.items() if p is not None}}
+    added = {name: phoneme for name, phoneme in model.adds.items() if phoneme is not None}
+    phonemes: dict[str, models.SoundFields] = {**common.shades, **common.phonemes, **added}
     return Manner(
         language=model.name,
         engine=g2p.engine if g2p else None,

@@ -1,9 +1,10 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from graphlib import TopologicalSorter
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -95,7 +96,7 @@ class PairPacks:
         common, poseset = self.common.model, self.poseset.model
         rigs = {path.stem for path in self.library.rigs_of(poseset.name)}
         spoken = {found.name for found in self.library.names("language")}
-        phonemes = known(self.library, {*common.phonemes, *self.phonemes})
+        phonemes = known(self.library, {*common.phonemes, *common.shades, *self.phonemes})
         found = [
             *checks.check_phonemes(self.common),
             *checks.check_language(self.language, common),
@@ -119,7 +120,7 @@ class PairPacks:
 
     @property
     def phonemes(self) -> tuple[str, ...]:
-        """Silence, the base, and what the language adds."""
+        """Silence, the base, and what the language adds: the phonemes that count."""
         model = self.common.model
         return (
             model.silence,
@@ -127,6 +128,37 @@ class PairPacks:
             *(a for a in self.language.model.adds if a not in model.base),
         )
 
+    @cached_property
+    def parents(self) -> dict[str, str]:
+        """The parent of each shade that the language can have."""
+        shades = self.common.model.shades.items()
+        return {name: shade.like for name, shade in shades if shade.like in self.phonemes}
+
+    @cached_property
+    def shades(self) -> tuple[str, ...]:
+        """Shades of the language that a target or a bank tells from their parents."""
+        stated = (rows for layer in self.layers.values() for rows in layer.values())
+        drawn = {phoneme for rows in stated for pair in rows for phoneme in pair}
+        shown = drawn | self.poseset.model.targets.keys()
+        return tuple(name for name in self.parents if name in shown and self._says(name))
+
+    def _says(self, shade: str) -> bool:
+        """Return True if a label or a word of the language or character has the shade."""
+        return self.language.model.automatic or shade in self._mapped
+
+    @cached_property
+    def _mapped(self) -> frozenset[str]:
+        model = self.language.model
+        labels = (s.to for table in model.notations.values() for s in table.values())
+        own = (words.values() for words in self.character.model.pronunciations.values())
+        return frozenset(chain(*labels, *model.words.values(), *chain(*own)))
+
+    @property
+    def numbered(self) -> tuple[str, ...]:
+        """Every phoneme with rows of its own in the tables: `phonemes`, then `shades`."""
+        return (*self.phonemes, *self.shades)
+
+    @cached_property
     def likes(self) -> dict[str, str]:
         """The substitute (`like`) of each added phoneme."""
         found = {}
@@ -193,7 +225,7 @@ class PairPacks:
             yield (first, second), row
 
     def rows(self) -> Iterator[BigramRow]:
-        """Yield a row for every ordered pair, in the order of the phonemes."""
+        """Yield a row for every ordered pair of phonemes, in their order, without shades."""
         everyone = self.pairs()
         found = {pair: self.authored(pair) for pair in everyone}
         drafts = self.drafts([pair for pair in everyone if found[pair] is None])
@@ -201,23 +233,55 @@ class PairPacks:
             gap = BigramRow(Origin(pair, "gap", "", ()), {})
             yield found[pair] or drafts.get(pair, gap)
 
+    def shade_rows(self) -> dict[Pair, BigramRow]:
+        """Return the row of every ordered pair with a shade, by pair.
+
+        It is the row of a coarser pair (`origin.pair`) where a bank draws that one and not this.
+        """
+        pairs = self.shade_pairs()
+        found = {}
+        for pair in pairs:
+            row = self.authored(pair)
+            if row is not None:
+                own = row.origin._replace(pair=pair) if self._draws(pair) else row.origin
+                found[pair] = replace(row, origin=own)
+        return found | self.drafts([pair for pair in pairs if pair not in found])
+
+    def shade_pairs(self) -> list[Pair]:
+        """Every ordered pair with at least one shade."""
+        shades = {*self.shades}
+        return [(a, b) for a in self.numbered for b in self.numbered if a in shades or b in shades]
+
+    def _draws(self, pair: Pair) -> bool:
+        """Return True if a bank of any style draws exactly this pair."""
+        return any(pair in rows for layer in self.layers.values() for rows in layer.values())
+
     def pairs(self) -> list[Pair]:
-        """Every ordered pair of phonemes except silence with itself."""
+        """Every ordered pair of phonemes except silence with itself, without shades."""
         silence = self.common.model.silence
         return [(a, b) for a in self.phonemes for b in self.phonemes if {a, b} != {silence}]
 
     def authored(self, pair: Pair, style: str = NEUTRAL) -> BigramRow | None:
         """Return the bank row of a pair, or of its substitute (`like`) pair; None if there is none.
 
-        Within a layer the style comes first, then neutral.
+        Of a pair with shades it is the finest that a bank draws, down to that of their parents: a
+        drawn parent comes before a drafted shade. Within a layer the style comes first, then
+        neutral.
         """
-        row = self._stated(pair, style)
-        if row is not None:
-            return row
-        likes = self.likes()
+        for finer in self._coarser(pair):
+            row = self._stated(finer, style)
+            if row is not None:
+                return row
+        pair, likes = finer, self.likes
         alike = (likes.get(pair[0], pair[0]), likes.get(pair[1], pair[1]))
         row = self._stated(alike, style) if alike != pair else None
         return row and replace(row, origin=row.origin._replace(pair=pair, layer="like"))
+
+    def _coarser(self, pair: Pair) -> list[Pair]:
+        """Return a pair, then with its shades replaced by their parents; the last has none."""
+        first, second = pair
+        parents = self.parents.get(first, first), self.parents.get(second, second)
+        return [*dict.fromkeys((pair, (first, parents[1]), (parents[0], second), parents))]
 
     def _stated(self, pair: Pair, style: str) -> BigramRow | None:
         for layer in self.layers.values():
@@ -245,10 +309,9 @@ class PairPacks:
     def _targets(self) -> dict[str, tuple[Target, str]]:
         """Target of each phoneme with its location; silence rests by default."""
         model = self.poseset.model
-        likes = self.likes()
         found = {}
-        for phoneme in self.phonemes:
-            name = phoneme if phoneme in model.targets else likes.get(phoneme, phoneme)
+        for phoneme in self.numbered:
+            name = self._targeted(phoneme)
             if name in model.targets:
                 place = str(self.poseset.where(("targets", name)))
                 found[phoneme] = (self._target(model.targets[name]), place)
@@ -257,6 +320,12 @@ class PairPacks:
             still = np.zeros((1, len(self.poses)))
             found[silence] = (Target(still, np.ones(len(self.poses))), "")
         return found
+
+    def _targeted(self, phoneme: str) -> str:
+        """Return the phoneme whose target a phoneme has: itself, its parent or its substitute."""
+        targets = self.poseset.model.targets
+        coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
+        return coarse if coarse in targets else self.likes.get(coarse, coarse)
 
     def _target(self, steps: "Iterable[models.PhonemeTarget]") -> Target:
         """Return a target as arrays.
@@ -279,17 +348,27 @@ class PairPacks:
         return Target(np.array(weights), np.maximum(dominance, 1e-6))
 
     def contacts(self) -> Iterator[Contact]:
-        """Contacts as arrays; an added phoneme has the contacts of its substitute."""
-        likes = self.likes()
+        """Contacts as arrays.
+
+        An added phoneme has the contacts of its substitute, and a shade those of its parent unless
+        its `contact` is `free`.
+        """
         named = {p for c in self.poseset.model.contacts.values() for p in c.phonemes}
+        meant = [self._touching(p, named) for p in self.numbered]
         for contact in self.poseset.model.contacts.values():
-            demands = [
-                p in contact.phonemes or (p not in named and likes.get(p) in contact.phonemes)
-                for p in self.phonemes
-            ]
+            demands = [p in contact.phonemes for p in meant]
             floor = [contact.floor.get(pose, 0.0) for pose in self.poses]
             ceiling = [contact.ceiling.get(pose, 1.0) for pose in self.poses]
             yield Contact(np.array(demands), np.array(floor), np.array(ceiling))
+
+    def _touching(self, phoneme: str, named: Collection[str]) -> str:
+        """Return the phoneme whose contacts a phoneme has; empty for a shade without any."""
+        if phoneme in named:
+            return phoneme
+        if phoneme in self.parents:
+            free = self.common.model.shades[phoneme].contact == "free"
+            return "" if free else self._touching(self.parents[phoneme], named)
+        return self.likes.get(phoneme, phoneme)
 
     def thresholds(self, *, paper: bool = False) -> Floats:
         """Constraints as a symmetric (P, P) array; `paper` prefers the paper's own values."""
@@ -310,8 +389,12 @@ class PairPacks:
         return np.array([b if a is None else a for a, b in zip(own, regions, strict=True)], float)
 
     def highest(self) -> Floats:
-        """(P,) the greatest weight of each pose in any target; 1 for a pose in no target."""
-        steps = [step for steps in self.poseset.model.targets.values() for step in steps]
+        """(P,) the greatest weight of each pose in any target; 1 for a pose in no target.
+
+        Shades are left out: their targets change no curve of other phonemes.
+        """
+        targets, shades = self.poseset.model.targets.items(), self.common.model.shades
+        steps = [step for name, steps in targets if name not in shades for step in steps]
         tops = [max((s.weights.get(pose, 0.0) for s in steps), default=0.0) for pose in self.poses]
         return np.array([top or 1 for top in tops], float)
 
@@ -320,10 +403,10 @@ class PairPacks:
 
         A target with `W: 0` opposes early rounding.
         """
-        targets, likes = self.poseset.model.targets, self.likes()
-        out = np.zeros((len(self.phonemes), len(self.poses)), bool)
-        for number, phoneme in enumerate(self.phonemes[1:], start=1):
-            steps = targets.get(phoneme, targets.get(likes.get(phoneme, ""), ()))
+        targets = self.poseset.model.targets
+        out = np.zeros((len(self.numbered), len(self.poses)), bool)
+        for number, phoneme in enumerate(self.numbered[1:], start=1):
+            steps = targets.get(self._targeted(phoneme), ())
             for pose, weight in steps[-1].weights.items() if steps else ():
                 out[number, self.poses.index(pose)] = weight == 0
         return out

@@ -1,6 +1,6 @@
 """Mapping labels by features: the phonemes that packs offer, and mappings that disagree."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -42,7 +42,18 @@ def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[s
     # an inventory is what the language tells apart; a notation has what any source may write
     labels = [*(model.inventory.segments if model.inventory else model.notations.get(IPA, ()))]
     known = candidates(model, library.common().model)
-    return {"features": _features(library), "candidates": known, "labels": labels}
+    shades = shades_among(library.common().model, known)
+    found = {"features": _features(library), "candidates": known, "labels": labels}
+    return found | {"shades": shades}
+
+
+def shades_among(common: "models.Phonemes", phonemes: Collection[str]) -> dict[str, list[object]]:
+    """Return the shades of phonemes as JSON: for each its parent, and its IPA equivalents."""
+    return {
+        name: [shade.like, list(shade.ipa)]
+        for name, shade in common.shades.items()
+        if shade.like in phonemes
+    }
 
 
 def spelling(library: "Library") -> dict[str, dict[str, Any]]:
@@ -104,7 +115,12 @@ def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes
     added = [name for name in common.phonemes if name not in (*common.base, common.silence)]
     known = {name: list(common.phonemes[name].ipa) for name in (*added, *common.base)}
     return NearestPhonemes.from_plain(
-        {"features": _features(library), "candidates": known, "labels": list(labels)}
+        {
+            "features": _features(library),
+            "candidates": known,
+            "labels": list(labels),
+            "shades": shades_among(common, known),
+        }
     )
 
 
@@ -119,11 +135,15 @@ def candidates(language: "models.Language", common: "models.Phonemes") -> dict[s
 
 
 def disagreements(language: "models.Language", near: NearestPhonemes) -> list[Disagreement]:
-    """List the IPA labels of a language whose mapping differs from that of their features."""
+    """List the IPA labels of a language whose mapping differs from that of their features.
+
+    A shade and its parent do not differ.
+    """
     rows = []
+    parents = {name: told.parent for name, told in near.shades.items()}
     for label, sounds in language.notations.get(IPA, {}).items():
         stated, found = value_of(sounds), near.value(label)
-        if found is None or _shown(found) != _shown(stated):
+        if found is None or _shown(found, parents) != _shown(stated, parents):
             reason = language.reasons.get(label, "")
             rows.append(Disagreement(label, stated, found or (), reason))
     return rows
@@ -139,6 +159,9 @@ def fights(language: "models.Language", near: NearestPhonemes) -> list[tuple[str
     return rows
 
 
-def _shown(value: Value) -> list[str]:
-    """Return the names of a value's phonemes; a repeated one is shown once, as one long sound."""
-    return [name for name, _ in groupby(name for name, _ in value)]
+def _shown(value: Value, parents: Mapping[str, str]) -> list[str]:
+    """Return the phonemes of a value, shades as their parents.
+
+    A repeated one is shown once, as one long sound.
+    """
+    return [name for name, _ in groupby(parents.get(name, name) for name, _ in value)]

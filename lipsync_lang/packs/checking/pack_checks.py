@@ -42,12 +42,31 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
         if phoneme.like is not None:
             loc = ("phonemes", label, "like")
             yield from _phoneme(common, loc, phoneme.like, known - {label})
+    yield from _shades(common)
     everywhere = {*model.base, model.silence}
     for name, notation in model.visemes.items():
         for label, sounds in notation.labels.items():
             for number, sound in enumerate(sounds.to):
                 place: Loc = ("visemes", name, "labels", label, "to", number)
                 yield from _phoneme(common, place, sound, everywhere)
+
+
+def _shades(common: "Pack[Phonemes]") -> Iterator[Fault]:
+    """Check that each shade has a name of its own, and a parent that is no shade."""
+    model = common.model
+    parents = {*model.phonemes} - {model.silence}
+    for label, shade in model.shades.items():
+        loc: Loc = ("shades", label)
+        if label in model.phonemes or label == model.silence:
+            what = f"shade '{label}' has the name of a phoneme"
+            yield common.fault(loc, "P215", what, "choose another label", key=True)
+        if shade.like in model.shades and shade.like not in parents:
+            above = model.shades[shade.like].like
+            what = f"the parent of shade '{label}' is '{shade.like}', which is a shade itself"
+            hint = f"name a phoneme instead, such as '{above}'"
+            yield common.fault((*loc, "like"), "P227", what, hint)
+        else:
+            yield from _phoneme(common, (*loc, "like"), shade.like, parents)
 
 
 def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fault]:
@@ -79,9 +98,10 @@ def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) 
     for label, phoneme in language.model.adds.items():
         if phoneme is None:
             yield from _phoneme(language, ("adds", label), label, common.phonemes, key=True)
-        elif label in common.phonemes:
+        elif label in common.phonemes or label in common.shades:
             what = f"'{label}' is declared in the common pack already"
             hint = f"write `{label}: null` to add it as it is, or choose another label"
+            hint = "choose another label" if label in common.shades else hint
             yield language.fault(("adds", label), "P215", what, hint, key=True)
         elif phoneme.like is not None:
             loc = ("adds", label, "like")
@@ -334,8 +354,14 @@ def _pronunciations(
 
 
 def phonemes_of(language: Language, common: Phonemes) -> set[str]:
-    """Return the common phonemes of a language: base, silence, and additions."""
-    return {*common.base, common.silence, *language.adds}
+    """Return the common phonemes of a language: base, silence, additions, and their shades."""
+    return with_shades({*common.base, common.silence, *language.adds}, common)
+
+
+def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:
+    """Return phonemes together with the shades of each."""
+    shades = (name for name, shade in common.shades.items() if shade.like in phonemes)
+    return {*phonemes, *shades}
 
 
 def _bigrams(
@@ -388,6 +414,9 @@ def _phoneme(  # noqa: PLR0913 what a place may say of a phoneme
     if label in known:
         return
     hint = did_you_mean(label, known)
-    if common is not None and label in common.phonemes:
+    if common is not None and label in common.shades:
+        parent = common.shades[label].like
+        hint = f"it is a shade of '{parent}': put '{parent}' in the language's `adds`"
+    elif common is not None and label in common.phonemes:
         hint = f"it is beyond the base: put '{label}' in the language's `adds`"
     yield pack.fault(loc, "P202", f"unknown phoneme '{label}'", hint, key=key)

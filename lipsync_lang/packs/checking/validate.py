@@ -164,7 +164,7 @@ class _Validation:
         whole = self._try(lambda: extended(self.library, pack.path))
         if whole is not None and self.common is not None:
             self.faults.update(checks.check_language(whole, self.common.model))
-            self.faults.update(check_claims(whole))
+            self.faults.update(check_claims(whole, self.common.model if self.common else None))
             self.spoken.append(whole)
 
     def _poseset(self, pack: "Pack[models.PoseSet]") -> None:
@@ -254,8 +254,9 @@ class _Validation:
             return None
         model = self.common.model
         if language in self.languages:
-            return {*model.base, model.silence, *added_by(self.library, language)}
-        return known(self.library, {*model.phonemes, model.silence})
+            added = added_by(self.library, language)
+            return checks.with_shades({*model.base, model.silence, *added}, model)
+        return known(self.library, {*model.phonemes, model.silence, *model.shades})
 
     def _tags(self) -> None:
         """Warn of tags and aliases that two languages state."""

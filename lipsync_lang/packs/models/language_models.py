@@ -3,6 +3,7 @@
 A validator here sees one file; `packs.checking` compares files. Times are in seconds.
 """
 
+from collections.abc import Mapping, Sequence
 from math import isclose
 from typing import Annotated, Literal, Self
 
@@ -37,8 +38,8 @@ SHARES_SLACK = 1e-3
 """Largest difference between the sum of shares and 1; 0.333 three times is accepted."""
 
 
-class Phoneme(Strict):
-    """A common phoneme: its sounds, and its fallback."""
+class SoundFields(Strict):
+    """Fields of a common phoneme and of a shade."""
 
     title: str = ""
     """The sound in words."""
@@ -48,10 +49,26 @@ class Phoneme(Strict):
     """A word with the sound in it."""
     sound: SoundClass | None = Field(default=None, alias="class")
     """The manner of the sound, which gives its estimated duration."""
+
+
+class Phoneme(SoundFields):
+    """A common phoneme: its sounds, and its fallback."""
+
     like: Common | None = None
     """The phoneme whose bigrams replace missing bigrams."""
     spelled: tuple[Text, ...] = ()
     """Labels of the phoneme in banks of other programs; case is ignored."""
+
+
+class Shade(SoundFields):
+    """A finer common phoneme: drafted from its own target, counted and drawn as its parent."""
+
+    like: Common
+    """The parent: the phoneme that the shade looks like."""
+    contact: Literal["hold", "free"] = "hold"
+    """`hold` demands the contacts of the parent; `free` demands none."""
+    reason: Text
+    """The visible difference from the parent."""
 
 
 class Sounds(Strict):
@@ -122,6 +139,8 @@ class Phonemes(PackModel):
     """Every common phoneme, including those of some languages only."""
     base: tuple[Common, ...]
     """The phonemes of every language."""
+    shades: dict[Common, Shade] = Field(default={})
+    """Finer phonemes of every language that has their parent."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Default seconds by class, if neither a voice nor the language gives timings."""
     visemes: dict[Text, Visemes] = Field(default={})
@@ -130,7 +149,7 @@ class Phonemes(PackModel):
 
     @model_validator(mode="after")
     def _spelled_once(self) -> Self:
-        names = {label: label for label in (*self.phonemes, self.silence)}
+        names = {label: label for label in (*self.phonemes, self.silence, *self.shades)}
         for label, phoneme in self.phonemes.items():
             for other in phoneme.spelled:
                 known = names.setdefault(other.casefold(), label)
@@ -227,6 +246,16 @@ class Test(Strict):
     """The segments given by the source, in IPA, separated by spaces."""
     source: str = ""
     """The source of the transcription."""
+
+    def accepts(self, said: Sequence[str], shades: Mapping[str, Shade]) -> bool:
+        """Return True for the expected phonemes; a shade passes where its parent is expected.
+
+        So a test holds where a voice and its source differ by a shade.
+        """
+        coarse = (shades[name].like if name in shades else name for name in said)
+        accepted = zip(self.phonemes, said, coarse, strict=False)
+        same = all(expected in (name, parent) for expected, name, parent in accepted)
+        return len(said) == len(self.phonemes) and same
 
 
 class StatedInventory(Strict):

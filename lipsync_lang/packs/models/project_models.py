@@ -60,6 +60,8 @@ class Project(PackModel):
     """Frames per second: a number, or a fraction such as 24000/1001."""
     motion: Annotated[MotionFields, Short(_preset, forms=_or({"type": "string"}))] | None = None
     """Motion settings over the character's own; a preset's name alone is short for it."""
+    shades: bool | None = None
+    """False to perform each shade as its parent; unless stated, only the paper's thresholds do."""
     outputs: Annotated[tuple[Output, ...], OrOne] = ()
     """Outputs of `run`, from this folder: FILE or FORMAT:FILE; `{line}` stands for the line."""
     paths: Annotated[tuple[Text, ...], OrOne] = ()

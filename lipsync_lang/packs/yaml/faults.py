@@ -74,6 +74,7 @@ CODES: dict[str, str] = {
     "P224": "Two poses claim one spelling of a model's shapes.",
     "P225": "The face at rest is called like a pose.",
     "P226": "A voice is unknown to its speech engine.",
+    "P227": "The parent of a shade is a shade.",
     "P230": "A region is unknown to the pose set.",
     "P231": "A measure is unknown to the pose set.",
     # W3: sound, but probably not meant
