@@ -135,7 +135,7 @@ def test_keys_are_few(character, error, most):
     schedule = ll.Schedule(LABELS, times, notation="arpabet")
     animation = ll.resolve("english", character).perform(schedule)
     moving = np.flatnonzero(np.ptp(animation.weights, axis=0) > 0)
-    curves = replace(animation, keys=error).keyframes(error)
+    curves = replace(animation, key_error=error).keyframes(error)
     seconds = animation.times[-1] - animation.times[0]
     lines = replace(animation, tolerance=error).keyframes(error)
     fitted, straight = (
@@ -239,7 +239,7 @@ LINES = {"unreal", "smartbody", "usd"}
 @pytest.mark.parametrize("error", ERRORS)
 @pytest.mark.parametrize("name", TANGENTS)
 def test_formats_with_tangents_stay_within_the_error(name, error, animation):
-    chosen = replace(animation, keys=error)
+    chosen = replace(animation, key_error=error)
     found = list(TANGENTS[name](content_of(name, chosen), chosen))
     assert {pose for pose, _, _ in found} == set(animation.poses)
     for pose, values, _ in found:
@@ -250,12 +250,12 @@ def test_formats_with_tangents_stay_within_the_error(name, error, animation):
 
 @pytest.mark.parametrize("name", sorted(LINES))
 def test_formats_without_tangents_have_fewer_lines(name, animation):
-    coarse = content_of(name, replace(animation, keys=0.02))
-    assert len(coarse) < 0.8 * len(content_of(name, replace(animation, keys=0.001)))
+    coarse = content_of(name, replace(animation, key_error=0.02))
+    assert len(coarse) < 0.8 * len(content_of(name, replace(animation, key_error=0.001)))
 
 
 def test_lines_of_a_table_stay_within_the_error(animation):
-    thin = replace(animation, keys=0.02).thinned()
+    thin = replace(animation, key_error=0.02).thinned()
     assert len(thin) < len(animation)
     for pose, values in thin:
         kept = np.interp(animation.times, thin.times, values)
@@ -263,7 +263,7 @@ def test_lines_of_a_table_stay_within_the_error(animation):
 
 
 def test_a_model_has_one_spline_for_the_shapes_of_a_mesh(animation):
-    content = content_of("glb", replace(animation, keys=0.02))
+    content = content_of("glb", replace(animation, key_error=0.02))
     document = json.loads(content[20 : 20 + int.from_bytes(content[12:16], "little")])
     [take] = document["animations"]
     [sampler] = take["samplers"]
@@ -290,7 +290,11 @@ def test_an_error_out_of_range_is_refused_before_anything_is_written(error, anim
     assert not path.exists()
     for name in (*TANGENTS, *LINES):
         with pytest.raises(ll.LipsyncError, match=OUT_OF_RANGE):
-            content_of(name, replace(animation, keys=error))
+            content_of(name, replace(animation, key_error=error))
+
+
+def test_an_animation_is_still_a_mapping_of_curves(animation):
+    assert list(dict(animation)) == list(animation.poses)
 
 
 def test_save_takes_keys(animation, tmp_path):

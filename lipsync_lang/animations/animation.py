@@ -42,8 +42,8 @@ class Animation:
     offset : start of the sound on the timeline of output files, in seconds
     tolerance : maximum error of keyframes with straight lines between them, in formats with
         keyframes; None for the default of the format
-    keys : maximum error of keyframes with cubic curves between them, in formats that have tangents;
-        None for straight lines
+    key_error : maximum error of keyframes with cubic curves between them, in formats that have
+        tangents; None for straight lines
     neutral : the name of the neutral pose, if any
     contacts : poses that must stay visible at every contact, with the levels that contacts hold
     """
@@ -59,7 +59,7 @@ class Animation:
     model: Path | None = None
     offset: float = 0.0
     tolerance: float | None = None
-    keys: float | None = None
+    key_error: float | None = None
     neutral: str | None = None
     contacts: Mapping[str, float] = field(default_factory=dict)
 
@@ -96,37 +96,39 @@ class Animation:
         Parameters
         ----------
         tolerance : default of the format; the animation's own tolerance takes precedence, and its
-            `keys` over both
-        lines : straight lines within `keys`, for formats without tangents
+            `key_error` over both
+        lines : straight lines within `key_error`, for formats without tangents
 
         Raises
         ------
         LipsyncError
-            `keys` is not in (0, 0.5].
+            `key_error` is not in (0, 0.5].
         """
         from lipsync_lang.animations.keys import cubic_curves, curves, margin
 
-        if self.keys is not None and not lines:
-            return cubic_curves(self.poses, self.timeline, self.weights, self.keys, self.contacts)
+        if self.key_error is not None and not lines:
+            return cubic_curves(
+                self.poses, self.timeline, self.weights, self.key_error, self.contacts
+            )
         error = tolerance if self.tolerance is None else self.tolerance
-        error = error if self.keys is None else margin(self.keys)
+        error = error if self.key_error is None else margin(self.key_error)
         return curves(self.poses, self.timeline, self.weights, error)
 
     def thinned(self) -> Self:
-        """Return only the frames that straight lines within `keys` need; all of them without.
+        """Return only the frames that straight lines within `key_error` need; all of them without.
 
         For formats whose curves share their times and have no tangents.
 
         Raises
         ------
         LipsyncError
-            `keys` is not in (0, 0.5].
+            `key_error` is not in (0, 0.5].
         """
         from lipsync_lang.animations.keys import margin, needed
 
-        if self.keys is None:
+        if self.key_error is None:
             return self
-        kept = needed(self.times, self.weights, margin(self.keys))
+        kept = needed(self.times, self.weights, margin(self.key_error))
         return replace(self, times=self.times[kept], weights=self.weights[kept])
 
     def __repr__(self) -> str:
@@ -227,7 +229,7 @@ class Animation:
         path : the output file; its suffix selects the format (``lipsync-lang formats`` lists them).
             ``-`` is standard output
         writer : format name, to override the suffix
-        keys : maximum error of cubic keyframes; by default, the animation's own `keys`
+        keys : maximum error of cubic keyframes; by default, the animation's own `key_error`
 
         Raises
         ------
@@ -240,7 +242,7 @@ class Animation:
 
         if keys is not None:
             margin(keys)
-        shown = self if keys is None else replace(self, keys=keys)
+        shown = self if keys is None else replace(self, key_error=keys)
         save(shown, argument_path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":

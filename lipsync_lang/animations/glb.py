@@ -81,10 +81,10 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     model = _model(animation.model, channels)
     times = animation.timeline.astype("<f4")
     frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
-    if animation.tolerance and animation.keys is None:
+    if animation.tolerance and animation.key_error is None:
         kept = needed(times[frames].astype(float), animation.weights[frames], animation.tolerance)
         frames = frames[kept]
-    take = _Take(model, times[frames], animation.keys)
+    take = _Take(model, times[frames], animation.key_error)
     floors = [animation.contacts.get(pose, 0.0) for pose in animation.poses]
     _move_shapes(take, channels, animation.weights[frames], floors)
     _move_nodes(take, channels, animation.weights[frames])

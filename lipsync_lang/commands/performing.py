@@ -44,7 +44,7 @@ def run(options: Namespace) -> int:
         _shown(options, animation, writers),
         offset=offset,
         tolerance=options.tolerance,
-        keys=options.keys,
+        key_error=options.keys,
     )
 
     def writing(path: Path) -> Callable[[Any], None]:
