@@ -101,6 +101,21 @@ def test_every_channel_finds_its_keys_among_those_that_all_share(track, error):
         assert strays <= error + FLOAT * max(1.0, np.abs(values).max())
 
 
+def test_a_key_of_one_channel_does_not_make_another_stray():
+    times = np.arange(9) / 30
+    bow = np.array([0, 0.009, 0.009, 0.0, -0.009, -0.009, 0, 0.5, 1])
+    step = np.array([0, 0, 0, 0, 0, 1, 0, 0, 0.0])
+    weights = np.column_stack([bow, step])
+    shared = needed(times, weights, 0.01)
+    assert np.abs(between(times, bow, shared) - bow).max() <= 0.01
+    generator = np.random.default_rng(4)
+    noise = np.cumsum(generator.normal(0, 0.01, (400, 6)), axis=0)
+    times = np.arange(400) / 60
+    shared = needed(times, noise, 0.02)
+    for column in noise.T:
+        assert np.abs(between(times, column, shared) - column).max() <= 0.02
+
+
 @pytest.mark.parametrize(
     ("values", "frames"),
     [

@@ -162,6 +162,19 @@ def margin(error: float) -> float:
 
 
 def needed(times: Floats, weights: Floats, error: float) -> Ints:
-    """Return the indices of frames needed by any channel, for formats with shared keyframes."""
+    """Return the indices of frames needed by any channel, for formats with shared keyframes.
+
+    A key of one channel bends the lines of the others, which may then stray too far. The worst
+    frame of each such line becomes a key too.
+    """
     ends = np.unique([0, len(times) - 1])
-    return reduce(np.union1d, (keyframes(times, column, error) for column in weights.T), ends)
+    keys = reduce(np.union1d, (keyframes(times, column, error) for column in weights.T), ends)
+    while True:
+        lines = [np.interp(times, times[keys], column[keys]) for column in weights.T]
+        strays = np.abs(np.array(lines) - weights.T).max(axis=0, initial=0.0)
+        far = np.flatnonzero(strays > max(error, 1e-9 * np.abs(weights).max(initial=1.0)))
+        if not far.size:
+            return keys
+        worst = far[np.argsort(-strays[far])]
+        _, first = np.unique(np.searchsorted(keys, worst), return_index=True)
+        keys = np.union1d(keys, worst[first])
