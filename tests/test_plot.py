@@ -151,7 +151,7 @@ def test_the_bigrams_are_those_that_the_stitched_curve_joins(performer, schedule
 
 @drawn
 def test_contacts_are_marked_where_there_are_some(performer, schedule):
-    mark = "contact: the curve stays inside"
+    mark = "bounds of a contact"
     assert mark not in texts(performer.perform(schedule))
     pressed = replace(schedule, labels=("_", "p", *schedule.labels[2:]))
     assert mark in texts(performer.perform(pressed))

@@ -179,10 +179,11 @@ def _legend(figure: "Figure", view: View, top: float) -> None:
         "final": Line2D([], [], color=FINAL, lw=2),
     }
     if view.gates:
-        entries["contact: the curve stays inside"] = Patch(**GATE)
+        entries["bounds of a contact"] = Patch(**GATE)
     figure.legend(
         list(entries.values()), list(entries), ncols=len(entries), loc="upper left",
         bbox_to_anchor=(LEFT / WIDTH, top), frameon=False, borderpad=0, borderaxespad=0,
+        fontsize=8.5, columnspacing=1.1, handlelength=1.6, handletextpad=0.5,
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
     )  # fmt: skip
 
