@@ -46,7 +46,7 @@ def shelf(library):
 
 def test_every_bigram_and_every_passage_from_and_to_silence_is_drafted(library):
     performer = real()
-    phonemes = performer.compiled.phonemes
+    phonemes = performer.compiled.counted
     assert len(phonemes) == 22
     wanted = {pair for pair in product(phonemes, repeat=2) if pair != ("_", "_")}
     found = shelf(library).drafts(sorted(wanted))
@@ -54,7 +54,7 @@ def test_every_bigram_and_every_passage_from_and_to_silence_is_drafted(library):
     assert len(wanted) == 21 * 21 + 42
     assert performer.report.gaps == ()
     pairs = performer.compiled.tables.pairs
-    assert (pairs > 0).sum() == len(wanted)
+    assert (pairs > 0).sum() == len(performer.compiled.phonemes) ** 2 - 1
 
 
 def test_drafted_points_are_round_and_between_0_and_1(library):
@@ -224,10 +224,19 @@ def test_a_draft_that_is_written_down_performs_as_the_draft_did(tmp_path):
         Library([], project=None), "english", "facefx", ["bmp-aa", "w-ih", "_-f"]
     )
     write_drafts(drafts, path)
-    compiled = resolve("english", "facefx", paths=[tmp_path], cache=False).compiled
-    assert sum(origin.layer == "shared" for origin in compiled.origins) == 3
-    gap = np.abs(compiled.tables.curves - real().compiled.tables.curves)
-    assert gap.max() < 1e-6
+    compiled, drafted = (
+        one.compiled
+        for one in (resolve("english", "facefx", paths=[tmp_path], cache=False), real())
+    )
+    written = [origin.layer == "shared" for origin in compiled.origins]
+    assert sum(written) == 3
+    for name in ("bmp-aa", "w-ih", "_-f"):
+        rows = [
+            one.tables.pairs[tuple(map(one.phonemes.index, name.split("-")))]
+            for one in (compiled, drafted)
+        ]
+        gap = compiled.tables.curves[rows[0]] - drafted.tables.curves[rows[1]]
+        assert np.abs(gap).max() < 1e-6
     assert "bmp-aa:" in draft_yaml(drafts)
 
 

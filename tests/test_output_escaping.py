@@ -75,7 +75,9 @@ def odd(name, tmp_path):
         return ll.resolve("english", OWN_SHAPES[name]).perform(SPOKEN, fps=60)
     times = np.arange(len(ODD) * 6) / 60
     weights = np.repeat(np.eye(len(ODD)), 6, axis=0)
-    animation = Animation(times, ODD, weights, 60, SPOKEN, neutral="at\nrest", contacts=ODD[:1])
+    animation = Animation(
+        times, ODD, weights, 60, SPOKEN, neutral="at\nrest", contacts={ODD[0]: 0.5}
+    )
     if name == "glb":
         model = tmp_path / "face.glb"
         model.write_bytes(model_of(document_of(mesh("]]>\n\"'", ODD))))

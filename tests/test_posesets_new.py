@@ -9,7 +9,7 @@ from packs_tree import TREE, plant, put
 from shipped import POSESETS
 
 from lipsync_lang.authoring.poseset_draft import PoseSetWish, draft, guessed
-from lipsync_lang.authoring.poseset_text import LINES
+from lipsync_lang.authoring.poseset_text import MAX_LINES
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
@@ -66,7 +66,7 @@ def new(cli, *arguments):
 def assert_it_speaks(cli, name):
     """A pose set is sound and short, and something of it moves."""
     text = Path(f"posesets/{name}/poseset.yaml").read_text("utf-8")
-    assert text.count("\n") <= LINES
+    assert text.count("\n") <= MAX_LINES
     ended = cli("validate", f"posesets/{name}")
     assert (ended.code, ended.out) == (0, "")
     spoken = ["HH", "AH", "L", "OW", "F", "AA", "DH", "ER", "P"]

@@ -11,7 +11,7 @@ from textwrap import wrap
 from lipsync_lang.packs.models import ContactRule, Phonemes, PhonemeTarget, PoseSet
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 
-LINES = 60
+MAX_LINES = 80
 """Maximum number of lines before a denser layout is used."""
 
 WIDTH = 100
@@ -37,7 +37,7 @@ def laid_out(
     for packed, dense in ((False, False), (True, False), (True, True)):
         lines = [*_lines(model, common, why, left, packed=packed)]
         lines = [line for line in lines if line or not dense]
-        if len(lines) <= LINES:
+        if len(lines) <= MAX_LINES:
             break
     return "\n".join(lines) + "\n"
 

@@ -55,7 +55,7 @@ class Performer:
     paths: tuple[Path, ...] = ()
     """Folders and files with priority in pack searches."""
     shades: bool | None = None
-    """Whether shades have curves of their own; None for yes, unless thresholds are the paper's."""
+    """Curves of their own for shades; None means yes, unless thresholds are the paper's."""
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)

@@ -226,7 +226,7 @@ class NearestPhonemes:
 
     @cached_property
     def _shaded(self) -> list[Exemplar]:
-        """What shades name, and what phonemes name beside them.
+        """Exemplars of shades, and of the phonemes beside them.
 
         A letter that features keep from the parent of a shade is kept from the shade.
         """

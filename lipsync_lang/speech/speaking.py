@@ -334,7 +334,7 @@ def transcribe(
     Examples
     --------
     >>> ll.transcribe("map", "english").phonemes
-    ('bmp', 'ah', 'bmp')
+    ('bmp', 'ae', 'bmp')
     >>> [one.text for one in ll.transcribe(["map", "moon"], "english")]
     ['map', 'moon']
     """
