@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
+from math import inf
 
 import numpy as np
 from hypothesis import strategies as st
@@ -249,6 +250,7 @@ def motions(**fixed):
         "thresholds": st.sampled_from(["own", "own", "own", "paper"]),
         "speed_limit": st.one_of(st.just(15.0), st.floats(0.5, 60)),
         "silence_reach": st.one_of(st.just(0.25), st.just(0.0), st.floats(0.01, 0.6)),
+        "sound_reach": st.one_of(st.just(0.3), st.just(inf), st.floats(0.05, 0.6)),
         "contacts": st.sampled_from(["hold", "hold", "free"]),
         "limit": st.sampled_from(["before", "after"]),
         "hold": st.sampled_from([0, 0, 0, 0.12, 0.4]),

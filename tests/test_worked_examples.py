@@ -113,6 +113,16 @@ def test_a_short_pause_is_shared_by_both_bigrams():
     assert positions(track, RAMP, 0.25) == pytest.approx(np.array([[0.75, 0.25]]))
 
 
+def test_a_long_sound_is_reached_at_once_and_held():
+    track = line([A, P], [0, 2, 2.2], RAMP, Motion(sound_reach=0.4))
+    # 0.2 s to the middle of A, held there until 0.2 s before its end
+    found = positions(track, RAMP, 0.1, 0.2, 1.0, 1.8, 1.9)
+    middle = [0.75, 0.25]
+    assert found == pytest.approx(
+        np.array([[0.625, 0.125], middle, middle, middle, [0.875, 0.375]])
+    )
+
+
 def test_silences_in_a_row_are_one():
     track = line([A, SILENCE, SILENCE, P], [0, 0.2, 0.25, 0.3, 0.5], RAMP, Motion())
     assert track.ids.tolist() == [SILENCE, A, SILENCE, P, SILENCE]
@@ -125,7 +135,7 @@ def test_silences_in_a_row_are_one():
 
 def test_the_larger_of_two_overlapping_curves_is_retained():
     ending, beginning = np.array([[0.8], [0.4], [0.1]]), np.array([[0.2], [0.4], [0.6]])
-    track = line([A], [0, 1], RAMP, Motion())
+    track = line([A], [0, 1], RAMP, Motion(sound_reach=1))
     place = locate(track, np.array([0.25, 0.5, 0.75]))
     assert stitch(ending, beginning, place, "max").tolist() == [[0.8, 0.4, 0.6]]
     # 0.75 * 0.8 + 0.25 * 0.2, both 0.4, 0.25 * 0.1 + 0.75 * 0.6
@@ -279,7 +289,7 @@ def held(spans, fps, count):
     times = [0.0, *spans, spans[-1] + 1]
     wanted = np.array([False, *[True] * (len(spans) - 1), False])
     many = np.zeros(len(wanted))
-    track = Track(many, np.array(times), many, many, many, many, many, 0.0, times[-1])
+    track = Track(many, np.array(times), many, many, many, many, many, many, 0.0, times[-1])
     return np.flatnonzero(held_frames(wanted, track, 0.0, fps, count)).tolist()
 
 

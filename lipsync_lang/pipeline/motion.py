@@ -1,6 +1,7 @@
 """Settings of motion: every setting, its default, and the paper's own values."""
 
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 LEAST_SPEED = 4.0
@@ -31,6 +32,9 @@ class Motion:
 
     silence_reach: float = 0.25
     """Seconds of silence that a bigram may use on its silent side."""
+
+    sound_reach: float = 0.3
+    """Seconds of a sound in which its bigrams move; the middle of a longer sound is held."""
 
     contacts: Literal["hold", "free"] = "hold"
     """Contacts are sure to be reached, or left to the curves."""
@@ -67,6 +71,7 @@ PRESETS = {
     "default": Motion(),
     "paper": Motion(
         warp="linear",
+        sound_reach=inf,
         smooth="chord",
         window=0.18,
         anticipate=0,

@@ -122,22 +122,29 @@ class Performance:
         )
         return ending, beginning
 
-    def bigram(self, number: int) -> tuple[Floats, Floats]:
-        """Return one bigram's own curves, styles blended in: (K,) seconds and (K, P)."""
+    def bigram(self, number: int, stride: int = 1) -> tuple[Floats, Floats]:
+        """Return one bigram's own curves, styles blended in: (K,) seconds and (K, P).
+
+        Parameters
+        ----------
+        stride : every so many of the tabulated steps are returned, and where its pace changes
+        """
         track, row = self.track, self.track.rows[number]
-        middle = track.bounds[number + 1]
-        ends = (middle - track.reach[number], middle, middle + track.reach[number + 1])
         banks = [self.tables.neutral, *(self.tables.styles[blend.style] for blend in self.blends)]
-        place = np.linspace(0, 1, RESOLUTION + 1)
-        times = np.interp(place, (0, track.boundary(banks[0])[number], 1), ends)
-        if not self.blends:
-            return times, banks[0].curves[row]
-        parts = shares(self.blends, times)
-        out = np.zeros_like(banks[0].curves[row])
+        knots, places = track.knots(number, track.boundary(banks[0])[number])
+        even = np.linspace(0, 1, RESOLUTION // stride + 1)
+        place = np.sort(np.concatenate((even, places[1:-1])))
+        times = np.interp(place, places, knots)
+        for enter, leave in ((1, 2), (4, 5)):  # a long sound is held at one place for some time
+            first, last = (place.searchsorted(places[enter], side) for side in ("left", "right"))
+            times[first], times[first + 1 : last] = knots[enter], knots[leave]
+        parts = shares(self.blends, times) if self.blends else np.ones((1, len(times)))
+        out = np.zeros((len(times), len(self.tables.priority)))
+        table = np.linspace(0, 1, RESOLUTION + 1)
         for part, bank in zip(parts, banks, strict=True):
-            own = np.interp(times, ends, (0, track.boundary(bank)[number], 1))
+            own = np.interp(times, *track.knots(number, track.boundary(bank)[number]))
             for pose, curve in enumerate(bank.curves[row].T):
-                out[:, pose] += part * np.interp(own, place, curve)
+                out[:, pose] += part * np.interp(own, table, curve)
         return times, out
 
     def _run(

@@ -1,7 +1,9 @@
 """Surround and pair: common phonemes in time, silence on both sides (paper 3.2.1, figure 6).
 
 Conventions: times are seconds; (n,) is phonemes, (n - 1,) the bigrams between neighbours. A bigram
-uses at most `Motion.silence_reach` of a silence, so that a mouth rests through a long pause.
+uses at most `Motion.silence_reach` of a silence, so that a mouth rests through a long pause, and
+moves for at most `Motion.sound_reach` of a sound, so that a long vowel is reached and held. The
+paper stretches bigrams over all of a sound, however long.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,6 +27,8 @@ class Track:
     """(n + 1,) seconds."""
     reach: Floats
     """(n,) seconds of each phoneme that a bigram uses: all of a sound, some of a silence."""
+    moving: Floats
+    """(n,) seconds of these in which bigrams move; the middle of a longer sound is held."""
     rows: Ints
     """(n - 1,) table row of each bigram."""
     even: Floats | None
@@ -42,6 +46,19 @@ class Track:
     def boundary(self, bank: Bank) -> Floats:
         """Return the normalised time of each bigram's phoneme boundary: (n - 1,)."""
         return bank.boundary[self.rows] if self.even is None else self.even
+
+    def knots(self, number: int, boundary: float) -> tuple[Floats, Floats]:
+        """Return where the pace of a bigram changes: seconds and normalised times, (7,) each.
+
+        Between them time runs evenly. Both middles are listed twice, for a long sound is held.
+        """
+        middle = self.bounds[number + 1]
+        before, after = self.reach[number : number + 2]
+        half, other = self.moving[number : number + 2] / 2
+        seconds = (-before, half - before, -half, 0.0, other, after - other, after)
+        past = (1 + boundary) / 2
+        place = (0.0, boundary / 2, boundary / 2, boundary, past, past, 1.0)
+        return middle + np.array(seconds), np.array(place)
 
 
 def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of them
@@ -85,15 +102,16 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
 
     length = bounds[1:] - bounds[:-1]
     reach = np.where(ids == tables.silence, np.minimum(length, far), length)
+    moving = np.where(ids == tables.silence, reach, np.minimum(length, motion.sound_reach))
     rows = tables.pairs[ids[:-1], ids[1:]]
-    even = None if motion.warp == "anchored" else reach[:-1] / (reach[:-1] + reach[1:])
+    even = None if motion.warp == "anchored" else moving[:-1] / (moving[:-1] + moving[1:])
     free = tables.free[rows]
     if blends:
         free = np.logical_and.reduce([bank.free[rows] for bank in _heard(tables, blends)])
     waived = np.zeros(len(ids), bool)
     waived[:-1] |= free
     waived[1:] |= free
-    return Track(ids, bounds, reach, rows, even, waived, source, start, end)
+    return Track(ids, bounds, reach, moving, rows, even, waived, source, start, end)
 
 
 def _heard(tables: Tables, blends: Sequence[Blend]) -> Iterator[Bank]:

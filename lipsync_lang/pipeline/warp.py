@@ -30,11 +30,20 @@ class FramePlace:
 
 
 def locate(track: Track, times: Floats) -> FramePlace:
-    """Find each frame's phoneme. A sound has one share; a silence is left, then entered anew."""
+    """Find each frame's phoneme. A sound has one share; a silence is left, then entered anew.
+
+    A long sound is entered and left at the pace of one of `Motion.sound_reach`, and stays half
+    passed in between.
+    """
     phoneme = np.searchsorted(track.bounds, times + TOUCH, side="right") - 1
     phoneme = np.minimum(np.maximum(phoneme, 0), len(track.ids) - 1)
-    reach = track.reach[phoneme]
+    reach, moving = track.reach[phoneme], track.moving[phoneme]
     passed, left = times - track.bounds[phoneme], track.bounds[phoneme + 1] - times
+    long = moving < reach
+    if long.any():
+        passed = np.where(long, np.minimum(passed, np.maximum(moving / 2, moving - left)), passed)
+        left = np.where(long, moving - passed, left)
+        reach = moving
     coming = np.where(np.abs(passed - reach) <= TOUCH, 1.0, np.maximum(passed, 0) / reach)
     going = np.where(np.abs(left - reach) <= TOUCH, 0.0, 1 - left / reach)
     return FramePlace(phoneme, coming, going)

@@ -261,7 +261,7 @@ def _bigrams(axes: "Axes", view: View) -> None:
     low, high = axes.get_xlim()
     lines: list[list[Floats]] = [[] for _ in BIGRAMS]
     for i in range(len(view.performance.track.rows)):
-        times, curves = (values[::THINNED] for values in view.performance.bigram(i))
+        times, curves = view.performance.bigram(i, THINNED)
         if times[0] < high and times[-1] > low:
             for row, pose in enumerate(view.moving):
                 curve = curves[:, pose]

@@ -16,6 +16,7 @@ RANGES = {
     "loudness": (0.0, 2.0),
     "reference_level": (-90.0, 0.0),
     "silence_reach": (0.0, 10.0),
+    "sound_reach": (0.05, 1e6),
     "hold": (0.0, 10.0),
 }
 """Range of each numeric setting: weight per second, seconds, a factor, or decibels."""

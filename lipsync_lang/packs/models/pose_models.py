@@ -127,6 +127,8 @@ class MotionFields(Strict):
     """Highest speed of a pose, in weight per second."""
     silence_reach: NotNegative | None = None
     """Seconds at either end of a pause in which the mouth still moves."""
+    sound_reach: Annotated[float, Field(ge=0.05)] | None = None
+    """Seconds of a sound in which the mouth moves; the middle of a longer one is held."""
     contacts: Literal["hold", "free"] | None = None
     """`hold` makes contacts reach their floors and ceilings; `free` does not."""
     limit: Literal["before", "after"] | None = None
