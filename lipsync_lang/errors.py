@@ -3,7 +3,7 @@
 Every error raised on purpose is a `LipsyncError`. The command line prints its message only.
 """
 
-from difflib import get_close_matches
+from difflib import SequenceMatcher, get_close_matches
 from typing import TYPE_CHECKING, get_args
 
 if TYPE_CHECKING:
@@ -56,10 +56,18 @@ def spelled(name: str, known: "Iterable[str]") -> str:
     return same[0] if len(same) == 1 else name
 
 
+def _likeness(word: str, name: str) -> float:
+    return SequenceMatcher(None, name, word).ratio()
+
+
 def did_you_mean(word: str, known: "Iterable[str]") -> str:
     """Return a hint with the nearest known word, or with all known words if none is near."""
     names = sorted(known)
     near = get_close_matches(word, names, n=1) or [n for n in names if n.lower() == word.lower()]
+    # of names equally near, typists keep the first letter more often than any other
+    alike = get_close_matches(word, [n for n in names if n[:1] == word[:1]], n=1) if near else ()
+    if alike and _likeness(word, alike[0]) >= _likeness(word, near[0]):
+        near = alike
     if near:
         return f"did you mean '{near[0]}'?"
     shown = ", ".join(names[:24]) + (", ..." if len(names) > 24 else "")  # noqa: PLR2004 a line's worth

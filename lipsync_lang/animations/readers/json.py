@@ -37,7 +37,8 @@ def read_json(path: Path, content: bytes) -> Recording:
     fps, start = (_number(path, document, key) for key in ("fps", "start"))
     if fps <= 0:
         fail(path, f"has {fps:g} frames per second", "give a number above 0")
-    times = start + np.arange(len(frames)) / fps
+    with np.errstate(over="ignore"):  # of infinite times, the caller says so
+        times = start + np.arange(len(frames)) / fps
     return Recording(str(path), times, names, frames, _schedule(path, document))
 
 

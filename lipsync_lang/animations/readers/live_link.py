@@ -18,7 +18,7 @@ from lipsync_lang.animations.readers.animation_readers import (
     text_of,
 )
 
-CODE = re.compile(r"(\d+):(\d+):(\d+)[:;](\d+(?:\.\d+)?)")
+CODE = re.compile(r"(\d{1,6}):(\d{1,6}):(\d{1,6})[:;](\d{1,6}(?:\.\d+)?)")
 
 RATES = (24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 """Common frame rates of cameras and timecode, in frames per second."""
