@@ -25,8 +25,8 @@ DAY = 86_486.4
 
 def exact(fps: float) -> float:
     """Return the exact rate: a fraction for 23.976, 29.97 or 59.94."""
-    if not isfinite(fps):
-        return fps
+    if not isfinite(fps) or fps == int(fps):
+        return float(fps)
     meant = float(round(fps / NTSC) * NTSC)
     odd = abs(fps - round(fps)) > NEAR
     return meant if odd and abs(fps - meant) <= NEAR else float(fps)

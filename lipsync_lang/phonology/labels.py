@@ -107,6 +107,7 @@ class Notation:
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
     _seen: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
+    _marked: dict[str, int | None] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         for label, value in self.table.items():
@@ -171,6 +172,12 @@ class Notation:
 
         Labels of the table are taken as they are: their signs are no marks of stress.
         """
+        try:
+            return self._marked[label]
+        except KeyError:
+            return self._marked.setdefault(label, self._mark(label))
+
+    def _mark(self, label: str) -> int | None:
         whole = normalise(label)
         if len(whole) < len("ˈa") or whole in self._exact or whole.casefold() in self._folded:
             return None
