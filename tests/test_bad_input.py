@@ -75,7 +75,7 @@ def test_an_unknown_pose_is_told_with_the_nearest(performer):
 @pytest.mark.parametrize(
     ("label", "message"),
     [
-        ("QZ", r"phoneme 1 \('QZ', 0.1 to 0.2 s\) is not in the arpabet of english; did you .*'Z'"),
+        ("QZ", r"phoneme 1 \('QZ', 0.1 to 0.2 s\) is not in the arpabet of english; did you .*'Q'"),
         ("hello", r"phoneme 1 \('hello', 0.1 to 0.2 s\) .* known: AA, "),
         ("\x1b[2J", r"phoneme 1 \('\\x1b\[2J', 0.1 to 0.2 s\)"),
         ("ʘ", r"phoneme 1 \('ʘ', 0.1 to 0.2 s\)"),
