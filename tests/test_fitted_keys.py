@@ -1,4 +1,4 @@
-"""Keys with tangents: how far curves stray, what they keep, and what each format makes of them."""
+"""Keys with tangents: the error of the fit, contacts, and the form in each format."""
 
 import json
 import re

@@ -133,7 +133,7 @@ def _decibels(power: float, count: int) -> float:
 
 
 def _beyond(decibels: float) -> float:
-    """Return a difference from the reference beyond what is tolerated on either side."""
+    """Return a level difference in dB, less the tolerance on its own side."""
     return copysign(max(abs(decibels) - TOLERANCE, 0.0), decibels)
 
 

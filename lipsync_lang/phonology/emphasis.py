@@ -46,7 +46,7 @@ def emphasised(text: str) -> EmphasisedText:
 
 
 def _marked(text: str) -> Iterator[tuple[int, int, str, bool]]:
-    """Yield the start and end of marks in a text, what they stand for, and True for emphasis."""
+    """Yield each mark of a text: start, end, replacement, and True for emphasis."""
     spoken = _spoken(text)
     at = 0
     while at < len(text):

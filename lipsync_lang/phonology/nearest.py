@@ -215,7 +215,7 @@ class NearestPhonemes:
         return min(best[-1].values(), key=_cost).pieces if best[-1] else None
 
     def _finer(self, phoneme: str, run: tuple[Numbers, ...]) -> str:
-        """Return the shade that a run of letters is, or the phoneme itself."""
+        """Return the nearest shade of a phoneme for a run of letters, else the phoneme."""
         alike = [e for e in self._shaded if len(e.run) == len(run)]
         known = [(round(self.distance(run, e.run), 9), e.phoneme) for e in alike]
         distance, nearest = min(known, default=(inf, phoneme))
