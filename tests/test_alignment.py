@@ -70,6 +70,8 @@ def test_a_schedule_lasts_from_zero_to_the_end_of_the_sound(english, spoken, tex
     assert 0 <= found.confidence <= 1
     assert not found.recognised
     assert not found.estimated
+    marks = [sorted(filter(None, one.stress)) for one in (found, spoken[text])]
+    assert marks[0] == marks[1] != []
 
 
 @pytest.mark.parametrize("text", swept(TEXTS))

@@ -42,6 +42,7 @@ def test_a_line_is_phones_words_and_sound():
     assert schedule.notation == "arpabet"
     assert (schedule.start, schedule.end) == (0.0, schedule.audio.seconds)
     assert schedule.audio.rate == 16000
+    assert [stress for stress in schedule.stress if stress is not None] == [0, 1, 1]
 
 
 @needs_festival
@@ -189,7 +190,7 @@ def test_a_voice_in_an_unknown_phone_set_is_refused(tmp_path):
     with wave.open(str(sound), "wb") as stream:
         stream.setparams((1, 2, 8000, 0, "NONE", ""))
         stream.writeframes(bytes(3200))
-    answer = "phones mrpa\ntoken a\nsound a 0.2 1"
+    answer = "phones mrpa\ntoken a\nsound a 0.2 1 0"
     program = tmp_path / "other"
     program.write_text(f"#!/bin/sh\ncp '{sound}' sound.wav\necho '{answer}'\n", "utf-8")
     program.chmod(0o755)
@@ -214,7 +215,7 @@ def test_what_cannot_be_said_is_refused(text, how, told):
 
 def test_a_program_that_leaves_no_sound_is_refused(tmp_path):
     program = tmp_path / "mute"
-    program.write_text("#!/bin/sh\nprintf 'phones radio\\ntoken a\\nsound a 0.2 1\\n'\n", "utf-8")
+    program.write_text("#!/bin/sh\nprintf 'phones radio\\ntoken a\\nsound a 0.2 1 0\\n'\n", "utf-8")
     program.chmod(0o755)
     with pytest.raises(SpeechError, match="Festival left no sound"):
         Festival(program=str(program)).speak("a", VOICE)

@@ -217,7 +217,7 @@ def test_epitran_reads_and_refuses_plainly():
 
 
 def test_labels_that_an_engine_runs_together_are_taken_apart():
-    assert words_of("nˈi_k (en)_d_ʲ_(fr)") == [("n", "i", "k"), ("dʲ",)]
+    assert words_of("nˈi_k (en)_d_ʲ_(fr)") == [("n", "ˈi", "k"), ("dʲ",)]
     assert parts("jd", {"j", "d"}) == ("j", "d")
     assert parts("ntɕ", {"n", "tɕ"}) == ("n", "tɕ")
     assert parts("jx", {"j"}) == ("jx",)

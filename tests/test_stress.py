@@ -1,6 +1,7 @@
 """Stress reaches the schedule, and opens vowels a little more or less; every promise is kept."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,10 +12,16 @@ from shipped import LIBRARY
 import lipsync_lang as ll
 from lipsync_lang import Schedule
 from lipsync_lang.errors import ScheduleError
+from lipsync_lang.phonology.espeak.phoneme_labels import words_of
+from lipsync_lang.phonology.espeak.process import EspeakProcess
+from lipsync_lang.phonology.g2p import Said, engine
+from lipsync_lang.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import SILENCE
 from lipsync_lang.speech.espeak_events import intervals, read_events
+from lipsync_lang.speech.joining import estimate, join, stress_read
+from lipsync_lang.speech.speaking import Transcript
 
 TIMES = [0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9]
 
@@ -89,6 +96,68 @@ def test_events_of_a_voice_carry_their_marks():
     labels, _, _, stress = intervals(read_events(events, (), 60)[0], 5)
     assert labels == ["b", "ɑː", "b", "iːʲ"]
     assert stress == [None, 1, None, 2]
+
+
+def test_reading_text_carries_the_marks_of_the_voice(monkeypatch, performer):
+    """The voice's reading of a text without sound has them too, through estimated times."""
+    monkeypatch.setattr(
+        EspeakProcess,
+        "transcribe",
+        lambda _self, texts, _voice: [[words_of("h_ə_l_ˈoʊ b_ʌ_n_ˌæ_n_ə")] for _ in texts],
+    )
+    (said,) = engine("espeak", Settings("x"))(["hello banana"])
+    assert [one.labels for one in said] == [("h", "ə", "l", "oʊ"), ("b", "ʌ", "n", "æ", "n", "ə")]
+    transcript = Transcript("hello banana", "english", "ipa", (*said[:1], Said(",", ()), *said[1:]))
+    made = estimate(transcript, performer.speaker.manner, performer.speaker.notations["ipa"])
+    vowels = [one for one in stresses(performer, made) if one is not None]
+    assert vowels == [0, 1, 0, 2, 0]
+
+
+def test_a_mark_goes_to_one_label_of_several(performer):
+    words = Said("card", ("k", "ɑːɹ", "d"), stress=(None, 1, None))
+    transcript, speaker = Transcript("card", "english", "ipa", (words,)), performer.speaker
+    labels = ("K", "AA", "R", "D")
+    found = stress_read(transcript, labels, "arpabet", speaker.manner, speaker.notations)
+    assert found == (None, 1, None, None)
+
+
+@pytest.mark.parametrize(
+    ("labels", "notation", "stress"),
+    [
+        ("B AH _ N AE N AH", "arpabet", (None, None, None, None, 1, None, None)),
+        ("B N AE N", "arpabet", (None, None, 1, None)),
+        ("B AH0 N AE1 N AH0", "arpabet", ()),
+        ("b ʌ ˈn æ n ə", "ipa", ()),
+    ],
+)
+def test_labels_of_a_dictionary_take_the_marks_of_the_text(performer, labels, notation, stress):
+    words = Said("banana", tuple("bʌnænə"), stress=(None, None, None, 1, None, None))
+    speaker = performer.speaker
+    found = stress_read(
+        Transcript("banana", "english", "ipa", (words,)), labels.split(), notation,
+        speaker.manner, speaker.notations,
+    )  # fmt: skip
+    assert found == stress
+
+
+def test_joined_times_take_the_marks_of_the_voice_or_else_of_the_text(performer):
+    speaker = performer.speaker
+    words = (Said("b", ("b", "ʌ")), Said(",", ()), Said("n", ("n", "æ"), stress=(None, 1)))
+    text = Transcript("b, n", "english", "ipa", words)
+    heard = Schedule(("b", "ʌ", SILENCE, "n", "æ"), TIMES[:6], notation="ipa")
+    joined = join(text, heard, speaker.manner, speaker.notations)
+    assert joined.stress == (None, None, None, None, 1)
+    heard = replace(heard, stress=(None, 2, None, None, None))
+    joined = join(text, heard, speaker.manner, speaker.notations)
+    assert joined.stress == (None, 2, None, None, None)
+
+
+def test_a_transcript_tells_them_in_its_data(performer):
+    words = (Said("b", ("b", "ʌ")), Said("n", ("n", "æ"), stress=(None, 1)))
+    told = performer.speaker.told(Transcript("b n", "english", "ipa", words))
+    assert [one.get("stress") for word in told["words"] for one in word["labels"]] == [
+        None, None, None, 1,
+    ]  # fmt: skip
 
 
 def test_json_reads_and_writes_it(performer, tmp_path):

@@ -26,6 +26,9 @@ SCRIPT = Path(__file__).with_name("festival.scm")
 NOTATIONS = {"radio": "arpabet", "cmu": "arpabet"}
 """Notation of each Festival phone set."""
 
+STRESSES = {"0", "1", "2"}
+"""Stress of a syllable in the lexica of these sets."""
+
 SILENCES = {"pau", "h#", "brth", "#"}
 """Pause phones of these sets."""
 
@@ -42,14 +45,25 @@ PLAIN = dict(zip("‘’“”…–—", "''\"\",,,", strict=True))
 _SHOWN = 60
 
 
+class FestivalSound(NamedTuple):
+    """A phone of an answer."""
+
+    phone: str
+    end: float
+    """Seconds."""
+    token: int
+    """Token number from 1; 0 for none."""
+    stress: int | None
+    """Stress of a vowel's syllable; None for other phones."""
+
+
 class Answer(NamedTuple):
     """Parsed output of Festival for one text."""
 
     phones: str
     """Phone set of the voice."""
     tokens: tuple[str, ...]
-    sounds: tuple[tuple[str, float, int], ...]
-    """Phone, end time in seconds, and token number from 1 (0 for none)."""
+    sounds: tuple["FestivalSound", ...]
     voices: tuple[str, ...]
     """Available voices, if the requested voice is unknown."""
 
@@ -167,7 +181,7 @@ def _read(answer: str) -> Answer:
     """Parse the lines of an answer; unknown lines are ignored."""
     phones = ""
     tokens: list[str] = []
-    sounds: list[tuple[str, float, int]] = []
+    sounds: list[FestivalSound] = []
     voices: list[str] = []
     for line in answer.splitlines():
         match line.split():
@@ -175,8 +189,9 @@ def _read(answer: str) -> Answer:
                 phones = name
             case ["token", name]:
                 tokens.append(name)
-            case ["sound", name, end, token]:
-                sounds.append((name, float(end), int(token)))
+            case ["sound", name, end, token, stress]:
+                mark = int(stress) if stress in STRESSES else None
+                sounds.append(FestivalSound(name, float(end), int(token), mark))
             case ["voice", name]:
                 voices.append(name)
     return Answer(phones, tuple(tokens), tuple(sounds), tuple(voices))
@@ -202,9 +217,10 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
             f"notation here; choose a voice of {' or '.join(NOTATIONS)}"
         )
     labels: list[str] = []
+    stresses: list[int | None] = []
     ends: list[float] = [0.0]
     first: dict[int, int] = {}
-    for phone, end, token in answer.sounds:
+    for phone, end, token, stress in answer.sounds:
         label = SILENCE if phone in SILENCES else phone.upper()
         if end <= ends[-1]:
             continue
@@ -214,14 +230,17 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
         if token:
             first.setdefault(token, len(labels))
         labels.append(label)
+        stresses.append(stress)
         ends.append(end)
     if all(label == SILENCE for label in labels):
         raise SpeechError(f"Festival says nothing for {_quoted(text)}; is it in its script?")
     if labels[-1] == SILENCE:
         labels.pop()
+        stresses.pop()
         ends.pop()
     if audio.seconds > ends[-1]:
         labels.append(SILENCE)
+        stresses.append(None)
         ends.append(audio.seconds)
     return Schedule(
         tuple(labels),
@@ -231,6 +250,7 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
         audio=audio,
         source=f"speech {_quoted(text)}",
         unread=tuple(dict.fromkeys(c for c in text if c.isalnum() and _letter(c) == " ")),
+        stress=tuple(stresses) if any(stresses) else (),
     )
 
 

@@ -29,8 +29,11 @@
     (utt.relation.items utterance 'Token))
   (mapcar
     (lambda (segment)
-      (format t "sound %s %f %s\n" (item.name segment) (item.feat segment "end")
-        (item.feat segment "R:SylStructure.parent.parent.R:Token.parent.number")))
+      (format t "sound %s %f %s %s\n" (item.name segment) (item.feat segment "end")
+        (item.feat segment "R:SylStructure.parent.parent.R:Token.parent.number")
+        (if (string-equal (item.feat segment "ph_vc") "+")
+          (item.feat segment "R:SylStructure.parent.stress")
+          "-")))
     (utt.relation.items utterance 'Segment))
   (utt.save.wave utterance "sound.wav" 'riff))
 

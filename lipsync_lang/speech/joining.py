@@ -54,7 +54,14 @@ def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Sc
         estimated=True,
         source=f"text {_quoted(transcript.text)}",
         unread=transcript.unread,
+        stress=_spread(transcript.stress, labels),
     )
+
+
+def _spread(stress: Sequence[int | None], labels: Sequence[str]) -> tuple[int | None, ...]:
+    """Return the stress of labels that have pauses between those it was given for."""
+    marks = iter(stress)
+    return tuple(None if label == SILENCE else next(marks) for label in labels) if stress else ()
 
 
 def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
@@ -178,7 +185,7 @@ def _scheduled(
         spoken,
         labels=tuple(labels),
         times=np.array(times),
-        stress=_stress(spoken, times),
+        stress=_stress(spoken, times) or _stated(transcript, numbers),
         words=_words(transcript, numbers),
         notation=transcript.notation,
         language=transcript.language,
@@ -195,6 +202,58 @@ def _stress(spoken: Schedule, times: Sequence[float]) -> tuple[int | None, ...]:
     return tuple(
         min(filter(None, spoken.stress[low:high]), default=None) for low, high in pairwise(cuts)
     )
+
+
+def _stated(transcript: "Transcript", numbers: Sequence[int]) -> tuple[int | None, ...]:
+    """Return the stress that a transcript states for its labels; -1 is a pause."""
+    stress = _stress_with_pauses(transcript)
+    return tuple(None if number < 0 else stress[number] for number in numbers) if stress else ()
+
+
+def _stress_with_pauses(transcript: "Transcript") -> list[int | None]:
+    """Return the stress of a transcript's labels, with one place for each pause."""
+    if not transcript.stress:
+        return []
+    return [
+        mark
+        for word in transcript.words
+        for mark in word.stress or (None,) * max(len(word.labels), 1)
+    ]
+
+
+def stress_read(
+    transcript: "Transcript",
+    labels: Sequence[str],
+    notation: str,
+    manner: Manner,
+    notations: Mapping[str, Notation],
+) -> tuple[int | None, ...]:
+    """Return the stress that a transcript states for labels aligned with the same text.
+
+    The labels come from elsewhere, such as a dictionary, and are aligned with the transcript's by
+    common phonemes.
+
+    Parameters
+    ----------
+    labels, notation : labels with pauses, and the name of their notation
+
+    Returns
+    -------
+    The stress of each label; empty if the transcript states none, or the labels carry their own
+    """
+    stated = _stress_with_pauses(transcript)
+    if not stated or any(notations[notation].stress(label) is not None for label in labels):
+        return ()
+    flat = [label for word in transcript.words for label in (word.labels or (SILENCE,))]
+    label_of, said = _units(flat, notations[transcript.notation])
+    heard_of, heard = _units(labels, notations[notation])
+    stress: list[int | None] = [None] * len(labels)
+    for unit, at in enumerate(align(said, heard, manner.kinds, SILENCE).tolist()):
+        number = label_of[at] if at >= 0 else -1
+        if number >= 0 and stated[number] is not None:
+            # The mark belongs to the first sound alone: the r of a vowel with r has none.
+            stress[heard_of[unit]], stated[number] = stated[number], None
+    return tuple(stress)
 
 
 def _groups(flat: Sequence[str], present: Collection[int]) -> dict[int, list[int]]:

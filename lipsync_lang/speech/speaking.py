@@ -9,6 +9,7 @@ class.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -57,6 +58,15 @@ class Transcript:
     def labels(self) -> tuple[str, ...]:
         """All phonemes in order, without pauses."""
         return tuple(label for word in self.words for label in word.labels)
+
+    @property
+    def stress(self) -> tuple[int | None, ...]:
+        """The stress of each label, as in a schedule; empty if no word states any."""
+        if not any(word.stress for word in self.words):
+            return ()
+        return tuple(
+            mark for word in self.words for mark in word.stress or (None,) * len(word.labels)
+        )
 
 
 class Speaker:
@@ -139,7 +149,8 @@ class Speaker:
         for word in schedule.words:
             if words and SILENCE in schedule.labels[at : word.first]:
                 words.append(Said(",", ()))
-            words.append(Said(word.text, schedule.labels[word.first : word.stop]))
+            span = slice(word.first, word.stop)
+            words.append(Said(word.text, schedule.labels[span], stress=schedule.stress[span]))
             at = word.stop
         return tuple(words)
 
@@ -180,7 +191,8 @@ class Speaker:
         for word in transcript.words:
             labels = [
                 {"label": label, "common": [name for name, _ in notation.find(label) or ()]}
-                for label in word.labels
+                | ({} if mark is None else {"stress": mark})
+                for label, mark in zip_longest(word.labels, word.stress)
             ]
             own = self.manner.words.get(plain(word.text))
             words.append(

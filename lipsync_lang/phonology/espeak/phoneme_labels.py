@@ -10,9 +10,12 @@ _STRESSED = re.compile("([ˈˌ])")
 
 
 def words_of(clause: str) -> list[tuple[str, ...]]:
-    """Return the labels of each word of a clause, as events have them.
+    """Return the labels of each word of a clause, as events have them, after their stress marks.
 
     `clause` has phonemes joined by ``_`` and words by spaces.
+
+    >>> words_of("h_ə_lˈoʊ w_ɜː_l_d")
+    [('h', 'ə', 'l', 'ˈoʊ'), ('w', 'ɜː', 'l', 'd')]
     """
     words = []
     for word in clause.split():
@@ -22,7 +25,7 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
             if label and labels and modifies(label):
                 labels[-1] += label
             elif label:
-                labels.append(label)
+                labels.append(name[0] + label if name[0] in STRESS_MARKS else label)
         if labels:
             words.append(tuple(labels))
     return words

@@ -59,7 +59,8 @@ class EspeakProcess:
 
         Yields
         ------
-        For each text its clauses, of each its words, of each its labels in IPA, as `speak` has them
+        For each text its clauses, of each its words, of each its labels in IPA, as `speak` has
+        them, after their stress marks
 
         Raises
         ------

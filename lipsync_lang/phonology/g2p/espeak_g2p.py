@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from types import MappingProxyType
 
+from lipsync_lang.phonology.espeak.phoneme_labels import label_of, stress_of
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.g2p_engines import (
     ENGINES,
@@ -47,21 +48,23 @@ def engine(settings: Settings) -> Engine:
             lengths[token] = sum(map(len, found))
         clauses = reader.transcribe(plain, voice)
         for text, found in zip(plain, clauses, strict=True):
-            yield tuple(
-                said._replace(labels=apart(said.labels)) for said in paired(text, found, lengths)
-            )
+            yield tuple(map(apart, paired(text, found, lengths)))
 
     lengths: dict[str, int] = {}
     known = frozenset(map(normalise, settings.labels))
 
     @lru_cache(CACHED_WORDS)
-    def apart(labels: tuple[str, ...]) -> tuple[str, ...]:
-        """Split unknown labels, which eSpeak makes by joining sounds of adjacent words."""
-        return tuple(
-            part
-            for label in labels
-            for part in ((label,) if not known or known_as(label, known) else parts(label, known))
-        )
+    def apart(said: Said) -> Said:
+        """Take the marks of stress from labels; split a label that eSpeak joined of several."""
+        labels: list[str] = []
+        stress: list[int | None] = []
+        for one in said.labels:
+            label = label_of(one)
+            split = (label,) if not known or known_as(label, known) else parts(label, known)
+            labels += split
+            stress += [stress_of(one), *(None,) * (len(split) - 1)]
+        marks = tuple(stress) if any(stress) else ()
+        return said._replace(labels=tuple(labels), stress=marks)
 
     return read
 

@@ -14,13 +14,15 @@ class Said(NamedTuple):
 
     `text` is the user's own spelling; `labels` are its phonemes, none for a pause, whose text is
     the punctuation. `respelled` is how a voice had best read it, where that is not `text`;
-    `unread` are the characters of it that the engine could not read.
+    `unread` are the characters of it that the engine could not read; `stress` is that of each
+    label, as in a schedule, and empty where the labels themselves carry the marks.
     """
 
     text: str
     labels: tuple[str, ...]
     respelled: str = ""
     unread: str = ""
+    stress: tuple[int | None, ...] = ()
 
 
 class Rule(NamedTuple):

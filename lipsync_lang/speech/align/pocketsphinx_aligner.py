@@ -11,6 +11,7 @@ from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.joining import stress_read
 from lipsync_lang.speech.sphinx.features import features
 from lipsync_lang.speech.sphinx.folder import Models, find_models
 from lipsync_lang.speech.sphinx.forced import lay
@@ -74,13 +75,15 @@ class PocketsphinxAligner:
                 0, f"text and sound hardly agree (confidence {sure:.2f}): is it the right text?"
             )
         found = laid(models, heard, sayings, audio.seconds)
+        manner, notation = speaker.manner, speaker.manner.audio.notation
         return Schedule(
             *found,
-            notation=speaker.manner.audio.notation,
-            language=speaker.manner.language,
+            notation=notation,
+            language=manner.language,
             audio=audio,
             source="recording",
             unread=transcript.unread,
+            stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
             remarks=tuple(remarks),
             confidence=sure,
         )
