@@ -1,8 +1,8 @@
-r"""Emphasis in a text: ``I *never* said so`` stresses a word, and its asterisks are not spoken.
+r"""Emphasis in a text: ``I *never* said so`` stresses a word, and no asterisk is spoken.
 
-One to three asterisks enclose one or more words of a longer text. Asterisks that enclose a whole
-text, stand between digits or letters (``2*3*4``), or have no partner, are signs like any other.
-``\*`` is an asterisk that marks nothing.
+One to three asterisks enclose one or more words, or the whole text. Asterisks that begin within a
+word or number (``2*3*4``), enclose no word, have no partner or stand after a backslash (``\*``)
+emphasise nothing, and are left out; between two letters or digits a space is left.
 """
 
 import re
@@ -14,12 +14,13 @@ MARKED = re.compile(
     re.DOTALL,
 )
 ESCAPED = r"\*"
+RUN, ESCAPES = re.compile(r"\*+"), re.compile(r"(?:\\\*)+")
 MAX_MARKED_CHARS = 1000
 """Longest emphasised passage; it also bounds the search for the partner of an asterisk."""
 
 
 class EmphasisedText(NamedTuple):
-    """A text without marks of emphasis, and the passages that had them."""
+    """A text without asterisks, and the passages that they emphasise."""
 
     text: str
     spans: tuple[tuple[int, int], ...] = ()
@@ -27,10 +28,10 @@ class EmphasisedText(NamedTuple):
 
 
 def emphasised(text: str) -> EmphasisedText:
-    r"""Take the marks of emphasis out of a text.
+    """Take the asterisks out of a text.
 
     >>> emphasised("I *never* said 2*3*4")
-    EmphasisedText(text='I never said 2*3*4', spans=((2, 7),))
+    EmphasisedText(text='I never said 2 3 4', spans=((2, 7),))
     """
     if "*" not in text:
         return EmphasisedText(text)
@@ -47,38 +48,35 @@ def emphasised(text: str) -> EmphasisedText:
 
 def _marked(text: str) -> Iterator[tuple[int, int, str, bool]]:
     """Yield each mark of a text: start, end, replacement, and True for emphasis."""
-    spoken = _spoken(text)
     at = 0
     while at < len(text):
         start = text.find("*", at)
         if start < 0:
             return
         if text[max(start - 1, at) : start + 1] == ESCAPED:
-            yield start - 1, start + 1, "*", False
-            at = start + 1
+            at = ESCAPES.match(text, start - 1).end()  # type: ignore[union-attr]  # at least one
+            yield start - 1, at, _between(text, start - 1, at), False
             continue
         found = MARKED.match(text, start, start + MAX_MARKED_CHARS)
-        if found and _emphasises(text, found, spoken):
-            yield start, found.end(), found["said"].replace(ESCAPED, "*"), True
+        if found and _emphasises(text, found):
             at = found.end()
+            yield start, at, found["said"].replace(ESCAPED, ""), True
         else:
-            at = start + len(text[start:]) - len(text[start:].lstrip("*"))
+            at = start + len(RUN.match(text, start)[0])  # type: ignore[index]  # at least one
+            yield start, at, _between(text, start, at), False
 
 
-def _emphasises(text: str, found: re.Match[str], spoken: range) -> bool:
-    """Return True if a pair of asterisks encloses words, and not all of them."""
-    start, stop = found.span()
-    before = text[max(start - 1, 0) : start]
+def _emphasises(text: str, found: re.Match[str]) -> bool:
+    """Return True if a pair of asterisks encloses words, and does not begin within one."""
+    before = text[max(found.start() - 1, 0) : found.start()]
     joined = before.isdigit() or before.lower() != before.upper()
-    whole = start <= spoken.start and spoken.stop <= stop
-    return not joined and not whole and len(_spoken(found["said"])) > 0
+    return not joined and any(map(str.isalnum, found["said"]))
 
 
-def _spoken(text: str) -> range:
-    """Return the offsets from the first letter or digit of a text to its last."""
-    first = next((at for at, one in enumerate(text) if one.isalnum()), len(text))
-    stop = next((at + 1 for at in range(len(text) - 1, -1, -1) if text[at].isalnum()), first)
-    return range(first, stop)
+def _between(text: str, start: int, stop: int) -> str:
+    """Return what takes the place of asterisks: a space if words would run together."""
+    before, after = text[max(start - 1, 0) : start], text[stop : stop + 1]
+    return " " if before.isalnum() and after.isalnum() else ""
 
 
 def touched(words: Iterable[str], text: EmphasisedText) -> list[bool]:

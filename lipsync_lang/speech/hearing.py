@@ -85,7 +85,8 @@ def aligned(
     name = aligner or stated.align
     chosen = ALIGNERS.find(name, SpeechError)
     model = stated.model if name == stated.align else None
-    return with_emphasis(chosen.align(_sound(audio), text, speaker, model), emphasised(text))
+    marked = emphasised(text)
+    return with_emphasis(chosen.align(_sound(audio), marked.text, speaker, model), marked)
 
 
 def recognised(
