@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from lipsync_lang import resolve
-from lipsync_lang.pipeline.constrain import caps, constrain
+from lipsync_lang.pipeline.constrain import Cap, caps, constrain, together
 from lipsync_lang.pipeline.curve import polyline
-from lipsync_lang.pipeline.hold import Plateau, held_frames, hold
+from lipsync_lang.pipeline.hold import Plateau, bounds, held_frames, hold
 from lipsync_lang.pipeline.limit import lower_envelope, ramps, rest_at_ends, upper_envelope
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.perform import perform
@@ -191,7 +191,7 @@ def test_closing_within_runs_leaves_the_vowel_between_open():
 
 # Figure 9: constraints. Pose 1 outranks pose 0, together at most 0.5
 
-ONE_PAIR = caps(np.array([[2, 0.5], [0.5, 2]]), np.array([0.0, 1.0]))
+ONE_PAIR = together(caps(np.array([[2, 0.5], [0.5, 2]]), np.array([0.0, 1.0])))
 
 
 @pytest.mark.parametrize(
@@ -219,7 +219,7 @@ def test_the_papers_sign_would_raise_what_it_means_to_lower():
 
 def test_from_the_highest_priority_down_one_pass_is_enough():
     thresholds = np.array([[2, 1, 2], [1, 2, 1], [2, 1, 2.0]])
-    chain = caps(thresholds, np.array([0.0, 1.0, 2.0]))
+    chain = together(caps(thresholds, np.array([0.0, 1.0, 2.0])))
     # pose 2 leaves 1 - 0.7 = 0.3 to pose 1, which then leaves 1 - 0.3 = 0.7 to pose 0
     out = constrain(np.array([[0.9], [0.6], [0.7]]), chain)
     assert out == pytest.approx(np.array([[0.7], [0.3], [0.7]]))
@@ -233,8 +233,21 @@ def test_a_tie_leaves_both_alone():
 def test_at_most_follows_a_pose_that_has_already_made_room():
     # pose 0 falls to 0.5 - 0.4 = 0.1, and pose 2 is never above it
     three = caps(np.array([[2, 0.5, 2], [0.5, 2, 2], [2, 2, 2]]), np.array([0.0, 1.0, 2.0]))
-    out = constrain(np.array([[0.6], [0.4], [0.3]]), three, [(2, 0)])
+    out = constrain(np.array([[0.6], [0.4], [0.3]]), together(three), [(2, 0)])
     assert out == pytest.approx(np.array([[0.1], [0.4], [0.1]]))
+
+
+def test_pairs_in_which_one_pose_yields_at_one_threshold_are_joined():
+    pairs = [Cap(0, 3, 1.0), Cap(0, 2, 0.5), Cap(0, 1, 1.0), Cap(1, 3, 1.0)]
+    found = {(low, threshold): high.tolist() for low, high, threshold in together(pairs)}
+    assert found == {(0, 1.0): [3, 1], (0, 0.5): [2], (1, 1.0): [3]}
+
+
+def test_a_pose_makes_room_for_the_strongest_of_several():
+    # at 1 with poses 1 and 2, of which pose 2 leaves the least: 1 - 0.7; pose 3 leaves 0.5 - 0.3
+    pairs = [Cap(0, 3, 0.5), Cap(0, 2, 1.0), Cap(0, 1, 1.0)]
+    weights = np.array([[0.9, 0.9], [0.4, 0.4], [0.7, 0.7], [0.0, 0.3]])
+    assert constrain(weights, together(pairs))[0] == pytest.approx([0.3, 0.2])
 
 
 def test_the_built_in_constraints_are_the_papers():
@@ -319,7 +332,8 @@ def test_contacts_in_a_row_are_held_through_their_boundary():
 
 def test_holding_raises_to_the_floor_and_lowers_to_the_ceiling():
     curves = np.array([[0.2, 0.2, 1.0], [0.6, 0.6, 0.05]])
-    out = hold(curves, [Plateau(0, 0.9)], [Plateau(1, 0.1)], np.array([False, True, True]))
+    levels = bounds([Plateau(0, 0.9)], [Plateau(1, 0.1)], 2)
+    out = hold(curves, *levels, np.array([False, True, True]))
     assert out.tolist() == [[0.2, 0.9, 1.0], [0.6, 0.1, 0.05]]
 
 

@@ -54,10 +54,10 @@ class LabelReader:
         (m,) common phoneme numbers, (m + 1,) boundaries in seconds, and (m,) indices of the source
         phonemes in the schedule
         """
-        values = self._values(schedule)
-        if all(len(value) == 1 for value in values):
-            numbers = np.array([self._numbers[value[0][0]] for value in values])
-            return numbers, schedule.times, np.arange(len(numbers))
+        values, numbers = self._values(schedule), self._numbers
+        single = [numbers[value[0][0]] for value in values if len(value) == 1]
+        if len(single) == len(values):
+            return np.array(single), schedule.times, np.arange(len(single))
         ids: list[int] = []
         starts: list[float] = []
         source: list[int] = []
@@ -65,7 +65,7 @@ class LabelReader:
         for index, value in enumerate(values):
             at, length = times[index], times[index + 1] - times[index]
             for name, share in value:
-                ids.append(self._numbers[name])
+                ids.append(numbers[name])
                 starts.append(at)
                 source.append(index)
                 at += share * length
@@ -98,8 +98,11 @@ class LabelReader:
             sounds = own.get(plain(word.text))
             if sounds:
                 values[word.first : word.stop] = _spread(sounds, word.stop - word.first)
+        known = [value for value in values if value is not None]
+        if len(known) == len(values):
+            return known
         unknown = [i for i, value in enumerate(values) if value is None]
-        if unknown and self.unknown != "rest":
+        if self.unknown != "rest":
             raise ScheduleError(self._unknown(schedule, unknown, notation))
         rest: Value = ((self.compiled.phonemes[0], 1.0),)
         return [rest if value is None else value for value in values]
@@ -112,10 +115,10 @@ class LabelReader:
         ids, source : common phonemes and their labels, as from `common_phonemes`
         count : number of labels
         """
-        firsts = [0] * count
-        for number, label in zip(ids[::-1].tolist(), source[::-1].tolist(), strict=True):
-            firsts[label] = number
-        return [self._classes[number] for number in firsts]
+        firsts = np.zeros(count, np.intp)
+        firsts[source[::-1]] = ids[::-1]  # of several to a label, the first is written last
+        kinds = self._classes
+        return [kinds[number] for number in firsts.tolist()]
 
     def stresses(self, schedule: Schedule, classes: Sequence[str]) -> list[int | None]:
         """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.

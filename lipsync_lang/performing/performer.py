@@ -88,7 +88,7 @@ class Performer:
         """Pose names, in column order of an animation."""
         return self.compiled.poses
 
-    @property
+    @cached_property
     def model(self) -> Path | None:
         """Model file of the character, or of its pose set."""
         return Path(self.compiled.model) if self.compiled.model is not None else None
@@ -155,7 +155,6 @@ class Performer:
             "line": line, "styles": styles, "dials": dials, "intensity": intensity,
         }  # fmt: skip
         performance = self.performance(schedule, fps, **asked)
-        floors = self.compiled.tables.floors
         return Animation(
             performance.frames.times(),
             self.poses,
@@ -167,7 +166,7 @@ class Performer:
             channels=self.channels,
             model=self.model,
             neutral=self.compiled.neutral,
-            contacts={p: float(f) for p, f in zip(self.poses, floors, strict=True) if f > 0},
+            contacts=dict(self._contacts),
         )
 
     def rigged(self, animation: Animation) -> Animation:
@@ -317,6 +316,12 @@ class Performer:
     def _drafted(self) -> "dict[frozenset[str], Tables]":
         """Tables with drafted styles, by the styles that are heard."""
         return {}
+
+    @cached_property
+    def _contacts(self) -> dict[str, float]:
+        """Floor of each pose that a contact holds up."""
+        floors = zip(self.poses, self.compiled.tables.floors.tolist(), strict=True)
+        return {pose: floor for pose, floor in floors if floor > 0}
 
     @cached_property
     def _opening(self) -> Bools:

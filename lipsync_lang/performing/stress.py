@@ -19,7 +19,7 @@ from lipsync_lang.pipeline.levels import Dial, Level
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
-PRIMARY, UNSTRESSED = 1, 0
+UNSTRESSED, PRIMARY, SECONDARY = 0, 1, 2
 
 RAMP_SECONDS = 0.08
 """Time over which an emphasised word begins, and ends, to open the mouth wider."""
@@ -43,16 +43,17 @@ def stress_dial(
     """
     if stated is None or not factor or not stresses:
         return None
-    change: dict[int | None, float] = {
-        PRIMARY: stated["stressed"] - 1,
-        UNSTRESSED: stated["unstressed"] - 1,
+    levels = {
+        PRIMARY: max(1 + factor * (stated["stressed"] - 1), 0.0),
+        SECONDARY: 1.0,
+        UNSTRESSED: max(1 + factor * (stated["unstressed"] - 1), 0.0),
     }
     vowels = [number for number, stress in enumerate(stresses) if stress is not None]
     if not vowels:
         return None
-    values = [1 + factor * change.get(stresses[number], 0.0) for number in vowels]
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
-    level = Level(middles[vowels], np.maximum(values, 0.0))
+    values = [levels[stress] for stress in stresses if stress is not None]
+    level = Level(middles[vowels], np.array(values))
     return Dial(poses, level, "stress")
 
 

@@ -120,7 +120,7 @@ class Notation:
 
     def find(self, label: str) -> Value | None:
         """Return the value of a label, from the table or by likeness; None if unknown."""
-        known = self.stated(label)
+        known = self._seen[label] if label in self._seen else self.stated(label)
         return self.likely(label) if known is None else known
 
     def text(self, label: str) -> str | None:

@@ -10,6 +10,8 @@ Opponents limit this rise: a constrained pose takes its share of the room, and a
 the pose takes all of it. An opponent at one frame also hides every peak after that frame.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Floats, Ints
@@ -45,8 +47,11 @@ def anticipate(curves: Floats, poses: Ints, left: Floats, room: Floats) -> Float
     far = left.shape[1] - 1
     if far:
         wanted = left.T[1:, :, None] * _ahead(own, far, 1)
-        np.minimum(wanted, np.minimum.accumulate(_ahead(room, far, 0), axis=0), out=wanted)
-        out[poses] = np.maximum(own, wanted.max(axis=0))
+        least = _ahead(room, far, 0).copy()
+        for before, here in pairwise(least):  # `np.minimum.accumulate`, in half the time
+            np.minimum(before, here, out=here)
+        np.minimum(wanted, least, out=wanted)
+        out[poses] = np.maximum(own, np.maximum.reduce(wanted))
     return out
 
 

@@ -4,12 +4,12 @@ Conventions: (P, T) is poses by frames; weights are in [0, 1] and thresholds in 
 The paper's formula has its sign reversed; `constrain` uses the corrected one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.arrays import Floats, Ints
 
 FREE = 2.0
 """A constraint at this threshold never binds: two weights add up to no more."""
@@ -20,6 +20,15 @@ class Cap(NamedTuple):
 
     low: int
     high: int
+    threshold: float
+
+
+class Bound(NamedTuple):
+    """Pose `low` yields to each pose of `high`: together with any at most `threshold`."""
+
+    low: int
+    high: Ints
+    """(H,)"""
     threshold: float
 
 
@@ -44,12 +53,20 @@ def caps(thresholds: Floats, priority: Floats) -> tuple[Cap, ...]:
     )
 
 
+def together(pairs: Iterable[Cap]) -> tuple[Bound, ...]:
+    """Join the pairs, as from `caps`, in which one pose yields at one threshold."""
+    highs: dict[tuple[int, float], list[int]] = {}
+    for low, high, threshold in pairs:
+        highs.setdefault((low, threshold), []).append(high)
+    return tuple(Bound(low, np.array(high), threshold) for (low, threshold), high in highs.items())
+
+
 def constrain(
-    weights: Floats, binding: Sequence[Cap], at_most: Sequence[tuple[int, int]] = ()
+    weights: Floats, binding: Sequence[Bound], at_most: Sequence[tuple[int, int]] = ()
 ) -> Floats:
     """Lower each pose until no pair passes its threshold.
 
-    From the highest priority down, for every binding pair a over b::
+    From the highest priority down, for every pose b and the poses a above it::
 
         c_b = min(c_b, max(0, C[a, b] - c_a))
 
@@ -59,7 +76,7 @@ def constrain(
     Parameters
     ----------
     weights : (P, T) in [0, 1]
-    binding : as from `caps`
+    binding : as from `together`
     at_most : (pose, other) pairs, each other final before it is used
 
     Returns
@@ -68,8 +85,9 @@ def constrain(
     """
     out = weights.copy()
     for low, high, threshold in binding:
-        room = threshold - out[high]
-        np.minimum(out[low], np.maximum(room, 0, out=room), out=out[low])
+        # the strongest of the poses above leaves the least room, for rounding never turns it round
+        row, room = out[low], threshold - np.maximum.reduce(out[high])
+        np.minimum(row, np.maximum(room, 0, out=room), out=row)
     for pose, other in at_most:
         np.minimum(out[pose], out[other], out=out[pose])
     return out

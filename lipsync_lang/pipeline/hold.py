@@ -7,6 +7,7 @@ a contact holds it for as long as a viewer needs to see it.
 """
 
 from collections.abc import Iterable
+from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,16 @@ class Plateau(NamedTuple):
     """0 to 1, or beyond where that makes the plateau long enough."""
 
 
+def bounds(raised: Iterable[Plateau], lowered: Iterable[Plateau], poses: int) -> Floats:
+    """Return the least and the greatest weight of each pose, infinite where free: (2, P, 1)."""
+    out = np.full((2, poses, 1), np.inf)
+    out[0] = -np.inf
+    for side, levels in zip(out, (raised, lowered), strict=True):
+        for pose, weight in levels:
+            side[pose] = weight
+    return out
+
+
 def demands(contact: Contact, track: Track) -> Bools:
     """Return True for the phonemes of a track that demand a contact: (n,)."""
     return contact.phonemes[track.ids] & ~track.waived
@@ -50,31 +61,31 @@ def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: in
     -------
     (count,)
     """
-    at = np.flatnonzero(wanted)
-    start, end = track.bounds[at], track.bounds[at + 1]
-    reach = max(SHORTEST, 1 / fps) / 2
-    middle = (start + end) / 2
-    low = np.minimum(start + MARGIN * ~wanted[at - 1], middle - reach)
-    high = np.maximum(end - MARGIN * ~wanted[at + 1], middle + reach)
-    begin = np.ceil((low - first) * fps - 1e-6).tolist()
-    stop = np.floor((high - first) * fps + 1e-6).tolist()
     held = np.zeros(count, bool)
-    for a, b in zip(begin, stop, strict=True):
-        held[max(0, int(a)) : max(0, int(b) + 1)] = True
+    reach = max(SHORTEST, 1 / fps) / 2
+    bounds, alike = track.bounds.tolist(), wanted.tolist()
+    for at in wanted.nonzero()[0].tolist():  # few: arrays of them would take longer
+        start, end = bounds[at], bounds[at + 1]
+        middle = (start + end) / 2
+        low = min(start if alike[at - 1] else start + MARGIN, middle - reach)
+        high = max(end if alike[at + 1] else end - MARGIN, middle + reach)
+        begin, last = ceil((low - first) * fps - 1e-6), floor((high - first) * fps + 1e-6)
+        held[max(0, begin) : max(0, last + 1)] = True
     return held
 
 
-def hold(
-    curves: Floats, raised: Iterable[Plateau], lowered: Iterable[Plateau], held: Bools
-) -> Floats:
+def hold(curves: Floats, least: Floats, most: Floats, held: Bools) -> Floats:
     """Raise (P, T) curves to a contact's floors and lower them to its ceilings where held.
 
     Levels may lie beyond 0 and 1. The speed limit then needs more frames to reach them, which
     lengthens the plateau. Clip the curves after the speed limit.
+
+    Parameters
+    ----------
+    least, most : (P, 1) levels as from `bounds`
+    held : (T,)
     """
     out = curves.copy()
-    for pose, weight in raised:
-        np.maximum(out[pose], weight, out=out[pose], where=held)
-    for pose, weight in lowered:
-        np.minimum(out[pose], weight, out=out[pose], where=held)
+    at = held.nonzero()[0]
+    out[:, at] = np.minimum(np.maximum(curves[:, at], least), most)
     return out

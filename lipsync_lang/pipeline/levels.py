@@ -63,6 +63,12 @@ def shares(blends: Sequence[Blend], times: Floats) -> Floats:
 def scale(curves: Floats, dials: Sequence[Dial], times: Floats) -> Floats:
     """Scale (P, T) curves of each dial's poses, up to 1."""
     out = curves.copy()
+    scaled = set()
     for dial in dials:
-        out[dial.poses] *= dial.level.at(times)
-    return np.minimum(out, 1.0, out=out)
+        level, poses = dial.level.at(times), dial.poses.nonzero()[0].tolist()
+        scaled.update(poses)
+        for pose in poses:
+            out[pose] *= level
+    for pose in scaled:
+        np.minimum(out[pose], 1.0, out=out[pose])
+    return out

@@ -8,7 +8,6 @@ are stitch, smooth, constrain and limit.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -65,30 +64,24 @@ class Performance:
     track: Track
     motion: Motion
     frames: Frames
+    prepared: Prepared
+    """The settings at this frame rate."""
     held: tuple[tuple[Bools, Bools], ...]
     """For each contact: (n,) the phonemes that demand it and (T,) the frames that hold it."""
     overlays: tuple[Overlay, ...]
-    demanded: Bools
-    """(H, n) for each contact pose, the phonemes that demand it: it is smoothed within these."""
     blends: tuple[Blend, ...] = ()
     dials: tuple[Dial, ...] = ()
-
-    @cached_property
-    def prepared(self) -> Prepared:
-        """The settings at this frame rate."""
-        return prepare(self.tables, self.motion, self.frames.fps)
 
     def weights(self) -> Floats:
         """Run every stage: (T, P)."""
         if self.frames.count <= BLOCK or self.far:
-            last = self.stages(0, self.frames.count)[-1]
-            return np.ascontiguousarray(last.curves.T)
+            return np.ascontiguousarray(self._last(0, self.frames.count).T)
         out = np.empty((self.frames.count, len(self.tables.priority)))
         halo = self.halo()
         for begin in range(0, self.frames.count, BLOCK):
             stop = min(begin + BLOCK, self.frames.count)
             low, high = max(0, begin - halo), min(self.frames.count, stop + halo)
-            curves = self.stages(low, high)[-1].curves
+            curves = self._last(low, high)
             out[begin:stop] = curves[:, begin - low : stop - low].T
         return out
 
@@ -102,11 +95,18 @@ class Performance:
         return self.frames.count if self.far else math.ceil(self.prepared.halo) + 4
 
     def stages(self, begin: int, stop: int) -> list[Stage]:
-        """Run the stages on frames `begin` to `stop`; return the curves after each."""
-        times = self.frames.times(begin, stop)
-        place = locate(self.track, times)
-        ending, beginning = self.bigrams(place, times)
-        return list(self._run(ending, beginning, place, begin, stop))
+        """Run the stages on frames `begin` to `stop`; return the curves after each, in bounds."""
+        beyond = bool(self.prepared.longer)
+        return [
+            Stage(name, np.clip(curves, 0, 1) if beyond and name == "hold" else curves)
+            for name, curves in self._run(begin, stop)
+        ]
+
+    def _last(self, begin: int, stop: int) -> Floats:
+        """Run the stages on frames `begin` to `stop`; return the curves after the last: (P, T)."""
+        for stage in self._run(begin, stop):
+            curves = stage.curves
+        return curves
 
     def bigrams(self, place: FramePlace, times: Floats) -> tuple[Floats, Floats]:
         """Read the two bigrams that cover each frame, styles blended in: (T, P) each."""
@@ -147,11 +147,10 @@ class Performance:
                 out[:, pose] += part * np.interp(own, table, curve)
         return times, out
 
-    def _run(
-        self, ending: Floats, beginning: Floats, place: FramePlace, begin: int, stop: int
-    ) -> Iterator[Stage]:
+    def _run(self, begin: int, stop: int) -> Iterator[Stage]:
+        """Run the stages; those before a speed limit may leave the bounds to lengthen contacts."""
         prepared = self.prepared
-        for stage in self._shaped(ending, beginning, place, begin, stop):
+        for stage in self._shaped(begin, stop):
             yield stage
             curves = stage.curves
         head, tail = begin == 0, stop == self.frames.count
@@ -160,8 +159,8 @@ class Performance:
         if prepared.topped:
             curves = np.minimum(curves, prepared.tops[:, None])
         if self.motion.contacts == "hold":
-            curves, shown = self._hold(curves, begin, stop)
-            yield Stage("hold", shown)
+            curves = self._hold(curves, begin, stop)
+            yield Stage("hold", curves)
         order = ("limit", "constrain") if self.motion.limit == "before" else ("constrain", "limit")
         for name in order:
             curves = self._limit(curves) if name == "limit" else self._constrain(curves)
@@ -170,18 +169,18 @@ class Performance:
             curves = soften(curves, prepared.shared)
             yield Stage("soften", curves if prepared.convex else self._constrain(curves))
 
-    def _shaped(
-        self, ending: Floats, beginning: Floats, place: FramePlace, begin: int, stop: int
-    ) -> Iterator[Stage]:
+    def _shaped(self, begin: int, stop: int) -> Iterator[Stage]:
         """Run the stages before the promises: the mouth's wanted place."""
         motion, prepared = self.motion, self.prepared
-        curves = stitch(ending, beginning, place, motion.stitch)
+        times = self.frames.times(begin, stop)
+        place = locate(self.track, times)
+        curves = stitch(*self.bigrams(place, times), place, motion.stitch)
         yield Stage("stitch", curves)
         if self.overlays:
-            curves = lay_over(curves, self.overlays, self.frames.times(begin, stop))
+            curves = lay_over(curves, self.overlays, times)
             yield Stage("overlay", curves)
         if self.dials:
-            curves = scale(curves, self.dials, self.frames.times(begin, stop))
+            curves = scale(curves, self.dials, times)
             yield Stage("dial", curves)
         if motion.smooth != "none":
             curves = self._smooth(curves, place)
@@ -195,20 +194,19 @@ class Performance:
         if prepared.wide:
             yield Stage("ease", soften(curves, prepared.wide))
 
-    def _hold(self, curves: Floats, begin: int, stop: int) -> tuple[Floats, Floats]:
-        """Hold contacts: curves to be limited, and the same within bounds."""
-        levels = zip(self.held, self.prepared.raised, self.prepared.lowered, strict=True)
-        for (_, frames), raised, lowered in levels:
-            curves = hold(curves, raised, lowered, frames[begin:stop])
-        shown = np.clip(curves, 0, 1) if self.prepared.longer else curves
-        return (curves if self.motion.limit == "before" else shown), shown
+    def _hold(self, curves: Floats, begin: int, stop: int) -> Floats:
+        """Hold contacts; levels beyond the bounds are for a speed limit to follow."""
+        for (_, frames), (least, most) in zip(self.held, self.prepared.levels, strict=True):
+            curves = hold(curves, least, most, frames[begin:stop])
+        if self.prepared.longer and self.motion.limit == "after":
+            curves = np.clip(curves, 0, 1)
+        return curves
 
     def _room(self, curves: Floats, place: FramePlace) -> Floats:
         """Return the room that opponents leave to the poses that look ahead: (R, T)."""
-        early, tables = self.prepared.early, self.tables
-        room: Floats = 1 - tables.blockers[early] @ curves
+        room: Floats = 1 - self.prepared.blocked @ curves
         np.maximum(room, 0, out=room)
-        room[tables.opposed[self.track.ids][place.phoneme][:, early].T] = 0
+        room[self.prepared.opposed[:, self.track.ids].take(place.phoneme, axis=1)] = 0
         return room
 
     def _smooth(self, curves: Floats, place: FramePlace) -> Floats:
@@ -219,7 +217,15 @@ class Performance:
         out = closing(curves, width)
         held = self.tables.held
         if self.motion.contacts == "hold" and held.any():
-            out[held] = closing_within(curves[held], self.demanded[:, place.phoneme], width)
+            out[held] = closing_within(curves[held], self._demanded()[:, place.phoneme], width)
+        return out
+
+    def _demanded(self) -> Bools:
+        """Return the phonemes that demand each contact pose: (H, n)."""
+        held = self.tables.held
+        out = np.zeros((np.count_nonzero(held), len(self.track.ids)), bool)
+        for contact, (wanted, _) in zip(self.tables.contacts, self.held, strict=True):
+            out |= (contact.floor[held] > 0)[:, None] & wanted
         return out
 
     def _switch(self, curves: Floats, begin: int, stop: int) -> Floats:
@@ -241,7 +247,7 @@ class Performance:
         return np.clip(slow, 0, prepared.tops[:, None], out=slow) if prepared.longer else slow
 
     def _constrain(self, curves: Floats) -> Floats:
-        return constrain(curves, self.tables.caps, self.tables.at_most)
+        return constrain(curves, self.tables.binding, self.tables.at_most)
 
 
 def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
@@ -284,14 +290,13 @@ def perform(  # noqa: PLR0913 what is said, and how
 ) -> Performance:
     """Prepare a track's performance: its frames, and where its contacts are held."""
     tables = tables.papers if motion.thresholds == "paper" else tables
-    frames = lay_frames(track, motion, fps, prepare(tables, motion, fps).lead)
+    prepared = prepare(tables, motion, fps)
+    frames = lay_frames(track, motion, fps, prepared.lead)
     first = frames.start + frames.first / fps
     held = []
-    demanded = np.zeros((np.count_nonzero(tables.held), len(track.ids)), bool)
     for contact in tables.contacts:
         wanted = demands(contact, track)
         held.append((wanted, held_frames(wanted, track, first, fps, frames.count)))
-        demanded |= (contact.floor[tables.held] > 0)[:, None] & wanted
     return Performance(
-        tables, track, motion, frames, tuple(held), overlays, demanded, blends, dials
+        tables, track, motion, frames, prepared, tuple(held), overlays, blends, dials
     )

@@ -32,8 +32,8 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.pipeline.anticipate import falling
-from lipsync_lang.pipeline.arrays import Floats, Ints
-from lipsync_lang.pipeline.hold import SHORTEST, Plateau
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.hold import SHORTEST, Plateau, bounds
 from lipsync_lang.pipeline.limit import ramps
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.soften import Blur, kernel, reach_of
@@ -73,10 +73,12 @@ class Prepared:
     """(R,) poses that look ahead."""
     left: Floats
     """(R, n) what is left of them so many frames ahead."""
-    raised: tuple[tuple[Plateau, ...], ...]
-    """For each contact, where it holds poses up."""
-    lowered: tuple[tuple[Plateau, ...], ...]
-    """For each contact, where it keeps poses down."""
+    blocked: Floats
+    """(R, P) how much each pose keeps these from beginning early."""
+    opposed: Bools
+    """(R, N) True where a phoneme keeps these from beginning early."""
+    levels: tuple[Floats, ...]
+    """(2, P, 1) for each contact, the least and the greatest weight where it is held."""
     longer: float
     """Frames by which the longest plateau is held longer, on each side."""
     tops: Floats
@@ -132,8 +134,9 @@ def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
         ramps=ramps(step, late),
         early=early,
         left=left,
-        raised=raised,
-        lowered=lowered,
+        blocked=tables.blockers[early],
+        opposed=np.ascontiguousarray(tables.opposed[:, early].T),
+        levels=tuple(bounds(*sides, len(half)) for sides in zip(raised, lowered, strict=True)),
         longer=longer,
         tops=tops,
         topped=bool((tops < 1).any()),

@@ -80,13 +80,20 @@ def soften(curves: Floats, blurs: tuple[Blur, ...]) -> Floats:
 
     The poses of a blur are laid end to end with rests between, for one convolution.
     """
+    if len(blurs) == 1 and len(blurs[0].poses) == len(curves):
+        return _round(curves, blurs[0].kernel)
     out = curves.copy()
-    count = curves.shape[1]
     for poses, weights in blurs:
-        reach = len(weights) // 2
-        apart = count + reach
-        row = np.zeros((len(poses), apart))
-        row[:, :count] = curves[poses]
-        mean = np.convolve(row.ravel(), weights)[reach : reach + row.size]
-        out[poses] = mean.reshape(row.shape)[:, :count]
+        out[poses] = _round(curves[poses], weights)
+    return out
+
+
+def _round(curves: Floats, weights: Floats) -> Floats:
+    """Convolve each of (R, T) curves with a kernel."""
+    rows, count = curves.shape
+    reach = len(weights) // 2
+    rested = np.zeros((rows, count + reach))
+    rested[:, :count] = curves
+    mean = np.convolve(rested.ravel(), weights)[reach : reach + rested.size]
+    out: Floats = mean.reshape(rested.shape)[:, :count]
     return out

@@ -14,7 +14,7 @@ from zlib import compress, decompress
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
-from lipsync_lang.pipeline.constrain import FREE, Cap, caps
+from lipsync_lang.pipeline.constrain import FREE, Bound, Cap, caps, together
 
 RESOLUTION = 128
 """Steps of normalised time at which a bigram's curves are tabulated."""
@@ -101,6 +101,11 @@ class Tables:
     def caps(self) -> tuple[Cap, ...]:
         """Constraints that can bind, in the order in which they are applied."""
         return caps(self.thresholds, self.priority)
+
+    @cached_property
+    def binding(self) -> tuple[Bound, ...]:
+        """The same, with the pairs joined in which one pose yields at one threshold."""
+        return together(self.caps)
 
     @cached_property
     def held(self) -> Bools:

@@ -83,13 +83,15 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     """
     start, end = float(times[0]), float(times[-1])
     quiet = ids == tables.silence
-    again = np.flatnonzero(quiet[1:] & quiet[:-1]) + 1
-    if again.size:
-        ids, source, quiet = (np.delete(a, again) for a in (ids, source, quiet))
-        times = np.delete(times, again)
+    again = quiet[1:] & quiet[:-1]
+    if again.any():
+        at = again.nonzero()[0] + 1
+        ids, source, quiet = (np.delete(a, at) for a in (ids, source, quiet))
+        times = np.delete(times, at)
     far = max(motion.silence_reach, 1e-9)
     head, tail = not quiet[0], not quiet[-1]
-    bounds = np.concatenate((times[:1] - far, times, times[-1:] + far))
+    bounds = np.empty(len(times) + 2)
+    bounds[0], bounds[1:-1], bounds[-1] = start - far, times, end + far
     bounds = bounds[None if head else 1 : None if tail else -1]
     if not head:
         bounds[0] = min(bounds[0], bounds[1] - far)
@@ -101,8 +103,9 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     source = np.concatenate((nowhere[:head], source, nowhere[:tail]))
 
     length = bounds[1:] - bounds[:-1]
-    reach = np.where(ids == tables.silence, np.minimum(length, far), length)
-    moving = np.where(ids == tables.silence, reach, np.minimum(length, motion.sound_reach))
+    quiet = ids == tables.silence
+    moving = np.minimum(length, np.where(quiet, far, motion.sound_reach))
+    reach = np.where(quiet, moving, length)
     rows = tables.pairs[ids[:-1], ids[1:]]
     even = None if motion.warp == "anchored" else moving[:-1] / (moving[:-1] + moving[1:])
     free = tables.free[rows]
