@@ -14,6 +14,7 @@ from test_engine_files import READ_BACK as ENGINES
 from test_glb import document_of, mesh, model_of, tracks
 from test_godot import READ_BACK as GODOT
 from test_held_files import READ_BACK as HELD
+from test_line_page import data_of
 from test_usd import READ_BACK as USD
 from test_video import NEEDS
 from test_video import READ_BACK as PICTURES
@@ -125,9 +126,20 @@ def as_glb(content, animation):
     assert row["extras"]["audio_start"] == pytest.approx(-animation.times[0], abs=1e-6)
 
 
+def as_page(content, animation):
+    (take,) = data_of(content.decode("utf-8"))["takes"]
+    assert take["poses"] == list(animation.poses)
+    np.testing.assert_allclose(
+        np.column_stack([one["values"] / 65535 for one in take["curves"]]),
+        animation.weights,
+        atol=1e-5,
+    )
+
+
 READ_BACK = {
     "csv": as_csv,
     "glb": as_glb,
+    "html": as_page,
     "json": as_json,
     "wav": as_wav,
     **ENGINES,

@@ -30,7 +30,7 @@ FLOORS = (
     {"speech"},
     {"performing"},
     {"coverage", "quality", "render"},
-    {"authoring"},
+    {"authoring", "studio"},
     {"commands"},
     {"cli"},
 )

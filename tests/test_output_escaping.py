@@ -13,6 +13,7 @@ from test_engine_files import READERS
 from test_glb import document_of, mesh, model_of, parts
 from test_godot import from_tres
 from test_held_files import READERS as DRAWN
+from test_line_page import data_of
 from test_usd import from_usda
 from test_word_files import read
 
@@ -131,12 +132,19 @@ def engine(name):
     return lambda content, animation: list(READERS[name][0](content, animation))
 
 
+def page(content, _):
+    take = data_of(content.decode("utf-8"))["takes"][0]
+    assert [word for word, *_ in take["spoken"]["words"]] == list(ODD)
+    return take["poses"]
+
+
 NAMES = {
     **{name: engine(name) for name in READERS},
     **{name: drawings(name) for name in DRAWN},
     "csv": table,
     "glb": model,
     "godot": resource,
+    "html": page,
     "json": document,
     "srt": cues("srt"),
     "unreal": curves,

@@ -46,6 +46,7 @@ class Animation:
         tangents; None for straight lines
     neutral : the name of the neutral pose, if any
     contacts : poses that must stay visible at every contact, with the levels that contacts hold
+    against : other animations of the line by name, for formats that compare
     """
 
     times: npt.NDArray[np.float64]
@@ -62,6 +63,7 @@ class Animation:
     key_error: float | None = None
     neutral: str | None = None
     contacts: Mapping[str, float] = field(default_factory=dict)
+    against: Mapping[str, "Animation"] = field(default_factory=dict)
 
     @property
     def title(self) -> str:

@@ -188,9 +188,9 @@ def _pose(  # noqa: PLR0913, PLR0917 what a frame went through
             elif stage.name == "dial":
                 why = _scaled(performance, pose, frame)
             elif stage.name == "hold":
-                why = _held(performer, performance, pose, frame)
+                why = held_reason(performer, performance, pose, frame)
             elif stage.name == "constrain":
-                why = _won(performer, performance, pose, stages[number])
+                why = constraint_reason(performer, performance, pose, stage.curves[:, 0])
         steps.append(StageAt(stage.name, weight, why))
     given = tuple(
         float(v[pose]) for v, bigram in zip(values, covering, strict=True) if bigram is not None
@@ -215,7 +215,7 @@ def _scaled(performance: Performance, pose: int, frame: int) -> str:
     return f"scaled by {', '.join(told)}"
 
 
-def _held(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
+def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
     """Return the contacts that limit a pose at a frame, as text."""
     names = performer.compiled.contact_names
     reasons = []
@@ -229,15 +229,17 @@ def _held(performer: "Performer", performance: Performance, pose: int, frame: in
     return ", ".join(reasons)
 
 
-def _won(performer: "Performer", performance: Performance, pose: int, after: Stage) -> str:
-    """Return the tightest constraint of a pose, as text."""
+def constraint_reason(
+    performer: "Performer", performance: Performance, pose: int, weights: Floats
+) -> str:
+    """Return the tightest constraint of a pose among (P,) constrained weights, as text."""
     rooms = [
-        (threshold - float(after.curves[high, 0]), high, threshold)
+        (threshold - float(weights[high]), high, threshold)
         for low, high, threshold in performance.tables.caps
         if low == pose
     ]
     bounds = [
-        (float(after.curves[other, 0]), f"never above {performer.poses[other]}")
+        (float(weights[other]), f"never above {performer.poses[other]}")
         for low, other in performance.tables.at_most
         if low == pose
     ]

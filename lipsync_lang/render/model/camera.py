@@ -19,6 +19,12 @@ BUST = 5.0
 MOVED = 0.1
 """Fraction of the largest movement; points that move less do not count as the mouth."""
 
+MOUTH = 0.4
+"""The same for a close-up, which leaves out cheeks and chin as far as they only follow."""
+
+CLOSE = 1.25
+"""Size of the frame of a close-up relative to the mouth."""
+
 SIDE = 0.4
 """Fraction of the model's depth: minimum distance of the moving region from the back."""
 
@@ -67,6 +73,17 @@ def framed(scene: Scene) -> Camera:
     turn = np.diag([-1.0, 1.0, -1.0]) if _faces_back(scene) else np.eye(3)
     distance = half / np.tan(np.radians(FIELD / 2)) + (high[2] - low[2]) / 4
     return Camera(middle, turn, float(distance), float(half))
+
+
+def close_up(scene: Scene) -> Camera:
+    """Frame the mouth, from the side that `framed` takes for the front."""
+    whole = framed(scene)
+    mouth = scene.rest[scene.moves >= MOUTH * scene.moves.max()]
+    low, high = mouth.min(axis=0), mouth.max(axis=0)
+    half = max(high[:2] - low[:2]) / 2 * CLOSE
+    middle = (low + high) / 2
+    distance = half / np.tan(np.radians(FIELD / 2)) + (high[2] - low[2]) / 4
+    return Camera(middle, whole.turn, float(distance), float(half))
 
 
 def _box(scene: Scene) -> tuple[Floats, Floats]:

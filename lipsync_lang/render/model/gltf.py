@@ -49,15 +49,15 @@ class Gltf:
         if packed:
             fail(path, f"is compressed ({min(packed)})", "export the model without compression")
 
-    def texture(self, number: int) -> Texels | None:
-        """Decode a texture's image to (H, W, 4); None if it is unreadable."""
+    def image(self, number: int) -> bytes | None:
+        """Read a texture's image file; None if it is outside the model."""
         row = self.document["textures"][number]
         kinds = (row, *row.get("extensions", {}).values())
         sources = [kind["source"] for kind in kinds if "source" in kind]
         image = self.document["images"][sources[0]] if sources else {}
         if "bufferView" not in image:
             return None
-        return _picture(self.arrays.view(image["bufferView"]))
+        return self.arrays.view(image["bufferView"])
 
     # Nodes
 
@@ -104,7 +104,8 @@ def _axes(quaternion: Floats) -> Floats:
     return found
 
 
-def _picture(data: bytes) -> Texels | None:
+def decoded(data: bytes) -> Texels | None:
+    """Decode an image file to (H, W, 4); None if it is unreadable or too large."""
     image = pillow()
     try:
         with warnings.catch_warnings():

@@ -64,7 +64,7 @@ class Normals:
 
     def __init__(self, scene: Scene) -> None:
         self._corners = scene.triangles
-        self._group = _groups(scene)
+        self._group = groups(scene)
         smooth = self._smooth(scene.rest)
         self._change = np.nan_to_num(unit(scene.directions(scene.normals)) - smooth)
 
@@ -88,7 +88,7 @@ class Normals:
         return unit(np.column_stack(sums))[self._group]
 
 
-def _groups(scene: Scene) -> Ints:
+def groups(scene: Scene) -> Ints:
     """Map each of (V,) points to the first one equal to it but for texture coordinates."""
     given = scene.normals
     bare: Bools = np.isnan(given[:, 0])

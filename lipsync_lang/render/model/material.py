@@ -1,10 +1,11 @@
 """Surface materials: colour, texture, alpha cutoff and gloss."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from lipsync_lang.render.model.gltf import Floats, Gltf, Texels
+from lipsync_lang.render.model.gltf import Floats, Gltf, Texels, decoded
 from lipsync_lang.rigs.accessors import Array
 from lipsync_lang.rigs.container import Json
 
@@ -16,7 +17,7 @@ class Material:
     Parameters
     ----------
     colour : (4,) linear red, green, blue and alpha
-    texture : (H, W, 4) sRGB, or None
+    image : file of the texture, or None
     cutoff : alpha below which the surface is absent
     double : true for surfaces visible from behind
     gloss : in [0, 1]
@@ -24,11 +25,16 @@ class Material:
     """
 
     colour: Floats
-    texture: Texels | None
+    image: bytes | None
     cutoff: float
     double: bool
     gloss: float
     lit: bool
+
+    @cached_property
+    def texture(self) -> Texels | None:
+        """(H, W, 4) sRGB; None without an image that can be read."""
+        return None if self.image is None else decoded(self.image)
 
     def texels(self, u: Array, v: Array) -> Texels:
         """Sample the texture at texture coordinates, (n, 4); the texture repeats."""
@@ -49,7 +55,7 @@ def material(gltf: Gltf, row: Json) -> Material:
     cutoff = {"OPAQUE": 0.0, "MASK": float(row.get("alphaCutoff", 0.5))}.get(mode, 0.5)
     return Material(
         np.array(surface.get("baseColorFactor", [1.0] * 4), float),
-        gltf.texture(texture["index"]) if texture else None,
+        gltf.image(texture["index"]) if texture else None,
         cutoff,
         bool(row.get("doubleSided")),
         1.0 - surface.get("roughnessFactor", 1.0),

@@ -95,7 +95,7 @@ class Scene:
         self._model = read_model(path, bones=True)
         self._gltf = Gltf(self._model, name)
         self.document = self._gltf.document
-        self._parts: list[Part] = []
+        self.parts: list[Part] = []
         self._rows: list[tuple[Ints, Floats, Floats, Floats, Ints]] = []
         try:
             with np.errstate(over="raise", invalid="raise", divide="raise"):
@@ -106,7 +106,7 @@ class Scene:
                 self._mirror()
         except (AttributeError, LookupError, TypeError, ValueError, ArithmeticError) as error:
             fail(name, f"its meshes cannot be read ({str(error)[:60]})")
-        if not self._parts:
+        if not self.parts:
             fail(name, "shows no surfaces", "export the model itself, with its meshes")
         triangles, normals, colours, places, materials = zip(*self._rows, strict=True)
         self.triangles: Ints = np.concatenate(triangles)
@@ -128,9 +128,10 @@ class Scene:
         self._tracks = dict(_tracks(self._model, gltf, animation))
         self.seconds = max(float(track.times[-1]) for track in self._tracks.values())
         """Duration in seconds."""
-        self._order = gltf.order()
+        self.order = gltf.order()
+        """Visible nodes with their parents, parents first."""
         self.materials = [material(gltf, row) for row in [*document.get("materials", ()), {}]]
-        for number in self._order:
+        for number in self.order:
             node = document["nodes"][number]
             if "mesh" in node:
                 mesh = document["meshes"][node["mesh"]]
@@ -165,7 +166,7 @@ class Scene:
             raise ValueError("a point is nowhere")
         points = slice(first, first + count)
         skin = self._skin(node, attributes)
-        self._parts.append(Part(number, points, base, deltas, active, weights, skin))
+        self.parts.append(Part(number, points, base, deltas, active, weights, skin))
         which = primitive.get("material", len(self.materials) - 1)
         normals, colours, places = self._looks(attributes, count, self.materials[which])
         own = np.full(len(triangles), which, np.intp)
@@ -174,14 +175,18 @@ class Scene:
     def _mirror(self) -> None:
         """Flip the triangles of mirrored nodes, whose winding order is reversed."""
         matrices = self._matrices(0.0)
-        for number, part in enumerate(self._parts):
+        for number, part in enumerate(self.parts):
             if part.skin is None and np.linalg.det(matrices[part.node]) < 0:
                 self._rows[number] = (self._rows[number][0][:, ::-1], *self._rows[number][1:])
+
+    def local(self, number: int) -> Floats:
+        """Compute the (4, 4) matrix of a node at rest, relative to its parent."""
+        return self._gltf.local(number)
 
     @property
     def count(self) -> int:
         """Number of points."""
-        return self._parts[-1].points.stop if self._parts else 0
+        return self.parts[-1].points.stop if self.parts else 0
 
     def _weights(self, number: int, node: Json, mesh: Json, primitive: Json) -> KeyTrack:
         count = len(primitive.get("targets", ()))
@@ -227,7 +232,7 @@ class Scene:
         """Compute the positions of all points at a time: (V, 3)."""
         matrices = self._matrices(seconds)
         found = np.empty((self.count, 3))
-        for part in self._parts:
+        for part in self.parts:
             points = part.base
             if len(part.active):
                 weights = part.weights.at(seconds)[part.active]
@@ -238,12 +243,12 @@ class Scene:
     def directions(self, own: Floats) -> Floats:
         """Transform (V, 3) directions at points by the initial state of the model."""
         matrices = self._matrices(0.0)
-        return np.vstack([_moved(own[part.points], part, matrices, 0.0) for part in self._parts])
+        return np.vstack([_moved(own[part.points], part, matrices, 0.0) for part in self.parts])
 
     def _matrices(self, seconds: float) -> dict[int, Floats]:
         """Compute the world matrix of every visible node."""
         found: dict[int, Floats] = {}
-        for number, parent in self._order.items():
+        for number, parent in self.order.items():
             paths = ("translation", "rotation")
             tracks = {path: self._tracks.get((number, path)) for path in paths}
             moved = {path: track.at(seconds) for path, track in tracks.items() if track}
@@ -261,17 +266,17 @@ class Scene:
     @cached_property
     def shown_by(self) -> Ints:
         """(V,) node of each point."""
-        return np.repeat([p.node for p in self._parts], [len(p.base) for p in self._parts])
+        return np.repeat([p.node for p in self.parts], [len(p.base) for p in self.parts])
 
     @cached_property
     def moving(self) -> Bools:
         """(V,) mask of points that can move."""
         driven = {node for node, path in self._tracks if path != "weights"}
-        for number, parent in self._order.items():
+        for number, parent in self.order.items():
             if parent in driven:
                 driven.add(number)
         found = np.zeros(self.count, bool)
-        for part in self._parts:
+        for part in self.parts:
             movers = {part.node} if part.skin is None else set(part.skin.nodes.tolist())
             most = np.abs(part.weights.values).max(axis=0)[part.active]
             reach = np.tensordot(most, np.linalg.norm(part.deltas, axis=2), 1)

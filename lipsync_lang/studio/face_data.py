@@ -1,0 +1,257 @@
+"""Model of a page: geometry, shapes, bones and surfaces, as `gl_face.js` draws them.
+
+The scene is that of the pictures (`render.model`), so that a page shows the face of a video. It is
+read from a sweep, which moves one channel after the other, and does not depend on the line.
+
+Conventions: V points, C channels (columns of the animation); matrices act on rows.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import ModelError, OutputError
+from lipsync_lang.render.model import light
+from lipsync_lang.render.model.camera import FIELD, Camera, close_up, framed
+from lipsync_lang.render.model.material import Material
+from lipsync_lang.render.model.picture import BEHIND
+from lipsync_lang.render.model.scene import Part, Scene
+from lipsync_lang.render.staging import staged
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.array_pack import ArrayPack
+
+SHORT = 32767
+"""Steps of a coordinate on either side of the middle of its mesh."""
+
+SMALLEST = 1e-5
+"""Share of a mesh's size; a shape that moves a point by less leaves it out."""
+
+SMALL_MODEL = 2**16
+"""Points up to which a point's number takes two bytes."""
+
+CLEAR = 1e-3
+"""Least opacity of a material; below it, nothing is seen."""
+
+MAX_IMAGE_BYTES = 4 * 2**20
+"""Size limit in bytes of a texture; a page with larger ones is too slow to send."""
+
+BEYOND = {
+    "normalTexture": "normal maps",
+    "occlusionTexture": "occlusion maps",
+    "emissiveTexture": "glowing textures",
+}
+"""Properties of a material that are not drawn."""
+
+Face = dict[str, Any]
+
+
+def face_data(animation: Animation, pack: ArrayPack) -> Face:
+    """Return the model of an animation as JSON data, with its arrays in a pack.
+
+    `unshown` lists what the page cannot show of the model; without a drawable model, there is
+    nothing else.
+    """
+    if animation.model is None:
+        return {"unshown": []}
+    try:
+        return _face(animation, pack)
+    except (ModelError, OutputError) as error:
+        return {"unshown": [str(error)]}
+
+
+def sweep(animation: Animation) -> Animation:
+    """Return a movement of each column to its largest value, one after the other.
+
+    Frame 0 is at rest, and frame c + 1 moves column c: its weight is 1, or as large as it becomes
+    in the animation.
+    """
+    count = len(animation.poses)
+    most = np.abs(animation.weights).max(axis=0, initial=0.0)
+    bones = np.array([channel.node is not None for channel in animation.columns])
+    levels = np.where(bones & (most > 0), most, 1.0)
+    return replace(
+        animation,
+        times=np.arange(count + 1.0),
+        weights=np.vstack([np.zeros(count), np.diag(levels)]),
+        fps=1.0,
+        offset=0.0,
+        tolerance=None,
+        key_error=None,
+    )
+
+
+def _face(animation: Animation, pack: ArrayPack) -> Face:
+    scene = staged(sweep(animation))
+    order = np.argsort(scene.material, kind="stable")
+    normals = np.nan_to_num(light.unit(scene.directions(scene.normals)))
+    kind = "u2" if scene.count <= SMALL_MODEL else "u4"
+    return {
+        "unshown": list(_unshown(scene)),
+        "count": scene.count,
+        "camera": _camera(framed(scene)),
+        "close": _camera(close_up(scene)),
+        "light": _light(),
+        "nodes": _nodes(scene, animation),
+        "parts": [_part(scene, part, pack, kind) for part in scene.parts],
+        "triangles": pack.add(scene.triangles[order], kind),
+        "groups": pack.add(light.groups(scene), kind),
+        "normals": pack.add(normals, "i1", 127),
+        "colours": pack.add(scene.colours, "u2", 65535),
+        "places": pack.add(scene.places, "f4") if _textured(scene) else None,
+        "moving": pack.add(scene.moving, "u1"),
+        "materials": list(_materials(scene, pack)),
+    }
+
+
+def _camera(camera: Camera) -> Json:
+    return {
+        "middle": camera.middle.tolist(),
+        "turn": camera.turn.tolist(),
+        "distance": camera.distance,
+        "half": camera.half,
+        "field": FIELD,
+    }
+
+
+def _light() -> Json:
+    return {
+        "lamps": [
+            [*(np.array(one.way) / np.linalg.norm(one.way)).tolist(), *one.colour, one.wrap,
+             one.shine] for one in light.LAMPS
+        ],
+        "sky": light.SKY.tolist(),
+        "ground": light.GROUND.tolist(),
+        "sharpest": light.SHARPEST,
+        "least": light.LEAST_LIGHT,
+        "around": light.AROUND,
+        "cells": light.CELLS,
+        "bias": light.BIAS,
+        "behind": BEHIND,
+    }  # fmt: skip
+
+
+# Movement
+
+
+def _nodes(scene: Scene, animation: Animation) -> list[Json]:
+    """Return the visible nodes, parents first: their place at rest, and the bones' channels."""
+    rank = {number: place for place, number in enumerate(scene.order)}
+    moves: dict[str, list[Json]] = {}
+    for column, channel in enumerate(animation.columns):
+        if channel.node is not None:
+            one = {"channel": column, "turn": channel.rotation, "shift": channel.translation}
+            moves.setdefault(channel.node, []).append(one)
+    rows = []
+    for number, parent in scene.order.items():
+        node = scene.document["nodes"][number]
+        own = moves.get(node.get("name", ""))
+        row: Json = {"parent": -1 if parent is None else rank[parent]}
+        if own:
+            row |= {
+                "moves": own,
+                "translation": node.get("translation", [0, 0, 0]),
+                "rotation": node.get("rotation", [0, 0, 0, 1]),
+                "scale": node.get("scale", [1, 1, 1]),
+            }
+        else:
+            row["matrix"] = scene.local(number).ravel().tolist()
+        rows.append(row)
+    return rows
+
+
+def _part(scene: Scene, part: Part, pack: ArrayPack, kind: str) -> Json:
+    """Return a primitive: its points at rest, and the points that each shape moves."""
+    rank = {number: place for place, number in enumerate(scene.order)}
+    low, high = part.base.min(axis=0), part.base.max(axis=0)
+    middle, reach = (low + high) / 2, float(np.ptp(part.base, axis=0).max()) or 1.0
+    skin = None
+    if part.skin is not None:
+        skin = {
+            "bones": [rank.get(node, -1) for node in part.skin.nodes.tolist()],
+            "inverse": pack.add(part.skin.inverse, "f4"),
+            "sets": part.skin.bones.shape[1],
+            "joints": pack.add(part.skin.bones, "u2"),
+            "shares": pack.add(part.skin.shares, "u2", 65535),
+        }
+    return {
+        "node": rank[part.node],
+        "first": part.points.start,
+        "count": len(part.base),
+        "middle": middle.tolist(),
+        "scale": reach / SHORT,
+        "points": pack.add(part.base - middle, "i2", SHORT / reach),
+        "shapes": list(_shapes(part, reach, pack, kind)),
+        "skin": skin,
+    }
+
+
+def _shapes(part: Part, reach: float, pack: ArrayPack, kind: str) -> Iterator[Json]:
+    """Yield the shapes that channels move, and those that are seen at rest."""
+    rest, moved = part.weights.values[0], part.weights.values[1:] - part.weights.values[0]
+    for row, target in zip(part.deltas, part.active, strict=True):
+        points = np.flatnonzero(np.abs(row).max(axis=1) > SMALLEST * reach)
+        channels = np.flatnonzero(moved[:, target]).tolist()
+        if not len(points):
+            continue
+        far = float(np.abs(row).max())
+        yield {
+            "channels": channels,
+            "rest": float(rest[target]),
+            "scale": far / SHORT,
+            "points": pack.add(points, kind),
+            "deltas": pack.add(row[points], "i2", SHORT / far),
+        }
+
+
+# Surfaces
+
+
+def _textured(scene: Scene) -> bool:
+    return any(one.image is not None for one in scene.materials)
+
+
+def _materials(scene: Scene, pack: ArrayPack) -> Iterator[Json]:
+    """Yield the materials in use, each with its run of triangles."""
+    counts = np.bincount(scene.material, minlength=len(scene.materials)).tolist()
+    first = 0
+    for one, count in zip(scene.materials, counts, strict=True):
+        if count:
+            yield {
+                "first": first,
+                "count": count,
+                "cutoff": one.cutoff / max(float(one.colour[3]), CLEAR),
+                "double": one.double,
+                "gloss": one.gloss,
+                "lit": one.lit,
+                "image": _image(one, pack),
+            }
+        first += count
+
+
+def _image(material: Material, pack: ArrayPack) -> dict[str, int] | None:
+    if material.image is None or len(material.image) > MAX_IMAGE_BYTES:
+        return None
+    return pack.add_bytes(material.image)
+
+
+def _unshown(scene: Scene) -> Iterator[str]:
+    """Yield what of a model the page leaves out."""
+    rows = [row for row in scene.document.get("materials", ()) if isinstance(row, dict)]
+    lost = [what for key, what in BEYOND.items() if any(key in row for row in rows)]
+    if any("metallicRoughnessTexture" in row.get("pbrMetallicRoughness", {}) for row in rows):
+        lost.append("maps of roughness and metal")
+    if any(row.get("alphaMode") == "BLEND" for row in rows):
+        lost.append("see-through surfaces, which are solid here")
+    if any(len(one.image or b"") > MAX_IMAGE_BYTES for one in scene.materials):
+        lost.append(f"textures of more than {MAX_IMAGE_BYTES >> 20} MB")
+    missing = any(
+        one.image is None and "baseColorTexture" in row.get("pbrMetallicRoughness", {})
+        for one, row in zip(scene.materials, rows, strict=False)
+    )
+    if missing:
+        lost.append("textures in files of their own")
+    if lost:
+        yield f"not shown of the model: {', '.join(lost)}"

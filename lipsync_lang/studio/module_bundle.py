@@ -1,0 +1,55 @@
+"""Bundle of ES modules in one script, so that a page needs no other file.
+
+Each module becomes a function of its own, so that names never clash. Only two forms are known:
+``import { a, b } from "./other.js";`` and ``export`` before a function, a class or a constant.
+Comments in the form of JSDoc, which hold the types, stay in the source.
+"""
+
+import re
+from importlib.resources import files
+
+_IMPORT = re.compile(r'^import \{([\w\s,]+)\} from "\./(\w+)\.js";\n', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
+_COMMENT = re.compile(r"/\*\*.*?\*/[ \n]?", re.DOTALL)
+_OTHER = re.compile(r"^\s*(?:import|export)\b|</script|<!--", re.MULTILINE)
+
+
+def static(name: str) -> str:
+    """Read a file of the folder `static`."""
+    return (files("lipsync_lang.studio") / "static" / name).read_text("utf-8")
+
+
+def bundle(entry: str) -> str:
+    """Return a script that runs a module of `static` and all that it imports.
+
+    Parameters
+    ----------
+    entry : name of the module, without its suffix
+
+    Raises
+    ------
+    ValueError
+        A module imports or exports in another form, or modules import each other in a ring.
+    """
+    done: dict[str, str] = {}
+    _collect(entry, done, ())
+    body = "".join(f"const ${name} = (() => {{\n{text}\n}})();\n" for name, text in done.items())
+    return f'"use strict";\n{body}'
+
+
+def _collect(name: str, done: dict[str, str], path: tuple[str, ...]) -> None:
+    """Add a module to `done`, after the modules that it imports."""
+    if name in path:
+        raise ValueError(f"modules import each other: {' -> '.join((*path, name))}")
+    if name in done:
+        return
+    source = static(f"{name}.js")
+    for _, other in _IMPORT.findall(source):
+        _collect(other, done, (*path, name))
+    text = _COMMENT.sub("", _IMPORT.sub(r"const {\1} = $\2;\n", source))
+    exported = _EXPORT.findall(text)
+    text = _EXPORT.sub("", text)
+    strange = _OTHER.search(text)
+    if strange:
+        raise ValueError(f"{name}.js: '{strange[0].strip()}' is in a form that cannot be bundled")
+    done[name] = f"{text}return {{ {', '.join(exported)} }};"

@@ -1,0 +1,25 @@
+"""The output format of pages."""
+
+from collections.abc import Iterator
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.glb import unplaced
+from lipsync_lang.errors import ModelError
+
+
+def doubts(animation: Animation) -> Iterator[str]:
+    """Yield warnings about the model of a page."""
+    try:
+        yield from unplaced(animation)
+    except ModelError as error:
+        yield f"the page draws a mouth in place of the model: {error}"
+
+
+@writer("html", suffix=".html", remarks=doubts)
+def write_html(animation: Animation, out: TextIO) -> None:
+    """A page to hear and see the line in a browser, with every curve and its reasons."""
+    from lipsync_lang.studio.line_page import line_page
+
+    out.write(line_page(animation))

@@ -1,0 +1,475 @@
+/** The page of a line: one clock moves the face, the playhead and the values. */
+
+import { drawMouth, mouthOf } from "./drawn_mouth.js";
+import { createFace } from "./gl_face.js";
+import { Player } from "./player.js";
+import { clock } from "./scales.js";
+import { Take } from "./take.js";
+import { Timeline } from "./timeline.js";
+import { unpack } from "./unpack.js";
+
+const MOMENTS = 24;
+/** Pixels of a drag for a degree of the view. */
+const TURN = 0.5;
+
+const KEYS = {
+  "Space": "play and pause",
+  "← →": "a frame back and on; with Shift, ten frames",
+  ", .": "the phoneme before and after",
+  "; '": "the word before and after",
+  "Home End": "the beginning and the end",
+  "↑ ↓": "choose a pose, and see its reasons",
+  "1 2 4": "full, half and quarter speed",
+  "l": "loop, over the word in view where one is spoken",
+  "c": "close-up of the mouth",
+  "o": "turn the face: front and side",
+  "a": "A and B change places",
+  "n": "the next finding of the check",
+  "+ − 0": "show less time, more time, all",
+  "?": "these keys",
+};
+
+/** @param {string} id @returns {HTMLElement} */
+const the = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+/**
+ * Make an element.
+ * @param {string} name
+ * @param {Record<string, string>} [traits]
+ * @param {...(Node | string)} content
+ * @returns {HTMLElement}
+ */
+function made(name, traits = {}, ...content) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(traits)) element.setAttribute(key, value);
+  element.append(...content);
+  return element;
+}
+
+/** A face or a mouth on a canvas, with its take. */
+class Portrait {
+  /** @param {any} page @param {Take} take */
+  constructor(page, take) {
+    this.take = take;
+    this.data = page.faces[take.data.face];
+    this.canvas = /** @type {HTMLCanvasElement} */ (made("canvas", { role: "img" }));
+    this.caption = made("figcaption", { dir: "auto" });
+    this.figure = made("figure", {}, this.canvas, this.caption);
+    this.close = false;
+    this.face = null;
+    if (this.data.parts) {
+      try { this.face = createFace(this.canvas, this.data); } catch (error) { this.trouble = String(error); }
+      if (!this.face) this.trouble ??= "this browser shows no 3D (WebGL2); a drawn mouth stands in";
+    }
+    this.moments = Array.from({ length: MOMENTS }, (_, n) => take.channelsAt(take.start + (n / (MOMENTS - 1)) * (take.end - take.start)));
+  }
+
+  /** Shade what little light reaches; the first picture does not wait for it. */
+  shade() {
+    this.face?.shade(this.moments);
+  }
+
+  /** @param {boolean} close */
+  setClose(close) {
+    this.close = close;
+    this.face?.setView({ close, yaw: 0, pitch: 0 });
+  }
+
+  /** @param {number} yaw @param {number} pitch degrees */
+  turn(yaw, pitch) {
+    if (this.face) this.face.setView({ yaw: this.face.yaw + yaw, pitch: this.face.pitch + pitch });
+  }
+
+  /** @param {number} seconds */
+  draw(seconds) {
+    const { canvas, take } = this;
+    const size = Math.round(Math.min(2, window.devicePixelRatio || 1) * canvas.clientWidth);
+    const high = Math.round(Math.min(2, window.devicePixelRatio || 1) * canvas.clientHeight);
+    if (size && (canvas.width !== size || canvas.height !== high)) [canvas.width, canvas.height] = [size, high];
+    if (this.face) {
+      this.face.setWeights(take.channelsAt(seconds));
+      this.face.render();
+      return;
+    }
+    const context = canvas.getContext("2d");
+    if (context) drawMouth(context, mouthOf(take.data.measures, take.poses, take.posesAt(take.frameAt(seconds))), this.close);
+  }
+}
+
+/** The page as a whole. */
+class Page {
+  /** @param {any} data of `line_page.py`, with its arrays */
+  constructor(data) {
+    this.data = data;
+    this.takes = data.takes.map((/** @type {any} */ one) => new Take(one));
+    [this.take, this.other] = [this.takes[0], this.takes[1] ?? null];
+    const start = Math.min(...this.takes.map((/** @type {Take} */ one) => one.start));
+    const end = Math.max(...this.takes.map((/** @type {Take} */ one) => one.end));
+    this.player = new Player(start, end, data.sound, () => this.#playing());
+    this.portraits = this.takes.slice(0, 2).map((/** @type {Take} */ one) => new Portrait(data, one));
+    the("faces").append(...this.portraits.map((/** @type {Portrait} */ one) => one.figure));
+    this.timeline = new Timeline(/** @type {HTMLCanvasElement} */ (the("timeline")), {
+      seek: (seconds) => this.seek(seconds),
+      hover: (at) => this.#hover(at),
+      pick: (row) => this.pick(row),
+      moved: () => this.wake(),
+    });
+    this.row = -1;
+    this.drawn = Number.NaN;
+    the("main").hidden = false;
+    this.#words();
+    this.#listen();
+    this.#show();
+    this.player.seek(start);
+  }
+
+  /** Show the takes as they stand: A with its reasons, B beside it. */
+  #show() {
+    const { take, other } = this;
+    const names = new Set([...take.moving.map((n) => take.poses[n]), ...(other ? other.moving.map((n) => other.poses[n]) : [])]);
+    this.rows = [...take.poses.filter((/** @type {string} */ one) => names.has(one)),
+      ...(other ? other.poses.filter((/** @type {string} */ one) => names.has(one) && !take.poses.includes(one)) : [])];
+    this.timeline.show({ take, other, sound: this.data.sound, rows: this.rows });
+    this.timeline.row = this.row;
+    this.#listPoses();
+    this.#listFigures();
+    this.#legend();
+    this.portraits.forEach((one) => { one.caption.textContent = this.other ? `${one.take === take ? "A" : "B"}: ${label(one.take)}` : ""; });
+    const { scrub } = this;
+    scrub.max = String(Math.round((this.player.end - this.player.start) * take.fps));
+    this.wake();
+  }
+
+  /** @returns {HTMLInputElement} */
+  get scrub() {
+    return /** @type {HTMLInputElement} */ (the("scrub"));
+  }
+
+  /** Draw at the next frame of the screen. */
+  wake() {
+    this.asked ??= requestAnimationFrame(() => {
+      this.asked = undefined;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const seconds = this.player.time;
+    if (this.player.playing) this.timeline.follow(seconds);
+    this.portraits.forEach((one) => one.draw(seconds));
+    this.timeline.draw(seconds);
+    this.#values(seconds);
+    if (this.player.playing) this.wake();
+  }
+
+  /** @param {number} seconds */
+  seek(seconds) {
+    this.player.seek(seconds);
+    this.wake();
+  }
+
+  /** @param {number} frames */
+  step(frames) {
+    this.player.pause();
+    const { take } = this;
+    this.reveal(take.timeOf(Math.max(0, Math.min(take.count - 1, take.frameAt(this.player.time) + frames))));
+  }
+
+  /** @param {number} seconds to go to, and to bring into view */
+  reveal(seconds) {
+    this.seek(seconds);
+    if (seconds < this.timeline.from || seconds > this.timeline.to) this.timeline.follow(seconds);
+  }
+
+  /** @param {number} by phonemes */
+  stepPhoneme(by) {
+    this.#stepTo(this.take.data.spoken.times, by);
+  }
+
+  /** @param {number} by words */
+  stepWord(by) {
+    const { times, words } = this.take.data.spoken;
+    this.#stepTo(words.map((/** @type {[string, number, number]} */ [, first]) => times[first]), by);
+  }
+
+  /** @param {number[]} times @param {number} by */
+  #stepTo(times, by) {
+    const now = this.player.time;
+    const found = by > 0 ? times.find((one) => one > now + 1e-3) : times.findLast((one) => one < now - 1e-3);
+    this.player.pause();
+    if (found !== undefined) this.reveal(found);
+  }
+
+  /** @param {number} row of the timeline; -1 for none */
+  pick(row) {
+    this.row = Math.max(-1, Math.min(this.rows.length - 1, row));
+    this.timeline.row = this.row;
+    this.timeline.stale = true;
+    [...the("poses").children].forEach((one, n) => one.firstElementChild?.setAttribute("aria-expanded", String(n === this.row)));
+    this.drawn = Number.NaN;
+    this.wake();
+  }
+
+  swap() {
+    if (!this.other) return;
+    const chosen = this.rows[this.row];
+    [this.take, this.other] = [this.other, this.take];
+    this.row = -1;
+    this.drawn = Number.NaN;
+    this.#show();
+    this.pick(this.rows.indexOf(chosen));
+    the("against").setAttribute("aria-pressed", String(this.take !== this.takes[0]));
+  }
+
+  /** @param {number} rate */
+  setRate(rate) {
+    this.player.setRate(rate);
+    for (const one of document.querySelectorAll("[data-rate]")) one.setAttribute("aria-pressed", String(Number(one.getAttribute("data-rate")) === rate));
+  }
+
+  toggleLoop() {
+    const { take } = this, { times, words } = take.data.spoken;
+    if (this.player.loop) this.player.loop = null;
+    else {
+      const word = take.wordOf(take.phonemeAt(this.player.time));
+      const whole = /** @type {[number, number]} */ ([this.player.start, this.player.end]);
+      this.player.loop = word < 0 ? whole : [times[words[word][1]], times[words[word][2]]];
+    }
+    this.timeline.loop = this.player.loop;
+    this.timeline.stale = true;
+    the("loop").setAttribute("aria-pressed", String(Boolean(this.player.loop)));
+    this.wake();
+  }
+
+  toggleClose() {
+    const close = !this.portraits[0].close;
+    this.portraits.forEach((one) => one.setClose(close));
+    the("close").setAttribute("aria-pressed", String(close));
+    this.wake();
+  }
+
+  toggleSide() {
+    for (const { face } of this.portraits) face?.setView({ yaw: face.yaw ? 0 : 75, pitch: 0 });
+    this.wake();
+  }
+
+  nextFinding() {
+    const times = this.take.data.figures
+      .flatMap((/** @type {any} */ one) => one.findings.map((/** @type {[number, string]} */ [seconds]) => seconds))
+      .sort((/** @type {number} */ a, /** @type {number} */ b) => a - b);
+    if (!times.length) return;
+    this.player.pause();
+    this.reveal(times.find((/** @type {number} */ one) => one > this.player.time + 0.01) ?? times[0]);
+  }
+
+  #playing() {
+    const button = the("play");
+    button.textContent = this.player.playing ? "❚❚" : "▶";
+    button.setAttribute("aria-label", this.player.playing ? "Pause" : "Play");
+    the("moment").setAttribute("aria-live", this.player.playing ? "off" : "polite");
+    this.wake();
+  }
+
+  // What is said in words
+
+  #words() {
+    const { data, take } = this;
+    const title = data.title || "A line";
+    document.title = `${title} · lip sync`;
+    the("title").textContent = title;
+    const told = [take.data.language, take.data.character, `${Number(take.fps.toFixed(3))} fps`, ...data.settings];
+    if (take.data.spoken.estimated) told.push("times are estimated");
+    if (!data.sound) told.push("no sound");
+    the("subtitle").textContent = told.filter(Boolean).join("  ·  ");
+    const notes = new Set(this.portraits.flatMap((one) => [...one.data.unshown, ...(one.trouble ? [one.trouble] : [])]));
+    the("notes").hidden = !notes.size;
+    the("notes").append(...[...notes].map((one) => made("li", {}, one)));
+    the("against").hidden = !this.other;
+    the("help").querySelector("dl")?.append(...Object.entries(KEYS).flatMap(([keys, what]) => [made("dt", {}, keys), made("dd", {}, what)]));
+    for (const { canvas, take: own } of this.portraits) canvas.setAttribute("aria-label", `${label(own)} speaking: ${title}`);
+    the("timeline").setAttribute("aria-label", `Sound, words, phonemes and poses of: ${title}. The arrow keys step through it, and the values are listed beside it.`);
+  }
+
+  #legend() {
+    const stages = this.take.data.making?.stages ?? [];
+    const used = stages.filter((/** @type {any} */ stage) => stage.curves.some(Boolean));
+    the("legend").replaceChildren(...used.map((/** @type {any} */ stage) => swatch(stage.label, stage.colour)));
+    if (this.other) the("legend").append(swatch(`B: ${label(this.other)}, dashed`, getComputedStyle(document.body).getPropertyValue("--other")));
+  }
+
+  #listPoses() {
+    the("poses").replaceChildren(...this.rows.map((name, row) => {
+      const button = made("button", { type: "button", "aria-expanded": "false" }, made("span", { dir: "auto" }, name), made("i"), made("span", {}, ""));
+      button.addEventListener("click", () => this.pick(row === this.row ? -1 : row));
+      return made("li", {}, button);
+    }));
+  }
+
+  #listFigures() {
+    const figures = this.take.data.figures.filter((/** @type {any} */ one) => one.verdict === "FAIL" || one.findings.length);
+    const missed = this.take.data.figures.filter((/** @type {any} */ one) => one.verdict === "FAIL").length;
+    the("figures").hidden = !this.take.data.figures.length;
+    the("judged").textContent = missed ? `Check: ${missed} limit${missed > 1 ? "s" : ""} missed` : "Check: all limits are kept";
+    the("figures").querySelector("ul")?.replaceChildren(...figures.map((/** @type {any} */ one) => {
+      const row = made("li", { class: one.verdict }, made("b", {}, one.verdict), ` ${one.name}: ${one.told} `);
+      for (const [seconds, what] of one.findings.slice(0, 20)) {
+        const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
+        button.addEventListener("click", () => { this.player.pause(); this.reveal(seconds); });
+        row.append(button);
+      }
+      return row;
+    }));
+  }
+
+  /** @param {number} seconds */
+  #values(seconds) {
+    const { take, scrub } = this;
+    const frame = take.frameAt(seconds);
+    scrub.value = String(Math.round((seconds - this.player.start) * take.fps));
+    the("clock").textContent = clock(seconds);
+    if (frame === this.drawn) return;
+    this.drawn = frame;
+    const sound = take.soundAt(frame);
+    const as = sound.common && sound.common !== sound.label ? ` as ${sound.common}` : "";
+    the("moment").replaceChildren(made("b", { dir: "auto" }, sound.label), `${as}${sound.word ? ", in " : ""}`, made("bdi", {}, sound.word));
+    scrub.setAttribute("aria-valuetext", `${clock(seconds)}, ${sound.label}${sound.word ? ` in ${sound.word}` : ""}`);
+    the("bigrams").replaceChildren(...take.bigramsAt(frame).flatMap((one) => {
+      const drawn = one.drawn_as ? `, drawn as ${one.drawn_as}` : "", word = one.word ? `, as in ${one.word}` : "";
+      return [`${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${word} (${one.from.join(", ")})`, made("br")];
+    }));
+    this.rows.forEach((name, row) => this.#value(name, row, frame));
+  }
+
+  /** @param {string} name @param {number} row @param {number} frame */
+  #value(name, row, frame) {
+    const item = the("poses").children[row], pose = this.take.poses.indexOf(name);
+    const [, bar, number] = /** @type {HTMLElement[]} */ ([.../** @type {Element} */ (item.firstElementChild).children]);
+    const weight = pose < 0 ? 0 : this.take.weight(pose, frame);
+    const range = pose < 0 ? { low: 0, high: 1 } : this.take.data.curves[pose];
+    bar.style.setProperty("--share", String((weight - range.low) / (range.high - range.low)));
+    number.textContent = weight.toFixed(2);
+    item.querySelector("ol")?.remove();
+    if (row !== this.row || this.player.playing) return;
+    const steps = pose < 0 ? [] : this.take.stepsAt(pose, frame);
+    const told = steps.map((step) => made("li", {}, made("span", {}, step.label), made("span", {}, step.weight.toFixed(3)), made("span", {}, step.why)));
+    item.append(made("ol", {}, ...(told.length ? told : [made("li", {}, "at rest")])));
+  }
+
+  /** @param {{seconds: number, row: number, x: number, y: number} | null} at */
+  #hover(at) {
+    const tip = the("tip");
+    tip.hidden = !at || this.player.playing || at.seconds < this.take.start || at.seconds > this.take.end;
+    if (!at || tip.hidden) return;
+    const frame = this.take.frameAt(at.seconds), sound = this.take.soundAt(frame);
+    const lines = [`${clock(at.seconds)}  ${sound.label}${sound.word ? `, in ${sound.word}` : ""}`];
+    const pose = this.take.poses.indexOf(this.rows[at.row]);
+    if (pose >= 0) {
+      lines.push(`${this.rows[at.row]} = ${this.take.weight(pose, frame).toFixed(3)}`);
+      lines.push(...this.take.stepsAt(pose, frame).map((one) => `${one.label} ${one.weight.toFixed(3)}  ${one.why}`));
+    }
+    const near = this.take.data.figures.flatMap((/** @type {any} */ one) => one.findings
+      .filter((/** @type {[number, string]} */ [seconds]) => Math.abs(this.timeline.x(seconds) - this.timeline.x(at.seconds)) < 6)
+      .map((/** @type {[number, string]} */ [, what]) => `${one.verdict === "FAIL" ? "▲" : "●"} ${one.name}: ${what}`));
+    if (at.row < 0) lines.push(...near);
+    tip.textContent = lines.join("\n");
+    tip.style.left = `${Math.max(4, Math.min(at.x + 14, innerWidth - tip.offsetWidth - 8))}px`;
+    tip.style.top = `${at.y + 18 + tip.offsetHeight > innerHeight ? at.y - tip.offsetHeight - 10 : at.y + 18}px`;
+  }
+
+  // Hands
+
+  #listen() {
+    const click = (/** @type {string} */ id, /** @type {() => void} */ does) => the(id).addEventListener("click", does);
+    click("play", () => this.player.toggle());
+    click("back", () => this.step(-1));
+    click("on", () => this.step(1));
+    click("loop", () => this.toggleLoop());
+    click("close", () => this.toggleClose());
+    click("against", () => this.swap());
+    click("in", () => this.timeline.zoom(1.5, this.player.time));
+    click("out", () => this.timeline.zoom(1 / 1.5, this.player.time));
+    click("fit", () => this.timeline.setView(this.timeline.start ?? 0, this.timeline.end ?? 1));
+    click("keys", () => this.#help());
+    for (const one of document.querySelectorAll("[data-rate]")) one.addEventListener("click", () => this.setRate(Number(one.getAttribute("data-rate"))));
+    this.scrub.addEventListener("input", () => this.reveal(this.player.start + Number(this.scrub.value) / this.take.fps));
+    for (const { canvas } of this.portraits) this.#turning(canvas);
+    addEventListener("resize", () => { this.timeline.stale = true; this.wake(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.timeline.stale = true; this.#legend(); this.wake(); });
+    document.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** @param {HTMLCanvasElement} canvas */
+  #turning(canvas) {
+    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", (event) => {
+      if (!canvas.hasPointerCapture(event.pointerId)) return;
+      this.portraits.forEach((one) => one.turn(event.movementX * TURN, event.movementY * TURN));
+      this.wake();
+    });
+    canvas.addEventListener("dblclick", () => { this.portraits.forEach((one) => one.setClose(one.close)); this.wake(); });
+  }
+
+  #help() {
+    const help = /** @type {HTMLDialogElement} */ (the("help"));
+    if (help.open) help.close();
+    else help.showModal();
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    const help = /** @type {HTMLDialogElement} */ (the("help"));
+    if (event.ctrlKey || event.metaKey || event.altKey || (help.open && event.key !== "?")) return;
+    if (event.key === " " && event.target instanceof HTMLButtonElement) return;
+    const ten = event.shiftKey ? 10 : 1;
+    /** @type {Record<string, () => void>} */
+    const does = {
+      " ": () => this.player.toggle(),
+      "ArrowLeft": () => this.step(-ten), "ArrowRight": () => this.step(ten),
+      "ArrowUp": () => this.pick(this.row - 1), "ArrowDown": () => this.pick(this.row + 1),
+      ",": () => this.stepPhoneme(-1), ".": () => this.stepPhoneme(1),
+      ";": () => this.stepWord(-1), "'": () => this.stepWord(1),
+      "Home": () => this.reveal(this.player.start), "End": () => this.reveal(this.player.end),
+      "1": () => this.setRate(1), "2": () => this.setRate(0.5), "4": () => this.setRate(0.25),
+      "l": () => this.toggleLoop(), "c": () => this.toggleClose(), "o": () => this.toggleSide(),
+      "a": () => this.swap(), "n": () => this.nextFinding(),
+      "+": () => this.timeline.zoom(1.5, this.player.time), "=": () => this.timeline.zoom(1.5, this.player.time),
+      "-": () => this.timeline.zoom(1 / 1.5, this.player.time),
+      "0": () => this.timeline.setView(this.timeline.start ?? 0, this.timeline.end ?? 1),
+      "?": () => this.#help(),
+    };
+    const act = does[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  }
+}
+
+/** @param {Take} take @returns {string} */
+function label(take) {
+  return take.name || [take.data.language, take.data.character].filter(Boolean).join(" on ");
+}
+
+/** @param {string} text @param {string} colour @returns {HTMLElement} */
+function swatch(text, colour) {
+  const one = made("li", { class: "swatch" }, text);
+  one.style.setProperty("--c", colour);
+  return one;
+}
+
+async function start() {
+  try {
+    const data = await unpack(the("document").textContent ?? "", the("block").textContent ?? "");
+    const page = new Page(data);
+    setTimeout(() => {
+      page.portraits.forEach((/** @type {Portrait} */ one) => one.shade());
+      page.wake();
+    }, 50);
+    document.documentElement.dataset.ready = "";
+  } catch (error) {
+    the("trouble").hidden = false;
+    the("trouble").textContent = `This page cannot be shown here: ${error instanceof Error ? error.message : error}. A browser of 2023 or later is needed.`;
+    throw error;
+  }
+}
+
+start();

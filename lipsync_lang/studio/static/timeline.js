@@ -1,0 +1,401 @@
+/**
+ * Timeline on a canvas: sound, words, phonemes, and a row for each pose with its stages.
+ *
+ * What does not move is drawn once for each view; the playhead is drawn over it.
+ */
+
+import { clock, outline, ticks, within } from "./scales.js";
+
+const RULER = 24, WAVE = 52, BAND = 22, GAP = 8;
+const NARROW = 600;
+const FULL = 65535;
+
+/** A timeline; times are seconds. */
+export class Timeline {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} | null) => void,
+   *   pick: (row: number) => void, moved: () => void}} does
+   */
+  constructor(canvas, does) {
+    this.canvas = canvas;
+    this.does = does;
+    this.layer = document.createElement("canvas");
+    this.stale = true;
+    this.row = -1;
+    /** @type {[number, number] | null} */
+    this.loop = null;
+    this.#listen();
+  }
+
+  /**
+   * Show a line.
+   * @param {{take: import("./take.js").Take, other: import("./take.js").Take | null, sound: any, rows: string[]}} line
+   */
+  show(line) {
+    this.line = line;
+    const { take, other } = line;
+    const start = Math.min(take.start, other?.start ?? take.start), end = Math.max(take.end, other?.end ?? take.end);
+    const first = this.start === undefined;
+    this.start = start;
+    this.end = Math.max(end, start + 0.1);
+    if (first) this.fit();
+    this.stale = true;
+  }
+
+  /** Show all of the line, or on a narrow screen as much as can be read. */
+  fit() {
+    const readable = this.plotWidth / 110;
+    const length = this.canvas.clientWidth < NARROW ? Math.min(this.end - this.start, readable) : this.end - this.start;
+    this.setView(this.start, this.start + length);
+  }
+
+  /** @param {number} from @param {number} to */
+  setView(from, to) {
+    [this.from, this.to] = within(from, to, this.start, this.end, Math.min(0.1, this.end - this.start));
+    this.stale = true;
+    this.does.moved();
+  }
+
+  /** @param {number} factor above 1 shows less @param {number} about seconds that stay in place */
+  zoom(factor, about) {
+    const left = (about - this.from) / factor, right = (this.to - about) / factor;
+    this.setView(about - left, about + right);
+  }
+
+  /** @param {number} seconds to keep in view while playing */
+  follow(seconds) {
+    const length = this.to - this.from;
+    if (seconds < this.from || seconds > this.to - 0.08 * length) {
+      if (length < this.end - this.start - 1e-6) this.setView(seconds - 0.1 * length, seconds + 0.9 * length);
+    }
+  }
+
+  get left() {
+    return this.canvas.clientWidth < NARROW ? 64 : 104;
+  }
+
+  get plotWidth() {
+    return Math.max(50, this.canvas.clientWidth - this.left - 8);
+  }
+
+  get top() {
+    return RULER + (this.line.sound ? WAVE : 0) + 3 * BAND + GAP;
+  }
+
+  get rowHeight() {
+    return this.canvas.clientWidth < NARROW ? 44 : 50;
+  }
+
+  /** @param {number} seconds @returns {number} */
+  x(seconds) {
+    return this.left + ((seconds - this.from) / (this.to - this.from)) * this.plotWidth;
+  }
+
+  /** @param {number} x @returns {number} seconds */
+  at(x) {
+    return this.from + ((x - this.left) / this.plotWidth) * (this.to - this.from);
+  }
+
+  /** @param {number} seconds of the playhead */
+  draw(seconds) {
+    const { canvas } = this;
+    const ratio = Math.min(3, window.devicePixelRatio || 1);
+    const height = this.top + Math.max(1, this.line.rows.length) * this.rowHeight + 4;
+    const wide = Math.round(canvas.clientWidth * ratio), high = Math.round(height * ratio);
+    if (canvas.width !== wide || canvas.height !== high) {
+      canvas.style.height = `${height}px`;
+      [canvas.width, canvas.height] = [wide, high];
+      this.setView(this.from, this.to);
+    }
+    if (this.stale) this.#drawLayer(wide, high, ratio, height);
+    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.clearRect(0, 0, wide, high);
+    context.drawImage(this.layer, 0, 0);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    const x = this.x(seconds);
+    if (x < this.left - 1 || x > canvas.clientWidth) return;
+    context.fillStyle = this.colours.accent;
+    context.fillRect(x - 0.75, 8, 1.5, height);
+    context.beginPath();
+    context.moveTo(x - 6, 2); context.lineTo(x + 6, 2); context.lineTo(x, 11);
+    context.fill();
+  }
+
+  /** @param {number} wide @param {number} high @param {number} ratio @param {number} height */
+  #drawLayer(wide, high, ratio, height) {
+    [this.layer.width, this.layer.height] = [wide, high];
+    const context = /** @type {CanvasRenderingContext2D} */ (this.layer.getContext("2d"));
+    const style = getComputedStyle(this.canvas);
+    const colour = (/** @type {string} */ name) => style.getPropertyValue(`--${name}`).trim();
+    this.colours = Object.fromEntries(["ink", "soft", "rule", "accent", "raised", "paper", "other", "fail", "wave"].map((name) => [name, colour(name)]));
+    this.font = style.fontFamily;
+    context.scale(ratio, ratio);
+    this.height = height;
+    this.#grounds(context);
+    this.#ruler(context);
+    if (this.line.sound) this.#sound(context);
+    this.#bands(context);
+    this.line.rows.forEach((name, row) => this.#pose(context, name, row));
+    this.stale = false;
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {() => void} draw within the plot */
+  #clipped(context, draw) {
+    context.save();
+    context.beginPath();
+    context.rect(this.left, 0, this.plotWidth + 8, this.height);
+    context.clip();
+    draw();
+    context.restore();
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  #grounds(context) {
+    const { take } = this.line, { times, words } = take.data.spoken;
+    this.#clipped(context, () => {
+      words.forEach((/** @type {[string, number, number]} */ [, first, stop], /** @type {number} */ n) => {
+        if (n % 2) return;
+        context.fillStyle = this.colours.raised;
+        const x = this.x(times[first]);
+        context.fillRect(x, RULER, this.x(times[stop]) - x, this.height);
+      });
+      if (this.loop) {
+        const [a, b] = this.loop.map((one) => this.x(one));
+        context.fillStyle = this.colours.accent;
+        context.globalAlpha = 0.18;
+        context.fillRect(a, 0, b - a, RULER);
+        context.globalAlpha = 0.06;
+        context.fillRect(a, RULER, b - a, this.height);
+        context.globalAlpha = 1;
+      }
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  #ruler(context) {
+    const { soft, rule } = this.colours;
+    context.font = `11px ${this.font}`;
+    context.fillStyle = soft;
+    context.textBaseline = "top";
+    context.textAlign = "center";
+    const marks = ticks(this.from, this.to, this.plotWidth / 70);
+    const step = marks.length > 1 ? marks[1] - marks[0] : 1;
+    const digits = step < 0.0995 ? 2 : step < 0.995 ? 1 : 0;
+    for (const mark of marks) {
+      const x = this.x(mark);
+      context.fillStyle = rule;
+      context.fillRect(x, RULER - 7, 1, 5);
+      context.fillStyle = soft;
+      if (x > this.left + 8) context.fillText(clock(mark, digits), x, 3);
+    }
+    this.#findings(context);
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  #findings(context) {
+    this.#clipped(context, () => {
+      for (const { verdict, findings } of this.line.take.data.figures) {
+        for (const [seconds] of findings) {
+          const x = this.x(seconds), y = RULER - 4;
+          context.fillStyle = verdict === "FAIL" ? this.colours.fail : this.colours.soft;
+          context.beginPath();
+          if (verdict === "FAIL") { context.moveTo(x - 5, y + 4); context.lineTo(x + 5, y + 4); context.lineTo(x, y - 5); }
+          else context.arc(x, y, 2.5, 0, 7);
+          context.fill();
+        }
+      }
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  #sound(context) {
+    const { samples, rate } = this.line.sound;
+    const columns = Math.round(this.plotWidth);
+    const shape = outline(samples, rate, this.from, this.to, columns);
+    const most = (this.loudest ??= Math.max(0.05, samples.reduce((/** @type {number} */ top, /** @type {number} */ one) => Math.max(top, Math.abs(one)), 0) / 32768));
+    const middle = RULER + WAVE / 2;
+    context.fillStyle = this.colours.wave;
+    shape.forEach(([low, high], column) => {
+      const up = (high / most) * (WAVE / 2 - 3), down = (low / most) * (WAVE / 2 - 3);
+      context.fillRect(this.left + column, middle - up, 1, Math.max(1, up - down));
+    });
+    this.#name(context, "sound", middle);
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  #bands(context) {
+    const { take } = this.line, { times, labels, words } = take.data.spoken, { making } = take.data;
+    const top = this.top - GAP - 3 * BAND;
+    /** @type {[string, [string, number, number][], number][]} */
+    const bands = [
+      ["words", words.map((/** @type {[string, number, number]} */ [text, a, b]) => [text, times[a], times[b]]), 13],
+      ["phonemes", labels.map((/** @type {string} */ text, /** @type {number} */ n) => [text, times[n], times[n + 1]]), 12],
+      ["mouths", (making?.common ?? []).map((/** @type {string} */ text, /** @type {number} */ n) => [text, making.bounds[n], making.bounds[n + 1]]), 11],
+    ];
+    bands.forEach(([name, spans, size], band) => {
+      const y = top + band * BAND;
+      this.#name(context, name, y + BAND / 2);
+      context.fillStyle = this.colours.rule;
+      context.fillRect(this.left, y, this.plotWidth + 8, 1);
+      this.#clipped(context, () => {
+        context.font = `${size}px ${this.font}`;
+        context.textAlign = "center";
+        context.textBaseline = "middle";
+        for (const [text, a, b] of spans) {
+          const low = this.x(a), high = this.x(b);
+          if (high < this.left || low > this.left + this.plotWidth + 8) continue;
+          context.fillStyle = this.colours.rule;
+          context.fillRect(low, y, 1, BAND);
+          context.fillRect(high, y, 1, BAND);
+          context.fillStyle = band === 2 ? this.colours.soft : this.colours.ink;
+          if (context.measureText(text).width < high - low + 3) context.fillText(text, (low + high) / 2, y + BAND / 2 + 1);
+        }
+      });
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {string} text @param {number} y */
+  #name(context, text, y) {
+    context.font = `12px ${this.font}`;
+    context.textAlign = "right";
+    context.textBaseline = "middle";
+    context.fillStyle = this.colours.soft;
+    let shown = text;
+    while (shown.length > 3 && context.measureText(shown).width > this.left - 10) shown = `${shown.slice(0, -2)}…`;
+    context.fillText(shown, this.left - 8, y);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {string} name @param {number} row */
+  #pose(context, name, row) {
+    const { take, other } = this.line;
+    const bottom = this.top + (row + 1) * this.rowHeight - 6, tall = this.rowHeight - 10;
+    if (row === this.row) {
+      context.fillStyle = this.colours.accent;
+      context.globalAlpha = 0.08;
+      context.fillRect(0, bottom - tall - 4, this.canvas.clientWidth, this.rowHeight);
+      context.globalAlpha = 1;
+    }
+    this.#name(context, name, bottom - tall / 2);
+    context.fillStyle = this.colours.rule;
+    context.fillRect(this.left, bottom, this.plotWidth + 8, 1);
+    this.#clipped(context, () => {
+      const pose = take.poses.indexOf(name), rank = take.data.making?.moving.indexOf(pose) ?? -1;
+      const place = (/** @type {Uint16Array} */ values) => ({ values, take, bottom, tall });
+      if (rank >= 0) this.#stages(context, rank, bottom, tall);
+      if (pose >= 0) this.#curve(context, place(take.data.curves[pose].values), this.colours.ink, 1.8, []);
+      const same = other?.poses.indexOf(name) ?? -1;
+      if (other && same >= 0) {
+        this.#curve(context, { ...place(other.data.curves[same].values), take: other }, this.colours.other, 1.8, [5, 3]);
+      }
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {number} rank @param {number} bottom @param {number} tall */
+  #stages(context, rank, bottom, tall) {
+    const { take } = this.line, curves = take.stages[rank];
+    const place = (/** @type {Uint16Array} */ values) => ({ values, take, bottom, tall });
+    const last = this.#path(place(curves[curves.length - 1]));
+    this.#area(context, last, last.map(([x]) => [x, bottom]), this.colours.wave, 0.22);
+    curves.forEach((curve, number) => {
+      if (number && curve !== curves[number - 1]) {
+        this.#area(context, this.#path(place(curve)), this.#path(place(curves[number - 1])), take.data.making.stages[number].colour, 0.85);
+      }
+    });
+    this.#curve(context, place(curves[0]), this.colours.soft, 1, [1, 2]);
+  }
+
+  /** @param {{values: Uint16Array, take: import("./take.js").Take, bottom: number, tall: number}} curve @returns {[number, number][]} */
+  #path({ values, take, bottom, tall }) {
+    const first = Math.max(0, Math.floor((this.from - take.start) * take.fps) - 1);
+    const stop = Math.min(take.count, Math.ceil((this.to - take.start) * take.fps) + 2);
+    const stride = Math.max(1, Math.floor((stop - first) / (2 * this.plotWidth)));
+    /** @type {[number, number][]} */
+    const found = [];
+    for (let n = first; n < stop; n += stride) {
+      let most = values[n];
+      for (let k = n + 1; k < Math.min(stop, n + stride); k++) most = Math.max(most, values[k]);
+      found.push([this.x(take.timeOf(n)), bottom - (most / FULL) * tall]);
+    }
+    return found;
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {[number, number][]} over @param {number[][]} under @param {string} colour @param {number} alpha */
+  #area(context, over, under, colour, alpha) {
+    context.beginPath();
+    for (const [x, y] of over) context.lineTo(x, y);
+    for (const [x, y] of under.slice().reverse()) context.lineTo(x, y);
+    context.globalAlpha = alpha;
+    context.fillStyle = colour;
+    context.fill();
+    context.globalAlpha = 1;
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {any} curve @param {string} colour @param {number} width @param {number[]} dashes */
+  #curve(context, curve, colour, width, dashes) {
+    context.beginPath();
+    for (const [x, y] of this.#path(curve)) context.lineTo(x, y);
+    context.setLineDash(dashes);
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.lineJoin = "round";
+    context.stroke();
+    context.setLineDash([]);
+  }
+
+  /** @param {number} y @returns {number} the row there, or -1 */
+  rowAt(y) {
+    const row = Math.floor((y - this.top) / this.rowHeight);
+    return row >= 0 && row < this.line.rows.length ? row : -1;
+  }
+
+  #listen() {
+    const { canvas } = this;
+    /** @type {Map<number, PointerEvent>} */
+    const down = new Map();
+    const place = (/** @type {MouseEvent} */ event) => {
+      const box = canvas.getBoundingClientRect();
+      return [event.clientX - box.left, event.clientY - box.top];
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      if (event.button) return;
+      canvas.setPointerCapture(event.pointerId);
+      down.set(event.pointerId, event);
+      const [x, y] = place(event);
+      if (down.size === 1) {
+        this.does.seek(this.at(x));
+        const row = this.rowAt(y);
+        if (row >= 0) this.does.pick(row);
+      }
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const [x, y] = place(event);
+      const before = down.get(event.pointerId);
+      if (!before) {
+        if (event.pointerType === "mouse") this.does.hover({ seconds: this.at(x), row: this.rowAt(y), x: event.clientX, y: event.clientY });
+        return;
+      }
+      if (down.size === 1) this.does.seek(this.at(x));
+      if (down.size === 2) {
+        const still = [...down.values()].find((one) => one.pointerId !== event.pointerId) ?? event;
+        const [fixed] = place(still), [old] = place(before);
+        if (Math.abs(old - fixed) > 10) this.zoom(Math.abs(x - fixed) / Math.abs(old - fixed), this.at((x + fixed) / 2));
+      }
+      down.set(event.pointerId, event);
+    });
+    for (const name of ["pointerup", "pointercancel"]) {
+      canvas.addEventListener(name, (event) => down.delete(/** @type {PointerEvent} */ (event).pointerId));
+    }
+    canvas.addEventListener("pointerleave", () => this.does.hover(null));
+    canvas.addEventListener("wheel", (event) => {
+      const [x] = place(event);
+      if (event.ctrlKey) this.zoom(Math.exp(-event.deltaY / 300), this.at(x));
+      else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+        const step = ((event.deltaX || event.deltaY) / this.plotWidth) * (this.to - this.from);
+        this.setView(this.from + step, this.to + step);
+      } else return;
+      event.preventDefault();
+    }, { passive: false });
+  }
+}

@@ -1,0 +1,254 @@
+"""Take of a page: schedule, curves, stages and the reasons of every value, as JSON with arrays.
+
+Conventions: T frames of the animation, P poses; stages are (P, T).
+"""
+
+from collections.abc import Iterator, Mapping
+from pathlib import PurePath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.trace import (
+    DONE,
+    VISIBLE,
+    constraint_reason,
+    held_reason,
+)
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.perform import Performance, Stage
+from lipsync_lang.pipeline.warp import locate
+from lipsync_lang.quality.figures import Quality, describe
+from lipsync_lang.render.plot import STAGES
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.studio.array_pack import ArrayPack
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.resolver.compiled import Origin
+
+FULL = 65535
+"""Steps of a weight from 0 to 1."""
+
+ABSENT = FULL
+"""Place in a bigram, for a frame that it does not cover."""
+
+SHOWN_FOLDERS = 2
+"""Parts of a path that a page shows: no one's home folder is sent with it."""
+
+
+def take_data(
+    animation: Animation,
+    performer: "Performer | None",
+    pack: ArrayPack,
+    quality: Quality | None = None,
+) -> Json:
+    """Return an animation as JSON data, with its arrays in a pack.
+
+    Parameters
+    ----------
+    performer : of this face; its stages and reasons are shown if it made the animation
+    quality : figures of the animation, for the timeline
+    """
+    made = _Making.of(animation)
+    data: Json = {
+        "fps": animation.fps,
+        "start": round(float(animation.times[0]), 6),
+        "count": len(animation),
+        **curves_data(animation, pack),
+        "measures": {} if performer is None else performer.compiled.measures,
+        "spoken": schedule_data(animation.schedule),
+        "figures": [] if quality is None else _figures(quality),
+    }
+    if performer is not None:
+        data |= {"language": performer.language, "character": performer.character}
+    if made is not None:
+        data["making"] = made.data(pack)
+    return data
+
+
+def curves_data(animation: Animation, pack: ArrayPack) -> Json:
+    """Return the names of an animation's columns, and their ranges with the values within."""
+    rows = []
+    for number, curve in enumerate(animation.weights.T):
+        low, high = min(0.0, float(curve.min())), max(1.0, float(curve.max()))
+        rows.append(
+            {
+                "low": low,
+                "high": high,
+                "moves": bool(np.ptp(curve) > VISIBLE),
+                "bone": animation.columns[number].node is not None,
+                "values": pack.add((curve - low) / (high - low), "u2", FULL),
+            }
+        )
+    return {"poses": list(animation.poses), "curves": rows}
+
+
+def schedule_data(schedule: Schedule) -> Json:
+    """Return phonemes and words with their seconds."""
+    return {
+        "title": " ".join(word.text for word in schedule.words),
+        "estimated": schedule.estimated,
+        "times": [round(float(time), 5) for time in schedule.times],
+        "labels": list(schedule.labels),
+        "words": [[word.text, word.first, word.stop] for word in schedule.words],
+    }
+
+
+def _figures(quality: Quality) -> list[Json]:
+    return [
+        {
+            "name": one.name,
+            "verdict": one.verdict,
+            "told": describe(one),
+            "findings": [[round(float(f.at), 4), f.what] for f in one.findings],
+        }
+        for one in quality.figures
+    ]
+
+
+class _Making:
+    """The stages of a performance on the frames of its animation."""
+
+    def __init__(self, animation: Animation, performance: Performance) -> None:
+        self._performer: Performer = animation.performer
+        self._performance, self._schedule = performance, animation.schedule
+        frames = performance.frames
+        first = round((float(animation.times[0]) - float(frames.times(0, 1)[0])) * frames.fps)
+        self._first, self._stop = max(0, first), min(frames.count, max(0, first) + len(animation))
+        begin, stop = 0, frames.count
+        if not performance.far:
+            begin = max(0, self._first - performance.halo())
+            stop = min(frames.count, self._stop + performance.halo())
+        own = slice(self._first - begin, self._stop - begin)
+        self.times = frames.times(self._first, self._stop)
+        self.stages = [Stage(n, c[:, own]) for n, c in performance.stages(begin, stop)]
+
+    @classmethod
+    def of(cls, animation: Animation) -> "_Making | None":
+        """Repeat the performance of an animation; None for one of another program."""
+        performer = animation.performer
+        if performer is None:
+            return None
+        try:
+            performance = performer.performance(
+                animation.schedule, animation.fps, **animation.asked
+            )
+        except LipsyncError:
+            return None
+        return cls(animation, performance)
+
+    def data(self, pack: ArrayPack) -> Json:
+        """Return the stages, bigrams and reasons as JSON data."""
+        poses = self._performer.poses
+        place = locate(self._performance.track, self.times)
+        ending, beginning = self._performance.bigrams(place, self.times)
+        tops = np.max([np.abs(s.curves).max(axis=1, initial=0) for s in self.stages], axis=0)
+        moving = np.flatnonzero(tops > VISIBLE)
+        track = self._performance.track
+        return {
+            "poses": list(poses),
+            "moving": moving.tolist(),
+            "common": [self._performer.compiled.phonemes[number] for number in track.ids],
+            "source": track.source.tolist(),
+            "bounds": [round(float(time), 5) for time in track.bounds],
+            "stages": list(self._stages(moving, pack)),
+            "phoneme": pack.add(place.phoneme, "u2"),
+            "places": [pack.add(one, "u2", FULL) for one in self._places(place)],
+            "bigrams": [self._bigram(number) for number in range(len(track.rows))],
+            "given": [[pack.add(side[:, p], "u2", FULL) for p in moving]
+                      for side in (ending, beginning)],
+            "dials": [self._dial(dial, pack) for dial in self._performance.dials],
+        }  # fmt: skip
+
+    def _stages(self, moving: Any, pack: ArrayPack) -> Iterator[Json]:
+        """Yield each stage; curves are None for poses that it leaves as they were."""
+        before = np.zeros_like(self.stages[0].curves)
+        for stage in self.stages:
+            changed = np.abs(stage.curves - before) > VISIBLE
+            label, colour = STAGES.get(stage.name, (stage.name, "#777777"))
+            yield {
+                "name": stage.name,
+                "label": label,
+                "colour": colour,
+                "why": DONE.get(stage.name, ""),
+                "curves": [
+                    pack.add(stage.curves[pose], "u2", FULL) if changed[pose].any() else None
+                    for pose in moving
+                ],
+                "reasons": [list(self._reasons(stage, pose, changed[pose])) for pose in moving],
+            }
+            before = stage.curves
+
+    def _reasons(self, stage: Stage, pose: int, changed: Any) -> Iterator[tuple[int, int, str]]:
+        """Yield runs of frames with one reason: first frame, frame after the last, text."""
+        if stage.name not in {"hold", "constrain"}:
+            return
+        told, begin, end = "", -1, -1
+        for frame in np.flatnonzero(changed).tolist():
+            if stage.name == "hold":
+                text = held_reason(self._performer, self._performance, pose, self._first + frame)
+            else:
+                weights = stage.curves[:, frame]
+                text = constraint_reason(self._performer, self._performance, pose, weights)
+            if text != told or frame != end:
+                if told:
+                    yield begin, end, told
+                told, begin = text, frame
+            end = frame + 1
+        if told:
+            yield begin, end, told
+
+    def _places(self, place: Any) -> tuple[Floats, Floats]:
+        """Return each frame's place in the bigram that ends, and in the one that begins."""
+        track = self._performance.track
+        boundary = track.boundary(self._performer.compiled.tables.neutral)
+        at, last = place.phoneme, len(track.rows)
+        absent = ABSENT / FULL
+        if not last:
+            return np.full(len(at), absent), np.full(len(at), absent)
+        pin = boundary[np.maximum(at - 1, 0)]
+        coming = np.where((at > 0) & (place.coming <= 1), pin + (1 - pin) * place.coming, absent)
+        begins = (at < last) & (place.going >= 0)
+        going = np.where(begins, boundary[np.minimum(at, last - 1)] * place.going, absent)
+        almost = (FULL - 1) / FULL  # the end of a bigram is no absence
+        return (
+            np.where(coming < absent, np.minimum(coming, almost), absent),
+            np.where(going < absent, np.minimum(going, almost), absent),
+        )
+
+    def _bigram(self, number: int) -> Json:
+        compiled, track = self._performer.compiled, self._performance.track
+        origin: Origin = compiled.origins[int(track.rows[number])]
+        pair = tuple(compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
+        data: Json = {
+            "pair": "-".join(pair),
+            "layer": origin.layer,
+            "status": origin.status,
+            "from": [_short(place) for place in origin.places],
+        }
+        if origin.word:
+            data["word"] = origin.word
+        if origin.pair != pair and origin.layer != "gap":
+            data["drawn_as"] = "-".join(origin.pair)
+        return data
+
+    def _dial(self, dial: Any, pack: ArrayPack) -> Json:
+        return {
+            "name": dial.name,
+            "poses": np.flatnonzero(dial.poses).tolist(),
+            "level": pack.add(dial.level.at(self.times), "f4"),
+        }
+
+
+def _short(place: str) -> str:
+    """Shorten ``folder/pack/file.yaml:3:1`` to its last parts."""
+    return "/".join(PurePath(place.replace("\\", "/")).parts[-SHOWN_FOLDERS:])
+
+
+def settings_told(asked: Mapping[str, Any]) -> list[str]:
+    """Return the options of a performance in words."""
+    return [f"{name}: {value}" for name, value in asked.items() if value]

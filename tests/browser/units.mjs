@@ -1,0 +1,143 @@
+// Check the pure functions of the page: node units.mjs STATIC. Prints the names of those that fail.
+import assert from "node:assert/strict";
+import { pathToFileURL } from "node:url";
+
+const [folder] = process.argv.slice(2);
+const load = (name) => import(pathToFileURL(`${folder}/${name}.js`));
+const { clock, outline, ticks, within } = await load("scales");
+const { arraysOf, filled } = await load("unpack");
+const { composed, placed, times, FaceShape } = await load("face_shape");
+const { turned } = await load("gl_face");
+const { mouthOf } = await load("drawn_mouth");
+const { wave } = await load("player");
+const { sphere } = await load("ambient");
+const { Take } = await load("take");
+
+const near = (a, b, most = 1e-6) => {
+  assert.equal(a.length, b.length);
+  a.forEach((one, n) => assert.ok(Math.abs(one - b[n]) <= most, `${[...a]} is not ${[...b]}`));
+};
+const REST = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+const HALF = Math.SQRT1_2;
+
+/** A triangle, the third point of which one channel lifts by 1; the node turns by another. */
+function face(more = {}) {
+  return {
+    count: 3,
+    nodes: [{ parent: -1, matrix: REST }],
+    parts: [{
+      node: 0, first: 0, count: 3, middle: [0, 0, 0], scale: 1, points: [0, 0, 0, 1, 0, 0, 0, 1, 0], skin: null,
+      shapes: [{ channels: [0, 2], rest: 0, scale: 0.5, points: [2], deltas: [0, 2, 0] }],
+    }],
+    triangles: Uint16Array.of(0, 1, 2), groups: Uint16Array.of(0, 1, 2),
+    normals: new Int8Array(9), moving: Uint8Array.of(0, 0, 1), ...more,
+  };
+}
+
+const units = {
+  "ticks are round and inside"() {
+    assert.deepEqual(ticks(0.05, 1.02, 5), [0.2, 0.4, 0.6, 0.8, 1]);
+    assert.deepEqual(ticks(-0.25, 0.25, 6), [-0.2, -0.1, 0, 0.1, 0.2]);
+  },
+  "times are read by people"() {
+    assert.equal(clock(0.5), "0.50 s");
+    assert.equal(clock(-0.2), "−0.20 s");
+    assert.equal(clock(62.5), "1:02.50");
+    assert.equal(clock(120, 0), "2:00");
+  },
+  "a span stays within the line"() {
+    assert.deepEqual(within(-1, 1, 0, 3), [0, 2]);
+    assert.deepEqual(within(2.5, 4.5, 0, 3), [1, 3]);
+    assert.deepEqual(within(0, 9, 0, 3), [0, 3]);
+    near(within(1, 1.01, 0, 3, 0.1), [1, 1.1]);
+  },
+  "an outline has the loudest samples"() {
+    const samples = Int16Array.from({ length: 100 }, (_, n) => (n === 50 ? 16384 : 0));
+    const shape = outline(samples, 100, 0, 1, 10);
+    assert.deepEqual(shape.map(([, high]) => high), [0, 0, 0, 0, 0, 0.5, 0, 0, 0, 0]);
+    assert.deepEqual(outline(samples, 100, -1, 0, 2), [[0, 0], [0, 0]]);
+  },
+  "differences of numbers are undone"() {
+    const [u2, i2, u1] = arraysOf(Uint8Array.of(1, 254, 0, 255, 255, 255, 7), [["u2", 2], ["i2", 1], ["u1", 1]]);
+    assert.deepEqual([...u2], [1, 65535]);
+    assert.deepEqual([[...i2], [...u1]], [[-1], [7]]);
+    assert.deepEqual(filled({ a: [{ $array: 1 }], b: null }, [1, 2]), { a: [2], b: null });
+  },
+  "matrices act on rows"() {
+    const shift = placed([1, 2, 3], [0, 0, 0, 1], [2, 2, 2]);
+    near(shift, [2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 2, 3, 1]);
+    near(times(shift, shift).slice(12, 15), [3, 6, 9]);
+    const quarter = placed([0, 0, 0], [0, 0, HALF, HALF], [1, 1, 1]);
+    near(quarter.slice(0, 4), [0, 1, 0, 0]);
+    near(composed([0, 0, HALF, HALF], [0, 0, HALF, HALF]), [0, 0, 1, 0]);
+  },
+  "the larger of two channels moves a shape"() {
+    const shape = new FaceShape(face());
+    shape.move([0.25, 0, 0.75]);
+    near(shape.points.slice(6), [0, 1.75, 0]);
+    near(shape.normals.slice(0, 3), [0, 0, 1]);
+  },
+  "a bone turns by degrees, then its children"() {
+    const nodes = [
+      { parent: -1, translation: [0, 0, 0], rotation: [0, 0, 0, 1], scale: [1, 1, 1], moves: [{ channel: 1, turn: [0, 0, 2], shift: [0, 0, 1] }] },
+      { parent: 0, matrix: REST },
+    ];
+    const one = face({ nodes });
+    one.parts[0].node = 1;
+    const shape = new FaceShape(one);
+    shape.move([0, 90, 0]);
+    near(shape.points.slice(3, 6), [0, 1, 90], 1e-5);
+  },
+  "a skin shares its points among bones"() {
+    const one = face({ nodes: [{ parent: -1, matrix: REST }, { parent: -1, matrix: placed([0, 0, 4], [0, 0, 0, 1], [1, 1, 1]) }] });
+    one.parts[0].skin = {
+      bones: [0, 1], inverse: Float32Array.from([...REST, ...REST]), sets: 2,
+      joints: Uint16Array.of(0, 1, 0, 1, 0, 1), shares: Uint16Array.of(65535, 0, 0, 65535, 32768, 32767),
+    };
+    const shape = new FaceShape(one);
+    near([shape.points[2], shape.points[5], shape.points[8]], [0, 4, 2], 1e-3);
+  },
+  "normals of the file turn with the surface"() {
+    const tilted = face({ normals: Int8Array.of(127, 0, 0, 127, 0, 0, 127, 0, 0) });
+    near(new FaceShape(tilted).normals.slice(0, 3), [1, 0, 0], 1e-6);
+  },
+  "the view turns to the side"() {
+    const rest = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+    near(turned(rest, 0, 0), [1, 0, 0, 0, 1, 0, 0, 0, 1]);
+    near(turned(rest, 90, 0), [0, 0, -1, 0, 1, 0, 1, 0, 0]);
+  },
+  "a mouth is read from measures, within its limits"() {
+    const measures = { aperture: { a: 1, b: -1 }, protrusion: { b: 9 } };
+    const mouth = mouthOf(measures, ["a", "b"], [0.25, 0.5]);
+    near([mouth.aperture, mouth.protrusion, mouth.tip], [-0.25, 1.1, 0]);
+  },
+  "a wave has silence before its sound"() {
+    const bytes = wave(Int16Array.of(5, 6, 7), 10, -0.2, 0.2);
+    assert.deepEqual([...new Int16Array(bytes.buffer, 44)], [0, 0, 5, 6]);
+    assert.deepEqual([...new Int16Array(wave(Int16Array.of(5, 6, 7), 10, 0.1, 0.2).buffer, 44)], [6]);
+  },
+  "directions are even and of length 1"() {
+    near(sphere(40).map((way) => Math.hypot(...way)), Array(40).fill(1));
+    const sum = sphere(40).reduce((total, way) => total.map((one, k) => one + way[k]), [0, 0, 0]);
+    near(sum, [0, 0, 0], 1);
+  },
+  "a take without its making tells its sounds"() {
+    const values = Uint16Array.of(0, 65535, 0);
+    const take = new Take({
+      name: "", poses: ["a"], start: 0, fps: 10, count: 3, curves: [{ low: -1, high: 1, moves: true, values }],
+      spoken: { times: [0, 0.1, 0.2], labels: ["M", "AA"], words: [["ma", 0, 2]] }, figures: [], measures: {},
+    });
+    assert.equal(take.soundAt(1).label, "AA");
+    assert.equal(take.soundAt(1).word, "ma");
+    assert.equal(take.frameAt(9), 2);
+    assert.equal(take.weight(0, 1), 1);
+    near(take.channelsAt(0.05), [0]);
+    assert.deepEqual([take.stepsAt(0, 1), take.bigramsAt(1)], [[], []]);
+  },
+};
+
+const failed = [];
+for (const [name, unit] of Object.entries(units)) {
+  try { unit(); } catch (error) { failed.push(`${name}: ${error.message}`); }
+}
+console.log(JSON.stringify({ failed }));
