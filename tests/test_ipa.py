@@ -29,7 +29,13 @@ from lipsync_lang.phonology.labels import Notation, recognise
 from lipsync_lang.phonology.nearest import NearestPhonemes, ShadeLabels
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.resolver.nearest_phonemes import among, candidates, disagreements
+from lipsync_lang.resolver.nearest_phonemes import (
+    among,
+    among_all,
+    candidates,
+    disagreements,
+    reason_for,
+)
 
 COMMON = LIBRARY.common().model
 MODEL = LIBRARY.ipa().model
@@ -70,7 +76,7 @@ CASES = {
     # vowels in sequence
     "ai": "ay", "aɪ": "ay", "aj": "ay", "ɑɪ": "ay", "äi̯": "ay", "ai̯": "ay", "a͡ɪ": "ay",
     "au": "aw", "aʊ": "aw", "aw": "aw", "ɑu": "aw", "ãũ": "aw", "oi": "oy", "ɔɪ": "oy",
-    "ou": "ow", "oʊ": "ow", "əʊ": "ow", "ei": "eh ih", "eɪ": "eh ih", "eu": "eh w", "ɛʊ": "eh w",
+    "ou": "ow", "oʊ": "ow", "əʊ": "ow", "ei": "eh", "eɪ": "eh", "eu": "eh w", "ɛʊ": "eh w",
     "ia": "ih aa", "ua": "w aa", "ui": "w ih", "iu": "ih w", "ie": "ih eh", "eə": "eh ah",
     "ja": "ih aa", "wa": "w aa", "iau": "ih aw", "uai": "w ay", "aɪə": "ay ah", "aɪɚ": "ay er",
     "ii": "ih", "uʊ": "w", "ɔːɹ": "ao r", "əl": "ah l", "yi": "yu ih", "œy": "yu",
@@ -328,6 +334,7 @@ WRONG = [
     ("  ʷ: w\n", "  Ю: w\n", "P223", "`marks`"),
     ("{of: ɔ,", "{of: Я,", "P223", "`letters`"),
     ("  sh: {j:", "  shh: {j:", "P202", "'sh'"),
+    ("    to: [ax, ng]\n", "    to: [ax, nng]\n", "P202", "'ng'"),
     ("weight: 6,", "weight: -6,", "P104", ""),
     ("keep: both}", "keep: all}", "P107", ""),
 ]
@@ -620,12 +627,55 @@ def test_disagreements_come_with_their_reasons(tmp_path):
     ]
 
 
+def test_a_reason_is_the_packs_or_shared_or_follows_from_features_or_another_label(tmp_path):
+    text = (
+        "kind: language\nformat: 1\nname: odd\ntag: qaa\n"
+        "notations: {ipa: {tʰ: d, ʃ: s, ʃʲ: s, ɜː: er, ɜ: er, x: h, ɣ: s}}\n"
+        "reasons: {x: soft}\n"
+    )
+    put(tmp_path, "languages/odd.yaml", text)
+    library = Library([tmp_path], project=None)
+    pack, decided = library.language("odd"), library.ipa().model.decided
+    near = among(library, pack)
+    found = {one: reason_for(pack.model, near, one, decided) for one in pack.model.notations[IPA]}
+    fur = found.pop("ɜː")
+    assert "fur" in fur
+    assert found == {
+        "tʰ": "by its features; not shown: aspiration",
+        "ʃ": "", "ʃʲ": "as ʃ", "ɜ": fur, "x": "soft", "ɣ": "",
+    }  # fmt: skip
+
+
+def test_a_soft_b_does_not_close_where_shades_are_told_apart():
+    everything = among_all(LIBRARY)
+    assert [shown(one, everything) for one in ("β", "β̞", "ŋ", "eɪ")] == ["bw", "bw", "ng", "ey"]
+    assert everything.nearest("β").losses == ()
+    assert shown("β") == "bmp"
+
+
 def test_packs_agree_with_the_features_for_the_most_part():
     for found in LIBRARY.names("language"):
         pack = LIBRARY.language(found.name)
         table = pack.model.notations.get(IPA, {})
         differing = disagreements(pack.model, among(LIBRARY, pack))
         assert len(differing) <= 0.4 * len(table), found.name
+
+
+def test_packs_say_why_they_differ_from_the_features():
+    decided = LIBRARY.ipa().model.decided
+    for found in LIBRARY.names("language"):
+        pack = LIBRARY.language(found.name)
+        differing = disagreements(pack.model, among(LIBRARY, pack), decided)
+        assert not [one.label for one in differing if not one.reason], found.name
+
+
+def test_shared_decisions_are_made_by_some_pack_and_against_the_features():
+    packs = [LIBRARY.language(found.name).model for found in LIBRARY.names("language")]
+    tables = [pack.notations.get(IPA, {}) for pack in packs]
+    made = {(label, sounds.to) for table in tables for label, sounds in table.items()}
+    decided = [(label, one.to) for one in LIBRARY.ipa().model.decided for label in one.labels]
+    assert not [one for one in decided if one not in made]
+    assert len(decided) == len(set(decided))
 
 
 # Names, tags and aliases

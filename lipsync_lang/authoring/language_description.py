@@ -10,7 +10,7 @@ from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.phonology.labels import normalise
-from lipsync_lang.resolver.nearest_phonemes import among, disagreements
+from lipsync_lang.resolver.nearest_phonemes import among, disagreements, reason_for
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -40,7 +40,7 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
                     "label": label,
                     "common": " ".join(sounds.to),
                     "example": model.examples.get(label, "") if number == 0 else "",
-                    "reason": model.reasons.get(label, ""),
+                    "reason": _reason(library, pack, name, label),
                 }
                 for label, sounds in table.items()
             ]
@@ -50,6 +50,13 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
         "disagreements": _disagreements(library, pack),
         "tests": _tests(library, pack),
     }
+
+
+def _reason(library: "Library", pack: "Pack[models.Language]", notation: str, label: str) -> str:
+    """Return why a label is mapped as it is; for other notations than the IPA, if the pack says."""
+    if notation != IPA:
+        return pack.model.reasons.get(label, "")
+    return reason_for(pack.model, among(library, pack), label, library.ipa().model.decided)
 
 
 def _reads(model: "models.Language") -> str:
@@ -113,5 +120,5 @@ def _disagreements(library: "Library", pack: "Pack[models.Language]") -> list[di
             "automatic": " ".join(name for name, _ in row.automatic) or "(mute)",
             "reason": row.reason,
         }
-        for row in disagreements(pack.model, among(library, pack))
+        for row in disagreements(pack.model, among(library, pack), library.ipa().model.decided)
     ]

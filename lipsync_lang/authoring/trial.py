@@ -58,8 +58,9 @@ class Trial:
                 what = f"'{test.text}' has {_listed(heard.unmapped)}, which nothing maps"
                 hint = f"map it under `notations: {heard.notation}`"
                 yield self.pack.fault(loc, "P221", what, hint)
-            elif not test.accepts(said, self.shades):
-                what = f"'{test.text}' becomes {' '.join(said)}, not {' '.join(test.phonemes)}"
+            elif not test.accepts_read(said, self.shades):
+                wanted = " ".join(test.read or test.phonemes)
+                what = f"'{test.text}' becomes {' '.join(said)}, not {wanted}"
                 hint = f"it was read as {' '.join(heard.labels)}; mend the map, or the test"
                 yield self.pack.fault(loc, "P221", what, hint)
 

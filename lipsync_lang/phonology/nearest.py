@@ -111,6 +111,7 @@ class NearestPhonemes:
                 run = tuple(sound.features for sound in sounds)
                 self._runs.setdefault(len(run), []).append(Exemplar(phoneme, run))
                 self._own.add(label)
+        self._own.update(key(label) for told in self.shades.values() for label in told.labels)
 
     def _named(self) -> Iterator[tuple[str, str]]:
         """Yield (common phoneme, label that it names), in order."""
@@ -178,13 +179,14 @@ class NearestPhonemes:
 
     def _nearest(self, reading: LabelReading) -> Nearest:
         runs = tuple(sound.features for sound in reading.sounds)
-        pieces = self._cut(runs)
-        if pieces is None:
+        cut = self._cut(runs)
+        if cut is None:
             return Nearest((), reading.losses, inf, reading.unknown)
+        pieces = [self._finer(piece, runs[piece.start : piece.stop]) for piece in cut]
         times: list[tuple[str, float]] = []
         for piece in pieces:
             time = sum(sound.time for sound in reading.sounds[piece.start : piece.stop])
-            name = self._finer(piece.exemplar.phoneme, runs[piece.start : piece.stop])
+            name = piece.exemplar.phoneme
             if times and times[-1][0] == name:
                 time += times.pop()[1]
             times.append((name, time))
@@ -214,15 +216,18 @@ class NearestPhonemes:
                     best[-1][name] = min(best[-1].get(name, cut), cut, key=_cost)
         return min(best[-1].values(), key=_cost).pieces if best[-1] else None
 
-    def _finer(self, phoneme: str, run: tuple[Numbers, ...]) -> str:
-        """Return the nearest shade of a phoneme for a run of letters, else the phoneme."""
+    def _finer(self, piece: LabelPiece, run: tuple[Numbers, ...]) -> LabelPiece:
+        """Return a piece as the nearest shade of its phoneme, else as it is."""
+        phoneme = piece.exemplar.phoneme
         alike = [e for e in self._shaded if len(e.run) == len(run)]
-        known = [(round(self.distance(run, e.run), 9), e.phoneme) for e in alike]
-        distance, nearest = min(known, default=(inf, phoneme))
-        if nearest in self.shades and distance <= SMALL_MARK:
-            return nearest
-        own = {phoneme, *(name for name, told in self.shades.items() if told.parent == phoneme)}
-        return min((one for one in known if one[1] in own), default=(inf, phoneme))[1]
+        known = [(round(self.distance(run, e.run), 9), e.phoneme, e) for e in alike]
+        found = min(known, key=_nearness, default=None)
+        if found is None or found[1] not in self.shades or found[0] > SMALL_MARK:
+            own = {phoneme, *(name for name, told in self.shades.items() if told.parent == phoneme)}
+            found = min((one for one in known if one[1] in own), key=_nearness, default=None)
+        if found is None or found[1] == phoneme:
+            return piece
+        return piece._replace(distance=found[0], exemplar=found[2])
 
     @cached_property
     def _shaded(self) -> list[Exemplar]:
@@ -283,6 +288,10 @@ class NearestPhonemes:
 def _most(sounds: Iterable[Numbers], number: int) -> float:
     """Return the largest value of a feature among the sounds."""
     return max(sound[number] or 0.0 for sound in sounds)
+
+
+def _nearness(known: tuple[float, str, Exemplar]) -> tuple[float, str]:
+    return known[:2]
 
 
 def _cost(cut: _Cut) -> tuple[float, int]:

@@ -27,7 +27,7 @@ class Disagreement(NamedTuple):
     automatic: Value
     """Mapping by features."""
     reason: str
-    """The pack's reason; empty if it states none."""
+    """The reason, as `reason_for` gives it."""
 
 
 def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[str, Any]:
@@ -134,19 +134,50 @@ def candidates(language: "models.Language", common: "models.Phonemes") -> dict[s
     return {name: list(phoneme.ipa) for name, phoneme in stated.items() if phoneme is not None}
 
 
-def disagreements(language: "models.Language", near: NearestPhonemes) -> list[Disagreement]:
+def disagreements(
+    language: "models.Language", near: NearestPhonemes, decided: "Sequence[models.Decision]" = ()
+) -> list[Disagreement]:
     """List the IPA labels of a language whose mapping differs from that of their features.
 
-    A shade and its parent do not differ.
+    A shade and its parent do not differ. `decided` are the decisions of the IPA pack.
     """
     rows = []
-    parents = {name: told.parent for name, told in near.shades.items()}
     for label, sounds in language.notations.get(IPA, {}).items():
-        stated, found = value_of(sounds), near.value(label)
-        if found is None or _shown(found, parents) != _shown(stated, parents):
-            reason = language.reasons.get(label, "")
-            rows.append(Disagreement(label, stated, found or (), reason))
+        if not _agrees(near, label, value_of(sounds)):
+            reason = reason_for(language, near, label, decided)
+            rows.append(Disagreement(label, value_of(sounds), near.value(label) or (), reason))
     return rows
+
+
+def reason_for(
+    language: "models.Language",
+    near: NearestPhonemes,
+    label: str,
+    decided: "Sequence[models.Decision]" = (),
+) -> str:
+    """Return why a language maps an IPA label as it does; empty if nothing says so.
+
+    The pack's own reason comes first, then the decision that languages share, the features of the
+    label, and a shorter label of the same mapping.
+    """
+    table = language.notations.get(IPA, {})
+    sounds = table[label]
+    if label in language.reasons:
+        return language.reasons[label]
+    for one in decided:
+        if label in one.labels and one.to == sounds.to:
+            return one.why
+    if _agrees(near, label, value_of(sounds)):
+        losses = near.nearest(label).losses
+        return "by its features" + (f"; not shown: {', '.join(losses)}" if losses else "")
+    shorter = (label[:end] for end in range(len(label) - 1, 0, -1))
+    return next((f"as {one}" for one in shorter if one in table and table[one] == sounds), "")
+
+
+def _agrees(near: NearestPhonemes, label: str, stated: Value) -> bool:
+    found = near.value(label)
+    parents = {name: told.parent for name, told in near.shades.items()}
+    return found is not None and _shown(found, parents) == _shown(stated, parents)
 
 
 def fights(language: "models.Language", near: NearestPhonemes) -> list[tuple[str, list[str]]]:

@@ -30,11 +30,23 @@ def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
                 yield from _words(ipa, ("joins", index, side, number), phrase)
     yield from _marks(ipa)
     yield from _letters(ipa)
+    yield from _phonemes(ipa, common)
+
+
+def _phonemes(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
+    """Check that every common phoneme and shade exists."""
+    model = ipa.model
     for field, phonemes in (("aside", model.aside), ("beside", model.beside)):
         for phoneme in phonemes:
             if phoneme not in common.phonemes:
                 what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, common.phonemes)
                 yield ipa.fault((field, phoneme), "P202", what, hint, key=True)
+    known = (*common.phonemes, *common.shades)
+    for index, decision in enumerate(model.decided):
+        for number, phoneme in enumerate(decision.to):
+            if phoneme not in known:
+                what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, known)
+                yield ipa.fault(("decided", index, "to", number), "P202", what, hint)
 
 
 def _marks(ipa: "Pack[Ipa]") -> Iterator[Fault]:

@@ -83,9 +83,10 @@ def check_language(language: "Pack[Language]", common: Phonemes) -> Iterator[Fau
         for number, sound in enumerate(sounded):
             yield from _phoneme(language, ("words", word, number), sound, known, common)
     for index, test in enumerate(model.tests):
-        for number, sound in enumerate(test.phonemes):
-            loc = ("tests", index, "phonemes", number)
-            yield from _phoneme(language, loc, sound, known, common)
+        for part, names in (("phonemes", test.phonemes), ("read", test.read)):
+            for number, name in enumerate(names):
+                loc = ("tests", index, part, number)
+                yield from _phoneme(language, loc, name, known, common)
     yield from _g2p(language)
     yield from _hearing(language)
     yield from check_labels(language)

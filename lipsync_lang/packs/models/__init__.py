@@ -4,7 +4,7 @@ from typing import get_args
 
 from lipsync_lang.packs.models.check_models import Checks
 from lipsync_lang.packs.models.fields import PackModel
-from lipsync_lang.packs.models.ipa_models import Ipa
+from lipsync_lang.packs.models.ipa_models import Decision, Ipa
 from lipsync_lang.packs.models.language_models import (
     G2P,
     TTS,
@@ -52,6 +52,7 @@ __all__ = [
     "Checks",
     "Constraints",
     "ContactRule",
+    "Decision",
     "Delivery",
     "Edit",
     "Ipa",

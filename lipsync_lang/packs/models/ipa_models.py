@@ -57,6 +57,17 @@ class Neighbour(Strict):
     """The reason."""
 
 
+class Decision(Strict):
+    """A mapping that several languages share against the features."""
+
+    labels: Annotated[tuple[Label, ...], Field(min_length=1)]
+    """The labels so mapped."""
+    to: Annotated[tuple[Common, ...], OrOne]
+    """The common phonemes."""
+    why: Text
+    """The reason."""
+
+
 class JoinFields(Strict):
     """A rule for two adjacent letters: which of them are visible."""
 
@@ -135,6 +146,8 @@ class Ipa(PackModel):
     """Per common phoneme, letters of its `ipa` that other languages do not map to it, and why."""
     beside: dict[Common, dict[Label, Neighbour]] = Field(default={})
     """Per common phoneme, letters that map to it if the language has their neighbour."""
+    decided: tuple[Decision, ...] = ()
+    """Mappings that languages share against the features, with the reason that each of them has."""
     joins: tuple[JoinFields, ...] = ()
     """Visible letters of two adjacent ones; the first rule that fits applies."""
     marks: dict[Label, Cases] = Field(default={})
