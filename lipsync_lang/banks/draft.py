@@ -69,17 +69,21 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     each = list(dict.fromkeys([*first, *second]))  # few distinct targets in many pairs
     number = {target: index for index, target in enumerate(each)}
     one, other = [number[t] for t in first], [number[t] for t in second]
-    coming = np.stack([_profile(t, at) for t in each])[one]
-    going = np.stack([_profile(t, at - 0.5) for t in each])[other]
-    early = _dominance(each, at, 0.25)[one]
-    late = _dominance(each, at, 0.75)[other]
-    wanted = (early * coming + late * going) / (early + late)
+    early, late = _dominance(each, at, 0.25), _dominance(each, at, 0.75)
+    coming = early * np.stack([_profile(t, at) for t in each])
+    going = late * np.stack([_profile(t, at - 0.5) for t in each])
+    wanted = coming[one]
+    wanted += going[other]
+    weight = early[one]
+    weight += late[other]
+    wanted /= weight
     wanted *= np.stack([_rise(t, at) for t in each])[one, :, None]
     wanted *= np.stack([_rise(t, 1 - at) for t in each])[other, :, None]
-    wanted = wanted.swapaxes(1, 2)
-    values = np.zeros((*wanted.shape[:2], len(TIMES)))
+    # v + (f - v C) S, with the products of C and S taken first: v is shorter than f
+    fitted = wanted.swapaxes(1, 2) @ solve
+    values = np.zeros_like(fitted)
     for _ in range(4):
-        values = (values + (wanted - values @ curves) @ solve).clip(0, 1)
+        values = (values + fitted - values @ (curves @ solve)).clip(0, 1)
         values[..., [0, -1]] = 0
     values[values < FAINT] = 0
     return values.round(DECIMALS)
@@ -93,7 +97,9 @@ def _middles(target: Target) -> Floats:
 
 def _profile(target: Target, at: Floats) -> Floats:
     """Return (K, P) weights of a phoneme's target; `at` counts from its start."""
-    return np.stack([np.interp(at, _middles(target), pose) for pose in target.weights.T], axis=1)
+    steps = np.eye(len(target.weights))
+    shares: Floats = np.stack([np.interp(at, _middles(target), step) for step in steps], axis=1)
+    return shares @ target.weights
 
 
 def _rise(target: Target, at: Floats) -> Floats:

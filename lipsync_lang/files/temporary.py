@@ -6,7 +6,6 @@ of a killed process, and leaves alone those of a running one.
 
 import os
 import re
-import secrets
 import time
 import zlib
 from contextlib import suppress
@@ -24,7 +23,7 @@ _TEMPORARY = re.compile(r"\..*\.(?P<host>[0-9a-f]{8})-(?P<process>\d+)-[0-9a-f]{
 def temporary_name(name: str) -> str:
     """Return a unique hidden file name, with an ending by which `sweep` finds it."""
     owner = f"{_host()}-{os.getpid()}"
-    return f".{name[:MAX_NAME_CHARS]}.{owner}-{secrets.token_hex(4)}.lipsync-tmp"
+    return f".{name[:MAX_NAME_CHARS]}.{owner}-{os.urandom(4).hex()}.lipsync-tmp"
 
 
 def sweep(folder: Path) -> None:

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import SpooledTemporaryFile
 from typing import IO, Any, BinaryIO, cast
 
 from lipsync_lang.errors import OutputError
@@ -93,6 +92,8 @@ class _Outputs:
         try:
             target = file_behind(path)
             if target is None:
+                from tempfile import SpooledTemporaryFile
+
                 spooled = SpooledTemporaryFile(MAX_SPOOLED_BYTES)  # noqa: SIM115 closed by discard
                 self.streams.append((path, spooled))
                 return cast("BinaryIO", spooled)

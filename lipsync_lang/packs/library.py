@@ -211,7 +211,9 @@ class Library:
 
         poseset = self.poseset(name)
         title, own = poseset.model.title, poseset.model.name
-        bare = Character(kind="character", format=1, name=own, poseset=own, title=title)
+        bare = Character.model_construct(
+            kind="character", format=1, name=own, poseset=own, title=title
+        )
         return Pack(bare, poseset.sources)
 
     def character_banks(self, character: "Pack[models.Character]") -> "list[Pack[models.BankPack]]":

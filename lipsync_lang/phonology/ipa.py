@@ -203,12 +203,12 @@ class Features:
         A letter and its mark that are a letter by themselves, as in č, show as that.
         """
         every = "".join(self._letters)
-        seen = {
-            mark: "".join(s.letter for s in self._letters.values() if self._shows(s, cases))
+        shown = {  # many marks do the same
+            cases: "".join(s.letter for s in self._letters.values() if self._shows(s, cases))
+            for cases in {*self._marks.values()}
             if any(case.then or case.set or case.add for case in cases)
-            else ""
-            for mark, cases in self._marks.items()
         }
+        seen = {mark: shown.get(cases, "") for mark, cases in self._marks.items()}
         for text in (*self._letters, *self._spellings):
             for letter, mark in pairwise(normalize("NFD", text)):
                 if mark in seen:

@@ -34,6 +34,9 @@ MARK = b"lipsync-lang compiled pair, v1.\n"
 DIGEST = 32
 """Bytes of the digest; with the mark a multiple of 64, so that arrays are aligned."""
 
+ALIGNMENT = 64
+"""Bytes: every array begins at a multiple of it in the file."""
+
 COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 """Folders of the code that turns packs into tables. A change below them makes every file stale."""
 
@@ -108,7 +111,7 @@ def save(compiled: "Compiled", language: str, character: str, library: "Library"
         if CACHE_VARIABLE not in os.environ:  # a folder named by the user keeps its own permissions
             path.parent.chmod(0o700)
         with atomic(path) as stream:
-            stream.write(_encode(compiled, key, library))
+            stream.writelines(_encode(compiled, key, library))
         _forget(path.parent)
     except (OSError, OutputError):
         return
@@ -124,19 +127,14 @@ def _forget(folder: Path) -> None:
             path.unlink(missing_ok=True)
 
 
-def _encode(compiled: "Compiled", key: str, library: "Library") -> bytes:
-    tables = compiled.tables
-    arrays: dict[str, np.ndarray[Any, Any]] = {name: getattr(tables, name) for name in ARRAYS}
-    for number, bank in enumerate(tables.styles):
-        arrays |= {f"style.{number}.{part}": array for part, array in bank._asdict().items()}
-    for number, contact in enumerate(tables.contacts):
-        for part in ("phonemes", "floor", "ceiling"):
-            arrays[f"contact.{number}.{part}"] = getattr(contact, part)
-    body, places = bytearray(), {}
-    for name, array in arrays.items():
-        body += b"\0" * (-len(body) % 64)
-        places[name] = [array.dtype.str, list(array.shape), len(body)]
-        body += np.ascontiguousarray(array).tobytes()
+def _encode(compiled: "Compiled", key: str, library: "Library") -> list[bytes | memoryview]:
+    """Return the parts of a cache file in order, without a copy of the arrays."""
+    body: list[bytes | memoryview] = []
+    places, size = {}, 0
+    for name, array in _arrays(compiled.tables).items():
+        places[name] = [array.dtype.str, list(array.shape), size]
+        body += [np.ascontiguousarray(array).data, b"\0" * (-array.nbytes % ALIGNMENT)]
+        size += array.nbytes + len(body[-1])
     plain = {
         name: getattr(compiled, name)
         for name in compiled.__dataclass_fields__
@@ -150,14 +148,28 @@ def _encode(compiled: "Compiled", key: str, library: "Library") -> bytes:
         "plain": plain,
         "motion": asdict(compiled.motion),
         "report": asdict(compiled.report),
-        "silence": tables.silence,
-        "at_most": tables.at_most,
+        "silence": compiled.tables.silence,
+        "at_most": compiled.tables.at_most,
         "arrays": places,
     }
     text = json.dumps(head, ensure_ascii=False).encode()
-    rest = len(text).to_bytes(8, "little") + text
-    rest += b"\0" * (-len(rest) % 64) + bytes(body)
-    return MARK + blake2b(rest, digest_size=DIGEST).digest() + rest
+    start = len(text).to_bytes(8, "little") + text
+    start += b"\0" * (-len(start) % ALIGNMENT)
+    digest = blake2b(start, digest_size=DIGEST)
+    for part in body:
+        digest.update(part)
+    return [MARK, digest.digest(), start, *body]
+
+
+def _arrays(tables: Tables) -> dict[str, np.ndarray[Any, Any]]:
+    """Return every array of the tables by its name in a cache file."""
+    arrays = {name: getattr(tables, name) for name in ARRAYS}
+    for number, bank in enumerate(tables.styles):
+        arrays |= {f"style.{number}.{part}": array for part, array in bank._asdict().items()}
+    for number, contact in enumerate(tables.contacts):
+        for part in ("phonemes", "floor", "ceiling"):
+            arrays[f"contact.{number}.{part}"] = getattr(contact, part)
+    return arrays
 
 
 def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None":
@@ -171,7 +183,7 @@ def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None
     head = json.loads(bytes(rest[8 : 8 + size]))
     if (head["key"], head["compiler"]) != (key, compiler()) or not _fresh(head, paths):
         return None
-    body = rest[8 + size + (-(8 + size) % 64) :]
+    body = rest[8 + size + (-(8 + size) % ALIGNMENT) :]
     return _compiled(head, body)
 
 

@@ -87,10 +87,8 @@ def by_libyaml(text: str) -> Iterator[Event]:
     from yaml.cyaml import CParser
     from yaml.error import MarkedYAMLError, YAMLError
 
-    parser = CParser(text)
     try:
-        while parser.check_event():
-            yield parser.get_event()
+        yield from iter(CParser(text).get_event, None)
     except MarkedYAMLError as error:
         raise _converted(error) from None
     except YAMLError as error:
