@@ -137,6 +137,29 @@ def test_what_counts_are_the_parents(packs):
     assert diff_banks(Library([packs], project=None), "finer", "facefx").total == 483
 
 
+def test_a_shade_that_a_bank_draws_is_compared_as_any_bigram(packs):
+    bank(packs, f"  kg-ae: {{status: edited, curves: {{FV: {CURVE}}}}}\n")
+    library = Library([packs], project=None)
+    found = diff_banks(library, "finer", "facefx")
+    assert (found.total, [one.bigram for one in found.changes]) == (484, ["kg-ae"])
+    change = found.changes[0]
+    assert (str(change.before), str(change.after)) == ("draft, drafted", "shared, edited")
+    assert any(pose.pose == "FV" and pose.largest > 0.3 for pose in change.poses)
+
+    face(packs, "")
+    bank(packs, f"  kg-aa: {{curves: {{FV: {CURVE}}}}}\n  kg-ae: {{curves: {{W: {CURVE}}}}}\n")
+    found = diff_banks(Library([packs], project=None), "finer", "facefx")
+    assert {one.bigram for one in found.changes} == {"kg-aa", "kg-ae"}
+
+
+def test_a_shade_that_no_bank_draws_is_compared_if_it_is_asked_for(packs):
+    bank(packs, f"  kg-aa: {{curves: {{FV: {CURVE}}}}}\n")
+    library = Library([packs], project=None)
+    assert [one.bigram for one in diff_banks(library, "finer", "facefx").changes] == ["kg-aa"]
+    (asked,) = diff_banks(library, "finer", "facefx", wanted=["kg-ae"]).named
+    assert (asked.bigram, asked.changed) == ("kg-ae", True)
+
+
 def test_a_frame_names_the_shade(packs):
     animation = performer(packs).perform(LINE)
     told = animation.performer.explain(animation, 0.25)

@@ -17,7 +17,7 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
-from lipsync_lang.resolver.compiled import Origin
+from lipsync_lang.resolver.compiled import Origin, Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks
 
 if TYPE_CHECKING:
@@ -147,7 +147,8 @@ def diff_banks(
     ----------
     against : another character of the pose set; None is what lies beneath: a character's bare pose
         set, or a bare pose set's drafts
-    wanted : bigrams such as `l-ow` to compare; none means all
+    wanted : bigrams such as `l-ow` to compare; none means all, and of those with shades the ones
+        that a bank draws
 
     Raises
     ------
@@ -158,6 +159,8 @@ def diff_banks(
     other, words = _beneath(shelf) if against is None else _other(library, shelf, against)
     rows = zip(other.rows(), shelf.rows(), strict=True)
     pairs = {"-".join(after.origin.pair): (before, after) for before, after in rows}
+    for key, pair in _shaded(shelf, other, wanted).items():
+        pairs[key] = (other.row(pair), shelf.row(pair))
     for key in wanted:
         if key not in pairs:
             name = shelf.language.model.name
@@ -175,6 +178,18 @@ def diff_banks(
         total=len(chosen),
         named=tuple(change for change in found if wanted or change.changed),
     )
+
+
+def _shaded(shelf: PairPacks, other: PairPacks, wanted: Sequence[str]) -> dict[str, Pair]:
+    """Return the bigrams with shades to compare: those that a bank of either side draws.
+
+    The others follow their parents, and are compared if they are asked for.
+    """
+    named = {*wanted}
+    drawn = [*shelf.drawn_shade_pairs(), *other.drawn_shade_pairs()]
+    possible = [*shelf.shade_pairs(), *other.shade_pairs()] if named else drawn
+    pairs = {"-".join(pair): pair for pair in possible}
+    return {key: pair for key, pair in pairs.items() if not named or key in named}
 
 
 def _beneath(shelf: PairPacks) -> tuple[PairPacks, str]:

@@ -252,6 +252,23 @@ class PairPacks:
         shades = {*self.shades}
         return [(a, b) for a in self.numbered for b in self.numbered if a in shades or b in shades]
 
+    def drawn_shade_pairs(self) -> list[Pair]:
+        """The pairs with a shade that a neutral bank draws, in their order."""
+        drawn = {pair for layer in self.layers.values() for pair in layer.get(NEUTRAL, ())}
+        return [pair for pair in self.shade_pairs() if pair in drawn]
+
+    def row(self, pair: Pair) -> BigramRow:
+        """Return the row of any pair, with shades or without, as that of this pair."""
+        authored = self.authored(pair)
+        if authored is not None:
+            return replace(authored, origin=authored.origin._replace(pair=pair))
+        coarser = self._coarser(pair)
+        drafts = self.drafts(coarser)
+        found = next((drafts[one] for one in coarser if one in drafts), None)
+        if found is None:
+            return BigramRow(Origin(pair, "gap", "", ()), {})
+        return replace(found, origin=found.origin._replace(pair=pair))
+
     def _draws(self, pair: Pair) -> bool:
         """Return True if a bank of any style draws exactly this pair."""
         return any(pair in rows for layer in self.layers.values() for rows in layer.values())
