@@ -245,6 +245,81 @@ def test_a_model_that_cannot_be_drawn_is_told(animation, tmp_path):
     assert "draws a mouth" in next(iter(WRITERS["html"].remarks(odd)))
 
 
+# From the command line
+
+
+@pytest.fixture
+def line(tmp_path, monkeypatch):
+    """Options of a line with timings of its own, and an animation of it."""
+    monkeypatch.chdir(tmp_path)
+    rows = [{"label": label, "start": n / 10, "end": (n + 1) / 10} for n, label in enumerate(
+        ("P", "AY1", "B", "F", "UW1", "M"))]  # fmt: skip
+    Path("line.timings.json").write_text(json.dumps(rows), "utf-8")
+    options = ("-l", "english", "-c", "facefx", "--schedule", "line.timings.json")
+    performed().save("old.json")
+    return options
+
+
+def read(path):
+    return data_of(Path(path).read_text("utf-8"))
+
+
+def test_a_line_is_compared_with_a_file_a_method_and_a_character(line, cli):
+    others = ("old.json", "keyframes", "rhubarb")
+    against = [word for one in others for word in ("--against", one)]
+    done = cli("run", *line, "--cut", "-o", "line.html", *against)
+    assert done.code == 0, done.err
+    takes = read("line.html")["takes"]
+    assert [take["name"] for take in takes] == ["", *others]
+    assert [take["face"] for take in takes] == [0, 0, 0, 1]
+    assert ["making" in take for take in takes] == [True, False, False, True]
+    assert {take["count"] for take in takes} == {takes[0]["count"]}
+    assert all(take["figures"] for take in takes)
+
+
+def test_takes_move_the_model_that_is_named(line, cli, tmp_path):
+    model = glb(tmp_path / "other.glb", "open", "W")
+    done = cli("run", *line, "-o", "line.html", "--model", model, "--against", "held")
+    assert done.code == 0, done.err
+    assert [take["face"] for take in read("line.html")["takes"]] == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("outputs", "other", "told"),
+    [
+        (("-o", "line.csv"), "keyframes", "--against is shown on a page"),
+        (("-o", "line.html"), "nobody", "is no file, no plain method .* and no character"),
+        (("-o", "line.html"), "gone.json", "gone.json"),
+    ],
+)
+def test_what_cannot_be_compared_is_told(line, cli, outputs, other, told):
+    done = cli("run", *line, *outputs, "--against", other)
+    assert done.code == 2
+    assert re.search(told, done.err)
+    assert not Path("line.html").exists()
+
+
+def test_check_shows_its_findings_on_a_page(line, cli):
+    done = cli(
+        "check", *line, "--baseline", "--limit", "speed=0.1", "--format", "html", "-o", "line.html"
+    )
+    assert done.code == 1
+    takes = read("line.html")["takes"]
+    assert [take["name"] for take in takes] == ["", "keyframes", "dominance", "held"]
+    (speed,) = [one for one in takes[0]["figures"] if one["name"] == "speed"]
+    assert speed["verdict"] == "FAIL"
+    assert speed["findings"]
+
+
+def test_check_shows_the_animation_of_another_program(line, cli):
+    done = cli("check", *line[:4], "--animation", "old.json", "--format", "html", "-o", "old.html")
+    assert done.code != 2, done.err
+    (take,) = read("old.html")["takes"]
+    assert "making" not in take
+    assert take["figures"]
+    assert "count" in read("old.html")["faces"][0]
+
+
 # Parts
 
 

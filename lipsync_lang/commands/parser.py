@@ -104,6 +104,11 @@ def _add_performing(add: Add) -> None:
         "--beside", metavar="CHARACTER", action="append", default=[],
         help="draw this character below the other instead of the stages; may be repeated",
     )  # fmt: skip
+    written.add_argument(
+        "--against", metavar="OTHER", action="append", default=[],
+        help="compare with it on the page -o line.html: the file of an animation, a plain method "
+        "(keyframes, dominance, held), or another character; may be repeated",
+    )  # fmt: skip
     written.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
     written.add_argument(
         "--offset", metavar="TIME", default="0",
@@ -271,8 +276,10 @@ def _add_check(add: Add) -> None:
         help="the most of a measure that is sound: --limit jitter=2; may be repeated",
     )  # fmt: skip
     check_.add_argument(
-        "--format", choices=("text", "json", "junit"), default="text", help="how it is told [text]"
-    )
+        "--format", choices=("text", "json", "junit", "html"), default="text",
+        help="how it is told; html is a page to hear and see the line, and the findings on it "
+        "[text]",
+    )  # fmt: skip
     add_json_form(check_)
     check_.add_argument(
         "-o",

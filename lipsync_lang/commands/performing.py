@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 
+PAGE = "html"
+"""The format that shows takes beside each other."""
+
 LATE = 0.1
 """Excess of schedule over sound, in seconds, tolerated without a remark."""
 
@@ -37,6 +40,8 @@ def run(options: Namespace) -> int:
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
         raise LipsyncError("--beside draws; name the picture with --plot FILE")
+    if options.against and not any(writer.name == PAGE for writer in writers.values()):
+        raise LipsyncError("--against is shown on a page; name one with -o line.html")
     performer = performer_for(options)
     animation = perform_line(options, performer, schedule_for(options, performer))
     offset = parse_offset(options.offset, animation.fps)
@@ -45,6 +50,7 @@ def run(options: Namespace) -> int:
         offset=offset,
         tolerance=options.tolerance,
         key_error=options.keys,
+        against=_against(options, animation),
     )
 
     def writing(path: Path) -> Callable[[Any], None]:
@@ -64,6 +70,17 @@ def run(options: Namespace) -> int:
 
         print(check(animation), file=sys.stderr)
     return SOUND
+
+
+def _against(options: Namespace, animation: "Animation") -> "dict[str, Animation]":
+    """Return the takes to compare with, on the requested model, cut as the line itself."""
+    from lipsync_lang.commands.comparing import takes_against
+
+    found = takes_against(options, animation) if options.against else {}
+    if options.model is not None:
+        own, same = options.model, animation.performer.model
+        found = {n: replace(t, model=own) if t.model == same else t for n, t in found.items()}
+    return {n: t.cut() for n, t in found.items()} if options.cut else found
 
 
 def _check_keys(options: Namespace) -> None:

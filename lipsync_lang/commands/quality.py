@@ -5,11 +5,11 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
-from lipsync_lang.commands.performing import perform_line, performer_for, schedule_for
+from lipsync_lang.commands.performing import PAGE, perform_line, performer_for, schedule_for
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from typing import BinaryIO
 
     from lipsync_lang.animations.animation import Animation
@@ -22,8 +22,13 @@ def check(options: Namespace) -> int:
     from lipsync_lang.files import write_all
     from lipsync_lang.quality.quality_report import FORMATS
 
-    judged = _judged(options)
-    told = FORMATS[options.format](judged)
+    performer = performer_for(options)
+    takes, remarks = _takes(options, performer)
+    judged = _judged(options, performer, takes, remarks)
+    if options.format == PAGE:
+        told = _page(performer, takes, judged)
+    else:
+        told = FORMATS[options.format](judged)
     if options.output is None:
         print(told)
     else:
@@ -50,21 +55,52 @@ def summary(quality: "Quality") -> str:
     return f"{count(len(quality.failed), 'limit')} missed: {names}"
 
 
-def _judged(options: Namespace) -> "dict[str, Quality]":
-    """Measure the animation and the plain methods; the first entry sets the exit code."""
+def _takes(
+    options: Namespace, performer: "Performer"
+) -> "tuple[dict[str, Animation], tuple[str, ...]]":
+    """Return the animation and the plain methods by name, and remarks on the first."""
     from lipsync_lang.quality.baselines import BASELINES
-    from lipsync_lang.quality.check_animation import check as judge
 
-    performer = performer_for(options)
     animation, remarks = _animation(options, performer)
-    limits = _limits(options.limits)
-    name = str(options.animation) if options.animation else "performed"
-    judged = {name: judge(animation, performer=performer, limits=limits, remarks=remarks)}
+    takes = {str(options.animation) if options.animation else "performed": animation}
     for method, make in BASELINES.items() if options.baseline else ():
         plain = make(performer, animation.schedule, options.fps)
-        plain = performer.rigged(plain) if options.channels else plain
-        judged[method] = judge(plain, performer=performer, limits=limits)
-    return judged
+        takes[method] = performer.rigged(plain) if options.channels else plain
+    return takes, remarks
+
+
+def _judged(
+    options: Namespace,
+    performer: "Performer",
+    takes: "Mapping[str, Animation]",
+    remarks: tuple[str, ...],
+) -> "dict[str, Quality]":
+    """Measure all takes; the first entry sets the exit code."""
+    from lipsync_lang.quality.check_animation import check as judge
+
+    limits = _limits(options.limits)
+    first = next(iter(takes))
+    return {
+        name: judge(
+            take, performer=performer, limits=limits, remarks=remarks if name == first else ()
+        )
+        for name, take in takes.items()
+    }
+
+
+def _page(
+    performer: "Performer", takes: "Mapping[str, Animation]", judged: "Mapping[str, Quality]"
+) -> str:
+    """Return a page of the first take, with the others beside it."""
+    from dataclasses import replace
+
+    from lipsync_lang.commands.comparing import on_model
+    from lipsync_lang.studio.line_page import line_page
+
+    first, *others = takes
+    shown = {name: on_model(take, performer) for name, take in takes.items()}
+    main = replace(shown[first], against={name: shown[name] for name in others})
+    return line_page(main, performer=performer, qualities={**judged, "": judged[first]})
 
 
 def _animation(options: Namespace, performer: "Performer") -> "tuple[Animation, tuple[str, ...]]":

@@ -7,6 +7,7 @@ their hashes, and no request at all.
 
 import json
 from base64 import b64encode
+from collections.abc import Mapping
 from dataclasses import replace
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
@@ -27,10 +28,21 @@ if TYPE_CHECKING:
 FORMAT = "lipsync-lang page 1"
 
 
-def line_page(animation: Animation) -> str:
+def line_page(
+    animation: Animation,
+    *,
+    performer: "Performer | None" = None,
+    qualities: Mapping[str, Quality] | None = None,
+) -> str:
     """Return an animation as a page that needs nothing else.
 
     Animations in `against` are shown beside it.
+
+    Parameters
+    ----------
+    performer : of the face of an animation that was performed elsewhere
+    qualities : figures by the name of the animation in `against`, "" for the first; None to
+        measure them here
 
     Examples
     --------
@@ -40,7 +52,7 @@ def line_page(animation: Animation) -> str:
     True
     """
     pack = ArrayPack()
-    document = _document(animation, pack)
+    document = _document(animation, performer or animation.performer, pack, qualities)
     document["arrays"] = pack.layout()
     script, style = bundle("page"), static("page.css")
     parts = {
@@ -58,14 +70,19 @@ def line_page(animation: Animation) -> str:
     return "".join(pieces)
 
 
-def _document(animation: Animation, pack: ArrayPack) -> Json:
-    performer: Performer | None = animation.performer
+def _document(
+    animation: Animation,
+    performer: "Performer | None",
+    pack: ArrayPack,
+    qualities: Mapping[str, Quality] | None,
+) -> Json:
     takes: list[Json] = []
     faces: list[Json] = []
     known: dict[Any, int] = {}
     for name, one in {"": animation, **animation.against}.items():
         own, posed = one.performer or performer, _posed(one)
-        take = take_data(posed, own, pack, _judged(posed, own))
+        quality = _judged(posed, own) if qualities is None else qualities.get(name)
+        take = take_data(posed, own, pack, quality)
         key = (one.model, one.columns)
         if key not in known:
             known[key] = len(faces)

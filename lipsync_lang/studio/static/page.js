@@ -2,6 +2,7 @@
 
 import { drawMouth, mouthOf } from "./drawn_mouth.js";
 import { createFace } from "./gl_face.js";
+import { Overview } from "./overview.js";
 import { Player } from "./player.js";
 import { clock } from "./scales.js";
 import { Take } from "./take.js";
@@ -9,6 +10,10 @@ import { Timeline } from "./timeline.js";
 import { unpack } from "./unpack.js";
 
 const MOMENTS = 24;
+/** Milliseconds after which a face is shaded: the first picture does not wait for it. */
+const SHADE_LATER = 50;
+/** Findings of a figure that are listed. */
+const FINDINGS = 20;
 /** Pixels of a drag for a degree of the view. */
 const TURN = 0.5;
 
@@ -23,7 +28,7 @@ const KEYS = {
   "l": "loop, over the word in view where one is spoken",
   "c": "close-up of the mouth",
   "o": "turn the face: front and side",
-  "a": "A and B change places",
+  "a": "A or B: the other take comes to the front",
   "n": "the next finding of the check",
   "+ − 0": "show less time, more time, all",
   "?": "these keys",
@@ -106,26 +111,61 @@ class Page {
     const start = Math.min(...this.takes.map((/** @type {Take} */ one) => one.start));
     const end = Math.max(...this.takes.map((/** @type {Take} */ one) => one.end));
     this.player = new Player(start, end, data.sound, () => this.#playing());
-    this.portraits = this.takes.slice(0, 2).map((/** @type {Take} */ one) => new Portrait(data, one));
-    the("faces").append(...this.portraits.map((/** @type {Portrait} */ one) => one.figure));
+    /** @type {Map<Take, Portrait>} */
+    this.known = new Map();
+    /** @type {Portrait[]} */
+    this.portraits = [];
+    the("main").classList.toggle("beside", this.takes.length > 1);
     this.timeline = new Timeline(/** @type {HTMLCanvasElement} */ (the("timeline")), {
       seek: (seconds) => this.seek(seconds),
       hover: (at) => this.#hover(at),
       pick: (row) => this.pick(row),
       moved: () => this.wake(),
     });
+    this.overview = new Overview(/** @type {HTMLCanvasElement} */ (the("overview")), this.timeline);
     this.row = -1;
     this.drawn = Number.NaN;
     the("main").hidden = false;
     this.#words();
     this.#listen();
-    this.#show();
+    this.#compare(this.takes[1] ?? null);
     this.player.seek(start);
   }
 
-  /** Show the takes as they stand: A with its reasons, B beside it. */
+  /** @param {Take | null} other to show beside the first take */
+  #compare(other) {
+    [this.take, this.other] = [this.takes[0], other];
+    const shown = [this.take, ...(other ? [other] : [])];
+    this.portraits = shown.map((one) => this.#portrait(one));
+    the("faces").replaceChildren(...this.portraits.map((one) => one.figure));
+    const notes = new Set(this.portraits.flatMap((one) => [...one.data.unshown, ...(one.trouble ? [one.trouble] : [])]));
+    the("notes").hidden = !notes.size;
+    the("notes").replaceChildren(...[...notes].map((one) => made("li", {}, one)));
+    this.#show();
+  }
+
+  /** @param {Take} take @returns {Portrait} made when it is first shown, and shaded a little later */
+  #portrait(take) {
+    const known = this.known.get(take);
+    if (known) return known;
+    const portrait = new Portrait(this.data, take);
+    portrait.setClose(this.portraits[0]?.close ?? false);
+    portrait.canvas.setAttribute("aria-label", `${label(take)} speaking: ${this.data.title}`);
+    this.#turning(portrait.canvas);
+    this.known.set(take, portrait);
+    setTimeout(() => {
+      portrait.shade();
+      this.wake();
+    }, SHADE_LATER);
+    return portrait;
+  }
+
+  /** Show the takes as they stand: one with its reasons, the other dashed. */
   #show() {
     const { take, other } = this;
+    this.row = -1;
+    this.drawn = Number.NaN;
+    the("against").setAttribute("aria-pressed", String(take !== this.takes[0]));
     const names = new Set([...take.moving.map((n) => take.poses[n]), ...(other ? other.moving.map((n) => other.poses[n]) : [])]);
     this.rows = [...take.poses.filter((/** @type {string} */ one) => names.has(one)),
       ...(other ? other.poses.filter((/** @type {string} */ one) => names.has(one) && !take.poses.includes(one)) : [])];
@@ -134,7 +174,10 @@ class Page {
     this.#listPoses();
     this.#listFigures();
     this.#legend();
-    this.portraits.forEach((one) => { one.caption.textContent = this.other ? `${one.take === take ? "A" : "B"}: ${label(one.take)}` : ""; });
+    for (const one of this.portraits) {
+      one.caption.textContent = other ? label(one.take) : "";
+      one.figure.classList.toggle("front", Boolean(other) && one.take === take);
+    }
     const { scrub } = this;
     scrub.max = String(Math.round((this.player.end - this.player.start) * take.fps));
     this.wake();
@@ -158,6 +201,7 @@ class Page {
     if (this.player.playing) this.timeline.follow(seconds);
     this.portraits.forEach((one) => one.draw(seconds));
     this.timeline.draw(seconds);
+    this.overview.draw(seconds);
     this.#values(seconds);
     if (this.player.playing) this.wake();
   }
@@ -214,11 +258,8 @@ class Page {
     if (!this.other) return;
     const chosen = this.rows[this.row];
     [this.take, this.other] = [this.other, this.take];
-    this.row = -1;
-    this.drawn = Number.NaN;
     this.#show();
     this.pick(this.rows.indexOf(chosen));
-    the("against").setAttribute("aria-pressed", String(this.take !== this.takes[0]));
   }
 
   /** @param {number} rate */
@@ -281,20 +322,18 @@ class Page {
     if (take.data.spoken.estimated) told.push("times are estimated");
     if (!data.sound) told.push("no sound");
     the("subtitle").textContent = told.filter(Boolean).join("  ·  ");
-    const notes = new Set(this.portraits.flatMap((one) => [...one.data.unshown, ...(one.trouble ? [one.trouble] : [])]));
-    the("notes").hidden = !notes.size;
-    the("notes").append(...[...notes].map((one) => made("li", {}, one)));
     the("against").hidden = !this.other;
+    the("others").hidden = this.takes.length < 3;
+    the("others").append(...this.takes.slice(1).map((/** @type {Take} */ one, /** @type {number} */ n) => made("option", { value: String(n + 1) }, label(one))));
     the("help").querySelector("dl")?.append(...Object.entries(KEYS).flatMap(([keys, what]) => [made("dt", {}, keys), made("dd", {}, what)]));
-    for (const { canvas, take: own } of this.portraits) canvas.setAttribute("aria-label", `${label(own)} speaking: ${title}`);
     the("timeline").setAttribute("aria-label", `Sound, words, phonemes and poses of: ${title}. The arrow keys step through it, and the values are listed beside it.`);
   }
 
   #legend() {
     const stages = this.take.data.making?.stages ?? [];
     const used = stages.filter((/** @type {any} */ stage) => stage.curves.some(Boolean));
-    the("legend").replaceChildren(...used.map((/** @type {any} */ stage) => swatch(stage.label, stage.colour)));
-    if (this.other) the("legend").append(swatch(`B: ${label(this.other)}, dashed`, getComputedStyle(document.body).getPropertyValue("--other")));
+    the("legend").replaceChildren(...used.map((/** @type {any} */ stage) => swatch(stage.label, stage.colour, stage === stages[0] ? "dots" : "")));
+    if (this.other) the("legend").append(swatch(label(this.other), getComputedStyle(document.body).getPropertyValue("--other"), "line"));
   }
 
   #listPoses() {
@@ -306,19 +345,28 @@ class Page {
   }
 
   #listFigures() {
-    const figures = this.take.data.figures.filter((/** @type {any} */ one) => one.verdict === "FAIL" || one.findings.length);
-    const missed = this.take.data.figures.filter((/** @type {any} */ one) => one.verdict === "FAIL").length;
-    the("figures").hidden = !this.take.data.figures.length;
-    the("judged").textContent = missed ? `Check: ${missed} limit${missed > 1 ? "s" : ""} missed` : "Check: all limits are kept";
-    the("figures").querySelector("ul")?.replaceChildren(...figures.map((/** @type {any} */ one) => {
-      const row = made("li", { class: one.verdict }, made("b", {}, one.verdict), ` ${one.name}: ${one.told} `);
-      for (const [seconds, what] of one.findings.slice(0, 20)) {
-        const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
-        button.addEventListener("click", () => { this.player.pause(); this.reveal(seconds); });
-        row.append(button);
-      }
-      return row;
-    }));
+    const { figures } = this.take.data;
+    const missed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL");
+    the("figures").hidden = !figures.length;
+    the("judged").textContent = missed.length ? `Check: ${missed.length} limit${missed.length > 1 ? "s" : ""} missed` : "Check: all limits are kept";
+    the("missed").replaceChildren(...missed.map((/** @type {any} */ one) => this.#figure(one)));
+    const others = figures.filter((/** @type {any} */ one) => one.verdict !== "FAIL");
+    the("measured").replaceChildren(...others.map((/** @type {any} */ one) => this.#figure(one)));
+  }
+
+  /** @param {any} figure of the check @returns {HTMLElement} with buttons that go to its findings */
+  #figure(figure) {
+    const row = made("li", { class: figure.verdict }, made("b", {}, figure.verdict), ` ${figure.name}: ${figure.told} `);
+    for (const [seconds, what] of figure.findings.slice(0, FINDINGS)) {
+      const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
+      button.addEventListener("click", () => {
+        this.player.pause();
+        this.reveal(seconds);
+      });
+      row.append(button);
+    }
+    if (figure.findings.length > FINDINGS) row.append(`and ${figure.findings.length - FINDINGS} more`);
+    return row;
   }
 
   /** @param {number} seconds */
@@ -335,7 +383,7 @@ class Page {
     scrub.setAttribute("aria-valuetext", `${clock(seconds)}, ${sound.label}${sound.word ? ` in ${sound.word}` : ""}`);
     the("bigrams").replaceChildren(...take.bigramsAt(frame).flatMap((one) => {
       const drawn = one.drawn_as ? `, drawn as ${one.drawn_as}` : "", word = one.word ? `, as in ${one.word}` : "";
-      return [`${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${word} (${one.from.join(", ")})`, made("br")];
+      return [made("li", {}, `${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${word} `, made("small", {}, one.from.join(", ")))];
     }));
     this.rows.forEach((name, row) => this.#value(name, row, frame));
   }
@@ -392,7 +440,7 @@ class Page {
     click("keys", () => this.#help());
     for (const one of document.querySelectorAll("[data-rate]")) one.addEventListener("click", () => this.setRate(Number(one.getAttribute("data-rate"))));
     this.scrub.addEventListener("input", () => this.reveal(this.player.start + Number(this.scrub.value) / this.take.fps));
-    for (const { canvas } of this.portraits) this.#turning(canvas);
+    the("others").addEventListener("change", (event) => this.#compare(this.takes[Number(/** @type {HTMLSelectElement} */ (event.target).value)]));
     addEventListener("resize", () => { this.timeline.stale = true; this.wake(); });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.timeline.stale = true; this.#legend(); this.wake(); });
     document.addEventListener("keydown", (event) => this.#key(event));
@@ -420,6 +468,7 @@ class Page {
     const help = /** @type {HTMLDialogElement} */ (the("help"));
     if (event.ctrlKey || event.metaKey || event.altKey || (help.open && event.key !== "?")) return;
     if (event.key === " " && event.target instanceof HTMLButtonElement) return;
+    if (event.target instanceof HTMLSelectElement && event.key !== "?") return;
     const ten = event.shiftKey ? 10 : 1;
     /** @type {Record<string, () => void>} */
     const does = {
@@ -449,9 +498,9 @@ function label(take) {
   return take.name || [take.data.language, take.data.character].filter(Boolean).join(" on ");
 }
 
-/** @param {string} text @param {string} colour @returns {HTMLElement} */
-function swatch(text, colour) {
-  const one = made("li", { class: "swatch" }, text);
+/** @param {string} text @param {string} colour @param {string} form of the sample: a patch, `dots` or a dashed `line` */
+function swatch(text, colour, form = "") {
+  const one = made("li", { class: `swatch ${form}` }, text);
   one.style.setProperty("--c", colour);
   return one;
 }
@@ -459,11 +508,7 @@ function swatch(text, colour) {
 async function start() {
   try {
     const data = await unpack(the("document").textContent ?? "", the("block").textContent ?? "");
-    const page = new Page(data);
-    setTimeout(() => {
-      page.portraits.forEach((/** @type {Portrait} */ one) => one.shade());
-      page.wake();
-    }, 50);
+    new Page(data);
     document.documentElement.dataset.ready = "";
   } catch (error) {
     the("trouble").hidden = false;

@@ -46,7 +46,7 @@ export class Timeline {
   /** Show all of the line, or on a narrow screen as much as can be read. */
   fit() {
     const readable = this.plotWidth / 110;
-    const length = this.canvas.clientWidth < NARROW ? Math.min(this.end - this.start, readable) : this.end - this.start;
+    const length = this.narrow ? Math.min(this.end - this.start, readable) : this.end - this.start;
     this.setView(this.start, this.start + length);
   }
 
@@ -72,7 +72,12 @@ export class Timeline {
   }
 
   get left() {
-    return this.canvas.clientWidth < NARROW ? 64 : 104;
+    return this.narrow ? 6 : 104;
+  }
+
+  /** True where names stand above their rows, not beside them. */
+  get narrow() {
+    return this.canvas.clientWidth < NARROW;
   }
 
   get plotWidth() {
@@ -84,7 +89,7 @@ export class Timeline {
   }
 
   get rowHeight() {
-    return this.canvas.clientWidth < NARROW ? 44 : 50;
+    return this.narrow ? 54 : 50;
   }
 
   /** @param {number} seconds @returns {number} */
@@ -188,7 +193,7 @@ export class Timeline {
       context.fillStyle = rule;
       context.fillRect(x, RULER - 7, 1, 5);
       context.fillStyle = soft;
-      if (x > this.left + 8) context.fillText(clock(mark, digits), x, 3);
+      if (x > this.left + 12) context.fillText(clock(mark, digits), x, 3);
     }
     this.#findings(context);
   }
@@ -221,7 +226,7 @@ export class Timeline {
       const up = (high / most) * (WAVE / 2 - 3), down = (low / most) * (WAVE / 2 - 3);
       context.fillRect(this.left + column, middle - up, 1, Math.max(1, up - down));
     });
-    this.#name(context, "sound", middle);
+    if (!this.narrow) this.#name(context, "sound", middle);
   }
 
   /** @param {CanvasRenderingContext2D} context */
@@ -236,7 +241,7 @@ export class Timeline {
     ];
     bands.forEach(([name, spans, size], band) => {
       const y = top + band * BAND;
-      this.#name(context, name, y + BAND / 2);
+      if (!this.narrow) this.#name(context, name, y + BAND / 2);
       context.fillStyle = this.colours.rule;
       context.fillRect(this.left, y, this.plotWidth + 8, 1);
       this.#clipped(context, () => {
@@ -267,17 +272,26 @@ export class Timeline {
     context.fillText(shown, this.left - 8, y);
   }
 
+  /** @param {CanvasRenderingContext2D} context @param {string} text @param {number} y */
+  #above(context, text, y) {
+    context.font = `11px ${this.font}`;
+    context.textAlign = "left";
+    context.textBaseline = "middle";
+    context.fillStyle = this.colours.soft;
+    context.fillText(text, this.left + 2, y);
+  }
+
   /** @param {CanvasRenderingContext2D} context @param {string} name @param {number} row */
   #pose(context, name, row) {
     const { take, other } = this.line;
-    const bottom = this.top + (row + 1) * this.rowHeight - 6, tall = this.rowHeight - 10;
+    const bottom = this.top + (row + 1) * this.rowHeight - 6, tall = this.rowHeight - (this.narrow ? 18 : 10);
     if (row === this.row) {
       context.fillStyle = this.colours.accent;
       context.globalAlpha = 0.08;
       context.fillRect(0, bottom - tall - 4, this.canvas.clientWidth, this.rowHeight);
       context.globalAlpha = 1;
     }
-    this.#name(context, name, bottom - tall / 2);
+    if (!this.narrow) this.#name(context, name, bottom - tall / 2);
     context.fillStyle = this.colours.rule;
     context.fillRect(this.left, bottom, this.plotWidth + 8, 1);
     this.#clipped(context, () => {
@@ -290,6 +304,7 @@ export class Timeline {
         this.#curve(context, { ...place(other.data.curves[same].values), take: other }, this.colours.other, 1.8, [5, 3]);
       }
     });
+    if (this.narrow) this.#above(context, name, bottom - tall - 5);
   }
 
   /** @param {CanvasRenderingContext2D} context @param {number} rank @param {number} bottom @param {number} tall */

@@ -1,0 +1,53 @@
+"""Other takes of a line: from a file, by a plain method, or of another character."""
+
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.commands.performing import performer_for
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+
+
+def takes_against(options: Namespace, animation: "Animation") -> "dict[str, Animation]":
+    """Return the animations that `--against` names, by these names.
+
+    Parameters
+    ----------
+    animation : performed with the same options
+    """
+    return {name: _take(options, animation, name) for name in options.against}
+
+
+def _take(options: Namespace, animation: "Animation", name: str) -> "Animation":
+    from lipsync_lang.animations.readers.animation_readers import READERS
+    from lipsync_lang.quality.baselines import BASELINES
+    from lipsync_lang.quality.fitting import read_for
+
+    performer: Performer = animation.performer
+    if name in BASELINES:
+        return on_model(BASELINES[name](performer, animation.schedule, options.fps), performer)
+    path = Path(name)
+    if path.is_file() or path.suffix.lower() in READERS.suffixes():
+        read, _ = read_for(performer, path, animation.schedule)
+        return on_model(read, performer)
+    try:
+        other = performer_for(options, name)
+    except LipsyncError as error:
+        known = ", ".join(BASELINES)
+        raise LipsyncError(
+            f"--against {name}: is no file, no plain method ({known}) and no character: {error}"
+        ) from None
+    return other.rigged(other.perform(animation.schedule, options.fps))
+
+
+def on_model(animation: "Animation", performer: "Performer") -> "Animation":
+    """Return an animation of a performer's poses, or of its rig's channels, on its model."""
+    if animation.poses != performer.poses:
+        return replace(animation, model=performer.model)
+    placed = replace(animation, channels=performer.channels, model=performer.model)
+    return performer.rigged(placed)

@@ -1,0 +1,73 @@
+"""The page of a line in a browser, opened from its file."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lanes import full
+from test_consumers import chromium, found, run
+from test_line_page import NASTY, schedule
+
+import lipsync_lang as ll
+from lipsync_lang.quality.baselines import keyframes
+
+pytestmark = full
+
+HERE = Path(__file__).parent
+
+
+@pytest.fixture
+def show(tmp_path):
+    """Use the page of an animation, and return what came of it."""
+
+    def show(animation, closed, opened):
+        node, modules = found("playwright-core")
+        path = tmp_path / "line.html"
+        animation.save(path)
+        shown = run(node, HERE / "line.mjs", modules, chromium(), path, str(closed), str(opened))
+        assert (shown["said"], shown["asked"]) == ([], [])
+        assert shown["overflow"] <= 0
+        assert shown["nameless"] == []
+        return shown
+
+    return show
+
+
+def performed(character, *texts):
+    return ll.resolve("english", character).perform(schedule(*texts))
+
+
+def moments(animation, measure="aperture"):
+    """Return the seconds at which the mouth is most closed and most open."""
+    gains = animation.performer.compiled.measures[measure]
+    opening = np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
+    return [round(float(animation.times[at]), 2) for at in (opening.argmin(), opening.argmax())]
+
+
+@pytest.mark.parametrize("character", ["facefx", "rhubarb"])
+def test_a_viewer_sees_the_mouth_move_and_its_reasons(show, character):
+    animation = performed(character, "pie", "boof")
+    plain = keyframes(animation.performer, animation.schedule, animation.fps)
+    plain = replace(plain, channels=animation.channels, model=animation.model)
+    closed, opened = moments(animation)
+    shown = show(replace(animation, against={"plain": plain}), closed, opened)
+    assert shown["title"] == "pie boof"
+    assert shown["at"] == pytest.approx([closed, opened], abs=1.1 / animation.fps)
+    assert shown["moved"] > 20
+    assert shown["still"] == 0
+    assert shown["closer"] > 100
+    assert shown["stepped"] == pytest.approx(2 / animation.fps, abs=0.011)
+    assert shown["moment"].endswith("in pie")
+    assert shown["poses"][0] in animation.poses
+    assert shown["reasons"]
+    assert (shown["help"], shown["helped"]) == (True, False)
+    assert 0.1 < shown["tapped"] < 0.5
+    assert (shown["paused"], shown["pitch"]) == ("Play", True)
+    assert shown["swapped"] == [f"english on {character}", "plain"]
+
+
+def test_no_text_of_a_schedule_runs(show):
+    text = NASTY.replace("\ud800", "")
+    shown = show(performed("rhubarb", text), 0, 0.2)
+    assert text.split()[0] in shown["title"]
