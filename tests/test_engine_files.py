@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from dataclasses import replace
 from io import BytesIO, StringIO
 from itertools import pairwise
@@ -139,11 +140,25 @@ def from_smartbody(content, animation):
     return found
 
 
+def from_maya(content, animation):
+    """Curves of straight lines; those with tangents are read in the tests of keys."""
+    head, *curves = re.split(r"^anim (\w+) .*$", content.decode("ascii"), flags=re.MULTILINE)
+    assert f"timeUnit { {30: 'ntsc', 60: 'ntscf'}[animation.fps] };" in head
+    found = {}
+    for name, curve in zip(curves[::2], curves[1::2], strict=True):
+        keys = re.findall(r"^    (\S+) (\S+) linear linear 1 1 0;$", curve, re.MULTILINE)
+        assert len(keys) == curve.count(" 1 1 0;")
+        table = np.array(keys, float)
+        found[name] = (table[:, 0] - 1) / animation.fps - animation.offset, table[:, 1]
+    return found
+
+
 READERS = {
     "audio2face": (from_audio2face, DENSE),
     "azure": (from_azure, DENSE),
     "blender": (from_blender, SPARSE),
     "live-link-face": (from_live_link, DENSE),
+    "maya": (from_maya, SPARSE),
     "smartbody": (from_smartbody, SPARSE),
     "unity": (from_unity, SPARSE),
     "unreal": (from_unreal, DENSE),
@@ -245,12 +260,13 @@ TITLES = {
     "azure": "Azure",
     "blender": "Blender",
     "live-link-face": "Live Link Face",
+    "maya": "Maya",
     "smartbody": "SmartBody",
     "unity": "Unity",
 }
 
 
-@pytest.mark.parametrize("name", ["audio2face", "blender", "smartbody", "unity"])
+@pytest.mark.parametrize("name", ["audio2face", "blender", "maya", "smartbody", "unity"])
 def test_bones_alone_are_refused(name):
     animation = with_bone(performed())
     alone = replace(

@@ -232,7 +232,35 @@ def model(content, animation):
         yield name, np.interp(animation.times, there.times, values), 0
 
 
-TANGENTS = {"unity": unity, "godot": godot, "blender": blender, "glb": model}
+MAYA_CURVE = re.compile(
+    r"anim (\w+) \1 (\w+) 0 0 (\d+);\nanimData \{\n  input time;\n  output unitless;\n"
+    r"  weighted 0;\n  preInfinity constant;\n  postInfinity constant;\n  keys \{\n(.*?)  \}\n\}\n",
+    re.DOTALL,
+)
+MAYA_RATES = {"game": 15, "film": 24, "pal": 25, "ntsc": 30, "show": 48, "palf": 50, "ntscf": 60}
+
+
+def maya(content, animation):
+    """Read the curves as Maya does: tangents by the angle over a frame, cubic between keys."""
+    text = content.decode("ascii")
+    head = dict(re.findall(r"^(\w+) ([\w.-]+);$", text.partition("anim ")[0], re.MULTILINE))
+    assert (head["animVersion"], head["angularUnit"]) == ("1.1", "deg")
+    rate = MAYA_RATES.get(head["timeUnit"], 1)
+    rows = MAYA_CURVE.findall(text)
+    assert "".join(found[0] for found in MAYA_CURVE.finditer(text)) == text[text.index("anim ") :]
+    assert [int(number) for _, _, number, _ in rows] == list(range(len(rows)))
+    for name, _, _, keys in rows:
+        lines = [line.removesuffix(";").split() for line in keys.splitlines()]
+        assert {(one[2], one[3], one[5], one[6]) for one in lines} == {("fixed", "fixed", "1", "0")}
+        assert all((one[4] == "1") == (one[7] == one[9]) for one in lines)
+        table = np.array([[one[n] for n in (0, 1, 7, 9)] for one in lines], float)
+        times = table[:, 0] / rate - 1 / animation.fps - animation.offset
+        slopes = np.tan(np.radians(table[:, 2:])) * animation.fps
+        spline = Spline(np.arange(len(lines)), table[:, 1:2], slopes[:, :1], slopes[:, 1:])
+        yield name, sample(times, spline, animation.times)[:, 0], len(lines)
+
+
+TANGENTS = {"unity": unity, "godot": godot, "blender": blender, "glb": model, "maya": maya}
 LINES = {"unreal", "smartbody", "usd"}
 
 
@@ -260,6 +288,22 @@ def test_lines_of_a_table_stay_within_the_error(animation):
     for pose, values in thin:
         kept = np.interp(animation.times, thin.times, values)
         assert np.abs(kept - animation[pose]).max() <= 0.02
+
+
+@pytest.mark.parametrize(("fps", "unit"), [(24, "film"), (23.976, "sec"), (72, "sec")])
+def test_times_in_maya_are_frames_of_a_named_rate_or_seconds(fps, unit, animation):
+    rated = animation.performer.perform(animation.schedule, fps)
+    chosen = replace(rated, key_error=0.01, offset=1.5)
+    content = content_of("maya", chosen)
+    assert f"timeUnit {unit};".encode() in content
+    for pose, values, _ in maya(content, chosen):
+        assert np.abs(values - chosen[pose]).max() <= 0.01 + 1e-4, pose
+
+
+def test_names_in_maya_are_those_of_attributes(animation):
+    channels = (animation.columns[0]._replace(name="jaw open"), *animation.columns[1:])
+    odd = replace(animation, channels=channels, model=None, key_error=0.01)
+    assert b"anim jaw_open jaw_open face 0 0 0;" in content_of("maya", odd)
 
 
 def test_a_model_has_one_spline_for_the_shapes_of_a_mesh(animation):
