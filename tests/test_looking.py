@@ -106,3 +106,16 @@ def test_a_library_that_is_missing_is_named(animation, monkeypatch):
         animation.to_frame("polars")
     with pytest.raises(ll.LipsyncError, match="`library` is 'excel'; it is one of 'pandas'"):
         animation.to_frame("excel")
+
+
+def test_a_notebook_shows_the_page_in_a_frame_of_its_own(animation, tmp_path):
+    animation.save(tmp_path / "line.html")
+    shown = animation.show(500)
+    frame = ET.fromstring(shown._repr_html_())  # noqa: S314 our own
+    assert (frame.tag, frame.get("sandbox"), frame.get("height")) == (
+        "iframe",
+        "allow-scripts",
+        "500",
+    )
+    assert frame.get("srcdoc") == (tmp_path / "line.html").read_text("utf-8").replace("\n", " ")
+    assert "line.html" in repr(shown)

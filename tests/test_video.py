@@ -581,6 +581,41 @@ def test_a_sheet_has_a_still_of_every_sound_with_its_name_and_time(stills, spoke
         assert page[top + SIZE : top + SIZE + sheet.FOOT, left : left + SIZE].min() < 120
 
 
+def still_at(image, animation, seconds, **view):
+    """Return the only picture of a sheet of one moment."""
+    out = BytesIO()
+    sheet.moments(animation, [seconds], out, **view)
+    page = np.asarray(image.open(out)).astype(int)
+    return page[sheet.EDGE : sheet.EDGE + SIZE, sheet.EDGE : sheet.EDGE + SIZE]
+
+
+def test_stills_of_any_line_are_taken_from_one_place(stills):
+    performer = ll.resolve("english", "facefx")
+    lines = [("P", "AA"), ("P", "S")]
+    said = [performer.perform(ll.Schedule(one, [0, 0.1, 0.3]), fps=FPS) for one in lines]
+    first, second = (still_at(stills, one, float(one.times[0])) for one in said)
+    close = still_at(stills, said[0], float(said[0].times[0]), close=True)
+    np.testing.assert_array_equal(first, second)
+    assert np.abs(close - first).max() > 50
+    opened = still_at(stills, said[0], 0.2)
+    assert np.abs(opened - first).max() > 50
+
+
+def test_stills_are_of_the_times_asked_for(stills, cli, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rows = [{"label": "P", "start": 0, "end": 0.1}, {"label": "AA", "start": 0.1, "end": 0.3}]
+    Path("line.timings.json").write_text(json.dumps(rows), "utf-8")
+    line = ("stills", "-l", "english", "-c", "facefx", "--schedule", "line.timings.json")
+    done = cli(*line, "--at", "0.05,0.2", "-o", "line.png")
+    assert done.code == 0, done.err
+    width = np.asarray(stills.open("line.png")).shape[1]
+    assert width == 2 * sheet.EDGE + 2 * SIZE + sheet.GAP
+    for at, told in (("9", "9 s is outside the animation"), ("soon", "write seconds with commas")):
+        done = cli(*line, "--at", at, "-o", "other.png")
+        assert (done.code, Path("other.png").exists()) == (2, False)
+        assert told in done.err
+
+
 def test_of_many_sounds_the_most_different_are_shown():
     labels = ("AA", "B") * 20
     schedule = ll.Schedule(("_", *labels, "UW"), np.arange(43) * 0.2, notation="arpabet")

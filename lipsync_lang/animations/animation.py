@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.animations.keys import Curve
+    from lipsync_lang.animations.notebook import PageFrame
 
 Frames = Literal["pandas", "polars"]
 """Supported data frame libraries, in order of preference."""
@@ -146,6 +147,25 @@ class Animation:
         from lipsync_lang.animations.notebook import curves_html
 
         return curves_html(self)
+
+    def show(self, height: int = 760) -> "PageFrame":
+        """Return the page of the animation for a notebook, which plays it in place.
+
+        Parameters
+        ----------
+        height : of the frame in pixels
+
+        Examples
+        --------
+        >>> performer = ll.resolve("english", "facefx")
+        >>> animation = performer.perform(ll.Schedule(("M", "AA"), [0, 0.1, 0.3]))
+        >>> frame = animation.show()
+        >>> frame._repr_html_().startswith("<iframe")
+        True
+        """
+        from lipsync_lang.animations.notebook import page_frame
+
+        return page_frame(self, height)
 
     def __len__(self) -> int:
         """Return the number of frames."""

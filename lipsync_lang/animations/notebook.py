@@ -1,6 +1,8 @@
-"""Notebook display of an animation: its curves as a small inline SVG."""
+"""Notebook display of an animation: its curves as a small inline SVG, or its whole page."""
 
+from dataclasses import dataclass
 from html import escape
+from io import BytesIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +18,36 @@ MOST_POINTS = 720
 
 MOST_CURVES = 60
 """Maximum number of curves; those with the most movement are drawn."""
+
+
+@dataclass(frozen=True)
+class PageFrame:
+    """A page in a frame of a notebook, `height` pixels high; it cannot reach the notebook."""
+
+    page: str
+    height: int
+
+    def __repr__(self) -> str:
+        """Say how the page is shown elsewhere."""
+        return (
+            f"<PageFrame of {len(self.page) / 1e6:.1f} MB; save('line.html') writes it to a file>"
+        )
+
+    def _repr_html_(self) -> str:
+        """Show the page in notebooks."""
+        return (
+            f'<iframe sandbox="allow-scripts" width="100%" height="{self.height:d}" '
+            f'style="border: 0" srcdoc="{escape(self.page)}"></iframe>'
+        )
+
+
+def page_frame(animation: "Animation", height: int) -> PageFrame:
+    """Write the page of an animation into a frame."""
+    from lipsync_lang.animations.animation_writers import WRITERS
+
+    out = BytesIO()
+    WRITERS["html"].write(animation, out)
+    return PageFrame(out.getvalue().decode("utf-8"), height)
 
 
 def curves_html(animation: "Animation") -> str:

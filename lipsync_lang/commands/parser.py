@@ -4,7 +4,15 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 
-from lipsync_lang.commands import banks, coverage, listing, packs, performing, validate_packs
+from lipsync_lang.commands import (
+    banks,
+    coverage,
+    listing,
+    packs,
+    performing,
+    stills,
+    validate_packs,
+)
 from lipsync_lang.commands import quality as check
 from lipsync_lang.commands.completion import SHELLS, completion, leaves
 from lipsync_lang.commands.shared_options import (
@@ -158,6 +166,28 @@ def _add_performing(add: Add) -> None:
         "--at", metavar="SECONDS", type=float, required=True, help="the time asked about"
     )
     add_json(explain_)
+    _add_stills(add)
+
+
+def _add_stills(add: Add) -> None:
+    stills_ = add(
+        "stills",
+        stills.stills,
+        "draw the model at given times, from one place for all its lines",
+        "stills 'Hello, world' -l english -c facefx --at 0.12,0.42 --close -o hello.png",
+    )
+    add_line(stills_)
+    stills_.add_argument(
+        "--at", metavar="SECONDS", required=True, help="times of the schedule, with commas"
+    )
+    stills_.add_argument("--close", action="store_true", help="draw the mouth alone")
+    stills_.add_argument(
+        "--model", metavar="GLB", type=Path, help="this model, instead of the character's own"
+    )
+    stills_.add_argument(
+        "-o", "--output", metavar="FILE", type=argument_path, required=True,
+        help="write the sheet, as PNG; - is standard output",
+    )  # fmt: skip
 
 
 def _add_checking(add: Add) -> None:

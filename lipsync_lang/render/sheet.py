@@ -1,5 +1,7 @@
 """Contact sheet: stills of the most different faces of a line, each with its word and time."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
 from textwrap import shorten
 from typing import Any, BinaryIO
@@ -7,10 +9,12 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Ints
+from lipsync_lang.render.model.camera import close_up, framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
-from lipsync_lang.render.staging import staged
+from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
 MOST, COLUMNS = 12, 4
@@ -33,6 +37,15 @@ ABSENT = "\U0010fffe"
 """A character absent from every font."""
 
 
+@dataclass(frozen=True)
+class Still:
+    """A moment of a line, in seconds of its schedule, with the sound and the word there."""
+
+    seconds: float
+    sound: str
+    word: str
+
+
 def sheet(animation: Animation, out: BinaryIO) -> None:
     """Draw the most different faces of a line.
 
@@ -43,26 +56,71 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
     ModelError
         The model cannot be drawn.
     """
+    pillow()
+    scene, schedule = staged(animation), animation.schedule
+    middles = (schedule.times[:-1] + schedule.times[1:]) / 2
+    stills = [
+        Still(float(middles[number]), schedule.labels[number], _word(schedule, number))
+        for number in _chosen(animation).tolist()
+    ]
+    _paste(stills, Artist(scene, CELL), scene.sound, out)
+
+
+def moments(
+    animation: Animation, seconds: Sequence[float], out: BinaryIO, *, close: bool = False
+) -> None:
+    """Draw the faces of a line at given times, from one place for all lines of a model.
+
+    Parameters
+    ----------
+    seconds : in the schedule
+    close : show the mouth alone
+
+    Raises
+    ------
+    OutputError
+        A time is outside the animation, Pillow is missing, or there is nothing to draw.
+    ModelError
+        The model cannot be drawn.
+    """
+    pillow()
+    first, last = float(animation.times[0]), float(animation.times[-1])
+    for one in seconds:
+        if not first <= one <= last:
+            raise OutputError(
+                f"{one:g} s is outside the animation, which runs from {first:.3f} to {last:.3f} s"
+            )
+    scene, swept = staged(animation), staged(sweep(animation))
+    camera = close_up(swept) if close else framed(swept)
+    stills = [_still(animation.schedule, one) for one in seconds]
+    _paste(stills, Artist(scene, CELL, camera, swept), scene.sound, out)
+
+
+def _still(schedule: Schedule, seconds: float) -> Still:
+    number = int(np.searchsorted(schedule.times, seconds, side="right")) - 1
+    if not 0 <= number < len(schedule):
+        return Still(seconds, SILENCE, "")
+    return Still(seconds, schedule.labels[number], _word(schedule, number))
+
+
+def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO) -> None:
+    """Write a sheet of stills, of an animation whose sound begins at `start` seconds."""
     image = pillow()
     from PIL import ImageDraw
 
-    scene = staged(animation)
-    artist, schedule = Artist(scene, CELL), animation.schedule
-    chosen = _chosen(animation).tolist()
-    columns = min(COLUMNS, len(chosen))
-    rows = -(-len(chosen) // columns)
+    columns = min(COLUMNS, len(stills))
+    rows = -(-len(stills) // columns)
     size = (2 * EDGE - GAP + columns * (CELL + GAP), 2 * EDGE + rows * (CELL + FOOT))
     page = image.new("RGB", size, PAPER)
     draw = ImageDraw.Draw(page)
-    for place, number in enumerate(chosen):
+    for place, still in enumerate(stills):
         row, column = divmod(place, columns)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
-        middle = float(schedule.times[number] + schedule.times[number + 1]) / 2
-        picture = artist.draw(middle + scene.sound)
+        picture = artist.draw(still.seconds + start)
         page.paste(image.fromarray(picture), (left, top))
-        word = _plain(_word(schedule, number), 24)
-        _write(draw, left, top + CELL + 4, _plain(schedule.labels[number], 12), 20, INK)
-        _write(draw, left, top + CELL + 29, f"{word}   {middle:.2f} s".strip(), 14, PALE)
+        told = f"{_plain(still.word, 24)}   {still.seconds:.2f} s".strip()
+        _write(draw, left, top + CELL + 4, _plain(still.sound, 12), 20, INK)
+        _write(draw, left, top + CELL + 29, told, 14, PALE)
     page.save(out, "PNG", optimize=True)
 
 

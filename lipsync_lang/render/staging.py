@@ -4,6 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.glb import write_glb
 from lipsync_lang.render.model.scene import Scene
@@ -24,3 +26,24 @@ def staged(animation: Animation) -> Scene:
         with path.open("wb") as stream:
             write_glb(replace(animation, offset=0.0), stream)
         return Scene(path, animation.model or path)
+
+
+def sweep(animation: Animation) -> Animation:
+    """Return a movement of each column to its largest value, one after the other.
+
+    Frame 0 is at rest, and frame c + 1 moves column c: its weight is 1, or as large as it becomes
+    in the animation.
+    """
+    count = len(animation.poses)
+    most = np.abs(animation.weights).max(axis=0, initial=0.0)
+    bones = np.array([channel.node is not None for channel in animation.columns])
+    levels = np.where(bones & (most > 0), most, 1.0)
+    return replace(
+        animation,
+        times=np.arange(count + 1.0),
+        weights=np.vstack([np.zeros(count), np.diag(levels)]),
+        fps=1.0,
+        offset=0.0,
+        tolerance=None,
+        key_error=None,
+    )

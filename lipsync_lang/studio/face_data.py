@@ -7,7 +7,6 @@ Conventions: V points, C channels (columns of the animation); matrices act on ro
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from lipsync_lang.render.model.camera import FIELD, Camera, close_up, framed
 from lipsync_lang.render.model.material import Material
 from lipsync_lang.render.model.picture import BEHIND
 from lipsync_lang.render.model.scene import Part, Scene
-from lipsync_lang.render.staging import staged
+from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 
@@ -60,27 +59,6 @@ def face_data(animation: Animation, pack: ArrayPack) -> Face:
         return _face(animation, pack)
     except (ModelError, OutputError) as error:
         return {"unshown": [str(error)]}
-
-
-def sweep(animation: Animation) -> Animation:
-    """Return a movement of each column to its largest value, one after the other.
-
-    Frame 0 is at rest, and frame c + 1 moves column c: its weight is 1, or as large as it becomes
-    in the animation.
-    """
-    count = len(animation.poses)
-    most = np.abs(animation.weights).max(axis=0, initial=0.0)
-    bones = np.array([channel.node is not None for channel in animation.columns])
-    levels = np.where(bones & (most > 0), most, 1.0)
-    return replace(
-        animation,
-        times=np.arange(count + 1.0),
-        weights=np.vstack([np.zeros(count), np.diag(levels)]),
-        fps=1.0,
-        offset=0.0,
-        tolerance=None,
-        key_error=None,
-    )
 
 
 def _face(animation: Animation, pack: ArrayPack) -> Face:

@@ -22,7 +22,7 @@ MOVED = 0.1
 MOUTH = 0.4
 """The same for a close-up, which leaves out cheeks and chin as far as they only follow."""
 
-CLOSE = 1.25
+CLOSE = 1.05
 """Size of the frame of a close-up relative to the mouth."""
 
 SIDE = 0.4

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from lipsync_lang.render.model.camera import framed
+from lipsync_lang.render.model.camera import Camera, framed
 from lipsync_lang.render.model.light import LINEAR, Normals, encoded, lit, openness
 from lipsync_lang.render.model.material import Material
 from lipsync_lang.render.model.raster import (
@@ -65,11 +65,15 @@ class Artist:
     Parameters
     ----------
     size : side of the picture in pixels
+    camera : by default, the one that frames the scene
+    widest : another movement of the model, by which ambient light is judged; by default, its own
     """
 
-    def __init__(self, scene: Scene, size: int) -> None:
+    def __init__(
+        self, scene: Scene, size: int, camera: Camera | None = None, widest: Scene | None = None
+    ) -> None:
         self._scene, self._size, self._fine = scene, size, size * FINE
-        self._camera, self._normals = framed(scene), Normals(scene)
+        self._camera, self._normals = camera or framed(scene), Normals(scene)
         self._double = self._each(lambda material: material.double)
         self._cut = self._each(lambda material: material.cutoff > 0)
         self._textured = self._each(lambda material: material.texture is not None)
@@ -77,7 +81,7 @@ class Artist:
         for number, material in enumerate(scene.materials):
             own = scene.triangles[scene.material == number]
             self._gloss[own], self._lit[own] = material.gloss, material.lit
-        self._open = openness(scene, self._camera)
+        self._open = openness(widest or scene, self._camera)
         moving = scene.moving[scene.triangles].any(axis=1)
         bent = self._normals.around(scene.triangles[moving])
         self._moving = bent[scene.triangles].any(axis=1)

@@ -9,7 +9,6 @@ import { Take } from "./take.js";
 import { Timeline } from "./timeline.js";
 import { unpack } from "./unpack.js";
 
-const MOMENTS = 24;
 /** Milliseconds after which a face is shaded: the first picture does not wait for it. */
 const SHADE_LATER = 50;
 /** Findings of a figure that are listed. */
@@ -66,7 +65,8 @@ class Portrait {
       try { this.face = createFace(this.canvas, this.data); } catch (error) { this.trouble = String(error); }
       if (!this.face) this.trouble ??= "this browser shows no 3D (WebGL2); a drawn mouth stands in";
     }
-    this.moments = Array.from({ length: MOMENTS }, (_, n) => take.channelsAt(take.start + (n / (MOMENTS - 1)) * (take.end - take.start)));
+    const channels = take.moved.curves;
+    this.moments = channels.map((/** @type {any} */ one, /** @type {number} */ n) => Float32Array.from(channels, (_, k) => (k === n ? one.high : 0)));
   }
 
   /** Shade what little light reaches; the first picture does not wait for it. */
