@@ -12,6 +12,7 @@ from lipsync_lang import resolve
 from lipsync_lang.banks.draft import DECIMALS, PASSIVE, TIMES, Target, draft
 from lipsync_lang.banks.write import draft_yaml, write_drafts
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.yaml import building
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
 from lipsync_lang.resolver.drafts import draft_bigrams
@@ -208,22 +209,40 @@ def test_what_a_bank_file_says_is_never_drafted_over(tmp_path):
     assert {"l-ow", "aa-h"}.isdisjoint(without.bigrams)
     assert len(without.bigrams) == 483 - 2
 
-    said = write_drafts(draft_bigrams(found, "english", "facefx", ["l-ow", "l-aa", "aa-h"]), path)
+    some = draft_bigrams(found, "english", "facefx", ["l-ow", "l-aa", "aa-h"])
+    said = write_drafts(found, some, path)
     assert said.startswith("1 drafted bigram put into")
     text = path.read_text("utf-8")
     assert text.startswith(BANK.rstrip("\n")), "every line that was there is as it was"
     assert "l-aa:" in text[len(BANK) - 1 :]
-    again = write_drafts(draft_bigrams(found, "english", "facefx", ["l-ow", "l-aa"]), path)
+    again = write_drafts(found, draft_bigrams(found, "english", "facefx", ["l-ow", "l-aa"]), path)
     assert again.startswith("0 drafted bigrams put into")
     assert path.read_text("utf-8") == text
 
 
+def test_a_bank_is_scanned_once_before_and_once_after_a_draft_is_written_into_it(
+    tmp_path, monkeypatch
+):
+    path = tmp_path / "posesets" / "facefx" / "banks" / "common.yaml"
+    path.parent.mkdir(parents=True)
+    path.write_text(BANK, "utf-8")
+    scanned = []
+
+    def counted(path, content, build=building.build):
+        scanned.append(path)
+        return build(path, content)
+
+    monkeypatch.setattr(building, "build", counted)
+    found = Library([tmp_path], project=None)
+    write_drafts(found, draft_bigrams(found, "english", "facefx", ["l-aa"]), path)
+    assert scanned.count(path) == 2
+
+
 def test_a_draft_that_is_written_down_performs_as_the_draft_did(tmp_path):
     path = tmp_path / "posesets" / "facefx" / "banks" / "common.yaml"
-    drafts = draft_bigrams(
-        Library([], project=None), "english", "facefx", ["bmp-aa", "w-ih", "_-f"]
-    )
-    write_drafts(drafts, path)
+    found = Library([], project=None)
+    drafts = draft_bigrams(found, "english", "facefx", ["bmp-aa", "w-ih", "_-f"])
+    write_drafts(found, drafts, path)
     compiled, drafted = (
         one.compiled
         for one in (resolve("english", "facefx", paths=[tmp_path], cache=False), real())

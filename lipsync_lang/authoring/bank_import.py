@@ -135,7 +135,7 @@ def import_bank(  # noqa: PLR0913 what is read, what it is for, and where it goe
     manner = style or (NEUTRAL if chosen in USUAL else chosen)
     path = to or _usual_path(poseset.name, files[0])
     made = Made(poseset.name, found, STATUS, manner, interpolation)
-    new = _write(path, made, _header(files, chosen))
+    new = _write(library, path, made, _header(files, chosen))
     kept = tuple(key for key in found if key not in new)
     reach = _reach(found, interpolation)
     return Imported(path, poseset.name, chosen, manner, tuple(new), kept, reach, remarks)
@@ -240,11 +240,11 @@ def _header(files: Sequence[Path], chosen: str) -> str:
     return f"# Imported from SmartBody: {listed}{of}.\n"
 
 
-def _write(path: Path, made: Made, header: str) -> list[str]:
+def _write(library: "Library", path: Path, made: Made, header: str) -> list[str]:
     """Write a new bank or extend an existing one, and return the keys of new bigrams."""
     make_room(path)
     if path.exists():
-        return add_bigrams(path, made)
+        return add_bigrams(library, path, made)
     if not NAME.fullmatch(path.stem):
         raise OutputError(f"{path}: a bank is called by letters, digits, '-' and '_' only")
     with atomic(path, durable=True) as stream:

@@ -5,9 +5,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from lipsync_lang.errors import OutputError, PackError
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
 
 Points = list[list[float]]
 Interpolation = Literal["bspline", "linear"]
@@ -82,11 +85,12 @@ def _flow(points: Points) -> str:
     return "[" + ", ".join(f"[{t:g}, {v:g}]" for t, v in points) + "]"
 
 
-def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
+def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -> str:
     """Add drafts to a bank file; bigrams already in it stay unchanged.
 
     Parameters
     ----------
+    library : the packs that the drafts are made from; a bank among them is not scanned again
     path : the bank; None is `common.yaml` of the pose set in the project's own folder
 
     Returns
@@ -95,7 +99,7 @@ def write_drafts(drafts: Drafts, path: Path | None = None) -> str:
     """
     path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
     make_room(path)
-    new = add_bigrams(path, Made(drafts.poseset, drafts.bigrams, "drafted"))
+    new = add_bigrams(library, path, Made(drafts.poseset, drafts.bigrams, "drafted"))
     return done(path, len(new), len(drafts.bigrams) - len(new), "drafted")
 
 
@@ -110,14 +114,14 @@ def make_room(path: Path) -> None:
         raise OutputError(f"{path.parent}: cannot be made: {why}; name another place") from None
 
 
-def add_bigrams(path: Path, made: Made) -> list[str]:
+def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
     """Add bigrams to a bank file, made if missing, and return the new ones."""
     from lipsync_lang.packs.editing import add_entries, write_edited
-    from lipsync_lang.packs.yaml.source import read_bytes, read_yaml
+    from lipsync_lang.packs.yaml.source import read_bytes
 
     create = None if path.exists() else _empty_bank(made.poseset, path)
     content = read_bytes(path) if create is None else create.encode()
-    source = read_yaml(path, content)
+    source = library.scanned(path, content)
     _refuse_other(path, source.data, made)
     there = source.data.get("bigrams") or {}
     stated = _stated(source.data, made)

@@ -25,7 +25,7 @@ def draft(options: Namespace) -> int:
     library = Library(options.path)
     drafts = draft_bigrams(library, options.language, options.character, options.bigrams)
     if options.write or options.to:
-        print(write_drafts(drafts, options.to), file=sys.stderr)
+        print(write_drafts(library, drafts, options.to), file=sys.stderr)
     else:
         print(draft_yaml(drafts), end="")
     return SOUND

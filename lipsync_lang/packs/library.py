@@ -27,7 +27,7 @@ from lipsync_lang.packs.finding import (
     beside,
 )
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
-from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, scan
+from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, read_yaml, scan
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -260,6 +260,21 @@ class Library:
             self.faults.extend(faults)
             self._loaded[key] = _Inspected(model, source, faults)
         return self._loaded[key]
+
+    def scanned(self, path: Path, content: bytes) -> YamlSource:
+        """Return a file as data; content that was loaded already is not scanned once more.
+
+        Raises
+        ------
+        PackFaults
+            The content is not sound YAML.
+        """
+        digest = sha256(content).hexdigest()
+        loaded = (
+            f.source for (file, *_), f in self._loaded.items() if self.files[str(file)] == digest
+        )
+        found = next(loaded, None)
+        return read_yaml(path, content) if found is None else replace(found, path=path)
 
     def failing(self, *faults: Fault) -> PackFaults:
         """Record faults, and return an error that carries them."""

@@ -180,6 +180,8 @@ class _Builder:
         self.faults: list[Fault] = []
         self.frames: list[_Frame] = []
         self.anchors: dict[str, _Anchored] = {}
+        self.scalars: dict[str, Data] = {}
+        """Values of plain scalars; those of a bank repeat a thousand times."""
         self.chars = 0
         """Characters of the text, plus those of every value repeated by an alias so far."""
         self.last: Event = None
@@ -248,11 +250,17 @@ class _Builder:
             self._key(frame, text, line, column, plain=plain)
             value: Data = text
         else:
-            value = _scalar(text) if plain else text
+            value = self._plain_value(text) if plain else text
             self._add(value, SourceMark(line, column))
         if event.anchor:
             chars = event.end_mark.index - mark.index
             self.anchors[event.anchor] = _Anchored(value, SourceMark(line, column), chars)
+
+    def _plain_value(self, text: str) -> Data:
+        """Resolve a plain scalar."""
+        if text not in self.scalars:
+            self.scalars[text] = _scalar(text)
+        return self.scalars[text]
 
     def _key(self, frame: _Frame, text: str, line: int, column: int, *, plain: bool) -> None:
         """Store the text as the key of the next value."""

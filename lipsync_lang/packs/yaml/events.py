@@ -25,6 +25,9 @@ _DISPUTED = re.compile(
 """Text on which the parsers differ: unusual line breaks, byte order marks, directives, anchors
 with punctuation in the name, and comments that touch a block indicator (`|`, `>`)."""
 
+_NEEDED = "\x85\u2028\u2029\ufeff\r%&*|>"
+"""Characters of which `_DISPUTED` needs one; looking for them is far quicker than matching it."""
+
 
 class YamlError(Exception):
     """A parser cannot read the text.
@@ -63,7 +66,7 @@ def parsers(text: str) -> tuple[Parser, ...]:
     if not has_libyaml():
         return (by_ruamel,)
     disputed = _disputed(text)
-    if len(text) <= MAX_SLOW_CHARS and _brackets(text) <= MAX_SLOW_BRACKETS:
+    if len(text) <= MAX_SLOW_CHARS and not _nests_deep(text):
         return (by_ruamel,) if disputed is not None else (by_libyaml, by_ruamel)
     if disputed is not None:
         line = text.count("\n", 0, disputed) + 1
@@ -73,13 +76,15 @@ def parsers(text: str) -> tuple[Parser, ...]:
     return (by_libyaml,)
 
 
-def _brackets(text: str) -> int:
-    """Return the most brackets open at once, those in quotes and comments counted too."""
+def _nests_deep(text: str) -> bool:
+    """Return True if too many brackets are open at once, those in quotes and comments included."""
+    if text.count("[") + text.count("{") <= MAX_SLOW_BRACKETS:
+        return False
     depth = deepest = 0
     for bracket in re.findall(r"[\[\]{}]", text):
         depth = depth + 1 if bracket in "[{" else max(depth - 1, 0)
         deepest = max(deepest, depth)
-    return deepest
+    return deepest > MAX_SLOW_BRACKETS
 
 
 def by_libyaml(text: str) -> Iterator[Event]:
@@ -120,7 +125,7 @@ def has_libyaml() -> bool:
 
 def _disputed(text: str) -> int | None:
     """Return the offset of the first character on which the parsers may differ, or None."""
-    found = _DISPUTED.search(text)
+    found = _DISPUTED.search(text) if any(sign in text for sign in _NEEDED) else None
     places = [found.start()] if found else []
     if "\t" in text:
         places += islice(_tabs(text), 1)
