@@ -253,12 +253,13 @@ def test_what_a_schedule_does_not_say_is_said_for_it(animate, cli, folder):
     refused(cli("run", *PAIR, "--schedule", "line.odd"), "may be htk or timit; say which")
 
 
-def test_an_offset_and_a_tolerance_reach_the_files(animate, folder):
+def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):
     def keys(*rest):
         assert animate("-o", "a.bml", *rest).code == 0
         return sum(map(int, re.findall('num_keys="([0-9]+)"', (folder / "a.bml").read_text())))
 
-    assert keys("--tolerance", "0") > keys() > keys("--tolerance", "0.3")
+    assert keys("--keys", "lines:0") > keys() > keys("--keys", "lines:0.3")
+    assert keys("--keys", "lines:0.05") == keys("--keys", "0.05")
     assert animate("--fps", "24", "--offset", "00:00:10:12", "-o", "a.csv", "--cut").code == 0
     rows = list(csv.DictReader((folder / "a.csv").read_text("utf-8").splitlines()))
     assert float(rows[0]["time_s"]) == 10.5
@@ -267,8 +268,9 @@ def test_an_offset_and_a_tolerance_reach_the_files(animate, folder):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--tolerance", "1"), "--tolerance 1: give 0, or a number below 1"),
-        (("--tolerance", "nan"), "--tolerance nan: give 0"),
+        (("--keys", "lines:1"), "--keys lines:1: give the largest error of keys"),
+        (("--keys", "lines:nan"), "or that of straight lines, from 0"),
+        (("--keys", "line:0.1"), "--keys line:0.1: give the largest error"),
         (("--offset", "nan"), "--offset nan: a timeline has a day at most"),
         (("--offset", "01:00:00:00", "--fps", "inf"), "inf frames per second: give a number"),
         (("--plot", "a"), "a picture needs a suffix; known: png"),

@@ -138,7 +138,7 @@ COMPLETED = [
     ("resolve -c face", "facefx"),
     ("transc", "transcribe"),
     ("bank dra", "draft"),
-    ("run --toler", "--tolerance"),
+    ("run --key", "--keys"),
 ]
 
 

@@ -137,7 +137,7 @@ def test_keys_are_few(character, error, most):
     moving = np.flatnonzero(np.ptp(animation.weights, axis=0) > 0)
     curves = replace(animation, key_error=error).keyframes(error)
     seconds = animation.times[-1] - animation.times[0]
-    lines = replace(animation, tolerance=error).keyframes(error)
+    lines = replace(animation, key_error=error, key_lines=True).keyframes(error)
     fitted, straight = (
         sum(len(found[n].frames) for n in moving) / seconds / len(moving)
         for found in (curves, lines)
@@ -272,7 +272,9 @@ def test_formats_with_tangents_stay_within_the_error(name, error, animation):
     assert {pose for pose, _, _ in found} == set(animation.poses)
     for pose, values, _ in found:
         assert np.abs(values - animation[pose]).max() <= error + 1e-4, pose
-    lines = sum(len(c.frames) for c in replace(animation, tolerance=error).keyframes(error))
+    lines = sum(
+        len(c.frames) for c in replace(animation, key_error=error, key_lines=True).keyframes(error)
+    )
     assert sum(count for _, _, count in found) < lines / 1.5
 
 
@@ -374,10 +376,3 @@ def test_run_refuses_an_error_out_of_range(cli, folder, error):
     assert "--keys" in ended.err
     assert "above 0 and at most 0.5 (--keys 0.01)" in ended.err
     assert not (folder / "line.anim").exists()
-
-
-@pytest.mark.usefixtures("folder")
-def test_run_refuses_two_errors(cli):
-    ended = cli("run", *LINE, "--keys", "0.01", "--tolerance", "0.01", "-o", "line.anim")
-    assert ended.code == 2
-    assert "--tolerance for straight lines" in ended.err

@@ -41,7 +41,7 @@ def performed(character="facefx", fps=60, **rest):
         notation="arpabet",
     )
     animation = ll.resolve("english", character).perform(schedule, fps=fps)
-    return replace(animation, tolerance=0.0, **rest)
+    return replace(animation, key_error=0.0, key_lines=True, **rest)
 
 
 def noise(names, **rest):
@@ -219,7 +219,7 @@ def test_godot_shows_what_was_performed(godot):
 
 
 def test_godot_finds_shapes_of_any_name(godot):
-    animation = noise(ODD, tolerance=0.0)
+    animation = noise(ODD, key_error=0.0, key_lines=True)
     times = np.linspace(0, animation.timeline[-1], 10)
     tracks = godot(times, {"line.tres": animation})["line.tres"]["tracks"]
     for number, name in enumerate(ODD):

@@ -157,27 +157,27 @@ def test_speech_needs_a_fraction_of_its_frames(animation):
     assert keys < animation.weights.size / 3
 
 
-def test_the_tolerance_of_an_animation_comes_before_that_of_a_format(animation):
-    def count(tolerance, suits):
-        kept = replace(animation, tolerance=tolerance).keyframes(suits)
+def test_the_error_of_an_animation_comes_before_that_of_a_format(animation):
+    def count(error, suits):
+        kept = replace(animation, key_error=error, key_lines=True).keyframes(suits)
         return sum(len(curve.frames) for curve in kept)
 
     assert count(None, 0.1) == count(0.1, ERROR)
     assert count(0.0, 0.1) > count(ERROR, 0.1) > count(0.1, 0.0)
 
 
-@pytest.mark.parametrize("tolerance", [None, 0.0, 1e-3, ERROR, 0.05])
-def test_a_model_keeps_to_the_tolerance_with_fewer_keys(tolerance, animation):
+@pytest.mark.parametrize("error", [None, 0.0, 1e-3, ERROR, 0.05])
+def test_a_model_keeps_to_the_error_of_lines_with_fewer_keys(error, animation):
     out = BytesIO()
-    write_glb(replace(animation, tolerance=tolerance), out)
+    write_glb(replace(animation, key_error=error, key_lines=True), out)
     path = animation.model.with_name("written.glb")
     path.write_bytes(out.getvalue())
     there = read_glb(path, b"")
     assert there.names == animation.poses
     for name, values in zip(there.names, there.values.T, strict=True):
         shown = np.interp(animation.times, there.times, values)
-        assert np.abs(shown - animation[name]).max() <= (tolerance or 0) + 1e-6
-    if tolerance:
+        assert np.abs(shown - animation[name]).max() <= (error or 0) + 1e-6
+    if error is not None:
         assert len(there.times) < len(animation.times)
     else:
         np.testing.assert_allclose(there.times, animation.times, atol=1e-6)

@@ -66,7 +66,7 @@ def test_contacts_are_seen_in_every_file_at_every_rate(fps, tmp_path):
             assert seen(animation, shown(name, bytes_of(name, animation), animation)) == (7, 0)
     for name in ("csv", "glb", "json"):
         assert seen(animation, by_reading(name, animation, tmp_path)) == (7, 0)
-    sparse = replace(animation, tolerance=0.005)
+    sparse = replace(animation, key_error=0.005, key_lines=True)
     assert seen(animation, by_reading("glb", sparse, tmp_path)) == (7, 0)
     for name, read, prefix in (("godot", from_tres, ".:blend_shapes/"), ("usd", from_usda, "")):
         curves = read(bytes_of(name, animation), animation)

@@ -41,10 +41,10 @@ class Animation:
     channels : the model channel of each column; empty if unknown
     model : the model file of the character or its pose set
     offset : start of the sound on the timeline of output files, in seconds
-    tolerance : maximum error of keyframes with straight lines between them, in formats with
-        keyframes; None for the default of the format
-    key_error : maximum error of keyframes with cubic curves between them, in formats that have
-        tangents; None for straight lines
+    key_error : maximum error of keyframes, in formats with keyframes; None for the default of the
+        format, which has straight lines between them
+    key_lines : True for straight lines within `key_error`, False for cubic curves in formats that
+        have tangents
     neutral : the name of the neutral pose, if any
     contacts : poses that must stay visible at every contact, with the levels that contacts hold
     against : other animations of the line by name, for formats that compare
@@ -60,8 +60,8 @@ class Animation:
     channels: tuple[Channel, ...] = ()
     model: Path | None = None
     offset: float = 0.0
-    tolerance: float | None = None
     key_error: float | None = None
+    key_lines: bool = False
     neutral: str | None = None
     contacts: Mapping[str, float] = field(default_factory=dict)
     against: Mapping[str, "Animation"] = field(default_factory=dict)
@@ -93,29 +93,27 @@ class Animation:
         """(T,) seconds from the start of a file without negative time."""
         return np.maximum(self.times + self.begins, 0.0)
 
-    def keyframes(self, tolerance: float, *, lines: bool = False) -> "list[Curve]":
-        """Return a minimal set of keyframes for each column within a tolerance.
+    def keyframes(self, suits: float, *, lines: bool = False) -> "list[Curve]":
+        """Return a minimal set of keyframes for each column within an error.
 
         Parameters
         ----------
-        tolerance : default of the format; the animation's own tolerance takes precedence, and its
-            `key_error` over both
-        lines : straight lines within `key_error`, for formats without tangents
+        suits : default error of the format; the animation's own `key_error` takes precedence
+        lines : straight lines in any case, for formats without tangents
 
         Raises
         ------
         LipsyncError
-            `key_error` is not in (0, 0.5].
+            `key_error` is out of range.
         """
-        from lipsync_lang.animations.keys import cubic_curves, curves, margin
+        from lipsync_lang.animations.keys import checked, cubic_curves, curves
 
-        if self.key_error is not None and not lines:
-            return cubic_curves(
-                self.poses, self.timeline, self.weights, self.key_error, self.contacts
-            )
-        error = tolerance if self.tolerance is None else self.tolerance
-        error = error if self.key_error is None else margin(self.key_error)
-        return curves(self.poses, self.timeline, self.weights, error)
+        if self.key_error is None:
+            return curves(self.poses, self.timeline, self.weights, suits)
+        error = checked(self.key_error, lines=self.key_lines)
+        if lines or self.key_lines:
+            return curves(self.poses, self.timeline, self.weights, error)
+        return cubic_curves(self.poses, self.timeline, self.weights, error, self.contacts)
 
     def thinned(self) -> Self:
         """Return only the frames that straight lines within `key_error` need; all of them without.
@@ -125,13 +123,13 @@ class Animation:
         Raises
         ------
         LipsyncError
-            `key_error` is not in (0, 0.5].
+            `key_error` is out of range.
         """
-        from lipsync_lang.animations.keys import margin, needed
+        from lipsync_lang.animations.keys import checked, needed
 
         if self.key_error is None:
             return self
-        kept = needed(self.times, self.weights, margin(self.key_error))
+        kept = needed(self.times, self.weights, checked(self.key_error, lines=self.key_lines))
         return replace(self, times=self.times[kept], weights=self.weights[kept])
 
     def __repr__(self) -> str:
@@ -242,7 +240,12 @@ class Animation:
         return replace(self, times=self.times[inside], weights=self.weights[inside])
 
     def save(
-        self, path: str | Path, writer: str | None = None, *, keys: float | None = None
+        self,
+        path: str | Path,
+        writer: str | None = None,
+        *,
+        keys: float | None = None,
+        lines: bool = False,
     ) -> None:
         """Write to a file.
 
@@ -251,20 +254,22 @@ class Animation:
         path : the output file; its suffix selects the format (``lipsync-lang formats`` lists them).
             ``-`` is standard output
         writer : format name, to override the suffix
-        keys : maximum error of cubic keyframes; by default, the animation's own `key_error`
+        keys : maximum error of keyframes; by default, the animation's own `key_error`
+        lines : straight lines within `keys`, also in formats with tangents; 0 drops only frames on
+            a straight line
 
         Raises
         ------
         LipsyncError
-            The format is unknown, the file cannot be written, or `keys` is not in (0, 0.5].
+            The format is unknown, the file cannot be written, or `keys` is out of range.
         """
         from lipsync_lang.animations.animation_writers import save
-        from lipsync_lang.animations.keys import margin
+        from lipsync_lang.animations.keys import checked
         from lipsync_lang.files import argument_path
 
+        shown = self
         if keys is not None:
-            margin(keys)
-        shown = self if keys is None else replace(self, key_error=keys)
+            shown = replace(self, key_error=checked(keys, lines=lines), key_lines=lines)
         save(shown, argument_path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":

@@ -5,9 +5,9 @@ The JSON is edited directly, because glTF libraries drop unknown fields.
 
 glTF has no negative time. If movement starts before the sound, all times are shifted, and
 `audio_start` in the animation's extras is the start of the sound in seconds. Every frame is a key
-by default; with a tolerance, only the frames needed by any column are keys. With `keys`, each
-sampler is a cubic spline, whose numbers share their keys: all shapes of a mesh, or all components
-of a bone's transform.
+by default; with straight lines within an error, only the frames needed by any column. With `keys`,
+each sampler is a cubic spline, whose numbers share their keys: all shapes of a mesh, or all
+components of a bone's transform.
 """
 
 import json
@@ -23,7 +23,7 @@ import numpy.typing as npt
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import binary_writer
 from lipsync_lang.animations.fitted_keys import fit
-from lipsync_lang.animations.keys import margin, needed
+from lipsync_lang.animations.keys import checked, margin, needed
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.container import (
@@ -81,10 +81,13 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     model = _model(animation.model, channels)
     times = animation.timeline.astype("<f4")
     frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
-    if animation.tolerance and animation.key_error is None:
-        kept = needed(times[frames].astype(float), animation.weights[frames], animation.tolerance)
-        frames = frames[kept]
-    take = _Take(model, times[frames], animation.key_error)
+    error = animation.key_error
+    if animation.key_lines and error is not None:
+        kept = needed(
+            times[frames].astype(float), animation.weights[frames], checked(error, lines=True)
+        )
+        frames, error = frames[kept], None
+    take = _Take(model, times[frames], error)
     floors = [animation.contacts.get(pose, 0.0) for pose in animation.poses]
     _move_shapes(take, channels, animation.weights[frames], floors)
     _move_nodes(take, channels, animation.weights[frames])

@@ -25,6 +25,9 @@ ERROR = 0.005
 LARGEST_ERROR = 0.5
 """Half of a pose's range; keys of a larger error show nothing of a curve."""
 
+LINES = "lines:"
+"""Prefix of an error of straight lines."""
+
 ROUNDING = 5e-5
 """Margin of the error for decimal rounding in files."""
 
@@ -145,20 +148,46 @@ def cubic_curves(
     return found
 
 
-def margin(error: float) -> float:
-    """Return the error of cubic keys without the rounding of files.
+def checked(error: float, *, lines: bool = False) -> float:
+    """Return the error of keys if it is in range: (0, 0.5], and 0 for straight lines as well.
 
     Raises
     ------
     LipsyncError
-        The error is not in (0, 0.5].
+        The error is out of range.
     """
+    if lines and error == 0:
+        return error
     if not 0 < error <= LARGEST_ERROR:
+        least = "0 or more" if lines else "above 0"
         raise LipsyncError(
-            f"keys={error:g}: give the largest error of keys, above 0 and at most "
+            f"keys={error:g}: give the largest error of keys, {least} and at most "
             f"{LARGEST_ERROR:g}, such as 0.01"
         )
-    return max(error - ROUNDING, error / 2)
+    return error
+
+
+def margin(error: float) -> float:
+    """Return the error of cubic keys without the rounding of files; see `checked`."""
+    return max(checked(error) - ROUNDING, error / 2)
+
+
+def parse_keys(text: str) -> tuple[float, bool]:
+    """Parse an argument for keys: ``0.01``, or ``lines:0.01`` for straight lines.
+
+    Returns
+    -------
+    The error, and True for straight lines
+    """
+    lines = text.startswith(LINES)
+    try:
+        error = float(text.removeprefix(LINES))
+        return checked(error, lines=lines), lines
+    except (ValueError, LipsyncError):
+        raise LipsyncError(
+            f"--keys {text}: give the largest error of keys, above 0 and at most "
+            f"{LARGEST_ERROR:g} (--keys 0.01), or that of straight lines, from 0 (--keys {LINES}0)"
+        ) from None
 
 
 def needed(times: Floats, weights: Floats, error: float) -> Ints:

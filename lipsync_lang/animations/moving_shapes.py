@@ -46,13 +46,13 @@ def shapes(animation: Animation) -> list[MovingShape]:
     ]
 
 
-def keys(animation: Animation, found: list[MovingShape], tolerance: float) -> list[Curve]:
+def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[Curve]:
     """Return the keyframes of each shape; see `Animation.keyframes`."""
     names = tuple(str(number) for number in range(len(found)))  # meshes may share a name
     floors = {number: shape.floor for number, shape in zip(names, found, strict=True)}
     values = np.column_stack([shape.values for shape in found])
     shown = replace(animation, poses=names, weights=values, contacts=floors)
-    return shown.keyframes(tolerance)
+    return shown.keyframes(suits)
 
 
 def on_model(animation: Animation) -> list[tuple[str, str, int]]:

@@ -123,14 +123,11 @@ def _add_performing(add: Add) -> None:
         help="where the sound begins in the files: seconds, or a timecode 01:00:00:00 [0]",
     )  # fmt: skip
     written.add_argument(
-        "--tolerance", metavar="ERROR", type=float,
-        help="how far keyframes may stray from the curves; 0 keeps them all "
-        "[0.005 in formats that are edited by hand, else 0]",
-    )  # fmt: skip
-    written.add_argument(
-        "--keys", metavar="ERROR", type=float,
+        "--keys", metavar="[lines:]ERROR",
         help="store few keys with tangents; curves between them stray by this much at most, such "
-        "as 0.01. Formats without tangents have straight lines within it",
+        "as 0.01. Formats without tangents, and every format with lines:0.01, have straight lines; "
+        "lines:0 keeps every frame off them [lines:0.005 in formats that are edited by hand, else "
+        "every frame]",
     )  # fmt: skip
     written.add_argument(
         "--check", action="store_true", help="judge the animation's poses as well, as `check` does"

@@ -30,12 +30,11 @@ LATE = 0.1
 def run(options: Namespace) -> int:
     """Animate a line and write it wherever it is wanted."""
     from lipsync_lang.animations.animation_writers import parse_output
+    from lipsync_lang.animations.keys import parse_keys
     from lipsync_lang.animations.rates import parse_offset
     from lipsync_lang.files import write_all
 
-    if options.tolerance is not None and not 0 <= options.tolerance < 1:
-        raise LipsyncError(f"--tolerance {options.tolerance:g}: give 0, or a number below 1")
-    _check_keys(options)
+    error, lines = parse_keys(options.keys) if options.keys is not None else (None, False)
     writers = dict(map(parse_output, options.output))
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
@@ -48,8 +47,8 @@ def run(options: Namespace) -> int:
     shown = replace(
         _shown(options, animation, writers),
         offset=offset,
-        tolerance=options.tolerance,
-        key_error=options.keys,
+        key_error=error,
+        key_lines=lines,
         against=_against(options, animation),
     )
 
@@ -81,24 +80,6 @@ def _against(options: Namespace, animation: "Animation") -> "dict[str, Animation
         own, same = options.model, animation.performer.model
         found = {n: replace(t, model=own) if t.model == same else t for n, t in found.items()}
     return {n: t.cut() for n, t in found.items()} if options.cut else found
-
-
-def _check_keys(options: Namespace) -> None:
-    """Refuse an error of keys that is out of range, or stated twice."""
-    from lipsync_lang.animations.keys import LARGEST_ERROR
-
-    if options.keys is None:
-        return
-    if not 0 < options.keys <= LARGEST_ERROR:
-        raise LipsyncError(
-            f"--keys {options.keys:g}: give the largest error of keys, above 0 and at most "
-            f"{LARGEST_ERROR:g} (--keys 0.01)"
-        )
-    if options.tolerance is not None:
-        raise LipsyncError(
-            "--keys and --tolerance both state the error of keys; give --keys for keys with "
-            "tangents, or --tolerance for straight lines"
-        )
 
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:

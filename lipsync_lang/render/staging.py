@@ -44,6 +44,6 @@ def sweep(animation: Animation) -> Animation:
         weights=np.vstack([np.zeros(count), np.diag(levels)]),
         fps=1.0,
         offset=0.0,
-        tolerance=None,
         key_error=None,
+        key_lines=False,
     )

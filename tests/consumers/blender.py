@@ -5,7 +5,7 @@ suite; run it where an exporter has changed::
 
     python3.11 -m venv .venv-blender
     .venv-blender/bin/pip install bpy==5.0.1
-    lipsync-lang run "Bob will tell" -l english -c arkit --model head.glb --tolerance 0 \
+    lipsync-lang run "Bob will tell" -l english -c arkit --model head.glb --keys lines:0 \
         -o line.py -o line.glb -o line.json
     .venv-blender/bin/python tests/consumers/blender.py head.glb line
 
