@@ -2,6 +2,7 @@
 
 import ast
 import re
+import runpy
 from collections import Counter, defaultdict
 from functools import cache
 from pathlib import Path
@@ -82,6 +83,17 @@ def test_arrows_run_downwards_only():
     floor |= {"__init__": len(FLOORS), "__main__": len(FLOORS)}
     upward = [arrow for arrow in arrows() if floor[arrow[2]] >= floor[arrow[1]]]
     assert not upward
+
+
+def test_the_picture_of_the_house_shows_these_arrows(root):
+    drawn = runpy.run_path(str(root / "docs/draw_house.py"))
+    rooms = drawn["graph"](dict(drawn["sources"](None)))
+    assert {(here, there) for here in rooms for there in rooms[here]} == {
+        (here, there) for _, here, there in arrows() if not here.startswith("__")
+    }
+    assert drawn["matrix"](rooms).endswith("in a ring: none")
+    ring = {"one": {"other"}, "other": {"one"}}
+    assert drawn["matrix"](ring).endswith("in a ring: one, other")
 
 
 @pytest.mark.parametrize("room", ALONE)
