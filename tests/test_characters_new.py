@@ -123,7 +123,7 @@ def test_a_head_with_two_sets_of_shapes(cli, folder, data):
     model = data / "rigs/head_arkit52_oculus15.glb"
     said, made = new(cli, "anna", "--model", model)
     assert (made.poseset, made.rig) == ("arkit", None)
-    assert "67 shapes in 6 meshes; 15 of 15 poses of arkit\n" in said
+    assert "67 shapes in 6 meshes; 17 of 17 poses of arkit\n" in said
     assert "or 14 of 14 poses of oculus: --poseset oculus\n" in said
     assert len(moved(speak(cli, "anna"))) == 6
     said, made = new(cli, "bea", "--model", model, "--poseset", "facefx")
@@ -142,12 +142,12 @@ def test_only_some_shapes(cli, folder):
     glb(folder / "face.glb", "Jaw_Open", "Mouth_Pucker", "Mouth_Funnel", "Mouth_Close", "Blink")
     said, made = new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
     assert (made.poseset, made.rig) == ("arkit", "anna")
-    assert "4 of 15 poses of arkit" in said
+    assert "4 of 17 poses of arkit" in said
     assert "left alone: Blink\n" in said
     rig = Library().rigs("arkit")[0].model
     assert channels_of(rig)["Jaw_Open"].gains == {"jawOpen": 1}
     assert len(rig.channels) == 4
-    assert len(rig.lost) == 11
+    assert len(rig.lost) == 13
     assert all(f"{pose}, " in said or f"{pose}\n" in said for pose in rig.lost)
     speak(cli, "anna")
 

@@ -164,7 +164,8 @@ REAL = {
             "Mouth_Funnel_Down_R Mouth_Pucker_Up_L Mouth_Pucker_Up_R Mouth_Roll_In_Lower_L "
             "Mouth_Roll_In_Lower_R Mouth_Roll_In_Upper_L Mouth_Roll_In_Upper_R Mouth_Press_L "
             "Mouth_Press_R Mouth_Down_Lower_L Mouth_Down_Lower_R Mouth_Up_Upper_L Mouth_Up_Upper_R "
-            "Mouth_Stretch_L Mouth_Stretch_R Tongue_Out Mouth_L Mouth_R Jaw_L"
+            "Mouth_Stretch_L Mouth_Stretch_R Tongue_Out Mouth_L Mouth_R Jaw_L Jaw_Forward "
+            "Mouth_Shrug_Upper"
         ),
     ),
 }
