@@ -109,6 +109,25 @@ try {
   await page.keyboard.press(" ");
   result.paused = await page.getAttribute("#play", "aria-label");
 
+  // the first word again and again, to its end and back to its beginning
+  for (const key of ["Home", "'", "1", "l"]) await page.keyboard.press(key);
+  await settle(page);
+  const begin = await clock(page);
+  await page.keyboard.press(" ");
+  result.looped = await page.evaluate(async (from) => {
+    const now = () => parseFloat(document.querySelector("#clock").textContent.replace("−", "-"));
+    let turns = 0, last = now(), far = last;
+    for (const end = performance.now() + 60000; turns < 2 && performance.now() < end;) {
+      await new Promise(requestAnimationFrame);
+      if (now() < last - 0.05) turns++;
+      last = now();
+      far = Math.max(far, last);
+    }
+    return { turns, long: far - from, before: from - last };
+  }, begin);
+  await page.keyboard.press(" ");
+  await page.keyboard.press("l");
+
   const nameless = await page.$$eval("button, input, select, canvas:not([aria-hidden])", (all) => all
     .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim())).map((one) => one.outerHTML));
   result.nameless = nameless;

@@ -1,5 +1,6 @@
 """The page of a line in a browser, opened from its file."""
 
+import subprocess
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,6 +46,16 @@ def moments(animation, measure="aperture"):
     return [round(float(animation.times[at]), 2) for at in (opening.argmin(), opening.argmax())]
 
 
+def test_the_types_of_the_scripts_hold():
+    node, modules = found("typescript")
+    compiler = Path(modules) / "typescript" / "bin" / "tsc"
+    done = subprocess.run(
+        [node, compiler, "-p", HERE / "tsconfig.json"], capture_output=True, encoding="utf-8",
+        check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, "")
+
+
 @pytest.mark.parametrize("character", ["facefx", "rhubarb"])
 def test_a_viewer_sees_the_mouth_move_and_its_reasons(show, character):
     animation = performed(character, "pie", "boof")
@@ -64,6 +75,9 @@ def test_a_viewer_sees_the_mouth_move_and_its_reasons(show, character):
     assert (shown["help"], shown["helped"]) == (True, False)
     assert 0.1 < shown["tapped"] < 0.5
     assert (shown["paused"], shown["pitch"]) == ("Play", True)
+    assert shown["looped"]["turns"] == 2, "it goes on playing after the sound's end"
+    assert shown["looped"]["long"] <= 0.21
+    assert shown["looped"]["before"] <= 0.01
     assert shown["swapped"] == [f"english on {character}", "plain"]
 
 

@@ -19,11 +19,12 @@ BUST = 5.0
 MOVED = 0.1
 """Fraction of the largest movement; points that move less do not count as the mouth."""
 
-MOUTH = 0.4
-"""The same for a close-up, which leaves out cheeks and chin as far as they only follow."""
+MOUTH = 0.5
+"""Fraction of the largest mean movement over all shapes; nearly every shape moves the lips, few the
+chin."""
 
-CLOSE = 1.05
-"""Size of the frame of a close-up relative to the mouth."""
+CLOSE = 1.15
+"""Size of the frame of a close-up relative to the lips."""
 
 SIDE = 0.4
 """Fraction of the model's depth: minimum distance of the moving region from the back."""
@@ -75,15 +76,20 @@ def framed(scene: Scene) -> Camera:
     return Camera(middle, turn, float(distance), float(half))
 
 
-def close_up(scene: Scene) -> Camera:
-    """Frame the mouth, from the side that `framed` takes for the front."""
-    whole = framed(scene)
-    mouth = scene.rest[scene.moves >= MOUTH * scene.moves.max()]
+def close_up(swept: Scene) -> Camera:
+    """Frame the mouth, from the side that `framed` takes for the front.
+
+    Parameters
+    ----------
+    swept : a movement of one shape after the other, in a second each
+    """
+    times = np.arange(1.0, swept.seconds + 0.5)
+    stir = np.mean([np.abs(swept.points(time) - swept.rest).sum(axis=1) for time in times], axis=0)
+    mouth = swept.rest[stir >= MOUTH * stir.max()]
     low, high = mouth.min(axis=0), mouth.max(axis=0)
     half = max(high[:2] - low[:2]) / 2 * CLOSE
-    middle = (low + high) / 2
     distance = half / np.tan(np.radians(FIELD / 2)) + (high[2] - low[2]) / 4
-    return Camera(middle, whole.turn, float(distance), float(half))
+    return Camera((low + high) / 2, framed(swept).turn, float(distance), float(half))
 
 
 def _box(scene: Scene) -> tuple[Floats, Floats]:

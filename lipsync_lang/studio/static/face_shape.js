@@ -93,6 +93,11 @@ export class FaceShape {
     this.face = face;
     this.points = new Float32Array(3 * face.count);
     this.normals = new Float32Array(3 * face.count);
+    this.sums = new Float32Array(3 * face.count);
+    this.change = new Float32Array(3 * face.count);
+    /** Triangles and points whose normals turn when points move. */
+    this.bent = new Uint32Array();
+    this.turned = new Uint32Array();
     this.bases = face.parts.map(base);
     const none = new Float64Array(4096);
     this.matrices = this.#matrices(none);
@@ -158,8 +163,6 @@ export class FaceShape {
     const touched = (/** @type {number} */ n) => [0, 1, 2].some((k) => bent[groups[triangles[3 * n + k]]]);
     this.bent = every.filter(touched);
     this.turned = Uint32Array.from({ length: count }, (_, n) => n).filter((n) => bent[groups[n]]);
-    this.sums = new Float32Array(3 * count);
-    this.change = new Float32Array(3 * count);
     const all = Uint32Array.from({ length: count }, (_, n) => n);
     this.#shade(every, all);
     for (let n = 0; n < count; n++) {

@@ -45,9 +45,6 @@ void main() {
   pixel = vec4(encoded(seen), 1.0);
 }`;
 
-/** Views that people ask for; angles in degrees. */
-export const VIEWS = { front: [0, 0], side: [90, 0] };
-
 const MAX_PITCH = 80;
 
 /**
@@ -90,8 +87,21 @@ export class GlFace {
     this.yaw = 0;
     this.pitch = 0;
     this.lost = false;
+    this.stale = false;
+    this.program = linked(gl);
+    /** @type {Map<string, WebGLUniformLocation | null>} */
+    this.places = new Map();
+    /** @type {Map<string, WebGLBuffer | null>} */
+    this.buffers = new Map();
+    /** @type {(WebGLTexture | null)[]} */
+    this.images = [];
     canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); this.lost = true; });
-    canvas.addEventListener("webglcontextrestored", () => { this.lost = false; this.#build(); this.render(); });
+    canvas.addEventListener("webglcontextrestored", () => {
+      this.lost = false;
+      this.program = linked(gl);
+      this.#build();
+      this.render();
+    });
     this.#build();
   }
 
@@ -166,15 +176,10 @@ export class GlFace {
 
   #build() {
     const { gl, face } = this;
-    const program = linked(gl);
-    gl.useProgram(program);
+    gl.useProgram(this.program);
     gl.enable(gl.DEPTH_TEST);
-    this.program = program;
-    /** @type {Map<string, WebGLUniformLocation | null>} */
-    this.places = new Map();
-    /** @type {Map<string, WebGLBuffer | null>} */
-    this.buffers = new Map();
-    /** @type {(WebGLTexture | null)[]} */
+    this.places.clear();
+    this.buffers.clear();
     this.images = [];
     this.#fill("point", this.shape.points, 3, gl.FLOAT, false);
     this.#fill("normal", this.shape.normals, 3, gl.FLOAT, false);

@@ -10,6 +10,8 @@ export class Overview {
   constructor(canvas, timeline) {
     this.canvas = canvas;
     this.timeline = timeline;
+    /** @type {[number, number][]} */
+    this.shape = [];
     const go = (/** @type {PointerEvent} */ event) => {
       const box = canvas.getBoundingClientRect();
       const { start, end, from, to } = timeline;
@@ -28,7 +30,7 @@ export class Overview {
     const { canvas, timeline } = this, { start, end, from, to, line, colours } = timeline;
     canvas.hidden = to - from >= end - start - 1e-6;
     const context = canvas.getContext("2d");
-    if (canvas.hidden || !context || !colours) return;
+    if (canvas.hidden || !context) return;
     const ratio = Math.min(3, window.devicePixelRatio || 1), wide = canvas.clientWidth;
     if (canvas.width !== Math.round(wide * ratio)) [canvas.width, canvas.height] = [Math.round(wide * ratio), HEIGHT * ratio];
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -36,8 +38,8 @@ export class Overview {
     const x = (/** @type {number} */ time) => ((time - start) / (end - start)) * wide;
     context.fillStyle = colours.wave;
     if (line.sound) {
-      if (this.shape?.length !== wide) this.shape = outline(line.sound.samples, line.sound.rate, start, end, wide);
-      const tall = HEIGHT / 2 - 2, most = timeline.loudest ?? 1;
+      if (this.shape.length !== wide) this.shape = outline(line.sound.samples, line.sound.rate, start, end, wide);
+      const tall = HEIGHT / 2 - 2, most = timeline.loudest || 1;
       this.shape.forEach(([low, high], column) => context.fillRect(column, HEIGHT / 2 - (high / most) * tall, 1, Math.max(1, ((high - low) / most) * tall)));
     }
     for (const { verdict, findings } of line.take.data.figures) {

@@ -60,10 +60,12 @@ class Portrait {
     this.caption = made("figcaption", { dir: "auto" });
     this.figure = made("figure", {}, this.canvas, this.caption);
     this.close = false;
+    /** @type {import("./gl_face.js").GlFace | null} */
     this.face = null;
+    this.trouble = "";
     if (this.data.parts) {
       try { this.face = createFace(this.canvas, this.data); } catch (error) { this.trouble = String(error); }
-      if (!this.face) this.trouble ??= "this browser shows no 3D (WebGL2); a drawn mouth stands in";
+      if (!this.face) this.trouble ||= "this browser shows no 3D (WebGL2); a drawn mouth stands in";
     }
     const channels = take.moved.curves;
     this.moments = channels.map((/** @type {any} */ one, /** @type {number} */ n) => Float32Array.from(channels, (_, k) => (k === n ? one.high : 0)));
@@ -106,10 +108,18 @@ class Page {
   /** @param {any} data of `line_page.py`, with its arrays */
   constructor(data) {
     this.data = data;
+    /** @type {Take[]} */
     this.takes = data.takes.map((/** @type {any} */ one) => new Take(one));
+    this.take = this.takes[0];
+    /** @type {Take | null} */
+    this.other = null;
+    /** @type {string[]} poses in the order of their rows */
+    this.rows = [];
+    /** @type {number | undefined} */
+    this.asked = undefined;
     [this.take, this.other] = [this.takes[0], this.takes[1] ?? null];
-    const start = Math.min(...this.takes.map((/** @type {Take} */ one) => one.start));
-    const end = Math.max(...this.takes.map((/** @type {Take} */ one) => one.end));
+    const start = Math.min(...this.takes.map((one) => one.start));
+    const end = Math.max(...this.takes.map((one) => one.end));
     this.player = new Player(start, end, data.sound, () => this.#playing());
     /** @type {Map<Take, Portrait>} */
     this.known = new Map();
@@ -324,7 +334,7 @@ class Page {
     the("subtitle").textContent = told.filter(Boolean).join("  ·  ");
     the("against").hidden = !this.other;
     the("others").hidden = this.takes.length < 3;
-    the("others").append(...this.takes.slice(1).map((/** @type {Take} */ one, /** @type {number} */ n) => made("option", { value: String(n + 1) }, label(one))));
+    the("others").append(...this.takes.slice(1).map((one, n) => made("option", { value: String(n + 1) }, label(one))));
     the("help").querySelector("dl")?.append(...Object.entries(KEYS).flatMap(([keys, what]) => [made("dt", {}, keys), made("dd", {}, what)]));
     the("timeline").setAttribute("aria-label", `Sound, words, phonemes and poses of: ${title}. The arrow keys step through it, and the values are listed beside it.`);
   }
@@ -436,7 +446,7 @@ class Page {
     click("against", () => this.swap());
     click("in", () => this.timeline.zoom(1.5, this.player.time));
     click("out", () => this.timeline.zoom(1 / 1.5, this.player.time));
-    click("fit", () => this.timeline.setView(this.timeline.start ?? 0, this.timeline.end ?? 1));
+    click("fit", () => this.timeline.setView(this.timeline.start, this.timeline.end));
     click("keys", () => this.#help());
     for (const one of document.querySelectorAll("[data-rate]")) one.addEventListener("click", () => this.setRate(Number(one.getAttribute("data-rate"))));
     this.scrub.addEventListener("input", () => this.reveal(this.player.start + Number(this.scrub.value) / this.take.fps));
@@ -444,6 +454,7 @@ class Page {
     addEventListener("resize", () => { this.timeline.stale = true; this.wake(); });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.timeline.stale = true; this.#legend(); this.wake(); });
     document.addEventListener("keydown", (event) => this.#key(event));
+    addEventListener("scroll", () => this.#hover(null), { passive: true });
   }
 
   /** @param {HTMLCanvasElement} canvas */
@@ -483,7 +494,7 @@ class Page {
       "a": () => this.swap(), "n": () => this.nextFinding(),
       "+": () => this.timeline.zoom(1.5, this.player.time), "=": () => this.timeline.zoom(1.5, this.player.time),
       "-": () => this.timeline.zoom(1 / 1.5, this.player.time),
-      "0": () => this.timeline.setView(this.timeline.start ?? 0, this.timeline.end ?? 1),
+      "0": () => this.timeline.setView(this.timeline.start, this.timeline.end),
       "?": () => this.#help(),
     };
     const act = does[event.key.length === 1 ? event.key.toLowerCase() : event.key];

@@ -56,6 +56,7 @@ export class Player {
       audio.preservesPitch = true;
       audio.src = URL.createObjectURL(new Blob([wave(sound.samples, sound.rate, start, end)], { type: "audio/wav" }));
       audio.addEventListener("error", () => { this.audio = null; });
+      audio.addEventListener("pause", () => { if (!audio.ended) this.pause(); }); // a headset's button, for one
       this.audio = audio;
     }
   }
@@ -101,7 +102,7 @@ export class Player {
     if (this.audio) {
       this.audio.currentTime = this.now - this.start;
       this.audio.playbackRate = this.rate;
-      this.audio.play().catch(() => { this.audio = null; }); // no device: the browser's clock goes on
+      this.#sound();
     }
     this.changed();
   }
@@ -123,7 +124,15 @@ export class Player {
   seek(seconds) {
     this.now = Math.max(this.start, Math.min(this.end, seconds));
     this.since = performance.now();
-    if (this.audio) this.audio.currentTime = this.now - this.start;
+    if (!this.audio) return;
+    this.audio.currentTime = this.now - this.start;
+    if (this.playing && this.audio.paused) this.#sound();
+  }
+
+  /** Start the sound; without a device, the browser's clock goes on alone. */
+  #sound() {
+    const { audio } = this;
+    audio?.play().catch((error) => { if (error.name !== "AbortError") this.audio = null; });
   }
 
   /** @param {number} rate 1 for ordinary speed; the pitch stays */

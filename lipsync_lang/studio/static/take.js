@@ -13,6 +13,7 @@ export class Take {
   constructor(data) {
     this.data = data;
     this.name = data.name;
+    /** @type {string[]} */
     this.poses = data.poses;
     this.start = data.start;
     this.fps = data.fps;
@@ -58,7 +59,7 @@ export class Take {
     return Float32Array.from(this.data.curves, (curve) => level(curve, frame));
   }
 
-  /** @returns {number[]} poses that move at any time */
+  /** Poses that move at any time. @returns {number[]} */
   get moving() {
     return this.data.curves.flatMap((/** @type {any} */ curve, /** @type {number} */ n) => (curve.moves ? [n] : []));
   }

@@ -8,7 +8,18 @@ import { clock, outline, ticks, within } from "./scales.js";
 
 const RULER = 24, WAVE = 52, BAND = 22, GAP = 8;
 const NARROW = 600;
+/** Pixels per second at which phonemes can be read: with a pointer that shows the rest, and without. */
+const READABLE = 110, NARROW_READABLE = 190;
+/** Pixels that a finger may move in a tap. */
+const TAP = 8;
+/** Least pixels between boundaries that are drawn. */
+const APART = 4;
 const FULL = 65535;
+
+/**
+ * @typedef {{take: import("./take.js").Take, other: import("./take.js").Take | null,
+ *   sound: {rate: number, samples: Int16Array} | null, rows: string[]}} Line
+ */
 
 /** A timeline; times are seconds. */
 export class Timeline {
@@ -25,29 +36,47 @@ export class Timeline {
     this.row = -1;
     /** @type {[number, number] | null} */
     this.loop = null;
+    /** @type {Line | null} */
+    this.shown = null;
+    /** The line, and the part of it in view. */
+    this.start = 0;
+    this.end = 1;
+    this.from = 0;
+    this.to = 1;
+    this.height = 0;
+    this.loudest = 0;
+    this.font = "sans-serif";
+    /** @type {Record<string, string>} */
+    this.colours = {};
+    /** @type {number[]} */
+    this.pressed = [];
     this.#listen();
   }
 
   /**
    * Show a line.
-   * @param {{take: import("./take.js").Take, other: import("./take.js").Take | null, sound: any, rows: string[]}} line
+   * @param {Line} line
    */
   show(line) {
-    this.line = line;
+    const first = !this.shown;
+    this.shown = line;
     const { take, other } = line;
     const start = Math.min(take.start, other?.start ?? take.start), end = Math.max(take.end, other?.end ?? take.end);
-    const first = this.start === undefined;
     this.start = start;
     this.end = Math.max(end, start + 0.1);
     if (first) this.fit();
     this.stale = true;
   }
 
-  /** Show all of the line, or on a narrow screen as much as can be read. */
+  /** @returns {Line} */
+  get line() {
+    if (!this.shown) throw new Error("a timeline is shown a line before it is drawn");
+    return this.shown;
+  }
+
+  /** Show the line, or as much of its beginning as can be read. */
   fit() {
-    const readable = this.plotWidth / 110;
-    const length = this.narrow ? Math.min(this.end - this.start, readable) : this.end - this.start;
-    this.setView(this.start, this.start + length);
+    this.setView(this.start, this.start + Math.min(this.end - this.start, this.plotWidth / (this.narrow ? NARROW_READABLE : READABLE)));
   }
 
   /** @param {number} from @param {number} to */
@@ -140,7 +169,7 @@ export class Timeline {
     this.height = height;
     this.#grounds(context);
     this.#ruler(context);
-    if (this.line.sound) this.#sound(context);
+    this.#sound(context);
     this.#bands(context);
     this.line.rows.forEach((name, row) => this.#pose(context, name, row));
     this.stale = false;
@@ -161,7 +190,7 @@ export class Timeline {
     const { take } = this.line, { times, words } = take.data.spoken;
     this.#clipped(context, () => {
       words.forEach((/** @type {[string, number, number]} */ [, first, stop], /** @type {number} */ n) => {
-        if (n % 2) return;
+        if (n % 2 || this.x(times[stop]) - this.x(times[first]) < APART) return;
         context.fillStyle = this.colours.raised;
         const x = this.x(times[first]);
         context.fillRect(x, RULER, this.x(times[stop]) - x, this.height);
@@ -216,10 +245,12 @@ export class Timeline {
 
   /** @param {CanvasRenderingContext2D} context */
   #sound(context) {
+    if (!this.line.sound) return;
     const { samples, rate } = this.line.sound;
     const columns = Math.round(this.plotWidth);
     const shape = outline(samples, rate, this.from, this.to, columns);
-    const most = (this.loudest ??= Math.max(0.05, samples.reduce((/** @type {number} */ top, /** @type {number} */ one) => Math.max(top, Math.abs(one)), 0) / 32768));
+    this.loudest ||= Math.max(0.05, samples.reduce((top, one) => Math.max(top, Math.abs(one)), 0) / 32768);
+    const most = this.loudest;
     const middle = RULER + WAVE / 2;
     context.fillStyle = this.colours.wave;
     shape.forEach(([low, high], column) => {
@@ -251,11 +282,12 @@ export class Timeline {
         for (const [text, a, b] of spans) {
           const low = this.x(a), high = this.x(b);
           if (high < this.left || low > this.left + this.plotWidth + 8) continue;
+          if (high - low < APART) continue;
           context.fillStyle = this.colours.rule;
           context.fillRect(low, y, 1, BAND);
           context.fillRect(high, y, 1, BAND);
           context.fillStyle = band === 2 ? this.colours.soft : this.colours.ink;
-          if (context.measureText(text).width < high - low + 3) context.fillText(text, (low + high) / 2, y + BAND / 2 + 1);
+          if (context.measureText(text).width < high - low + 1) context.fillText(text, (low + high) / 2, y + BAND / 2 + 1);
         }
       });
     });
@@ -378,6 +410,8 @@ export class Timeline {
       canvas.setPointerCapture(event.pointerId);
       down.set(event.pointerId, event);
       const [x, y] = place(event);
+      this.pressed = [x, y];
+      this.does.hover(null);
       if (down.size === 1) {
         this.does.seek(this.at(x));
         const row = this.rowAt(y);
@@ -400,9 +434,15 @@ export class Timeline {
       down.set(event.pointerId, event);
     });
     for (const name of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(name, (event) => down.delete(/** @type {PointerEvent} */ (event).pointerId));
+      canvas.addEventListener(name, (event) => {
+        const { pointerId, pointerType, clientX, clientY } = /** @type {PointerEvent} */ (event);
+        down.delete(pointerId);
+        const [x, y] = place(/** @type {PointerEvent} */ (event)), [a, b] = this.pressed;
+        const tap = name === "pointerup" && pointerType !== "mouse" && Math.hypot(x - a, y - b) < TAP;
+        if (tap) this.does.hover({ seconds: this.at(x), row: this.rowAt(y), x: clientX, y: clientY });
+      });
     }
-    canvas.addEventListener("pointerleave", () => this.does.hover(null));
+    canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && this.does.hover(null));
     canvas.addEventListener("wheel", (event) => {
       const [x] = place(event);
       if (event.ctrlKey) this.zoom(Math.exp(-event.deltaY / 300), this.at(x));
