@@ -81,6 +81,7 @@ def test_warm_equals_cold_exactly(pair, store):
     assert_alike(cold, cache.load(*pair, ()))
 
 
+@full
 def test_the_packs_of_the_program_are_kept_exactly(store, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     cold = compile_pair(Library(), "english", "facefx")
@@ -99,6 +100,16 @@ def test_a_warm_performance_is_the_same_to_the_last_bit(store):
     assert only(store)
 
 
+def test_folders_without_packs_share_the_cache(store, tmp_path, monkeypatch):
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        ll.resolve("english", "rhubarb")
+    assert only(store)
+    monkeypatch.chdir(plant(tmp_path / "owner"))
+    assert not warm("english", "rhubarb"), "a project may have packs of these names"
+
+
 CHECK = """
 import sys
 from lipsync_lang.cli import main
@@ -107,6 +118,7 @@ print(code, *sorted({name.partition(".")[0] for name in sys.modules}))
 """
 
 
+@full
 def test_a_warm_run_reads_no_yaml(store):
     put(Path(), "line.json", '[{"label": "P", "start": 0, "end": 0.2}]')
     loaded = []
@@ -334,6 +346,7 @@ print(*(name for name in sys.modules if name.startswith("lipsync_lang.")))
 """
 
 
+@full
 def test_the_digest_covers_all_that_compiling_loads():
     command = [sys.executable, "-c", LOADED]
     done = subprocess.run(command, capture_output=True, encoding="utf-8", check=True)
@@ -519,6 +532,7 @@ def test_processes_may_write_at_once(store):
     assert [path.name for path in store.iterdir()] == [only(store).name], "nothing left behind"
 
 
+@full
 def test_nothing_is_unpickled_or_executed():
     banned = {"pickle", "marshal", "shelve", "dill", "joblib", "cloudpickle"}
     package = Path(ll.__file__).parent

@@ -75,8 +75,15 @@ def compiler() -> str:
 
 
 def _key(language: str, character: str, paths: Sequence[Path]) -> str:
-    """Return the file key of a pair: its names, search paths and folder, as JSON."""
-    return json.dumps([language, character, [str(p.absolute()) for p in paths], str(Path.cwd())])
+    """Return the file key of a pair: its names, search paths and project, as JSON.
+
+    A folder without packs is no project, so that all such folders share a file.
+    """
+    from lipsync_lang.packs.finding import FOLDERS
+
+    here = Path.cwd()
+    project = str(here) if any((here / folder).exists() for folder in FOLDERS.values()) else ""
+    return json.dumps([language, character, [str(p.absolute()) for p in paths], project])
 
 
 def _path(key: str) -> Path | None:
