@@ -1,6 +1,7 @@
 """Checks of the voices that language packs name, against the speech engine that is installed."""
 
 from collections.abc import Iterable, Iterator
+from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -22,19 +23,25 @@ def check_voices(languages: "Iterable[Pack[models.Language]]") -> Iterator[Fault
     One process answers for all languages. Where the engine is not installed or fails, nothing is
     known of its voices, and the packs' tests say so.
     """
-    from lipsync_lang.phonology.espeak.process import EspeakProcess
-
     named = [(pack, loc, voice) for pack in languages for loc, voice in _voices(pack)]
     if not named or find_spec("espeakng_loader") is None:
         return
     try:
-        missing = EspeakProcess().missing(sorted({voice for _, _, voice in named}))
+        missing = _missing(tuple(sorted({voice for _, _, voice in named})))
     except SpeechError:
         return
     for pack, loc, voice in named:
         if voice in missing:
             what = f"eSpeak NG has no voice '{voice}'"
             yield pack.fault(loc, "P226", what, missing[voice])
+
+
+@cache
+def _missing(voices: tuple[str, ...]) -> dict[str, str]:
+    """Return hints for the voices that the engine lacks; a process asks once for each set."""
+    from lipsync_lang.phonology.espeak.process import EspeakProcess
+
+    return EspeakProcess().missing(voices)
 
 
 def _voices(pack: "Pack[models.Language]") -> "Iterator[tuple[Loc, str]]":
