@@ -1,5 +1,6 @@
 """What all tests share: where things are, a cache of their own, and the command line."""
 
+import gc
 import os
 from pathlib import Path
 from random import randrange
@@ -31,6 +32,12 @@ def pytest_configure(config):
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     seed = 0 if os.environ.get("CI") else randrange(10**6)  # noqa: S311 no secret
     os.environ.setdefault("LIPSYNC_LANG_FUZZ_SEED", str(seed))
+
+
+def pytest_collection_finish():
+    """Leave the collected tests out of every later garbage collection."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_report_header():

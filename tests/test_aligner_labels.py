@@ -5,6 +5,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from lanes import full, swept
 from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.packs.automatic import automatic
@@ -50,6 +51,7 @@ def segmenter():
     return pytest.importorskip("panphon").FeatureTable().ipa_segs
 
 
+@full
 @pytest.mark.parametrize("name", LANGUAGES)
 def test_every_segment_that_epitran_writes_is_known(name):
     epitran = pytest.importorskip("epitran")
@@ -78,7 +80,7 @@ SHADES = {"\u031d", "˔", "\u031e", "˕", "\u031f", "˖", "\u0320", "˗"}
 """Marks of a vowel a little closer, opener, further in front or back than its letter says."""
 
 
-@pytest.mark.parametrize("mark", UNSEEN)
+@pytest.mark.parametrize("mark", swept(UNSEEN, quick=[*UNSEEN][::8]))
 def test_a_mark_that_is_dropped_changes_nothing_that_is_seen(mark):
     changed = []
     for letter in LIBRARY.ipa().model.letters:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import swept
+from lanes import full, swept
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE
@@ -60,6 +60,7 @@ def silence(seconds, rate):
 # The form of what comes out
 
 
+@full
 @pytest.mark.parametrize("text", swept(TEXTS))
 def test_a_schedule_lasts_from_zero_to_the_end_of_the_sound(english, spoken, text):
     audio = spoken[text].audio
@@ -135,12 +136,14 @@ def test_another_aligner_is_given_no_model_of_the_packs(english, spoken):
     assert [word.text for word in found.words] == [word.text for word in spoken[TEXTS[0]].words]
 
 
+@full
 def test_alignments_repeat_themselves(english, spoken):
     one, two = (aligned(english, spoken[TEXTS[0]].audio, TEXTS[0]) for _ in range(2))
     assert np.array_equal(one.times, two.times)
     assert one.labels == two.labels
 
 
+@full
 def test_loudness_changes_nothing_and_rate_next_to_nothing(english, spoken):
     audio = spoken[TEXTS[0]].audio
     whole = aligned(english, audio, TEXTS[0])
@@ -151,6 +154,7 @@ def test_loudness_changes_nothing_and_rate_next_to_nothing(english, spoken):
         assert np.median(np.abs(found.times - whole.times)) < 0.005
 
 
+@full
 def test_pauses_are_silence_and_the_rest_moves_with_the_sound(english, spoken):
     known = spoken[TEXTS[0]]
     rate = known.audio.rate
@@ -165,6 +169,7 @@ def test_pauses_are_silence_and_the_rest_moves_with_the_sound(english, spoken):
 # Words of every kind
 
 
+@full
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -181,6 +186,7 @@ def test_words_that_no_dictionary_has_are_read_as_the_language_reads_them(englis
     assert found.confidence > 0.5
 
 
+@full
 def test_a_dialect_says_words_its_own_way():
     british = Speaker.of("en-GB")
     text = "The farm is far from the harbour"
@@ -200,6 +206,7 @@ def test_the_wrong_text_is_remarked_upon(english, spoken):
     assert not right.remarks
 
 
+@full
 def test_sound_that_the_text_does_not_have_is_told_and_is_silence(english, spoken):
     first, second = (resampled(spoken[text].audio, RATE) for text in TEXTS)
     gap = silence(0.3, RATE)
@@ -210,12 +217,14 @@ def test_sound_that_the_text_does_not_have_is_told_and_is_silence(english, spoke
     assert middle == SILENCE
 
 
+@full
 def test_words_that_nobody_says_are_told(english, spoken):
     known = spoken[TEXTS[0]]
     found = aligned(english, known.audio, f"{TEXTS[0]} Extraordinary vegetables shimmer.")
     assert "words that are not heard" in " ".join(found.remarks)
 
 
+@full
 @pytest.mark.parametrize("samples", [
     silence(1, RATE),
     np.rint(3000 * np.sin(np.arange(RATE) / 5)).astype(np.int16),
@@ -225,13 +234,13 @@ def test_where_nothing_fits_there_is_no_schedule(english, samples):
         aligned(english, ll.Audio(samples, RATE), "Four hours of steady work faced us all")
 
 
-@pytest.mark.parametrize("count", [1, 100, 2000])
+@pytest.mark.parametrize("count", swept([100, 1, 2000]))
 def test_a_text_that_is_too_long_for_its_sound_is_told(english, count):
     with pytest.raises(ll.SpeechError, match="more than can be said in"):
         aligned(english, ll.Audio(silence(count / RATE, RATE), RATE), " ".join(TEXTS))
 
 
-@pytest.mark.parametrize("text", ["", "...", "?!"])
+@pytest.mark.parametrize("text", swept(["...", "", "?!"]))
 def test_a_text_without_words_is_told(english, spoken, text):
     with pytest.raises(ll.SpeechError, match="has no words to align"):
         aligned(english, spoken[TEXTS[0]].audio, text)
@@ -250,6 +259,7 @@ def test_aligners_and_models_that_are_not_there_are_told(english, spoken):
 # Long recordings
 
 
+@full
 def test_long_recordings_stay_in_step(english, spoken, monkeypatch):
     monkeypatch.setattr("lipsync_lang.speech.sphinx.forced.WINDOW", 400)
     monkeypatch.setattr("lipsync_lang.speech.sphinx.forced.AHEAD", 100)
@@ -276,6 +286,7 @@ def test_a_frame_of_features_comes_every_hundredth_of_a_second():
         assert features(np.zeros(count)).shape == (-(-count // STEP), 3, 13)
 
 
+@full
 @given(st.integers(1, 4), st.integers(0, 20), st.integers(0, 2**32 - 1))
 def test_the_likeliest_way_is_the_best_of_all_ways(phones, more, seed):
     """Of a chain, by trying out every way there is to cut the frames."""
@@ -311,6 +322,7 @@ def test_a_way_that_is_longer_than_the_sound_is_none():
 # Real recordings, the command line
 
 
+@full
 def test_a_recording_agrees_with_its_labels(data, english):
     folder = data / "alignments" / "english_hts"
     rows = (folder / "arctic_a0009_phone.lab").read_text(encoding="utf-8").splitlines()
@@ -390,6 +402,7 @@ def test_a_dialect_is_heard_as_its_parent_unless_it_says_otherwise(english):
     assert Speaker.of("finnish").manner.audio.recognise is None
 
 
+@full
 def test_a_performer_aligns_as_its_language_does(english, spoken):
     performer = ll.resolve("english", "facefx")
     assert performer.speaker.manner.audio == english.manner.audio

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lanes import full
 from test_engine_files import READ_BACK as ENGINES
 from test_glb import document_of, mesh, model_of, tracks
 from test_godot import READ_BACK as GODOT
@@ -26,6 +27,11 @@ from lipsync_lang.errors import LipsyncError, OutputError
 
 assert WRITERS, "a sweep over nothing passes"
 every_writer = pytest.mark.parametrize("writer", WRITERS.values(), ids=WRITERS)
+every_file = pytest.mark.parametrize(
+    "writer",
+    [pytest.param(w, id=n, marks=[full] * (n in PICTURES)) for n, w in WRITERS.items()],
+)
+"""Every writer; those of pictures, which have tests of their own, in the full lane."""
 
 FPS = 30
 NOISE = np.random.default_rng(0).integers(-32768, 32767, 4000).astype(np.int16)
@@ -155,20 +161,20 @@ def test_every_writer_is_read_back():
     assert set(READ_BACK) == set(WRITERS)
 
 
-@every_writer
+@every_file
 def test_what_is_written_is_what_was_performed(writer, suited):
     READ_BACK[writer.name](written(writer, suited), suited)
     READ_BACK[writer.name](written(writer, suited.cut()), suited.cut())
 
 
-@every_writer
+@every_file
 def test_writing_twice_gives_the_same_bytes(writer, suited):
     again = suited.performer.perform(suited.schedule, fps=suited.fps)
     again = replace(again, model=suited.model)
     assert written(writer, suited) == written(writer, again)
 
 
-@every_writer
+@every_file
 def test_saving_writes_the_same_bytes(writer, suited, tmp_path):
     for path in (tmp_path / f"line{writer.suffix}", tmp_path / f"loud{writer.suffix.upper()}"):
         suited.save(path)

@@ -129,6 +129,7 @@ def test_a_draft_of_a_lexicon_takes_it_along(folder, cli):
     assert cli("validate", "languages/nordic.yaml").code == 0
 
 
+@full
 def test_a_draft_of_a_voice_hears_its_numbers(folder, cli):
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     (folder / "lines.txt").write_text("Góðan daginn\n", "utf-8")

@@ -172,6 +172,7 @@ def test_odd_text_is_spoken_or_refused_in_words(text, performer):
         assert np.isfinite(animation.weights).all()
 
 
+@full
 @needs_espeak
 def test_ten_thousand_characters_are_spoken(performer):
     text = ("Please buy five more maps before Bob moves away. " * 205)[:10_000]

@@ -68,6 +68,7 @@ def named(found, key):
 # Figures
 
 
+@full
 def test_a_character_is_compared_with_its_bare_pose_set():
     found = diff("anna")
     assert (found.against, found.total) == ("facefx", 483)
@@ -86,6 +87,7 @@ def test_a_character_is_compared_with_its_bare_pose_set():
     assert (jaw.rms, jaw.area) == pytest.approx((0.25 / 3**0.5, 0.125), rel=1e-3)
 
 
+@full
 def test_a_bare_pose_set_is_compared_with_its_drafts():
     found = diff("facefx")
     assert found.against == "its drafts"
@@ -93,6 +95,7 @@ def test_a_bare_pose_set_is_compared_with_its_drafts():
     assert {str(change.before) for change in found.changes} == {"draft, drafted"}
 
 
+@full
 def test_two_characters_and_the_other_way_round():
     one, other = diff("anna", "facefx"), diff("facefx", "anna")
     assert [c.bigram for c in one.changes] == [c.bigram for c in other.changes]
@@ -102,6 +105,7 @@ def test_two_characters_and_the_other_way_round():
     assert diff("anna", "anna").named == ()
 
 
+@full
 def test_the_curves_are_those_that_are_performed():
     found = diff("anna", wanted=["l-ow", "s-ow", "l-ah"])
     for character, side in (("facefx", "before"), ("anna", "after")):
@@ -113,6 +117,7 @@ def test_the_curves_are_those_that_are_performed():
             assert np.allclose(curves, compiled.tables.curves[row], atol=1e-6)
 
 
+@full
 def test_the_largest_comes_first_and_only_what_differs():
     sizes = [change.largest for change in diff("facefx").named]
     assert sizes == sorted(sizes, reverse=True)
@@ -128,6 +133,7 @@ def test_bigrams_asked_for_are_there_though_they_are_the_same():
         diff("anna", wanted=["l-oow"])
 
 
+@full
 def test_a_boundary_or_a_contact_alone_is_a_change(folder):
     (folder / "characters" / "anna.yaml").write_text(
         ANNA.partition("bigrams")[0] + "bigrams:\n  s-ow: {boundary: 0.3, contact: free, "
@@ -155,6 +161,7 @@ POINTS = st.lists(
 ).map(sorted)
 
 
+@full
 @costly()
 @given(points=POINTS, kind=st.sampled_from(["bspline", "linear"]))
 def test_the_figures_bound_each_other(points, kind, folder):
@@ -197,6 +204,7 @@ def test_many_are_cut_short_unless_all_are_wanted(cli, folder):
     assert cli("bank", "diff", *PAIR, "--all").out.count("boundary 0.5 -> 0.45") == 21
 
 
+@full
 def test_json_holds_the_figures(cli):
     data = json.loads(cli("bank", "diff", "-l", "english", "-c", "anna", "--json").out)
     assert (data["against"], data["bigrams"], data["changed"]) == ("facefx", 483, 2)
@@ -211,8 +219,8 @@ def test_json_holds_the_figures(cli):
     [
         (["--against", "nobody"], "nobody"),
         (["l-oow"], "no bigram 'l-oow' in english"),
-        (["--plot", "a.gif"], "no picture in 'gif'"),
-        (["--plot", "no/a.png"], "the folder no does not exist"),
+        pytest.param(["--plot", "a.gif"], "no picture in 'gif'", marks=full),
+        pytest.param(["--plot", "no/a.png"], "the folder no does not exist", marks=full),
     ],
 )
 def test_what_cannot_be_done_is_told(arguments, message, cli, folder):
@@ -234,6 +242,7 @@ def texts(found):
     return re.findall(r"<text[^>]*>([^<]*)</text>", out.getvalue().decode())
 
 
+@full
 @drawn
 def test_the_picture_names_bigrams_words_and_poses(cli, folder):
     shown = texts(diff("anna"))
@@ -246,6 +255,7 @@ def test_the_picture_names_bigrams_words_and_poses(cli, folder):
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
+@full
 @drawn
 def test_the_same_picture_each_time_and_what_is_the_same_says_so():
     found = diff("anna", wanted=["l-ah", "_-h"])
@@ -253,6 +263,7 @@ def test_the_same_picture_each_time_and_what_is_the_same_says_so():
     assert texts(found).count("the same") == 2
 
 
+@full
 @drawn
 def test_only_as_many_as_there_is_room_for():
     from lipsync_lang.render.bank_diff_plot import MOST
@@ -263,6 +274,7 @@ def test_only_as_many_as_there_is_room_for():
     assert any(f"the {MOST} that differ most" in text for text in shown)
 
 
+@full
 def test_nothing_to_draw():
     from lipsync_lang.render.bank_diff_plot import plot_diff
 

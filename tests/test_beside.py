@@ -3,6 +3,7 @@
 import io
 
 import pytest
+from lanes import full
 from strategies import real
 
 from lipsync_lang import Schedule, resolve
@@ -19,6 +20,7 @@ def drawn(animations, kind="svg"):
     return out.getvalue()
 
 
+@full
 def test_every_face_and_every_pose_that_moves_is_there():
     other = resolve("english", "oculus", cache=False)
     text = drawn([real().perform(LINE), other.perform(LINE)]).decode()
@@ -28,6 +30,7 @@ def test_every_face_and_every_pose_that_moves_is_there():
         assert f">{name}</text>" not in text
 
 
+@full
 def test_a_picture_is_drawn_alike_each_time():
     assert drawn([real().perform(LINE)], "png") == drawn([real().perform(LINE)], "png")
 

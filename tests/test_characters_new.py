@@ -95,6 +95,7 @@ def test_a_character_of_a_model_with_known_names(cli, folder):
     assert moved(speak(cli, "anna")) == {("head", "weights")}
 
 
+@full
 def test_a_model_elsewhere_is_copied_and_a_copy_is_used_again(cli, folder, tmp_path_factory):
     model = glb(tmp_path_factory.mktemp("other") / "face.glb", *SETS["vrm"].poses)
     said, made = new(cli, "anna", "--model", model)
@@ -138,6 +139,7 @@ def test_a_head_with_two_sets_of_shapes(cli, folder, data):
 # What fits in part gets a rig of its own
 
 
+@full
 def test_only_some_shapes(cli, folder):
     glb(folder / "face.glb", "Jaw_Open", "Mouth_Pucker", "Mouth_Funnel", "Mouth_Close", "Blink")
     said, made = new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
@@ -152,6 +154,7 @@ def test_only_some_shapes(cli, folder):
     speak(cli, "anna")
 
 
+@full
 def test_pairs_that_are_one_shape(cli, folder):
     shapes = dict.fromkeys(
         pose.removesuffix("Left").removesuffix("Right") for pose in SETS["arkit"].poses
@@ -166,6 +169,7 @@ def test_pairs_that_are_one_shape(cli, folder):
     speak(cli, "anna")
 
 
+@full
 def test_shapes_that_are_pairs_are_found_without_a_rig(cli, folder):
     some = [pose for pose in SETS["arkit"].poses if pose != "mouthPucker"]
     glb(folder / "face.glb", *some, "MOUTH_PUCKER_L", "MOUTH_PUCKER_R")
@@ -174,6 +178,7 @@ def test_shapes_that_are_pairs_are_found_without_a_rig(cli, folder):
     speak(cli, "anna")
 
 
+@full
 def test_a_rig_in_part_keeps_its_gains_limits_and_reasons(cli, folder):
     known = next(rig.model for _, rig in RIGS if rig.model.name == "facefx-to-arkit")
     shapes = [f"head_{name}" for name in channels_of(known) if name != "tongueOut"]
@@ -224,6 +229,7 @@ def test_bones_of_a_rig_are_found_by_their_nodes(cli, folder):
     assert moved(speak(cli, "anna")) == {("head", "weights"), ("Jaw", "rotation")}
 
 
+@full
 def test_a_bone_called_like_a_region_is_shown_as_an_example(cli, folder):
     glb(folder / "face.glb", "mouthClose", "mouthPucker", "mouthFunnel", "tongueOut",
         bones=["CC_Base_JawRoot"])  # fmt: skip
@@ -237,6 +243,7 @@ def test_a_bone_called_like_a_region_is_shown_as_an_example(cli, folder):
     assert ("CC_Base_JawRoot", "rotation") in moved(speak(cli, "anna"))
 
 
+@full
 def test_meshes_may_have_prefixes_of_their_own(cli, folder):
     poses = [*SETS["crab"].poses]
     meshes = {mesh: [f"{mesh}_geo_{pose}" for pose in poses] for mesh in ("shell", "teeth")}
@@ -335,6 +342,7 @@ def test_unsound_packs_are_passed_over(folder):
     assert "bad" not in {match.rig for match in found}
 
 
+@full
 def test_json_says_the_same(cli, folder):
     glb(folder / "face.glb", "jawOpen", "mouthClose", "mouthPucker", "mouthFunnel", "extra")
     ended = cli("characters", "new", "anna", "--model", "face.glb", "--poseset", "arkit", "--json")

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from lanes import costly, full
+from lanes import costly, full, swept
 
 from lipsync_lang.cli import main, parser
 from lipsync_lang.version import __version__
@@ -155,7 +155,7 @@ def script():
     return os.path.join(os.path.dirname(sys.executable), name)  # noqa: PTH118, PTH120 a string
 
 
-@pytest.mark.parametrize("program", [[sys.executable, "-m", "lipsync_lang"], [script()]])
+@pytest.mark.parametrize("program", swept([[sys.executable, "-m", "lipsync_lang"], [script()]]))
 def test_the_program_starts_in_both_ways(program):
     done = start(*program, "run", *PAIR, "--schedule", "line.json", "-o", "line.csv")
     assert (done.returncode, done.stdout) == (0, "")
@@ -167,6 +167,7 @@ def test_the_program_starts_in_both_ways(program):
     )
 
 
+@full
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes end otherwise there")
 @pytest.mark.parametrize("arguments", [["--help"], ["bank", "draft", *PAIR], ["schema", "bank"]])
 def test_a_reader_who_has_seen_enough_is_no_error(arguments):
@@ -177,6 +178,7 @@ def test_a_reader_who_has_seen_enough_is_no_error(arguments):
     assert process.returncode == 0
 
 
+@full
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")  # noqa: PTH110
 def test_a_full_disk_is_told():
     with open("/dev/full", "wb") as full:  # noqa: PTH123 a device
@@ -186,6 +188,7 @@ def test_a_full_disk_is_told():
     assert done.stderr == "lipsync-lang: No space left on device\n"
 
 
+@full
 def test_a_terminal_that_knows_few_letters_still_gets_everything():
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
     command = [sys.executable, "-m", "lipsync_lang", "languages", "show", "english"]
@@ -442,6 +445,7 @@ def test_what_was_there_stays_when_writing_fails(animate, folder):
     assert (folder / "a.csv").read_text().startswith("time_s,")
 
 
+@full
 def test_a_notation_is_named_or_recognised(animate, folder):
     assert animate("--notation", "arpabet", "-o", "a.csv").code == 0
     assert animate("-o", "b.csv").code == 0
@@ -506,6 +510,7 @@ def test_gaps_are_faults(cli, folder):
 # validate, schema, lists, formats
 
 
+@full
 def test_validate_prints_every_fault_with_its_place(cli, folder):
     (folder / "languages").mkdir()
     text = "kind: language\nformat: 1\nname: odd\ntag: qaa\nnotation: {}\nadds: [3]\n"
@@ -520,6 +525,7 @@ def test_validate_prints_every_fault_with_its_place(cli, folder):
     assert [fault["line"] for fault in faults] == [5, 6]
 
 
+@full
 def test_what_comes_with_the_program_is_sound(cli):
     ended = cli("validate")
     assert (ended.code, ended.out) == (0, "")
@@ -542,7 +548,7 @@ def test_every_kind_of_pack_has_a_schema(cli):
     refused(cli("schema", "langage"), "'langage': did you mean 'language'")
 
 
-FEW = 5
+FEW = 2
 """Packs that the quick lane shows."""
 
 
@@ -554,7 +560,7 @@ def test_every_pack_is_shown(kind, cli):
         assert json.loads(cli(kind, "show", name, "--json").out)["name"] == name
 
 
-@pytest.mark.parametrize("kind", ["languages", "posesets", "characters"])
+@pytest.mark.parametrize("kind", swept(["posesets", "characters", "languages"], quick=2))
 def test_packs_are_listed_and_shown(kind, cli):
     names = [row["name"] for row in json.loads(cli(kind, "list", "--json").out)]
     assert cli(kind).out == cli(kind, "list").out

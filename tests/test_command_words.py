@@ -8,6 +8,7 @@ import sys
 import warnings
 
 import pytest
+from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.commands.completion import leaves
@@ -108,6 +109,7 @@ def test_faces_are_found_in_any_case(name):
     assert performer.character == "facefx"
 
 
+@full
 def test_a_name_as_it_is_spelled_comes_before_one_in_other_letters(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "characters").mkdir()

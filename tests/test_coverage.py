@@ -227,6 +227,7 @@ def test_letters_have_scripts_and_nothing_else_has(character, found):
     assert scripts.script(character) == found
 
 
+@full
 def test_every_language_with_tests_is_known_to_be_written_in_something(root):
     packs = sorted((root / "languages").glob("*.yaml"))
     written_in = {}
@@ -300,6 +301,7 @@ def test_a_word_in_capitals_is_judged_as_if_it_were_in_small_letters():
     assert [(one.what, one.counted) for one in others.tallies()] == [("ДА", True)]
 
 
+@full
 def test_a_voice_reads_words_of_other_languages_and_spells_what_it_has_no_voice_for():
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     texts = ("Он сказал hello world и ушёл.", "Он сказал 会議 и ушёл.", "Он ушёл.", "I love you")
@@ -343,6 +345,7 @@ def test_minutes_are_a_number_above_zero(minutes):
         report("ta", minutes=minutes)
 
 
+@full
 @pytest.mark.usefixtures("packs")
 def test_many_lines_are_counted_as_few_are(monkeypatch):
     texts = ["tata mi", "ta, ta", "", "ut sa", "yt"] * 5

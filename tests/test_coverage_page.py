@@ -347,7 +347,7 @@ def facts(one):
         yield "unread", f"{unknown['what']}{unknown['count']}{unknown['place']}"
 
 
-@pytest.mark.parametrize("number", range(9))
+@pytest.mark.parametrize("number", swept(range(9), quick=3))
 def test_every_fact_of_every_report_is_there(number):
     document = MADE["some"]
     one = document["reports"][number]
@@ -413,6 +413,7 @@ def test_the_matrix_has_every_pair():
         assert f"{hours(one['left']['hours'])} left" in cell.text
 
 
+@full
 def test_no_report_hides_another_in_the_matrix():
     one = report("english", 0, "facefx", 0)
     other = report("english", 1, "facefx", 1)
@@ -513,6 +514,7 @@ def spoiled(value, text):
     return f"{value}{text}" if isinstance(value, str) else value
 
 
+@full
 @pytest.mark.parametrize("text", swept(NASTY, quick=1))
 def test_no_text_of_a_corpus_becomes_markup(text):
     document = made(2, 2)

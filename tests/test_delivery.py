@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 from strategies import RATES, any_lines, motions
 
 import lipsync_lang as ll
@@ -209,6 +210,7 @@ def test_a_dial_scales_its_region_alone_and_contacts_hold(bare, level):
     assert change <= 1e-9 if level == 0 else (change > 1) == (level > 1)
 
 
+@full
 @given(any_lines(), RATES, motions())
 def test_a_dial_at_its_usual_level_changes_nothing(line, fps, motion):
     performance = line.perform(motion, fps)

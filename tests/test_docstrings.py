@@ -4,6 +4,7 @@ import doctest
 import importlib.util
 
 import pytest
+from lanes import swept
 
 import lipsync_lang as ll
 
@@ -25,7 +26,7 @@ NEEDS = {
 PUBLIC = [*FUNCTIONS, *(f"{kind}.{name}" for kind, names in METHODS.items() for name in names)]
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("name", swept(PUBLIC, quick=[n for n in PUBLIC if n not in NEEDS]))
 def test_the_example_of_a_docstring_comes_out(name, tmp_path, monkeypatch):
     for package in NEEDS.get(name, ()):
         if importlib.util.find_spec(package) is None:

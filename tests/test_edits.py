@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from lanes import full
 
 from lipsync_lang import LipsyncError, Schedule, Word, resolve
 
@@ -38,6 +39,7 @@ def test_a_word_is_said_in_the_characters_own_way_and_others_are_not(anna):
     np.testing.assert_allclose(ours.weights[later], plain.weights[later], atol=1e-9)
 
 
+@full
 @pytest.mark.parametrize("stretch", [1.0, 1.7])
 @pytest.mark.parametrize("pause", [0.1, 0.6])
 @pytest.mark.parametrize("line", ["intro", "whole"])

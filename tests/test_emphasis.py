@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule, Word
@@ -78,6 +79,7 @@ def test_spans_lie_in_the_text_and_a_text_keeps_its_letters(text):
     assert "*" not in found.text
 
 
+@full
 def test_many_asterisks_are_read_in_linear_time():
     for text in ("*" * 100_000, "*a " * 30_000, "a *b* " * 20_000, "\\*" * 50_000):
         found = emphasised(text)

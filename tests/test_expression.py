@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
@@ -62,6 +63,7 @@ def test_a_weight_that_is_none_is_told(performer, wrong):
         performer.with_expression(performer.perform(said()), {"mouthSmileLeft": wrong})
 
 
+@full
 @given(
     st.sampled_from(["facefx", "arkit", "crab", "oculus", "vrm", "three-mouths"]),
     st.data(),

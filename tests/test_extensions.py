@@ -5,6 +5,7 @@ import sys
 import warnings
 
 import pytest
+from lanes import full
 from test_import_is_light import modules_after
 
 from lipsync_lang import extensions
@@ -195,6 +196,7 @@ def test_kinds_have_groups_of_their_own():
     assert len({known.group for known in EVERY}) == len(EVERY)
 
 
+@full
 @pytest.mark.parametrize(
     "code",
     [

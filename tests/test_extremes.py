@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang import Schedule
@@ -46,6 +47,7 @@ def keeps_its_promises(made, speed, fps):
             assert (up & down).any()
 
 
+@full
 @given(FACES, st.sampled_from([3.0, 4.0]), st.floats(0.001, 0.02), RATES)
 def test_softening_wider_than_the_phrase(face, softness, seconds, fps):
     performer = ll.resolve("english", face, motion={"softness": softness})
@@ -54,6 +56,7 @@ def test_softening_wider_than_the_phrase(face, softness, seconds, fps):
     keeps_its_promises(made, performer.motion.speed_limit, fps)
 
 
+@full
 @given(FACES, st.sampled_from([2.0, 4.0]), st.floats(0.001, 0.1), RATES)
 def test_anticipation_longer_than_the_silence_before_a_line(face, factor, silence, fps):
     performer = ll.resolve("english", face, motion={"anticipate": factor})

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import costly
+from lanes import costly, full
 
 import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
@@ -55,6 +55,7 @@ def test_the_times_are_those_of_the_sound():
         assert (loud < 30) == (label == SILENCE), (label, start, loud)
 
 
+@full
 @needs_festival
 def test_words_keep_the_spelling_of_the_text():
     schedule = speak("“Café”: naïve — 10,000 U.S. men’s")
@@ -63,6 +64,7 @@ def test_words_keep_the_spelling_of_the_text():
     assert speak("hello 日本").unread == ("日", "本")
 
 
+@full
 @needs_festival
 def test_faster_speech_is_shorter():
     slow, fast = (speak("the birch canoe", words_per_minute=n) for n in (100, 300))
@@ -70,6 +72,7 @@ def test_faster_speech_is_shorter():
     assert slow.end > 2 * fast.end
 
 
+@full
 @needs_festival
 @pytest.mark.parametrize(
     "text",
@@ -96,6 +99,7 @@ def test_nothing_of_a_voice_is_executed(tmp_path):
     assert not mark.exists()
 
 
+@full
 @needs_festival
 @costly()
 @given(st.text(st.characters(codec="ascii"), min_size=1, max_size=40))
@@ -120,6 +124,7 @@ def test_all_its_phones_are_known_to_the_language():
     assert [phone for phone in radio.split() if notation.find(phone.upper()) is None] == []
 
 
+@full
 @needs_festival
 def test_a_language_speaks_with_it_and_what_is_heard_is_what_is_said(cli, tmp_path):
     files = [tmp_path / "line.wav", tmp_path / "line.csv"]
@@ -152,6 +157,7 @@ def test_an_engine_that_is_none_is_told():
         ll.speak("Hello", "english", engine="festivel")
 
 
+@full
 def test_packs_name_voices_of_engines_that_there_are():
     library = Library(project=None)
     stated = {

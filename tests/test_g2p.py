@@ -6,6 +6,7 @@ from unicodedata import normalize
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
@@ -207,6 +208,7 @@ def test_ipa_is_cut_into_letters_with_their_marks(drawn):
     assert list(found) == [d.replace("t͡s", "ts").replace("ɡ", "g").replace("ː", ":") for d in drawn]
 
 
+@full
 def test_epitran_reads_and_refuses_plainly():
     pytest.importorskip("epitran", reason="the epitran extra is not installed")
     (found,) = engine("epitran", Settings("x", code="xho-Latn"))(["molo, 7"])

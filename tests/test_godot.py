@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lanes import full
 from small_models import glb
 
 import lipsync_lang as ll
@@ -205,6 +206,7 @@ def imported(program, project, scenes, environment):
         editor.wait()
 
 
+@full
 def test_godot_shows_what_was_performed(godot):
     animation = performed(fps=60)
     times = np.linspace(0, animation.timeline[-1], 10)

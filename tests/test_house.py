@@ -13,10 +13,14 @@ from shipped import LIBRARY
 import lipsync_lang as ll
 
 PACKAGE = Path(ll.__file__).parent
-MODULES = {p.relative_to(PACKAGE).as_posix(): ast.parse(p.read_bytes()) for p in
-           sorted(PACKAGE.rglob("*.py"))}  # fmt: skip
-assert MODULES, "a sweep over nothing passes"
-every_module = pytest.mark.parametrize("name", MODULES)
+
+
+@cache
+def modules():
+    """Return the syntax tree of every module, by its path; parsing all of them takes seconds."""
+    paths = sorted(PACKAGE.rglob("*.py"))
+    assert paths, "a sweep over nothing passes"
+    return {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_bytes()) for path in paths}
 
 
 # Arrows
@@ -63,18 +67,20 @@ def imports(tree):
             yield from (alias.name for alias in node.names)
 
 
+@cache
 def arrows():
-    """Yield every import between rooms: the module, its room, and the room it imports from."""
-    rooms = {part(name) for name in MODULES}
-    for name, tree in MODULES.items():
-        for imported in imports(tree):
-            steps = imported.split(".")
-            if steps[0] == "lipsync_lang" and steps[1:2] and steps[1] in rooms - {part(name)}:
-                yield name, part(name), steps[1]
+    """Return every import between rooms: the module, its room, and the room it imports from."""
+    rooms = {part(name) for name in modules()}
+    return [
+        (name, part(name), steps[1])
+        for name, tree in modules().items()
+        for steps in (imported.split(".") for imported in imports(tree))
+        if steps[0] == "lipsync_lang" and steps[1:2] and steps[1] in rooms - {part(name)}
+    ]
 
 
 def test_every_room_has_a_floor():
-    rooms = {part(name) for name in MODULES} - {"__init__", "__main__"}
+    rooms = {part(name) for name in modules()} - {"__init__", "__main__"}
     assert rooms == set().union(*FLOORS)
 
 
@@ -107,7 +113,7 @@ def test_arrows_within_packs_run_downwards_only():
         return PACKS.index(steps[0] if steps[0] in PACKS else "")
 
     upward = []
-    for name, tree in MODULES.items():
+    for name, tree in modules().items():
         if part(name) == "packs":
             here = step(name.split("/")[1:])
             for imported in imports(tree):
@@ -118,7 +124,7 @@ def test_arrows_within_packs_run_downwards_only():
 
 
 def test_writers_know_only_the_schedule_itself():
-    for name, tree in MODULES.items():
+    for name, tree in modules().items():
         if part(name) == "animations":
             for imported in imports(tree):
                 if imported.startswith("lipsync_lang.schedules"):
@@ -126,7 +132,7 @@ def test_writers_know_only_the_schedule_itself():
 
 
 def test_what_runs_beside_the_program_imports_nothing_of_it():
-    for name, tree in MODULES.items():
+    for name, tree in modules().items():
         if name.endswith("_worker.py"):
             assert not [i for i in imports(tree) if i.startswith("lipsync_lang")], name
 
@@ -257,7 +263,7 @@ def named(text):
 def test_no_module_knows_the_name_of_a_language_a_phoneme_or_a_pose():
     names = names_of_packs()
     found = {
-        (name, word) for name, tree in MODULES.items() for t in texts(tree) for word in named(t)
+        (name, word) for name, tree in modules().items() for t in texts(tree) for word in named(t)
     }
     used = {
         key for name, word in found for key in ((name, word), (name, names[word])) if key in EXEMPT
@@ -276,7 +282,7 @@ def test_no_module_knows_the_name_of_a_language_a_phoneme_or_a_pose():
 
 def test_no_two_classes_share_a_name():
     places = defaultdict(list)
-    for name, tree in MODULES.items():
+    for name, tree in modules().items():
         for node in ast.walk(tree):
             if isinstance(node, ast.ClassDef):
                 places[node.name].append(f"{name}:{node.lineno}")
@@ -288,7 +294,7 @@ FORMATS = {"azure", "csv", "glb", "json", "rhubarb", "smartbody", "subtitles", "
 
 
 def test_only_formats_give_their_name_to_two_modules():
-    names = Counter(name.rpartition("/")[2].removesuffix(".py") for name in MODULES)
+    names = Counter(name.rpartition("/")[2].removesuffix(".py") for name in modules())
     twice = {name for name, count in names.items() if count > 1 and name != "__init__"}
     assert twice == FORMATS
 
@@ -304,37 +310,45 @@ def public(tree):
                 yield from public(node)
 
 
-@every_module
-def test_everything_public_says_what_it_is(name):
-    tree = MODULES[name]
-    assert ast.get_docstring(tree), f"{name} says nothing"
-    for node in public(tree):
-        assert ast.get_docstring(node), f"{name}:{node.lineno} {node.name} says nothing"
+def test_everything_public_says_what_it_is():
+    silent = [name for name, tree in modules().items() if not ast.get_docstring(tree)]
+    silent += [
+        f"{name}:{node.lineno} {node.name}"
+        for name, tree in modules().items()
+        for node in public(tree)
+        if not ast.get_docstring(node)
+    ]
+    assert not silent
 
 
 RIDDLE = re.compile(r"(One|What|It|Who|Whether|Which|Where|How|That|Those)\b")
 
 
-@every_module
-def test_a_summary_begins_with_a_verb_or_a_noun_of_the_field(name):
-    texts = [
-        (node.lineno, node.value.value)
-        for node in ast.walk(MODULES[name])
+def test_a_summary_begins_with_a_verb_or_a_noun_of_the_field():
+    riddles = [
+        f"{name}:{node.lineno} {node.value.value.splitlines()[0]}"
+        for name, tree in modules().items()
+        for node in ast.walk(tree)
         if isinstance(node, ast.Expr)
         and isinstance(node.value, ast.Constant)
         and isinstance(node.value.value, str)
+        and RIDDLE.match(node.value.value)
     ]
-    assert not [(line, text.splitlines()[0]) for line, text in texts if RIDDLE.match(text)]
+    assert not riddles
 
 
-@every_module
-def test_only_the_command_line_prints(name):
-    calls = [n for n in ast.walk(MODULES[name]) if isinstance(n, ast.Call)]
-    prints = [n.lineno for n in calls if isinstance(n.func, ast.Name) and n.func.id == "print"]
-    assert part(name) in {"cli", "commands"} or name.endswith("_worker.py") or not prints
+def test_only_the_command_line_prints():
+    prints = [
+        f"{name}:{node.lineno}"
+        for name, tree in modules().items()
+        if part(name) not in {"cli", "commands"} and not name.endswith("_worker.py")
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        if node.func.id == "print"
+    ]
+    assert not prints
 
 
-@every_module
-def test_every_module_can_be_read_at_a_sitting(name):
-    lines = (PACKAGE / name).read_text("utf-8").count("\n")
-    assert lines <= 600, f"{name} has {lines} lines"
+def test_every_module_can_be_read_at_a_sitting():
+    lines = {name: (PACKAGE / name).read_text("utf-8").count("\n") for name in modules()}
+    assert not {name: count for name, count in lines.items() if count > 600}

@@ -8,6 +8,7 @@ import sys
 import typing
 
 import pytest
+from lanes import full
 
 import lipsync_lang as ll
 
@@ -62,6 +63,7 @@ def test_help_is_light(arguments):
     assert not HEAVY & modules_after(code)
 
 
+@full
 def test_performing_a_schedule_needs_no_speech_and_no_pictures():
     code = (
         "import lipsync_lang as ll\n"
@@ -72,6 +74,7 @@ def test_performing_a_schedule_needs_no_speech_and_no_pictures():
     assert not {"jinja2", "matplotlib", "praatio", "espeakng_loader", "http"} & modules_after(code)
 
 
+@full
 def test_resolving_builds_only_the_models_it_reads_and_parses_none_of_their_source():
     code = (
         "import lipsync_lang as ll\n"
@@ -97,6 +100,7 @@ def test_a_name_that_is_not_there_is_told():
         ll.perfrom  # noqa: B018 asking is the point
 
 
+@full
 def test_writers_load_nothing_of_the_network():
     code = "from lipsync_lang.animations.animation_writers import WRITERS; list(WRITERS)"
     assert not {"xml.sax", "urllib.request", "http", "ssl"} & modules_after(code)

@@ -14,6 +14,7 @@ from unicodedata import normalize
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full, swept
 from packs_tree import plant, put
 from shipped import LIBRARY
 
@@ -205,6 +206,7 @@ def test_time_is_shared_by_length():
 # Everything there is
 
 
+@full
 def test_every_segment_of_phoible_finds_its_place(data):
     rows = (data / "phonology" / "phoible_segments.tsv").read_text("utf-8").split("\n")[1:]
     segments = [row.split("\t")[0] for row in rows if row]
@@ -217,6 +219,7 @@ def test_every_segment_of_phoible_finds_its_place(data):
     assert sum(n.distance == 0 for n in found.values()) > 2000
 
 
+@full
 def test_every_inventory_of_phoible_finds_its_place(data):
     inventories = {}
     with gzip.open(data / "phonology" / "phoible_inventories.tsv.gz", "rt", "utf-8") as lines:
@@ -253,7 +256,7 @@ UNSEEN = [
 assert len(UNSEEN) > 60
 
 
-@pytest.mark.parametrize("mark", UNSEEN)
+@pytest.mark.parametrize("mark", swept(UNSEEN, quick=UNSEEN[::8]))
 def test_a_mark_that_does_not_show_changes_nothing(mark):
     for letter in LETTERS:
         for label in (letter + mark, mark + letter):
@@ -288,6 +291,7 @@ def test_composition_and_ties_make_no_difference(label):
     assert ROUND.nearest(tied).value == plain.value
 
 
+@full
 @given(st.text())
 def test_nothing_fails(label):
     found = BASE.nearest(label)
@@ -340,7 +344,7 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("old", "new", "code", "hint"), WRONG)
+@pytest.mark.parametrize(("old", "new", "code", "hint"), swept(WRONG, quick=3))
 def test_what_is_wrong_in_the_ipa_is_found_where_it_stands(old, new, code, hint, tmp_path):
     text = LIBRARY.ipa().path.read_text(encoding="utf-8")
     assert text.count(old) == 1
@@ -566,6 +570,7 @@ print(*sorted({name.partition(".")[0] for name in sys.modules}))
 """
 
 
+@full
 def test_a_warm_start_maps_by_features_without_yaml(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path))
     loaded = []
@@ -579,6 +584,7 @@ def test_a_warm_start_maps_by_features_without_yaml(tmp_path, monkeypatch):
     assert not {"yaml", "ruamel", "pydantic"} & loaded[1]
 
 
+@full
 def test_the_cache_notices_another_ipa(tmp_path, monkeypatch):
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     project = tmp_path / "project"
@@ -653,6 +659,7 @@ def test_a_soft_b_does_not_close_where_shades_are_told_apart():
     assert shown("β") == "bmp"
 
 
+@full
 def test_packs_agree_with_the_features_for_the_most_part():
     for found in LIBRARY.names("language"):
         pack = LIBRARY.language(found.name)
@@ -661,6 +668,7 @@ def test_packs_agree_with_the_features_for_the_most_part():
         assert len(differing) <= 0.4 * len(table), found.name
 
 
+@full
 def test_packs_say_why_they_differ_from_the_features():
     decided = LIBRARY.ipa().model.decided
     for found in LIBRARY.names("language"):
@@ -723,6 +731,7 @@ def test_answers_are_read_without_yaml(finder):
     assert named["Delta_2"] == ["qae"]
 
 
+@full
 def test_every_shipped_language_answers_to_what_its_pack_says():
     for found in LIBRARY.names("language"):
         model = LIBRARY.language(found.name).model
@@ -731,6 +740,7 @@ def test_every_shipped_language_answers_to_what_its_pack_says():
         assert LIBRARY.find("language", found.name) == found.path
 
 
+@full
 def test_one_alias_of_two_languages_is_a_warning(tmp_path):
     language(tmp_path, "one", "qab", "aliases: [same, qac]\n")
     language(tmp_path, "two", "qac", "aliases: [two, other, Same]\n")

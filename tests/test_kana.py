@@ -3,6 +3,7 @@
 import sys
 
 import pytest
+from lanes import full
 
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.g2p.kana import MAX_READ_CHARS, dictionary, respell
@@ -94,6 +95,7 @@ def test_what_cannot_be_read_keeps_its_spelling_to_be_named():
 
 
 @needs_dictionary
+@full
 @pytest.mark.parametrize("text", ["水を買う、" * MAX_READ_CHARS, "あ" * (3 * MAX_READ_CHARS)])
 def test_a_text_without_an_end_is_read_in_parts(text):
     pieces = respell(text)

@@ -7,6 +7,7 @@ from functools import cache
 from unicodedata import normalize
 
 import pytest
+from lanes import swept
 from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.phonology.labels import Notation, normalise
@@ -57,7 +58,7 @@ def test_what_the_sources_hear_becomes_what_the_tests_say(pack):
     assert not wrong, "(mapped, stated)"
 
 
-@every_pack
+@pytest.mark.parametrize("pack", swept(LANGUAGES, quick=LANGUAGES[::5]), indirect=True)
 def test_text_becomes_what_the_tests_say(pack):
     """Through the pack's own engine, as every text goes."""
     if pack.g2p is None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.lines import Line, read_lines
@@ -470,6 +471,7 @@ def test_an_encoding_can_be_named(tmp_path):
         read(path, encoding="ascii")
 
 
+@full
 def test_lines_are_streamed(tmp_path):
     path = write(tmp_path / "a.txt", "One\n" * 100_000 + "\0")
     lines = read_lines([path])

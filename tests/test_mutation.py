@@ -62,6 +62,7 @@ def compared(pack: Pack) -> list[Fault]:
     return [*check_rig(pack, poseset, known, to)]
 
 
+@full
 @pytest.mark.parametrize("first", swept(range(0, EDITS, BATCH), quick=2))
 def test_a_slip_gives_located_faults_or_a_sound_pack(first):
     for number in range(first, first + BATCH):
@@ -100,6 +101,7 @@ SCHEDULE = Schedule.from_intervals(
 )
 
 
+@full
 @pytest.mark.parametrize("first", swept(range(0, RESOLVED, FEW)))
 def test_what_is_sound_resolves_and_performs_within_its_promises(first, tmp_path):
     for number in range(first, first + FEW):

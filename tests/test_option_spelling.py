@@ -3,7 +3,8 @@
 import re
 
 import pytest
-from test_house import MODULES, part, texts
+from lanes import full
+from test_house import modules, part, texts
 
 import lipsync_lang as ll
 from lipsync_lang.commands.parser import parser
@@ -49,10 +50,11 @@ def every_action(command):
             yield from every_action(inner)
 
 
+@full
 def test_messages_of_the_library_name_no_options():
     found = {
         name
-        for name, tree in MODULES.items()
+        for name, tree in modules().items()
         if part(name) not in AT_HOME
         for text in texts(tree)
         if re.search(r"(^|[\s(])--[a-z]", text)

@@ -16,7 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from lanes import swept
+from lanes import full, swept
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import temporary, writing
@@ -348,6 +348,7 @@ def test_a_command_that_is_ended_leaves_nothing(folder, number, code):
     assert names(folder) == set()
 
 
+@full
 def test_what_a_killed_command_leaves_is_swept_by_the_next(folder):
     (folder / ".mine.csv").write_text("hidden, and nobody's business")
     assert stopped(signal.SIGKILL, "-o", "a.csv", "-o", "b.hang") == -signal.SIGKILL
@@ -418,11 +419,13 @@ def test_standard_input_is_a_schedule():
     assert ended.stdout.startswith(b"time_s,")
 
 
+@full
 def test_standard_input_is_lines():
     ended = program("transcribe", "-l", "finnish", "--file", "-", "--json", input=b"moi\n\nmoi\n")
     assert [len(one["words"]) for one in json.loads(ended.stdout)] == [1, 1]
 
 
+@full
 @pytest.mark.parametrize(
     ("text", "more"), [("moi\nmoi\n", ()), ("id,fi\n1,moi\n2,moi\n", ("--column", "fi"))]
 )
@@ -436,6 +439,7 @@ def test_standard_input_is_a_script(text, more):
     assert (corpus["lines"], corpus["words"]) == (2, 2)
 
 
+@full
 def test_a_script_may_come_through_a_pipe(folder, cli):
     os.mkfifo(folder / "script.txt")
     writer = threading.Thread(target=lambda: Path("script.txt").write_text("moi\nmoi\n"))
@@ -445,6 +449,7 @@ def test_a_script_may_come_through_a_pipe(folder, cli):
     assert json.loads(ended.out)["corpus"]["lines"] == 2
 
 
+@full
 def test_check_and_pictures_go_to_standard_output(cli):
     ended = program(*RUN, "--schedule", "line.json", "--plot", "-")
     assert ended.stdout.startswith(b"\x89PNG")
@@ -452,12 +457,14 @@ def test_check_and_pictures_go_to_standard_output(cli):
     assert json.loads(cli("check", *RUN[1:], *line, "-o", "-").out)
 
 
+@full
 def test_a_difference_is_told_elsewhere_while_its_picture_is_printed():
     ended = program("bank", "diff", "-l", "english", "-c", "crab", "--plot", "-")
     assert ended.stdout.startswith(b"\x89PNG")
     assert b"bigram" in ended.stderr
 
 
+@full
 def test_a_reader_who_has_seen_enough_costs_no_file(folder):
     process = subprocess.Popen(
         [*PROGRAM, *RUN, "--schedule", "line.json", "-o", "csv:-", "-o", "a.csv"],
@@ -489,6 +496,7 @@ def on_terminal(*arguments):
     return process.returncode, came
 
 
+@full
 def test_a_terminal_takes_text_but_no_bytes():
     code, came = on_terminal(*RUN, "--schedule", "line.json", "-o", "csv:-")
     assert code == 0

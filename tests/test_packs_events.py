@@ -4,6 +4,7 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from lanes import full, swept
 from test_mutation import FILES, SLIPS, edited
 
 from lipsync_lang.packs.yaml import events
@@ -54,7 +55,9 @@ def test_libyaml_is_here():
     assert events.has_libyaml()
 
 
-@pytest.mark.parametrize("path", FILES, ids=lambda path: f"{path.parent.name}/{path.stem}")
+@pytest.mark.parametrize(
+    "path", swept(FILES, quick=FILES[::9]), ids=lambda path: f"{path.parent.name}/{path.stem}"
+)
 def test_a_shipped_pack_is_read_by_libyaml_alone_and_the_same(path):
     assert used(path.read_text("utf-8")) == [by_libyaml]
     assert_same(path, path.read_bytes())
@@ -73,6 +76,7 @@ def test_slips_in_a_piece_of_a_pack_are_read_the_same(first):
         assert_same(path, text.encode())
 
 
+@full
 def test_slips_in_whole_packs_are_read_the_same():
     for number in range(20):
         assert_same(*edited(number))
@@ -81,6 +85,7 @@ def test_slips_in_whole_packs_are_read_the_same():
 PUNCTUATION = "ab:-[]{}&*!|>'\"%#?,\n\n  \t<é1.\r~=@`\\\u2028\x85"
 
 
+@full
 def test_any_punctuation_is_read_the_same():
     rng = Random(1)  # noqa: S311 repeatable, not secret
     for _ in range(2_000):

@@ -71,6 +71,7 @@ def test_a_given_folder_must_be_there(tmp_path):
         Library([tmp_path / "gone"])
 
 
+@full
 def test_a_broken_distribution_is_a_warning(tmp_path, monkeypatch):
     offer(tmp_path, "nowhere.packs", monkeypatch)
     faults = [f for f in validate(Library(project=None)) if f.code == "W304"]

@@ -4,10 +4,11 @@ import csv
 from collections import Counter
 
 import pytest
+from lanes import full
 from shipped import LIBRARY
 
 from lipsync_lang import SpeechError, read_schedule, resolve
-from lipsync_lang.phonology.g2p import Settings, engine
+from lipsync_lang.phonology.g2p import Said, Settings, engine
 from lipsync_lang.phonology.g2p import pinyin as module
 from lipsync_lang.phonology.labels import Notation, recognise
 from lipsync_lang.speech.speaking import speak, transcribe
@@ -128,7 +129,7 @@ def test_an_r_after_a_syllable_is_one_and_a_child_is_a_syllable(heard, text, lab
 
 def test_tones_are_the_voices_alone(read):
     (word,) = read("我们")
-    assert word == ("我们", ("uo", "m", "en"), "wo3men5", "")
+    assert word == Said("我们", ("uo", "m", "en"), "wo3men5")
 
 
 def test_syllables_that_the_voice_does_not_know_are_spelled_round_it(voiced):
@@ -238,6 +239,7 @@ def test_foreign_words_are_said_as_the_voice_says_them():
     assert not found.unread
 
 
+@full
 def test_every_sound_of_english_words_is_mapped(data):
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     lines = (data / "text" / "harvard-sentences.txt").read_text("utf-8").splitlines()
@@ -257,7 +259,7 @@ def test_punctuation_rests_and_quotes_do_not(read):
     assert [word.text for word in words] == ["你好", "，", "世", "界", "……", "好", "吗", "？"]
     assert [word.text for word in words if not word.labels] == ["，", "……", "？"]
     assert not any(word.unread for word in words)
-    assert read(" 。") == (("。", (), "", ""),)
+    assert read(" 。") == (Said("。", ()),)
     assert read("") == ()
 
 
@@ -305,6 +307,7 @@ def lines_of(data):
             yield from (row["schinese"], row["tchinese"])
 
 
+@full
 def test_whole_texts_are_read_without_a_gap(data):
     texts = [line for line in lines_of(data) if line.strip()]
     assert len(texts) > 200

@@ -65,6 +65,7 @@ def texts(animation):
     return [unescape(text) for text in found]
 
 
+@full
 @drawn
 @pytest.mark.parametrize("name", swept(FORMATS, quick=["png"]))
 def test_every_format_is_drawn_alike_each_time(animation, name):
@@ -73,6 +74,7 @@ def test_every_format_is_drawn_alike_each_time(animation, name):
     assert first == picture(animation, name.upper())
 
 
+@full
 @drawn
 def test_the_users_own_settings_neither_show_nor_change(animation):
     import matplotlib as mpl
@@ -112,7 +114,7 @@ def test_only_poses_that_move_have_a_row(performer, animation):
 
 
 @drawn
-@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("preset", swept(PRESETS))
 def test_the_legend_names_the_stages_in_their_order(performer, schedule, preset):
     changed = performer.with_motion(preset)
     names = [STAGES[stage.name][0] for stage in changed.performance(schedule, 60).stages(0, 9)]
@@ -167,7 +169,7 @@ def test_neither_sound_nor_words_are_needed(performer, schedule):
 
 
 @drawn
-@pytest.mark.parametrize("fps", [1, 12, 1000])
+@pytest.mark.parametrize("fps", swept([1, 12, 1000]))
 def test_the_shortest_line_is_drawn_at_any_rate(performer, fps):
     short = Schedule(("t", "aɪ"), np.array([0.3, 0.301, 0.302]), notation="ipa")
     animation = performer.perform(short, fps)
@@ -175,6 +177,7 @@ def test_the_shortest_line_is_drawn_at_any_rate(performer, fps):
     assert picture(animation.cut()).startswith(MAGIC["png"])
 
 
+@full
 @drawn
 def test_sound_may_be_silent_or_shorter_than_the_line(performer, schedule):
     for samples in (0, 1, 4000):
@@ -202,6 +205,7 @@ def test_a_long_line_wraps_and_ends_after_a_minute(performer):
     assert height < 12_000
 
 
+@full
 @drawn
 def test_text_in_any_script_is_kept_and_warns_of_nothing(performer, schedule):
     words = (Word("नमस्ते 中文", 1, 5), Word("$x_1$ & <b>", 5, 9))
@@ -227,6 +231,7 @@ def test_without_matplotlib_the_extra_is_named(animation, monkeypatch):
         picture(animation)
 
 
+@full
 @drawn
 def test_matplotlib_is_loaded_late_and_never_its_global_state():
     code = """

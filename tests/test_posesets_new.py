@@ -5,6 +5,7 @@ import struct
 from pathlib import Path
 
 import pytest
+from lanes import full, swept
 from packs_tree import TREE, plant, put
 from shipped import POSESETS
 
@@ -81,6 +82,7 @@ def assert_it_speaks(cli, name):
 # What nobody knows
 
 
+@full
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 9, 20, 21, 40])
 def test_poses_nobody_knows_move_at_once(count, cli):
@@ -150,7 +152,7 @@ def test_what_is_in_a_draft_explains_itself(cli):
 
 
 @pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize("name", POSESETS)
+@pytest.mark.parametrize("name", swept(POSESETS, quick=2))
 def test_every_pose_set_can_be_started_from(name, cli):
     _, model = new(cli, "mine", "--like", name)
     known = Library().poseset(name).model

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from lanes import full
 
 from lipsync_lang.commands.completion import leaves
 from lipsync_lang.commands.parser import parser
@@ -55,6 +56,7 @@ def test_the_command_line_wins(cli, project):
     assert not (project / "takes").exists()
 
 
+@full
 def test_motion_is_the_projects_unless_the_command_line_says_otherwise(cli, project):
     def curves(*more):
         return cli("run", "--schedule", "hello.json", "-o", "csv:-", *more).out
@@ -71,12 +73,14 @@ def test_motion_is_the_projects_unless_the_command_line_says_otherwise(cli, proj
     assert curves("--set", "motion=paper") == paper
 
 
+@full
 def test_an_output_is_called_by_the_words_of_its_line(cli, project):
     ended = cli("run", "Hi, you / there!", "--tts", "none")
     assert ended.code == 0
     assert (project / "takes/Hi-you-there.csv").is_file()
 
 
+@full
 def test_packs_of_the_project_are_found_below_it(cli, project):
     (project / "more/characters").mkdir(parents=True)
     (project / "characters").mkdir()
@@ -147,6 +151,7 @@ def test_without_a_project_what_is_missing_is_said(cli, project, command):
     )
 
 
+@full
 def test_commands_that_count_and_explain_take_it_too(cli, project):
     assert "english on facefx" in cli("coverage", "hello.json").out
     assert cli("explain", "--schedule", "hello.json", "--at", "0.1").code == 0

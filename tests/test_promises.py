@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from lanes import full
 from strategies import RATES, Line, any_lines, lines, motions, random_curves, real
 
 from lipsync_lang import Schedule, resolve
@@ -280,6 +281,7 @@ def test_moving_a_schedule_moves_the_curves(line, motion, fps, seconds):
     assert np.abs(after - before).max() <= MOVED
 
 
+@full
 @pytest.mark.parametrize("fps", [50, 60, 100])
 def test_rounding_never_chooses_the_phoneme_of_a_frame_on_a_boundary(fps):
     rng = np.random.default_rng(1)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 from shipped import POSESETS
 from strategies import any_lines  # noqa: F401 its profile is wanted
 
@@ -392,6 +393,7 @@ def test_a_character_limits_over_its_pose_set(tmp_path):
         assert "rules sibilants" in values(quality)
 
 
+@full
 def test_a_bigram_that_waives_its_contact_is_not_missed(tmp_path):
     folder = tmp_path / "characters"
     folder.mkdir()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import costly, full
+from lanes import costly, full, swept
 
 import lipsync_lang as ll
 from lipsync_lang.schedules import SILENCE
@@ -29,18 +29,21 @@ def heard(data, english):
     return recognised(english, data / "alignments" / "english_hts" / "arctic_a0009.wav")
 
 
+@full
 def test_words_that_are_said_are_heard(heard):
     said = ["he", "turned", "sharply", "and", "faced", "gregson", "across", "the", "table"]
     assert [word.text for word in heard.words] == said
     assert heard.confidence > 0.8
 
 
+@full
 def test_what_was_recognised_says_so_and_repeats_it(heard):
     assert heard.recognised
     assert "heard: he turned sharply" in heard.remarks[0]
     assert (heard.notation, heard.language) == ("arpabet", "english")
 
 
+@full
 def test_what_was_recognised_is_aligned(heard):
     text = " ".join(word.text for word in heard.words)
     known = ll.align(heard.audio, text, "english")
@@ -68,7 +71,7 @@ def test_long_recordings_are_heard_in_parts(heard, english, monkeypatch):
     assert tables[1] - tables[0] == pytest.approx(found.end / 2, abs=0.05)
 
 
-@pytest.mark.parametrize("count", [1, 100, 16_000])
+@pytest.mark.parametrize("count", swept([16_000, 100, 1]))
 def test_silence_is_a_pause(english, count):
     found = recognised(english, ll.Audio(np.zeros(count, np.int16), RATE))
     assert found.labels == (SILENCE,)
@@ -77,6 +80,7 @@ def test_silence_is_a_pause(english, count):
     assert "no words were heard" in found.remarks[0]
 
 
+@full
 def test_sounds_without_words_are_heard_as_phonemes(heard, english, monkeypatch):
     monkeypatch.setattr(
         "lipsync_lang.speech.recognise.pocketsphinx_recogniser._words", lambda *_: []

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from lanes import full
 
 from lipsync_lang import PackError, resolve
 from lipsync_lang.packs.finding import built_in
@@ -161,6 +162,7 @@ def test_two_faults_in_two_files_come_at_once(tmp_path):
         compiled(tmp_path)
 
 
+@full
 def test_a_bank_for_another_languages_phonemes_does_not_matter_here(tmp_path):
     bank(tmp_path, "other", "  l-qq: {curves: {}}\n")
     with pytest.raises(PackError, match=r"P202 unknown phoneme 'qq'"):

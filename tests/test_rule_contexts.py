@@ -5,6 +5,7 @@ import sys
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.library import Library
@@ -167,6 +168,7 @@ PIECES = st.lists(
 ).map("".join)
 
 
+@full
 @settings(max_examples=500)
 @given(PIECES, st.booleans(), st.text("abé7'", max_size=60), st.integers(0, 60))
 def test_every_context_that_is_accepted_works_in_use(text, precedes, word, at):
@@ -178,6 +180,7 @@ def test_every_context_that_is_accepted_works_in_use(text, precedes, word, at):
     assert context.fits(word, min(at, len(word))) in (True, False)
 
 
+@full
 def test_the_rules_of_every_shipped_language_are_within_their_steps():
     library = Library()
     swept = 0

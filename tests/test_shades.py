@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lanes import full
 from packs_tree import put
 from shipped import LIBRARY, POSESETS
 
@@ -81,6 +82,7 @@ def test_a_shade_moves_by_its_own_target(packs):
     assert finer.compiled.phonemes[-3:] == ("ae", "ng", "bw")
 
 
+@full
 def test_shades_off_are_exactly_their_parents(packs):
     coarse = curves(performer(packs, "coarse"))
     assert np.array_equal(curves(performer(packs, shades=False)), coarse)
@@ -129,6 +131,7 @@ def test_a_style_that_draws_the_parent_moves_its_shades(packs):
     assert made.report.styles == {"angry": {"edited": 1}}
 
 
+@full
 def test_what_counts_are_the_parents(packs):
     finer, coarse = performer(packs).report, performer(packs, "coarse").report
     assert replace(finer, language="", shades=()) == replace(coarse, language="", shades=())
@@ -137,6 +140,7 @@ def test_what_counts_are_the_parents(packs):
     assert diff_banks(Library([packs], project=None), "finer", "facefx").total == 483
 
 
+@full
 def test_a_shade_that_a_bank_draws_is_compared_as_any_bigram(packs):
     bank(packs, f"  kg-ae: {{status: edited, curves: {{FV: {CURVE}}}}}\n")
     library = Library([packs], project=None)
@@ -152,6 +156,7 @@ def test_a_shade_that_a_bank_draws_is_compared_as_any_bigram(packs):
     assert {one.bigram for one in found.changes} == {"kg-aa", "kg-ae"}
 
 
+@full
 def test_a_shade_that_no_bank_draws_is_compared_if_it_is_asked_for(packs):
     bank(packs, f"  kg-aa: {{curves: {{FV: {CURVE}}}}}\n")
     library = Library([packs], project=None)

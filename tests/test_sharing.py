@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from lanes import full
 
 NAME = "lipsync-lang-hawaiian"
 PACK = Path("lipsync_lang_hawaiian/languages/hawaiian.yaml")
@@ -84,6 +85,7 @@ def listed(start):
     return [row for row in json.loads(done.out) if row["name"] == "hawaiian"]
 
 
+@full
 def test_the_wheel_holds_the_pack_and_says_so(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
@@ -93,6 +95,7 @@ def test_the_wheel_holds_the_pack_and_says_so(wheel):
     assert any(name.endswith("/licenses/LICENSE") for name in names)
 
 
+@full
 def test_an_installed_language_is_found_and_says_where_it_is_from(start, site):
     (row,) = listed(start)
     assert row["origin"] == f"installed: {NAME}"
@@ -103,10 +106,12 @@ def test_an_installed_language_is_found_and_says_where_it_is_from(start, site):
         assert not any(told["tests"]["untested"].values())
 
 
+@full
 def test_an_installed_language_has_no_faults(start, site):
     assert start("validate", site / PACK) == (0, "", "0 faults, 0 warnings\n")
 
 
+@full
 def test_an_installed_language_speaks_without_a_voice(start, tmp_path):
     done = start(
         "run", "Aloha kākou", "-l", "haw", "-c", "facefx", "--tts", "none", "-o", "aloha.csv"
@@ -117,6 +122,7 @@ def test_an_installed_language_speaks_without_a_voice(start, tmp_path):
     assert (tmp_path / "aloha.csv").read_text().startswith("time_s,open,")
 
 
+@full
 def test_a_project_stands_in_front_of_it_and_may_extend_it(start, tmp_path):
     said = json.loads(start("transcribe", "kai", "-l", "haw", "--json").out)
     assert said[0]["phonemes"] == ["kg", "aa", "iy"]
@@ -130,6 +136,7 @@ def test_a_project_stands_in_front_of_it_and_may_extend_it(start, tmp_path):
     assert start("validate", "languages") == (0, "", "0 faults, 0 warnings\n")
 
 
+@full
 def test_without_it_the_language_is_unknown(start, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", os.devnull)
     done = start("languages", "show", "hawaiian")

@@ -109,6 +109,7 @@ def test_a_header_that_leaves_the_length_open_is_believed(tmp_path):
     assert np.array_equal(read_audio(path).samples, TONE)
 
 
+@full
 def test_a_recording_of_more_than_two_hours_is_refused_unread(tmp_path):
     rate = SLOWEST
     path = tmp_path / "a.flac"
@@ -138,6 +139,7 @@ def test_a_resampled_sound_lasts_as_long(rate, count):
     assert abs(resampled(audio, RATE).seconds - audio.seconds) <= 1 / RATE
 
 
+@full
 def test_a_resampled_tone_is_the_same_tone():
     there = resampled(ll.Audio(TONE, RATE), 44_100)
     back = resampled(there, RATE)

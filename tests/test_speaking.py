@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang import SpeechError, resolve, speak
 from lipsync_lang.authoring.printing import transcript_table
@@ -175,6 +176,7 @@ def test_a_language_without_a_voice_takes_its_own_lengths(ruled):
     assert made.times[6] - made.times[5] == pytest.approx(defaults["silence"])
 
 
+@full
 def test_a_voice_can_be_left_out():
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     made = speak("Hello, world", "english", engine="none")
@@ -206,6 +208,7 @@ def test_a_packs_own_words_override_its_engine(ruled):
     assert [performer.compiled.phonemes[i] for i in ids] == ["d", "ow"]
 
 
+@full
 def test_a_character_says_words_its_own_way(ruled):
     folder = ruled / "characters"
     folder.mkdir()
@@ -223,6 +226,7 @@ def test_a_character_says_words_its_own_way(ruled):
     assert heard.phonemes == ("d", "ah", "bmp")
 
 
+@full
 def test_words_that_an_engine_runs_together_are_told_apart_to_be_overridden(tmp_path):
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     (tmp_path / "languages").mkdir()

@@ -7,7 +7,7 @@ import re
 import sys
 
 import pytest
-from lanes import swept
+from lanes import full, swept
 
 from lipsync_lang.terminal import progress, safe_streams, spelled_out, wipe
 
@@ -105,6 +105,7 @@ def test_the_streams_come_back(capsys):
 # Spreadsheets
 
 
+@full
 @pytest.mark.parametrize("start", swept(["=", "+", "-", "@"]))
 def test_a_cell_that_begins_like_a_formula_is_text_and_numbers_are_numbers(folder, cli, start):
     name = f"{start}cmd|'x'!A0.txt"

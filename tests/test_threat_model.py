@@ -9,6 +9,7 @@ import tracemalloc
 from pathlib import Path
 
 import pytest
+from lanes import full
 
 import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError
@@ -162,6 +163,7 @@ def written(folder, seconds):
     return file
 
 
+@full
 @pytest.mark.parametrize("measure", [calls, peak_bytes])
 def test_timings_cost_in_step_with_their_size(project, measure):
     ll.read_schedule(written(project, 10))  # what is imported and kept is paid once

@@ -390,6 +390,7 @@ def spoken():
     return perform
 
 
+@full
 @pytest.mark.parametrize("character", ["facefx", "crab"])
 def test_lips_meet_where_they_must_and_part_for_a_vowel(spoken, character):
     scene = staged(spoken(character))
@@ -501,6 +502,7 @@ READ_BACK = {"mp4": as_video, "png": as_sheet, "webm": as_video}
 NEEDS = {"mp4": ("imageio_ffmpeg", "PIL"), "png": ("PIL",), "webm": ("imageio_ffmpeg", "PIL")}
 
 
+@full
 @pytest.mark.parametrize(
     ("kind", "codec", "sound"), swept([("mp4", "h264", "aac"), ("webm", "vp9", "opus")])
 )
@@ -558,6 +560,7 @@ def test_a_schedule_without_sound_makes_a_silent_video(ffmpeg, spoken, tmp_path)
     assert len(frames_of(ffmpeg, tmp_path / "line.mp4")) == len(animation.times)
 
 
+@full
 @pytest.mark.usefixtures("ffmpeg")
 def test_what_ffmpeg_says_is_told_and_no_file_is_left(spoken, tmp_path, monkeypatch):
     monkeypatch.setitem(video.CODECS, "mp4", ("-c:v", "nothing-like-it"))
@@ -627,6 +630,7 @@ def test_of_many_sounds_the_most_different_are_shown():
     assert 41 in chosen, "the only one of its kind"
 
 
+@full
 @pytest.mark.usefixtures("stills")
 @pytest.mark.parametrize(
     "word",
@@ -640,6 +644,7 @@ def test_words_in_any_script_are_written_or_boxed(spoken, word):
     assert out.getvalue().startswith(b"\x89PNG")
 
 
+@full
 def test_the_command_line_makes_both(ffmpeg, stills, cli, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rows = [{"label": label, "start": n / 5, "end": (n + 1) / 5} for n, label in enumerate(LABELS)]

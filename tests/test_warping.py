@@ -71,6 +71,7 @@ def gapped(schedule, at, seconds):
     return Audio(sound, schedule.audio.rate)
 
 
+@full
 def test_another_voice_at_another_speed_is_found_to_a_frame(speakers, recording):
     found = WARP.align(recording.audio, TEXT, speakers["english"])
     wrong = np.abs(errors(found, recording))
@@ -94,6 +95,7 @@ def test_the_result_is_the_voices_phonemes_and_words_at_the_recordings_times(spe
     assert not found.estimated
 
 
+@full
 def test_a_recording_made_twice_is_aligned_alike(speakers, recording):
     one, two = (WARP.align(recording.audio, TEXT, speakers["english"]) for _ in range(2))
     assert np.array_equal(one.times, two.times)
@@ -165,6 +167,7 @@ def test_the_level_of_a_recording_does_not_count(speakers, recording):
     assert np.median(np.abs(errors(found, recording))) < 0.01
 
 
+@full
 def test_a_text_that_is_not_said_is_doubted(speakers, recording):
     right = WARP.align(recording.audio, TEXT, speakers["english"])
     wrong = WARP.align(

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from lanes import full, swept
 from test_consumers import chromium, found, run
 from test_coverage_page import EMPTY, NASTY, made, spoiled
 
@@ -40,6 +41,7 @@ def ranking(rows):
     ]  # fmt: skip
 
 
+@full
 def test_a_reader_can_choose_search_filter_and_sort(show):
     document = made(2, 2)
     first, chosen = document["reports"][0], document["reports"][REPORT]
@@ -57,6 +59,7 @@ def test_a_reader_can_choose_search_filter_and_sort(show):
     assert shown["sorted"] == sorted(names)
 
 
+@full
 def test_the_map_can_be_walked_by_keyboard(show):
     shown = show(made(2, 2))
     before, after = (tip.split("-") for tip in shown["tips"])
@@ -65,11 +68,13 @@ def test_the_map_can_be_walked_by_keyboard(show):
     assert shown["hushed"]
 
 
+@full
 def test_paper_has_every_row_and_no_controls(show):
     shown = show(made(2, 2))
     assert (shown["printed"], shown["cut"]) == ([], 0)
 
 
+@full
 def test_without_scripts_the_first_report_can_be_read(show):
     document = made(2, 2)
     still = show(document)["still"]
@@ -81,12 +86,13 @@ def test_without_scripts_the_first_report_can_be_read(show):
     assert not missing
 
 
+@full
 def test_no_text_of_a_corpus_runs(show):
     shown = show(spoiled(made(2, 2), "".join(NASTY)))
     assert shown["chosen"]["title"].startswith("Spanish")
 
 
-@pytest.mark.parametrize("document", EMPTY.values(), ids=EMPTY)
+@pytest.mark.parametrize("document", swept(EMPTY.values()), ids=EMPTY)
 def test_a_page_of_nothing_opens(document, show):
     one = document["reports"]
     many = json.loads(json.dumps(document | {"reports": one * (REPORT + 1)}))
