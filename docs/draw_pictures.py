@@ -1,0 +1,283 @@
+"""Draw the pictures of the documentation that show motion, into docs/images or another folder.
+
+    python docs/draw_pictures.py [--only NAME ...] [FOLDER]
+
+    spectrum    the share of the jaw's power above each frequency, before and now, over eight lines
+    keys        keys fitted by `--keys 0.02` over every frame
+    languages   each sound of a German and a Mandarin line, before and now
+    crab        bigrams of the crab as drafted and as edited, with frames
+    sheet       a sheet of stills
+
+"Before" is today's targets with the motion settings of version 0.1: valleys filled, thresholds of
+0.5, no softening, no look-ahead, no stress, no loudness, and every shade as its parent. Lines are
+spoken by eSpeak NG; the pictures need the extras `plot` and `speech`.
+"""
+
+# ruff: noqa: INP001 - a script, not in a package
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from PIL import Image, ImageDraw, ImageFont
+
+import lipsync_lang as ll
+from lipsync_lang.animations.keys import cubic_curves
+from lipsync_lang.packs.finding import built_in
+from lipsync_lang.quality.curve_statistics import HIGH_HERTZ
+from lipsync_lang.quality.likeness import CAPTURE_FPS
+from lipsync_lang.render.model.camera import close_up
+from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.staging import staged, sweep
+from lipsync_lang.schedules.schedule import SILENCE
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ROOT = Path(__file__).parent
+sys.path.insert(0, str(ROOT.parent / "benchmarks"))
+import motion as benchmark  # noqa: E402 it lies beside
+
+BEFORE: dict[str, Any] = {
+    "smooth": "closing",
+    "window": 0.1,
+    "thresholds": "paper",
+    "softness": 0,
+    "anticipate": 0,
+    "stress": 0,
+    "loudness": 0,
+}
+"""Motion settings of version 0.1."""
+
+CAPTURES_HIGH = (1.0, 1.2)
+"""Percent of the power of captured jaws above `HIGH_HERTZ`."""
+
+OLD, NOW, INK, PALE = "#c0392b", "#1f618d", "#222222", "#999999"
+CELL, FOOT, COLUMNS = 100, 22, 12
+"""Pixels: side of a still, height of a caption; and stills in a row."""
+
+LINES = {
+    "german": "Fünf Mäuse kauften am Morgen blaue Schuhe.",
+    "mandarin": "我们明天去学校买新书。",
+}
+SEEN = 0.05
+"""Difference of a pose between draft and edit that is drawn."""
+
+BIGRAMS = [("ow-_", "go"), ("s-w", "sweet"), ("aw-th", "mouth")]
+
+
+def pair(language: str, character: str) -> tuple[ll.Performer, ll.Performer]:
+    """Return performers of a face: with the settings of before, and as it is now."""
+    old = ll.resolve(language, character, shades=False).with_motion(BEFORE)
+    return old, ll.resolve(language, character)
+
+
+def spectrum(path: Path) -> None:
+    """Draw the share of the jaw's power above each frequency, the mean of eight lines."""
+    figure = Figure((7, 3.6), layout="constrained")
+    axes = figure.subplots()
+    for performer, colour, name in zip(
+        pair("english", "facefx"), (OLD, NOW), ("before", "now"), strict=True
+    ):
+        shares = np.mean([_above(performer, line) for line in benchmark.lines()], axis=0)
+        axes.semilogy(np.arange(len(shares)) * 0.5, shares, color=colour, lw=2, label=name)
+    low, high = CAPTURES_HIGH
+    axes.vlines(HIGH_HERTZ, low, high, color=INK, lw=10)
+    axes.annotate(
+        "captures of real faces:\n1.0-1.2 % above 8 Hz", (HIGH_HERTZ, low), (3.2, 0.25),
+        arrowprops={"arrowstyle": "-", "color": PALE}, color=INK,
+    )  # fmt: skip
+    axes.set(
+        xlim=(0, CAPTURE_FPS / 2), ylim=(0.03, 110), xlabel="frequency in Hz",
+        ylabel="% of the jaw's power above it",
+    )  # fmt: skip
+    axes.grid(color="#dddddd", lw=0.6)
+    axes.legend(frameon=False)
+    figure.savefig(path, dpi=100)
+
+
+def _above(performer: ll.Performer, line: ll.Schedule) -> np.ndarray:
+    """Return the percentage of a line's power above 0, 0.5, ... Hz, as `make motion` has it."""
+    curve = benchmark.jaw(performer, performer.perform(line, fps=CAPTURE_FPS))
+    power = np.abs(np.fft.rfft((curve - curve.mean()) * np.hanning(len(curve)))) ** 2
+    hertz = np.fft.rfftfreq(len(curve), 1 / CAPTURE_FPS)
+    edges = np.arange(0, CAPTURE_FPS / 2, 0.5)
+    return np.array([100 * power[hertz > edge].sum() / power.sum() for edge in edges])
+
+
+def fitted(path: Path) -> None:
+    """Draw keys of three poses over every frame of a line."""
+    performer = ll.resolve("english", "facefx")
+    schedule = ll.speak("Fire! Get down! Everybody out, now!", "english")
+    animation = performer.perform(schedule, fps=60).cut()
+    poses = ("open", "PBM", "W")
+    named = {pose: animation[pose] for pose in poses}
+    table = np.column_stack([*named.values()])
+    found = cubic_curves(poses, animation.times, table, 0.02, animation.contacts)
+    figure = Figure((9, 4.2), layout="constrained")
+    rows = figure.subplots(len(poses), sharex=True)
+    seconds = float(animation.times[-1] - animation.times[0])
+    for axes, curve in zip(rows, found, strict=True):
+        dense, fine = named[curve.name], np.linspace(*animation.times[[0, -1]], 2000)
+        axes.plot(animation.times, dense, ".", color=PALE, ms=3, label="frames")
+        axes.plot(fine, _cubic(curve, fine), color=NOW, lw=1.4, label="between keys")
+        axes.plot(curve.times, curve.values, "o", color=OLD, ms=5, label="keys")
+        axes.set(ylabel=curve.name, ylim=(-0.08, 1.08))
+        axes.set_title(f"{len(curve.times) / seconds:.1f} keys a second", loc="right", fontsize=8)
+    rows[0].legend(frameon=False, ncols=3, loc="upper left", fontsize=8)
+    rows[-1].set_xlabel("seconds")
+    figure.savefig(path, dpi=100)
+
+
+def _cubic(curve: Any, at: np.ndarray) -> np.ndarray:
+    """Return the values of a fitted curve at times."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    shown = np.empty(len(at))
+    for number in range(len(curve.times) - 1):
+        ends = slice(number, number + 2)
+        slopes = [curve.leaving[number], curve.arriving[number + 1]]
+        inside = (at >= curve.times[number]) & (at <= curve.times[number + 1])
+        spline = CubicHermiteSpline(curve.times[ends], curve.values[ends], slopes)
+        shown[inside] = spline(at[inside])
+    return shown
+
+
+def stills(animation: ll.Animation, seconds: Sequence[float], size: int) -> list[Image.Image]:
+    """Draw the mouth at times of the schedule."""
+    scene, swept = staged(animation), staged(sweep(animation))
+    artist = Artist(scene, size, close_up(swept), swept)
+    return [Image.fromarray(artist.draw(float(one) + scene.sound)) for one in seconds]
+
+
+def languages(path: Path) -> None:
+    """Draw each sound of a German and a Mandarin line, before above now."""
+    font = ImageFont.truetype("DejaVuSans.ttf", 14)
+    blocks = []
+    for language, text in LINES.items():
+        schedule = ll.speak(text, language)
+        sounds = [n for n, label in enumerate(schedule.labels) if label != SILENCE]
+        middles = ((schedule.times[:-1] + schedule.times[1:]) / 2)[sounds]
+        rows = [stills(one.perform(schedule), middles, CELL) for one in pair(language, "facefx")]
+        labels = [schedule.labels[n] for n in sounds]
+        for start in range(0, len(sounds), COLUMNS):
+            part = slice(start, start + COLUMNS)
+            blocks.append((labels[part], [row[part] for row in rows]))
+    height = 2 * CELL + FOOT + 6
+    page = Image.new("RGB", (COLUMNS * (CELL + 2), len(blocks) * height), "white")
+    draw = ImageDraw.Draw(page)
+    for number, (labels, rows) in enumerate(blocks):
+        for column, label in enumerate(labels):
+            left, top = column * (CELL + 2), number * height
+            for row, images in enumerate(rows):
+                page.paste(images[column], (left, top + row * (CELL + 2)))
+            middle = (left + CELL / 2, top + 2 * CELL + 4)
+            draw.text(middle, label, INK, font=font, anchor="ma")
+    _save(page, path)
+
+
+def crab(path: Path) -> None:
+    """Draw bigrams of the crab, drafted and edited: curves, and six frames of each."""
+    edited = ll.resolve("english", "crab")
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / "posesets" / "drafted"
+        shutil.copytree(built_in() / "posesets" / "crab", copy)
+        shutil.rmtree(copy / "banks")
+        pack = copy / "poseset.yaml"
+        pack.write_text(pack.read_text("utf-8").replace("name: crab", "name: drafted"), "utf-8")
+        drafted = ll.resolve("english", "drafted", paths=folder)
+        figure = Figure((12.6, 7.6), layout="constrained", facecolor="#f7f4ef")
+        parts = figure.subfigures(len(BIGRAMS), 1)
+        for part, (bigram, word) in zip(parts, BIGRAMS, strict=True):
+            _bigram(part, bigram, word, drafted, edited)
+        figure.savefig(path, dpi=100)
+    _save(Image.open(path).convert("RGB"), path)
+
+
+def _bigram(part: Any, bigram: str, word: str, drafted: ll.Performer, edited: ll.Performer) -> None:
+    schedule = ll.speak(word, "english")
+    takes = [one.perform(schedule, fps=120) for one in (drafted, edited)]
+    low, high = _span(edited, takes[1], bigram)
+    part.set_facecolor("#f7f4ef")
+    left, right = part.subfigures(1, 2, width_ratios=(1, 2.4))
+    axes = left.subplots()
+    inside = (takes[0].times >= low) & (takes[0].times <= high)
+    moved = {p: np.abs((takes[1][p] - takes[0][p])[inside]).max() for p in edited.poses}
+    colours = ("#8a6d3b", "#c0392b", "#2a8c82")
+    poses = sorted((p for p in moved if moved[p] >= SEEN), key=moved.__getitem__)[-3:]
+    for pose, colour in zip(poses, colours, strict=False):
+        for take, style in zip(takes, ("--", "-"), strict=True):
+            name = pose if style == "-" else None
+            axes.plot(take.times, take[pose], style, color=colour, lw=2, label=name)
+    frames = np.linspace(low, high, 8)[1:-1]
+    for one in frames:
+        axes.axvline(one, color="#cccccc", lw=0.8, zorder=0)
+    axes.set(xlim=(low, high), ylim=(0, 1.1))
+    axes.set_title(f"{bigram} in “{word}”", loc="left", fontsize=10, fontweight="bold")
+    axes.legend(frameon=False, fontsize=8)
+    cells = right.subplots(2, len(frames))
+    for row, (take, name) in enumerate(zip(takes, ("draft", "edited"), strict=True)):
+        pictures = stills(take, frames, 128)
+        for column, picture in enumerate(pictures):
+            cell = cells[row][column]
+            cell.imshow(picture)
+            cell.set(xticks=[], yticks=[])
+            if row == 0:
+                cell.set_title(f"{frames[column]:.2f} s", fontsize=8)
+        cells[row][0].set_ylabel(name, fontweight="bold", fontsize=9)
+
+
+def _span(performer: ll.Performer, animation: ll.Animation, bigram: str) -> tuple[float, float]:
+    """Return the seconds of a bigram in a word."""
+    names = bigram.split("-")
+    ids, times, _ = performer.common_phonemes(animation.schedule)
+    said = [performer.compiled.phonemes[i] for i in ids]
+    parents = performer.compiled.shades
+    said = [parents.get(one, one) for one in said]
+    at = next(n for n in range(len(said) - 1) if said[n : n + 2] == names)
+    end = times[at + 1]
+    stop = end + 0.12 if names[1] == SILENCE else min(times[at + 2], end + 0.14)
+    return float(max(times[at], end - 0.2)), float(stop)
+
+
+def sheet(path: Path) -> None:
+    """Draw a sheet of stills of a line."""
+    schedule = ll.speak("Bob may buy my father a puppy.", "english")
+    ll.resolve("english", "facefx").perform(schedule).save(path)
+    _save(Image.open(path).convert("RGB"), path)
+
+
+def _save(page: Image.Image, path: Path) -> None:
+    """Write a picture of 256 colours, for small files."""
+    page.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+PICTURES = {
+    "spectrum": ("motion-spectrum.png", spectrum),
+    "keys": ("motion-keys.png", fitted),
+    "languages": ("motion-languages.png", languages),
+    "crab": ("crab-edits.png", crab),
+    "sheet": ("still-sheet.png", sheet),
+}
+
+
+def main() -> None:
+    """Draw the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "images")
+    parser.add_argument("--only", nargs="+", choices=PICTURES, default=[*PICTURES])
+    options = parser.parse_args()
+    for name in options.only:
+        file, draw = PICTURES[name]
+        draw(options.folder / file)
+
+
+if __name__ == "__main__":
+    main()
