@@ -201,7 +201,8 @@ def test_sparse_and_normalised_values_are_read(tmp_path):
     np.testing.assert_allclose(scene.points(0.5 / FPS)[:, 2], [0, 0.5, 0, 0, 1, 0], atol=1e-4)
 
 
-def test_bones_turn_what_hangs_on_them(tmp_path):
+def boned(tmp_path, *values):
+    """A square that hangs on a skull and a jaw, and an animation of the jaw in degrees."""
     maker = Maker()
     inverse = np.tile(np.eye(4), (2, 1, 1))
     inverse[1, 3, 1] = -1.0
@@ -225,8 +226,11 @@ def test_bones_turn_what_hangs_on_them(tmp_path):
     }
     maker.mesh(attributes)
     channel = Channel("jaw", node="jaw", rotation=(0, 0, 1))
-    model = maker.write(tmp_path / "a.glb")
-    scene = staged(animation_of(model, channel, values=(0.0, 90.0)))
+    return animation_of(maker.write(tmp_path / "a.glb"), channel, values=values)
+
+
+def test_bones_turn_what_hangs_on_them(tmp_path):
+    scene = staged(boned(tmp_path, 0.0, 90.0))
     np.testing.assert_allclose(scene.rest, SQUARE, atol=1e-6)
     turned = np.array(SQUARE, float)
     about = turned[3:5] - (0, 1, 0)

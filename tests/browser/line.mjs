@@ -71,6 +71,7 @@ try {
   result.at.push(await go(page, Number(open)));
   const wide = await pixels(page);
   result.moved = differing(shut, wide);
+  result.picture = wide;
   await settle(page);
   result.still = differing(wide, await pixels(page));
 

@@ -12,6 +12,9 @@ from test_line_page import NASTY, schedule
 
 import lipsync_lang as ll
 from lipsync_lang.quality.baselines import keyframes
+from lipsync_lang.render.model.camera import framed
+from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.staging import staged, sweep
 
 pytestmark = full
 
@@ -56,6 +59,21 @@ def test_the_types_of_the_scripts_hold():
     assert (done.returncode, done.stdout) == (0, "")
 
 
+def assert_alike(pixels, animation, seconds):
+    """Hold the pixels of a page's face against the picture of the same moment."""
+    swept, side = staged(sweep(animation)), 64
+    artist = Artist(staged(animation), 4 * side, framed(swept), swept)
+    begins = float(animation.times[0]) - float(animation.timeline[0])
+    fine = artist.draw(seconds - begins).astype(float)
+    drawn = fine.reshape(side, 4, side, 4, 3).mean(axis=(1, 3))
+    shown = np.reshape(pixels, (side, side, 4))
+    face = shown[..., 3] == 255
+    assert 0.2 < face.mean() < 0.8
+    apart = np.abs(shown[..., :3] - drawn)[face]
+    assert apart.mean() < 6
+    assert np.percentile(apart, 95) < 25
+
+
 @pytest.mark.parametrize("character", ["facefx", "rhubarb"])
 def test_a_viewer_sees_the_mouth_move_and_its_reasons(show, character):
     animation = performed(character, "pie", "boof")
@@ -78,6 +96,8 @@ def test_a_viewer_sees_the_mouth_move_and_its_reasons(show, character):
     assert shown["looped"]["turns"] == 2, "it goes on playing after the sound's end"
     assert shown["looped"]["long"] <= 0.21
     assert shown["looped"]["before"] <= 0.01
+    if animation.model is not None:
+        assert_alike(shown["picture"], animation, opened)
     assert shown["swapped"] == [f"english on {character}", "plain"]
 
 

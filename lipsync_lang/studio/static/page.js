@@ -1,9 +1,9 @@
 /** The page of a line: one clock moves the face, the playhead and the values. */
 
-import { drawMouth, mouthOf } from "./drawn_mouth.js";
-import { createFace } from "./gl_face.js";
+import { made, swatch, the } from "./elements.js";
 import { Overview } from "./overview.js";
 import { Player } from "./player.js";
+import { Portrait, label } from "./portrait.js";
 import { clock } from "./scales.js";
 import { Take } from "./take.js";
 import { Timeline } from "./timeline.js";
@@ -13,7 +13,7 @@ import { unpack } from "./unpack.js";
 const SHADE_LATER = 50;
 /** Findings of a figure that are listed. */
 const FINDINGS = 20;
-/** Pixels of a drag for a degree of the view. */
+/** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
 
 const KEYS = {
@@ -32,76 +32,6 @@ const KEYS = {
   "+ − 0": "show less time, more time, all",
   "?": "these keys",
 };
-
-/** @param {string} id @returns {HTMLElement} */
-const the = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
-
-/**
- * Make an element.
- * @param {string} name
- * @param {Record<string, string>} [traits]
- * @param {...(Node | string)} content
- * @returns {HTMLElement}
- */
-function made(name, traits = {}, ...content) {
-  const element = document.createElement(name);
-  for (const [key, value] of Object.entries(traits)) element.setAttribute(key, value);
-  element.append(...content);
-  return element;
-}
-
-/** A face or a mouth on a canvas, with its take. */
-class Portrait {
-  /** @param {any} page @param {Take} take */
-  constructor(page, take) {
-    this.take = take;
-    this.data = page.faces[take.data.face];
-    this.canvas = /** @type {HTMLCanvasElement} */ (made("canvas", { role: "img" }));
-    this.caption = made("figcaption", { dir: "auto" });
-    this.figure = made("figure", {}, this.canvas, this.caption);
-    this.close = false;
-    /** @type {import("./gl_face.js").GlFace | null} */
-    this.face = null;
-    this.trouble = "";
-    if (this.data.parts) {
-      try { this.face = createFace(this.canvas, this.data); } catch (error) { this.trouble = String(error); }
-      if (!this.face) this.trouble ||= "this browser shows no 3D (WebGL2); a drawn mouth stands in";
-    }
-    const channels = take.moved.curves;
-    this.moments = channels.map((/** @type {any} */ one, /** @type {number} */ n) => Float32Array.from(channels, (_, k) => (k === n ? one.high : 0)));
-  }
-
-  /** Shade what little light reaches; the first picture does not wait for it. */
-  shade() {
-    this.face?.shade(this.moments);
-  }
-
-  /** @param {boolean} close */
-  setClose(close) {
-    this.close = close;
-    this.face?.setView({ close, yaw: 0, pitch: 0 });
-  }
-
-  /** @param {number} yaw @param {number} pitch degrees */
-  turn(yaw, pitch) {
-    if (this.face) this.face.setView({ yaw: this.face.yaw + yaw, pitch: this.face.pitch + pitch });
-  }
-
-  /** @param {number} seconds */
-  draw(seconds) {
-    const { canvas, take } = this;
-    const size = Math.round(Math.min(2, window.devicePixelRatio || 1) * canvas.clientWidth);
-    const high = Math.round(Math.min(2, window.devicePixelRatio || 1) * canvas.clientHeight);
-    if (size && (canvas.width !== size || canvas.height !== high)) [canvas.width, canvas.height] = [size, high];
-    if (this.face) {
-      this.face.setWeights(take.channelsAt(seconds));
-      this.face.render();
-      return;
-    }
-    const context = canvas.getContext("2d");
-    if (context) drawMouth(context, mouthOf(take.data.measures, take.poses, take.posesAt(take.frameAt(seconds))), this.close);
-  }
-}
 
 /** The page as a whole. */
 class Page {
@@ -502,18 +432,6 @@ class Page {
     event.preventDefault();
     act();
   }
-}
-
-/** @param {Take} take @returns {string} */
-function label(take) {
-  return take.name || [take.data.language, take.data.character].filter(Boolean).join(" on ");
-}
-
-/** @param {string} text @param {string} colour @param {string} form of the sample: a patch, `dots` or a dashed `line` */
-function swatch(text, colour, form = "") {
-  const one = made("li", { class: `swatch ${form}` }, text);
-  one.style.setProperty("--c", colour);
-  return one;
 }
 
 async function start() {

@@ -5,13 +5,12 @@
  */
 
 import { clock, outline, ticks, within } from "./scales.js";
+import { listen } from "./timeline_hands.js";
 
 const RULER = 24, WAVE = 52, BAND = 22, GAP = 8;
 const NARROW = 600;
 /** Pixels per second at which phonemes can be read: with a pointer that shows the rest, and without. */
 const READABLE = 110, NARROW_READABLE = 190;
-/** Pixels that a finger may move in a tap. */
-const TAP = 8;
 /** Least pixels between boundaries that are drawn. */
 const APART = 4;
 const FULL = 65535;
@@ -48,9 +47,7 @@ export class Timeline {
     this.font = "sans-serif";
     /** @type {Record<string, string>} */
     this.colours = {};
-    /** @type {number[]} */
-    this.pressed = [];
-    this.#listen();
+    listen(this);
   }
 
   /**
@@ -395,62 +392,5 @@ export class Timeline {
   rowAt(y) {
     const row = Math.floor((y - this.top) / this.rowHeight);
     return row >= 0 && row < this.line.rows.length ? row : -1;
-  }
-
-  #listen() {
-    const { canvas } = this;
-    /** @type {Map<number, PointerEvent>} */
-    const down = new Map();
-    const place = (/** @type {MouseEvent} */ event) => {
-      const box = canvas.getBoundingClientRect();
-      return [event.clientX - box.left, event.clientY - box.top];
-    };
-    canvas.addEventListener("pointerdown", (event) => {
-      if (event.button) return;
-      canvas.setPointerCapture(event.pointerId);
-      down.set(event.pointerId, event);
-      const [x, y] = place(event);
-      this.pressed = [x, y];
-      this.does.hover(null);
-      if (down.size === 1) {
-        this.does.seek(this.at(x));
-        const row = this.rowAt(y);
-        if (row >= 0) this.does.pick(row);
-      }
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const [x, y] = place(event);
-      const before = down.get(event.pointerId);
-      if (!before) {
-        if (event.pointerType === "mouse") this.does.hover({ seconds: this.at(x), row: this.rowAt(y), x: event.clientX, y: event.clientY });
-        return;
-      }
-      if (down.size === 1) this.does.seek(this.at(x));
-      if (down.size === 2) {
-        const still = [...down.values()].find((one) => one.pointerId !== event.pointerId) ?? event;
-        const [fixed] = place(still), [old] = place(before);
-        if (Math.abs(old - fixed) > 10) this.zoom(Math.abs(x - fixed) / Math.abs(old - fixed), this.at((x + fixed) / 2));
-      }
-      down.set(event.pointerId, event);
-    });
-    for (const name of ["pointerup", "pointercancel"]) {
-      canvas.addEventListener(name, (event) => {
-        const { pointerId, pointerType, clientX, clientY } = /** @type {PointerEvent} */ (event);
-        down.delete(pointerId);
-        const [x, y] = place(/** @type {PointerEvent} */ (event)), [a, b] = this.pressed;
-        const tap = name === "pointerup" && pointerType !== "mouse" && Math.hypot(x - a, y - b) < TAP;
-        if (tap) this.does.hover({ seconds: this.at(x), row: this.rowAt(y), x: clientX, y: clientY });
-      });
-    }
-    canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && this.does.hover(null));
-    canvas.addEventListener("wheel", (event) => {
-      const [x] = place(event);
-      if (event.ctrlKey) this.zoom(Math.exp(-event.deltaY / 300), this.at(x));
-      else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
-        const step = ((event.deltaX || event.deltaY) / this.plotWidth) * (this.to - this.from);
-        this.setView(this.from + step, this.to + step);
-      } else return;
-      event.preventDefault();
-    }, { passive: false });
   }
 }
