@@ -300,9 +300,7 @@ def test_what_cannot_be_compared_is_told(line, cli, outputs, other, told):
 
 
 def test_check_shows_its_findings_on_a_page(line, cli):
-    done = cli(
-        "check", *line, "--baseline", "--limit", "speed=0.1", "--format", "html", "-o", "line.html"
-    )
+    done = cli("check", *line, "--baseline", "--limit", "speed=0.1", "-o", "line.html")
     assert done.code == 1
     takes = read("line.html")["takes"]
     assert [take["name"] for take in takes] == ["", "keyframes", "dominance", "held"]
@@ -318,6 +316,17 @@ def test_check_shows_the_animation_of_another_program(line, cli):
     assert "making" not in take
     assert take["figures"]
     assert "count" in read("old.html")["faces"][0]
+
+
+@pytest.mark.parametrize(
+    ("name", "begins"),
+    [("a.json", "{"), ("a.xml", "<?xml"), ("a.HTML", "<!DOCTYPE html>"), ("a.txt", "english on")],
+)
+def test_the_suffix_tells_how_a_check_is_told(line, cli, name, begins):
+    assert cli("check", *line, "-o", name).code != 2
+    assert Path(name).read_text("utf-8").startswith(begins)
+    assert cli("check", *line, "--format", "text", "-o", name).code != 2
+    assert Path(name).read_text("utf-8").startswith("english on")
 
 
 # Parts

@@ -303,9 +303,9 @@ def _add_check(add: Add) -> None:
         help="the most of a measure that is sound: --limit jitter=2; may be repeated",
     )  # fmt: skip
     check_.add_argument(
-        "--format", choices=("text", "json", "junit", "html"), default="text",
+        "--format", choices=("text", "json", "junit", "html"),
         help="how it is told; html is a page to hear and see the line, and the findings on it "
-        "[text]",
+        "[by the suffix of -o, else text]",
     )  # fmt: skip
     add_json_form(check_)
     check_.add_argument(

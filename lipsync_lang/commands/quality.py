@@ -10,11 +10,15 @@ from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from pathlib import Path
     from typing import BinaryIO
 
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.quality.figures import Quality
+
+SUFFIXES = {".json": "json", ".xml": "junit", ".html": PAGE}
+"""The form of a file that is named without one; all other files are text."""
 
 
 def check(options: Namespace) -> int:
@@ -25,19 +29,22 @@ def check(options: Namespace) -> int:
     performer = performer_for(options)
     takes, remarks = _takes(options, performer)
     judged = _judged(options, performer, takes, remarks)
-    if options.format == PAGE:
-        told = _page(performer, takes, judged)
-    else:
-        told = FORMATS[options.format](judged)
+    form = options.format or _form(options.output)
+    told = _page(performer, takes, judged) if form == PAGE else FORMATS[form](judged)
     if options.output is None:
         print(told)
     else:
         write_all({options.output: _writing(told)})
         tell_written(options.output)
     first = next(iter(judged.values()))
-    if options.format != "text" or options.output is not None:
+    if form != "text" or options.output is not None:
         print(summary(first), file=sys.stderr)
     return SOUND if first.passed else FAULTS
+
+
+def _form(output: "Path | None") -> str:
+    """Return the form that the suffix of a file tells; else text."""
+    return SUFFIXES.get(output.suffix.lower(), "text") if output else "text"
 
 
 def _writing(told: str) -> "Callable[[BinaryIO], None]":

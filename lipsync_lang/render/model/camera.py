@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lipsync_lang.render.model.gltf import Floats
-from lipsync_lang.render.model.scene import Scene
+from lipsync_lang.render.model.scene import MOMENTS, Scene
 
 FIELD = 24.0
 """Vertical field of view in degrees."""
@@ -83,7 +83,7 @@ def close_up(swept: Scene) -> Camera:
     ----------
     swept : a movement of one shape after the other, in a second each
     """
-    times = np.arange(1.0, swept.seconds + 0.5)
+    times = np.unique(np.linspace(1.0, swept.seconds, MOMENTS).round())
     stir = np.mean([np.abs(swept.points(time) - swept.rest).sum(axis=1) for time in times], axis=0)
     mouth = swept.rest[stir >= MOUTH * stir.max()]
     low, high = mouth.min(axis=0), mouth.max(axis=0)

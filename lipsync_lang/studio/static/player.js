@@ -30,6 +30,8 @@ export function wave(samples, rate, start, end) {
 
 /** Seconds for which the clock runs on by itself while the sound's own stands still. */
 const PATIENCE = 0.25;
+/** Seconds by which the sound's clock may be rounded. */
+const SAME = 1e-4;
 
 /** A playing line. Times are seconds of the schedule: the sound starts at 0. */
 export class Player {
@@ -49,6 +51,8 @@ export class Player {
     this.loop = null;
     this.now = start;
     this.since = 0;
+    /** True once the sound is heard: until then, no time passes. */
+    this.heard = false;
     /** @type {HTMLAudioElement | null} */
     this.audio = null;
     if (sound) {
@@ -85,12 +89,13 @@ export class Player {
     const passed = (performance.now() - this.since) / 1000;
     if (!this.audio) return this.now + passed * this.rate;
     const heard = this.start + this.audio.currentTime;
-    if (heard !== this.now || this.audio.ended) {
+    if (Math.abs(heard - this.now) > SAME || this.audio.ended) {
+      this.heard = true;
       this.now = this.audio.ended ? this.end : heard;
       this.since = performance.now();
       return this.now;
     }
-    return this.now + Math.min(passed, this.audio.paused ? 0 : PATIENCE) * this.rate;
+    return this.now + (this.heard ? Math.min(passed, PATIENCE) * this.rate : 0);
   }
 
   play() {
@@ -98,6 +103,7 @@ export class Player {
     const [low, high] = this.loop ?? [this.start, this.end];
     if (this.now >= high - 1e-3 || this.now < low) this.now = low;
     this.playing = true;
+    this.heard = false;
     this.since = performance.now();
     if (this.audio) {
       this.audio.currentTime = this.now - this.start;
@@ -124,6 +130,7 @@ export class Player {
   seek(seconds) {
     this.now = Math.max(this.start, Math.min(this.end, seconds));
     this.since = performance.now();
+    this.heard = false;
     if (!this.audio) return;
     this.audio.currentTime = this.now - this.start;
     if (this.playing && this.audio.paused) this.#sound();
@@ -132,7 +139,11 @@ export class Player {
   /** Start the sound; without a device, the browser's clock goes on alone. */
   #sound() {
     const { audio } = this;
-    audio?.play().catch((error) => { if (error.name !== "AbortError") this.audio = null; });
+    audio?.play().catch((error) => {
+      if (error.name === "AbortError") return; // paused before it began
+      this.audio = null;
+      this.since = performance.now();
+    });
   }
 
   /** @param {number} rate 1 for ordinary speed; the pitch stays */
