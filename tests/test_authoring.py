@@ -193,6 +193,13 @@ def test_tests_that_fail_are_faults_at_their_place(folder, cli):
     assert cli("validate", str(path), "--no-tests").code == 0
 
 
+@pytest.mark.parametrize(("read", "code"), [("[kg, eh]", 0), ("[kg, ah]", 1)])
+def test_an_engine_may_differ_from_the_source_as_a_test_states(folder, cli, read, code):
+    """The source says an "a", and its own phonemes follow; the engine reads "e"."""
+    text = PACK.replace("[kg, eh]", f"[kg, aa], read: {read}").replace("ipa: k e, ", "")
+    assert cli("validate", str(put(folder, "toy", text))).code == code
+
+
 def test_a_trial_knows_what_it_reached(folder):
     put(folder, "toy", PACK.replace("s: s}}", "s: s}, x: {o: ao}}"))
     pack = Library().language("toy")

@@ -172,6 +172,8 @@ BAD = [
     Bad("phoneme in a word", PARENT, "moi: [p, a]", "moi: [p, q]", (("P202", 15, "q]}"),)),
     Bad("phoneme in a test", PARENT, "phonemes: [p, a]", "phonemes: [p, q]",
         (("P202", 19, "q], sou"),)),
+    Bad("phoneme that is read", PARENT, "phonemes: [p, a]", "phonemes: [p, a], read: [p, q]",
+        (("P202", 19, "q], sou"),)),
     Bad("phoneme in a contact", POSESET, "phonemes: [p]", "phonemes: [q]",
         (("P202", 17, "q], flo"),)),
     Bad("phoneme with a target", POSESET, "  f: {FV", "  q: {FV", (("P202", 22, "q: {FV:"),)),
