@@ -121,6 +121,15 @@ const units = {
     const sum = sphere(40).reduce((total, way) => total.map((one, k) => one + way[k]), [0, 0, 0]);
     near(sum, [0, 0, 0], 1);
   },
+  "channels of a rig are rows of their own"() {
+    const curve = (most) => ({ low: 0, high: most, moves: most > 1, values: Uint16Array.of(0, 65535) });
+    const take = new Take({
+      poses: ["open"], start: 0, fps: 10, count: 2, curves: [curve(1)], channels: { poses: ["open"], curves: [curve(20)] },
+    });
+    assert.deepEqual([...take.rows.keys()], ["open", "rig: open"]);
+    assert.deepEqual([take.weight("open", 1), take.weight("rig: open", 1), take.moving], [1, 20, ["rig: open"]]);
+    near(take.channelsAt(0.1), [20]);
+  },
   "a take without its making tells its sounds"() {
     const values = Uint16Array.of(0, 65535, 0);
     const take = new Take({
@@ -130,7 +139,8 @@ const units = {
     assert.equal(take.soundAt(1).label, "AA");
     assert.equal(take.soundAt(1).word, "ma");
     assert.equal(take.frameAt(9), 2);
-    assert.equal(take.weight(0, 1), 1);
+    assert.equal(take.weight("a", 1), 1);
+    assert.deepEqual(take.moving, ["a"]);
     near(take.channelsAt(0.05), [0]);
     assert.deepEqual([take.stepsAt(0, 1), take.bigramsAt(1)], [[], []]);
   },

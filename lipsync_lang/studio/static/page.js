@@ -24,11 +24,11 @@ const KEYS = {
   "Home End": "the beginning and the end",
   "↑ ↓": "choose a pose, and see its reasons",
   "1 2 4": "full, half and quarter speed",
-  "l": "loop, over the word in view where one is spoken",
+  "l": "loop the word at the playhead; in a pause, the whole line",
   "c": "close-up of the mouth",
   "o": "turn the face: front and side",
   "a": "A or B: the other take comes to the front",
-  "n": "the next finding of the check",
+  "n": "the next limit that is missed; where none is, the next remark",
   "+ − 0": "show less time, more time, all",
   "?": "these keys",
 };
@@ -106,9 +106,9 @@ class Page {
     this.row = -1;
     this.drawn = Number.NaN;
     the("against").setAttribute("aria-pressed", String(take !== this.takes[0]));
-    const names = new Set([...take.moving.map((n) => take.poses[n]), ...(other ? other.moving.map((n) => other.poses[n]) : [])]);
-    this.rows = [...take.poses.filter((/** @type {string} */ one) => names.has(one)),
-      ...(other ? other.poses.filter((/** @type {string} */ one) => names.has(one) && !take.poses.includes(one)) : [])];
+    const names = new Set([...take.moving, ...(other?.moving ?? [])]);
+    const every = [...take.rows.keys(), ...(other?.rows.keys() ?? [])];
+    this.rows = [...new Set(every.filter((one) => names.has(one)))];
     this.timeline.show({ take, other, sound: this.data.sound, rows: this.rows });
     this.timeline.row = this.row;
     this.#listPoses();
@@ -235,7 +235,9 @@ class Page {
   }
 
   nextFinding() {
-    const times = this.take.data.figures
+    const { figures } = this.take.data;
+    const missed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL" && one.findings.length);
+    const times = (missed.length ? missed : figures)
       .flatMap((/** @type {any} */ one) => one.findings.map((/** @type {[number, string]} */ [seconds]) => seconds))
       .sort((/** @type {number} */ a, /** @type {number} */ b) => a - b);
     if (!times.length) return;
@@ -278,7 +280,7 @@ class Page {
 
   #listPoses() {
     the("poses").replaceChildren(...this.rows.map((name, row) => {
-      const button = made("button", { type: "button", "aria-expanded": "false" }, made("span", { dir: "auto" }, name), made("i"), made("span", {}, ""));
+      const button = made("button", { type: "button", "aria-expanded": "false" }, made("span", { dir: "auto", title: name }, name), made("i"), made("span", {}, ""));
       button.addEventListener("click", () => this.pick(row === this.row ? -1 : row));
       return made("li", {}, button);
     }));
@@ -330,17 +332,17 @@ class Page {
 
   /** @param {string} name @param {number} row @param {number} frame */
   #value(name, row, frame) {
-    const item = the("poses").children[row], pose = this.take.poses.indexOf(name);
+    const item = the("poses").children[row], own = this.take.rows.get(name);
     const [, bar, number] = /** @type {HTMLElement[]} */ ([.../** @type {Element} */ (item.firstElementChild).children]);
-    const weight = pose < 0 ? 0 : this.take.weight(pose, frame);
-    const range = pose < 0 ? { low: 0, high: 1 } : this.take.data.curves[pose];
-    bar.style.setProperty("--share", String((weight - range.low) / (range.high - range.low)));
+    const weight = this.take.weight(name, frame), { low, high } = own?.curve ?? { low: 0, high: 1 };
+    bar.style.setProperty("--share", String((weight - low) / (high - low)));
     number.textContent = weight.toFixed(2);
     item.querySelector("ol")?.remove();
     if (row !== this.row || this.player.playing) return;
-    const steps = pose < 0 ? [] : this.take.stepsAt(pose, frame);
+    const steps = own ? this.take.stepsAt(own.pose, frame) : [];
     const told = steps.map((step) => made("li", {}, made("span", {}, step.label), made("span", {}, step.weight.toFixed(3)), made("span", {}, step.why)));
-    item.append(made("ol", {}, ...(told.length ? told : [made("li", {}, "at rest")])));
+    const rest = own?.pose === -1 ? "played from the poses by the rig" : "at rest";
+    item.append(made("ol", {}, ...(told.length ? told : [made("li", {}, rest)])));
   }
 
   /** @param {{seconds: number, row: number, x: number, y: number} | null} at */
@@ -350,10 +352,10 @@ class Page {
     if (!at || tip.hidden) return;
     const frame = this.take.frameAt(at.seconds), sound = this.take.soundAt(frame);
     const lines = [`${clock(at.seconds)}  ${sound.label}${sound.word ? `, in ${sound.word}` : ""}`];
-    const pose = this.take.poses.indexOf(this.rows[at.row]);
-    if (pose >= 0) {
-      lines.push(`${this.rows[at.row]} = ${this.take.weight(pose, frame).toFixed(3)}`);
-      lines.push(...this.take.stepsAt(pose, frame).map((one) => `${one.label} ${one.weight.toFixed(3)}  ${one.why}`));
+    const name = this.rows[at.row], own = this.take.rows.get(name);
+    if (own) {
+      lines.push(`${name} = ${this.take.weight(name, frame).toFixed(3)}`);
+      lines.push(...this.take.stepsAt(own.pose, frame).map((one) => `${one.label} ${one.weight.toFixed(3)}  ${one.why}`));
     }
     const near = this.take.data.figures.flatMap((/** @type {any} */ one) => one.findings
       .filter((/** @type {[number, string]} */ [seconds]) => Math.abs(this.timeline.x(seconds) - this.timeline.x(at.seconds)) < 6)

@@ -7,6 +7,9 @@ const FULL = 65535;
 
 /** @typedef {{stage: string, label: string, weight: number, why: string}} Step */
 
+/** @typedef {{low: number, high: number, moves: boolean, values: Uint16Array}} Curve */
+/** @typedef {{pose: number, curve: Curve}} Row a curve and its pose; -1 for a channel of a rig */
+
 /** Curves over time, with what is known of their making. */
 export class Take {
   /** @param {any} data of `take_data.py`, with its arrays */
@@ -20,6 +23,10 @@ export class Take {
     this.count = data.count;
     this.end = this.start + (this.count - 1) / this.fps;
     this.moved = data.channels ?? data;
+    /** @type {Map<string, Row>} poses by name, and then the channels of a rig */
+    this.rows = new Map(this.poses.map((name, pose) => [name, { pose, curve: data.curves[pose] }]));
+    (data.channels?.poses ?? []).forEach((/** @type {string} */ name, /** @type {number} */ n) =>
+      this.rows.set(`rig: ${name}`, { pose: -1, curve: data.channels.curves[n] }));
     /** @type {Uint16Array[][]} for each moving pose, its curve after each stage */
     this.stages = (data.making?.moving ?? []).map((/** @type {number} */ _, /** @type {number} */ row) => {
       /** @type {Uint16Array} */
@@ -38,9 +45,10 @@ export class Take {
     return this.start + frame / this.fps;
   }
 
-  /** @param {number} pose @param {number} frame @returns {number} */
-  weight(pose, frame) {
-    return level(this.data.curves[pose], frame);
+  /** @param {string} row @param {number} frame @returns {number} */
+  weight(row, frame) {
+    const found = this.rows.get(row);
+    return found ? level(found.curve, frame) : 0;
   }
 
   /**
@@ -59,9 +67,9 @@ export class Take {
     return Float32Array.from(this.data.curves, (curve) => level(curve, frame));
   }
 
-  /** Poses that move at any time. @returns {number[]} */
+  /** Rows that move at any time. @returns {string[]} */
   get moving() {
-    return this.data.curves.flatMap((/** @type {any} */ curve, /** @type {number} */ n) => (curve.moves ? [n] : []));
+    return [...this.rows].flatMap(([name, { curve }]) => (curve.moves ? [name] : []));
   }
 
   /** @param {number} seconds @returns {number} the phoneme of the schedule, or -1 outside */

@@ -227,7 +227,8 @@ export class Timeline {
   /** @param {CanvasRenderingContext2D} context */
   #findings(context) {
     this.#clipped(context, () => {
-      for (const { verdict, findings } of this.line.take.data.figures) {
+      const missedLast = this.line.take.data.figures.toSorted((/** @type {any} */ a, /** @type {any} */ b) => Number(a.verdict === "FAIL") - Number(b.verdict === "FAIL"));
+      for (const { verdict, findings } of missedLast) {
         for (const [seconds] of findings) {
           const x = this.x(seconds), y = RULER - 4;
           context.fillStyle = verdict === "FAIL" ? this.colours.fail : this.colours.soft;
@@ -297,7 +298,9 @@ export class Timeline {
     context.textBaseline = "middle";
     context.fillStyle = this.colours.soft;
     let shown = text;
-    while (shown.length > 3 && context.measureText(shown).width > this.left - 10) shown = `${shown.slice(0, -2)}…`;
+    for (let kept = text.length - 1; kept > 2 && context.measureText(shown).width > this.left - 10; kept--) {
+      shown = `${text.slice(0, Math.ceil(kept / 2))}…${text.slice(text.length - Math.floor(kept / 2))}`;
+    }
     context.fillText(shown, this.left - 8, y);
   }
 
@@ -324,13 +327,13 @@ export class Timeline {
     context.fillStyle = this.colours.rule;
     context.fillRect(this.left, bottom, this.plotWidth + 8, 1);
     this.#clipped(context, () => {
-      const pose = take.poses.indexOf(name), rank = take.data.making?.moving.indexOf(pose) ?? -1;
+      const own = take.rows.get(name), same = other?.rows.get(name);
+      const rank = own && own.pose >= 0 ? take.data.making?.moving.indexOf(own.pose) ?? -1 : -1;
       const place = (/** @type {Uint16Array} */ values) => ({ values, take, bottom, tall });
       if (rank >= 0) this.#stages(context, rank, bottom, tall);
-      if (pose >= 0) this.#curve(context, place(take.data.curves[pose].values), this.colours.ink, 1.8, []);
-      const same = other?.poses.indexOf(name) ?? -1;
-      if (other && same >= 0) {
-        this.#curve(context, { ...place(other.data.curves[same].values), take: other }, this.colours.other, 1.8, [5, 3]);
+      if (own) this.#curve(context, place(own.curve.values), this.colours.ink, 1.8, []);
+      if (other && same) {
+        this.#curve(context, { ...place(same.curve.values), take: other }, this.colours.other, 1.8, [5, 3]);
       }
     });
     if (this.narrow) this.#above(context, name, bottom - tall - 5);
