@@ -35,9 +35,11 @@ $(VENV)/ready: pyproject.toml | $(BIN)/python
 demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 	@mkdir -p out
 	@PYTHONDONTWRITEBYTECODE=1 $(BIN)/lipsync-lang run "Please buy five more maps before Bob moves away." \
-	  -l english -c facefx -o out/demo.wav -o out/demo.json -o out/demo.csv --plot out/demo.png
+	  -l english -c facefx -o out/demo.html -o out/demo.wav -o out/demo.json -o out/demo.csv \
+	  --plot out/demo.png
 	@echo
-	@echo "Listen to out/demo.wav and look at out/demo.png: every curve, stage by stage."
+	@echo "Open out/demo.html in a browser: the head speaks, and every curve gives its reasons."
+	@echo "out/demo.wav is the sound, and out/demo.png every curve, stage by stage."
 	@echo "out/demo.csv and out/demo.json are the animation, 60 frames a second."
 	@echo "Next, try a sentence of your own, or ask why the mouth stands as it does:"
 	@echo "  $(BIN)/lipsync-lang run \"Hello, world\" -l english -c facefx -o out/hello.csv --plot out/hello.png"
