@@ -215,9 +215,47 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
     from lipsync_lang.resolver.compiled import Compiled, Report
 
     plain = head["plain"]
+    tables = _tables(head, body)
+    _check_indices(tables)
+    origins = tuple(map(_origin, plain.pop("origins")))
+    styles = {
+        style: {row: _origin(origin) for row, origin in rows.items()}
+        for style, rows in plain.pop("style_origins").items()
+    }
+    notations, visemes = (
+        {
+            name: {label: tuple((p, s) for p, s in value) for label, value in table.items()}
+            for name, table in plain.pop(field).items()
+        }
+        for field in ("notations", "visemes")
+    )
+    words = {text: tuple(sounds) for text, sounds in plain.pop("words").items()}
+    return Compiled(
+        **_tuples(plain),
+        origins=origins,
+        style_origins=styles,
+        notations=notations,
+        visemes=visemes,
+        words=words,
+        tables=tables,
+        motion=Motion(**head["motion"]),
+        report=Report(**_tuples(head["report"])),
+    )
+
+
+def _tuples(plain: dict[str, Any]) -> dict[str, Any]:
+    """Return fields with tuples for lists, which JSON does not tell apart."""
+    return {
+        name: tuple(value) if isinstance(value, list) else value for name, value in plain.items()
+    }
+
+
+def _tables(head: dict[str, Any], body: memoryview) -> Tables:
+    """Return the tables of a file; raise an error for an array of another type or shape."""
+    plain = head["plain"]
     rows, poses, phonemes = (len(plain[name]) for name in ("origins", "poses", "phonemes"))
     array = _reader(head["arrays"], body)
-    tables = Tables(
+    return Tables(
         curves=array("curves", np.float32, rows, RESOLUTION + 1, poses),
         boundary=array("boundary", np.float64, rows),
         free=array("free", np.bool_, rows),
@@ -247,35 +285,6 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
             for n in range(len(plain["style_origins"]))
         ),
         at_most=tuple((pose, other) for pose, other in head["at_most"]),
-    )
-    _check_indices(tables)
-    origins = [_origin(origin) for origin in plain.pop("origins")]
-    styles = {
-        style: {row: _origin(origin) for row, origin in rows.items()}
-        for style, rows in plain.pop("style_origins").items()
-    }
-    notations, visemes = (
-        {
-            name: {label: tuple((p, s) for p, s in value) for label, value in table.items()}
-            for name, table in plain.pop(field).items()
-        }
-        for field in ("notations", "visemes")
-    )
-    words = {text: tuple(sounds) for text, sounds in plain.pop("words").items()}
-    report: dict[str, Any] = {
-        k: tuple(v) if isinstance(v, list) else v for k, v in head["report"].items()
-    }
-    rest: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
-    return Compiled(
-        **rest,
-        origins=tuple(origins),
-        style_origins=styles,
-        notations=notations,
-        visemes=visemes,
-        words=words,
-        tables=tables,
-        motion=Motion(**head["motion"]),
-        report=Report(**report),
     )
 
 

@@ -15,6 +15,7 @@ from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
+from lipsync_lang.resolver import pose_arrays
 from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Pair, Report
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
 from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, PairPacks
@@ -34,27 +35,8 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
     counted = list(shelf.rows())
     finer = shelf.shade_rows()
     rows = [*counted, *(row for pair, row in finer.items() if row.origin.pair == pair)]
-    curves = _tabulate(rows, len(shelf.poses))
-    boundary, free = _marks(rows)
     styles = {style: _styled(shelf, rows, style) for style in shelf.styles}
-    tables = Tables(
-        curves=curves,
-        boundary=boundary,
-        free=free,
-        pairs=_pairs(shelf, rows, finer),
-        silence=0,
-        contacts=tuple(shelf.contacts()),
-        thresholds=shelf.thresholds(),
-        paper=shelf.thresholds(paper=True),
-        priority=shelf.priority(),
-        softness=shelf.softness(),
-        anticipate=np.array([p.anticipate for p in poseset.model.poses.values()], float),
-        highest=shelf.highest(),
-        opposed=shelf.opposed(),
-        at_most=tuple(shelf.at_most()),
-        styles=tuple(_bank(changed, curves) for changed in styles.values()),
-    )
-    _freeze(tables)
+    tables = _tables(shelf, rows, finer, styles)
     model = spoken.model
     manner = manner_of(spoken, common.model, who.model)
     return Compiled(
@@ -99,6 +81,37 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
     )
+
+
+def _tables(
+    shelf: PairPacks,
+    rows: list[BigramRow],
+    finer: Mapping[Pair, BigramRow],
+    styles: Mapping[str, list[BigramRow]],
+) -> Tables:
+    """Return rows, rows of styles, and the rules of the pose set as read-only arrays."""
+    poseset = shelf.poseset.model
+    curves = _tabulate(rows, len(shelf.poses))
+    boundary, free = _marks(rows)
+    tables = Tables(
+        curves=curves,
+        boundary=boundary,
+        free=free,
+        pairs=_pairs(shelf, rows, finer),
+        silence=0,
+        contacts=tuple(shelf.contacts()),
+        thresholds=pose_arrays.thresholds(poseset),
+        paper=pose_arrays.thresholds(poseset, paper=True),
+        priority=pose_arrays.priority(poseset),
+        softness=pose_arrays.softness(poseset),
+        anticipate=pose_arrays.anticipate(poseset),
+        highest=shelf.highest(),
+        opposed=shelf.opposed(),
+        at_most=tuple(pose_arrays.at_most(poseset)),
+        styles=tuple(_bank(changed, curves) for changed in styles.values()),
+    )
+    _freeze(tables)
+    return tables
 
 
 def _pairs(shelf: PairPacks, rows: list[BigramRow], finer: Mapping[Pair, BigramRow]) -> Ints:

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from graphlib import TopologicalSorter
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -14,20 +13,17 @@ from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import known
-from lipsync_lang.packs.models import AtMost, Threshold
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
 from lipsync_lang.resolver.compiled import Origin, Pair
+from lipsync_lang.resolver.pose_arrays import thresholds
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import FilePlace, Library, Pack
 
-
-SOFTNESS = 0.04
-"""Seconds of rounding for a pose without a value in its pose set."""
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
@@ -356,7 +352,7 @@ class PairPacks:
         overall = next((step.overall for step in steps if step.overall is not None), None)
         mentioned = {pose for step in steps for pose in step.weights}
         wanted = np.any(weights, axis=0)
-        against = (self.thresholds() < FREE) @ wanted
+        against = (thresholds(self.poseset.model) < FREE) @ wanted
         dominance = []
         for pose, opposed in zip(self.poses, against, strict=True):
             usual = 1.0 if pose in mentioned or opposed else PASSIVE
@@ -387,24 +383,6 @@ class PairPacks:
             return "" if free else self._touching(self.parents[phoneme], named)
         return self.likes.get(phoneme, phoneme)
 
-    def thresholds(self, *, paper: bool = False) -> Floats:
-        """Constraints as a symmetric (P, P) array; `paper` prefers the paper's own values."""
-        constraints = self.poseset.model.constraints
-        out = np.full((len(self.poses),) * 2, constraints.default)
-        for pair in constraints.pairs:
-            if isinstance(pair, Threshold):
-                a, b = (self.poses.index(pose) for pose in pair.between)
-                own = pair.threshold if not paper or pair.paper is None else pair.paper
-                out[a, b] = out[b, a] = own
-        return out
-
-    def softness(self) -> Floats:
-        """(P,) seconds of rounding for each pose: its own, its region's or the default."""
-        model = self.poseset.model
-        regions = (model.softness.get(pose.region, SOFTNESS) for pose in model.poses.values())
-        own = (pose.softness for pose in model.poses.values())
-        return np.array([b if a is None else a for a, b in zip(own, regions, strict=True)], float)
-
     def highest(self) -> Floats:
         """(P,) the greatest weight of each pose in any target; 1 for a pose in no target.
 
@@ -427,24 +405,6 @@ class PairPacks:
             for pose, weight in steps[-1].weights.items() if steps else ():
                 out[number, self.poses.index(pose)] = weight == 0
         return out
-
-    def at_most(self) -> list[tuple[int, int]]:
-        """Pairs (pose, other), sorted so that each `other` is final before its use."""
-        rules = [
-            (self.poses.index(p.pose), self.poses.index(p.at_most))
-            for p in self.poseset.model.constraints.pairs
-            if isinstance(p, AtMost)
-        ]
-        graph: dict[int, set[int]] = {}
-        for pose, other in rules:
-            graph.setdefault(pose, set()).add(other)
-        order = list(TopologicalSorter(graph).static_order())
-        return sorted(rules, key=lambda rule: order.index(rule[0]))
-
-    def priority(self) -> Floats:
-        """(P,) priorities; larger wins. A pose without a stated priority never yields."""
-        rank = {pose: float(i) for i, pose in enumerate(self.poseset.model.priority)}
-        return np.array([rank.get(pose, np.inf) for pose in self.poses])
 
 
 def _all_faults(library: "Library", error: PackFaults) -> PackFaults:

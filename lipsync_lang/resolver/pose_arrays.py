@@ -1,0 +1,69 @@
+"""Rules of a pose set as arrays; poses are numbered in the order of its `poses`."""
+
+from graphlib import TopologicalSorter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.packs.models import AtMost, Threshold
+from lipsync_lang.pipeline.arrays import Floats
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import PoseSet
+
+SOFTNESS_SECONDS = 0.04
+"""Rounding of a pose without a value in its pose set."""
+
+
+def thresholds(poseset: "PoseSet", *, paper: bool = False) -> Floats:
+    """Constraints as a symmetric (P, P) array; `paper` prefers the paper's own values."""
+    numbers = _numbers(poseset)
+    out = np.full((len(numbers),) * 2, poseset.constraints.default)
+    for pair in poseset.constraints.pairs:
+        if isinstance(pair, Threshold):
+            a, b = (numbers[pose] for pose in pair.between)
+            own = pair.threshold if not paper or pair.paper is None else pair.paper
+            out[a, b] = out[b, a] = own
+    return out
+
+
+def at_most(poseset: "PoseSet") -> list[tuple[int, int]]:
+    """Pairs (pose, other), sorted so that each `other` is final before its use."""
+    numbers = _numbers(poseset)
+    rules = [
+        (numbers[rule.pose], numbers[rule.at_most])
+        for rule in poseset.constraints.pairs
+        if isinstance(rule, AtMost)
+    ]
+    graph: dict[int, set[int]] = {}
+    for pose, other in rules:
+        graph.setdefault(pose, set()).add(other)
+    order = list(TopologicalSorter(graph).static_order())
+    return sorted(rules, key=lambda rule: order.index(rule[0]))
+
+
+def priority(poseset: "PoseSet") -> Floats:
+    """(P,) priorities; larger wins. A pose without a stated priority never yields."""
+    rank = {pose: float(number) for number, pose in enumerate(poseset.priority)}
+    return np.array([rank.get(pose, np.inf) for pose in poseset.poses])
+
+
+def softness(poseset: "PoseSet") -> Floats:
+    """(P,) seconds of rounding for each pose: its own, its region's or the default."""
+    regions = poseset.softness
+    return np.array(
+        [
+            regions.get(pose.region, SOFTNESS_SECONDS) if pose.softness is None else pose.softness
+            for pose in poseset.poses.values()
+        ],
+        float,
+    )
+
+
+def anticipate(poseset: "PoseSet") -> Floats:
+    """(P,) seconds by which each pose may begin early."""
+    return np.array([pose.anticipate for pose in poseset.poses.values()], float)
+
+
+def _numbers(poseset: "PoseSet") -> dict[str, int]:
+    return {pose: number for number, pose in enumerate(poseset.poses)}
