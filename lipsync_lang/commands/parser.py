@@ -16,6 +16,7 @@ from lipsync_lang.commands import (
 from lipsync_lang.commands import quality as check
 from lipsync_lang.commands.completion import SHELLS, completion, leaves
 from lipsync_lang.commands.shared_options import (
+    Options,
     add_json,
     add_json_form,
     add_line,
@@ -57,9 +58,13 @@ def parser() -> argparse.ArgumentParser:
         made.set_defaults(command=command)
         return made
 
-    _add_performing(add)
+    _add_run(add)
+    _add_transcribe(add)
+    _add_explain(add)
+    _add_stills(add)
     _add_checking(add)
     _add_coverage(add)
+    _add_check(add)
     _add_packs(add)
     _add_bank(add)
     voices_ = add("voices", listing.voices, "list the voices that speak text", "voices")
@@ -81,7 +86,7 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
-def _add_performing(add: Add) -> None:
+def _add_run(add: Add) -> None:
     run_ = add(
         "run",
         performing.run,
@@ -89,7 +94,11 @@ def _add_performing(add: Add) -> None:
         "run 'Hello, world' -l english -c facefx -o hello.csv -o hello.wav --plot hello.png",
     )
     add_line(run_)
-    written = run_.add_argument_group("what is written")
+    _add_written(run_.add_argument_group("what is written"))
+
+
+def _add_written(written: Options) -> None:
+    """Add the options of `run` for its outputs."""
     written.add_argument(
         "-o", "--output", metavar="FILE", action="append", default=[],
         help="write the animation; the suffix names the format, or FORMAT:FILE does; csv:- is "
@@ -133,6 +142,8 @@ def _add_performing(add: Add) -> None:
         "--check", action="store_true", help="judge the animation's poses as well, as `check` does"
     )
 
+
+def _add_transcribe(add: Add) -> None:
     transcribe_ = add(
         "transcribe",
         performing.transcribe,
@@ -152,6 +163,8 @@ def _add_performing(add: Add) -> None:
     add_path(transcribe_)
     add_json(transcribe_)
 
+
+def _add_explain(add: Add) -> None:
     explain_ = add(
         "explain",
         performing.explain,
@@ -163,7 +176,6 @@ def _add_performing(add: Add) -> None:
         "--at", metavar="SECONDS", type=float, required=True, help="the time asked about"
     )
     add_json(explain_)
-    _add_stills(add)
 
 
 def _add_stills(add: Add) -> None:
@@ -230,21 +242,7 @@ def _add_coverage(add: Add) -> None:
         "show which bigrams a script needs, and what to author next",
         "coverage script.txt -l english -c facefx",
     )
-    coverage_.add_argument(
-        "corpus",
-        metavar="CORPUS",
-        type=argument_path,
-        nargs="+",
-        help="a file of lines, a folder, or - for standard input",
-    )
-    for short, name, what in (
-        ("-l", "language", "name or tag of a language"),
-        ("-c", "character", "a character or a pose set"),
-    ):
-        coverage_.add_argument(
-            short, f"--{name}", metavar=name.upper(), action="append", default=[],
-            help=f"{what} [the project's]; may be repeated",
-        )  # fmt: skip
+    _add_corpus(coverage_)
     coverage_.add_argument(
         "--format",
         metavar="NAME",
@@ -277,7 +275,24 @@ def _add_coverage(add: Add) -> None:
     coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
     add_path(coverage_)
 
-    _add_check(add)
+
+def _add_corpus(made: argparse.ArgumentParser) -> None:
+    """Add the texts, and the languages and characters that speak them."""
+    made.add_argument(
+        "corpus",
+        metavar="CORPUS",
+        type=argument_path,
+        nargs="+",
+        help="a file of lines, a folder, or - for standard input",
+    )
+    for short, name, what in (
+        ("-l", "language", "name or tag of a language"),
+        ("-c", "character", "a character or a pose set"),
+    ):
+        made.add_argument(
+            short, f"--{name}", metavar=name.upper(), action="append", default=[],
+            help=f"{what} [the project's]; may be repeated",
+        )  # fmt: skip
 
 
 def _add_check(add: Add) -> None:

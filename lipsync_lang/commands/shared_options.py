@@ -56,7 +56,12 @@ def add_line(made: argparse.ArgumentParser) -> None:
     """Add the options of a line: character, text and delivery."""
     made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
     add_pair(made.add_argument_group("who says it"))
-    said = made.add_argument_group("what is said")
+    _add_said(made.add_argument_group("what is said"))
+    _add_delivery(made.add_argument_group("how it is performed"))
+
+
+def _add_said(said: Options) -> None:
+    """Add the sources of a line beside its text."""
     said.add_argument(
         "--audio", metavar="FILE", type=Path,
         help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
@@ -87,7 +92,10 @@ def add_line(made: argparse.ArgumentParser) -> None:
         metavar="ENGINE",
         help="another speech engine than the language's; none estimates times",
     )
-    how = made.add_argument_group("how it is performed")
+
+
+def _add_delivery(how: Options) -> None:
+    """Add the options that change the performance of a line."""
     how.add_argument(
         "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
         help="blend a style in: --style angry:0.5, or over seconds --style angry:0@1,1@2.5",
