@@ -14,6 +14,7 @@ AT_HOME = {"cli", "commands", "authoring"}
 """Rooms of the command line, and of what its commands draft."""
 
 ELSEWHERE = {
+    "animations/keys.py": "reads what an option of the command line was given",
     "animations/rates.py": "reads what an option of the command line was given",
     "banks/fit.py": "remarks of a command that imports",
     "coverage/changes.py": "names the command that writes a report",
