@@ -142,7 +142,7 @@ def test_no_text_becomes_markup(hostile, page):
     times = np.arange(4) / 60
     odd = Animation(
         times, (hostile, "b"), np.zeros((4, 2)), 60, schedule(hostile, "boof"),
-        asked={"line": hostile}, against={hostile: performed()},
+        asked={"line": hostile}, against={hostile: performed("rhubarb")},
     )  # fmt: skip
     made = line_page(odd)
     plain = [(tag, own.get("id")) for tag, own in Elements(page).found]
@@ -241,7 +241,8 @@ def test_a_model_that_cannot_be_drawn_is_told(animation, tmp_path):
     odd = replace(animation, model=broken)
     (face,) = data_of(line_page(odd))["faces"]
     assert list(face) == ["unshown"]
-    assert "broken.glb" in face["unshown"][0]
+    assert face["unshown"][0].startswith("broken.glb: ")
+    assert str(tmp_path) not in line_page(odd)
     assert "draws a mouth" in next(iter(WRITERS["html"].remarks(odd)))
 
 

@@ -84,6 +84,15 @@ def test_what_is_not_shown_of_a_model_is_told(tmp_path):
         assert what in told
 
 
+def test_a_point_that_moves_out_of_sight_is_told(tmp_path):
+    animation = boned(tmp_path, 0.0, 90.0)
+    (jaw,) = animation.channels
+    far = replace(animation, channels=(jaw._replace(rotation=None, translation=(1e30, 0, 0)),))
+    far = replace(far, weights=far.weights * 1e300)
+    (face,) = data_of(line_page(far))["faces"]
+    assert list(face) == ["unshown"]
+
+
 def test_a_model_that_no_pose_moves_is_told(tmp_path):
     model = tmp_path / "other.glb"
     model.write_bytes(model_of(document_of(mesh("Face", ("elsewhere",)))))

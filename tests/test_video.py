@@ -276,8 +276,11 @@ def test_a_texture_is_seen_where_it_belongs(tmp_path):
 
 
 def test_a_texture_begins_at_its_upper_left_corner_and_repeats():
+    image = pytest.importorskip("PIL.Image", reason="textures need Pillow, an extra")
     rows = np.arange(8, dtype=np.uint8).reshape(2, 1, 4)
-    surface = Material(np.ones(4), rows, 0.0, double=True, gloss=0.0, lit=True)
+    data = BytesIO()
+    image.fromarray(rows).save(data, "PNG")
+    surface = Material(np.ones(4), data.getvalue(), 0.0, double=True, gloss=0.0, lit=True)
     found = surface.texels(np.full(4, 0.5), np.array([0.25, 0.75, 1.25, -0.25]))
     np.testing.assert_array_equal(found, rows[[0, 1, 0, 1], 0])
 

@@ -56,9 +56,13 @@ def face_data(animation: Animation, pack: ArrayPack) -> Face:
     if animation.model is None:
         return {"unshown": []}
     try:
-        return _face(animation, pack)
+        with np.errstate(over="raise", invalid="raise"):
+            return _face(animation, pack)
     except (ModelError, OutputError) as error:
-        return {"unshown": [str(error)]}
+        told = str(error).replace(str(animation.model), animation.model.name)
+        return {"unshown": [told]}  # nobody's folders are sent
+    except FloatingPointError:
+        return {"unshown": [f"{animation.model.name}: a point moves out of sight"]}
 
 
 def _face(animation: Animation, pack: ArrayPack) -> Face:

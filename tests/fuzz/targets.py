@@ -36,6 +36,8 @@ from lipsync_lang.rigs.model import read_model
 from lipsync_lang.schedules.timing_readers import READERS as TIMINGS
 from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.speech.sound import read_audio
+from lipsync_lang.studio.array_pack import ArrayPack
+from lipsync_lang.studio.face_data import face_data
 
 HERE = Path(__file__).parent
 
@@ -182,6 +184,10 @@ def _drawn(path: Path) -> None:
     scene = staged(_animation(path))
     assert np.isfinite(scene.points(0.15)).all()
     assert scene.moving.shape == (scene.count,)
+    for one in scene.materials:
+        assert one.texture is None or one.texture.ndim == 3
+    shown = face_data(_animation(path), ArrayPack())
+    assert shown.get("count", scene.count) == scene.count
 
 
 def _written(path: Path) -> None:
