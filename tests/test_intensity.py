@@ -136,7 +136,7 @@ def test_a_dial_of_two_visibly_opens_the_jaw(poseset):
 def test_a_sound_is_compared_with_its_own_class():
     """Vowels are ten times as loud as stops in any voice; that alone stresses nothing."""
     schedule = line([300, 3000] * 5, labels=("P", "AA") * 5)
-    found = levels(schedule, schedule.audio, ["stop", "vowel"] * 5, 1.0, (0.5, 1.5), USUAL)
+    found = levels(schedule, ["stop", "vowel"] * 5, 1.0, (0.5, 1.5), USUAL)
     assert found.values == pytest.approx(1, abs=0.03)
 
 
@@ -154,7 +154,7 @@ def test_intensity_is_in_proportion_and_stays_within_its_limits(performer):
 def test_the_level_has_no_steps(gains, intensity):
     schedule = line(gains)
     classes = ["" if label == SILENCE else "sound" for label in schedule.labels]
-    found = levels(schedule, schedule.audio, classes, intensity, (0.6, 1.4), USUAL)
+    found = levels(schedule, classes, intensity, (0.6, 1.4), USUAL)
     times = np.linspace(-0.2, schedule.end + 0.2, 3000)
     steps = np.abs(np.diff(found.at(times)))
     steepest = 0.8 * 2 / 0.12  # from least to most, twice over, between two middles
@@ -165,13 +165,13 @@ def test_the_level_has_no_steps(gains, intensity):
 def test_a_pause_takes_nothing_from_the_sounds_beside_it():
     schedule = line([1500, 0, 6000, 0, 1500], labels=("AA", SILENCE) * 2 + ("AA",))
     classes = ["vowel" if label != SILENCE else "" for label in schedule.labels]
-    found = levels(schedule, schedule.audio, classes, 1.0, (0.6, 1.4), USUAL)
+    found = levels(schedule, classes, 1.0, (0.6, 1.4), USUAL)
     assert found.values == pytest.approx([1, 1.4, 1], abs=0.01)
 
 
 def test_a_soft_sound_closes_the_mouth_and_never_turns_it_round():
     schedule = line([3000, 3000, 10, 10, 3000, 3000, 3000, 3000, 3000, 0])
-    found = levels(schedule, schedule.audio, [*["sound"] * 9, ""], 2.0, (0.0, 1.0), USUAL)
+    found = levels(schedule, [*["sound"] * 9, ""], 2.0, (0.0, 1.0), USUAL)
     assert found.values.min() == 0
 
 

@@ -11,7 +11,7 @@ With `keys`, tracks are Bezier tracks instead. Handles a third of the way to the
 curves cubic in time.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TextIO
 
 import numpy as np
@@ -20,7 +20,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 from lipsync_lang.animations.fixed import boneless, late
 from lipsync_lang.animations.glb import unplaced
-from lipsync_lang.animations.keys import ERROR, Curve, Floats
+from lipsync_lang.animations.keys import ERROR, Curve
 from lipsync_lang.animations.moving_shapes import MovingShape, keys, shapes
 
 PROGRAM = "Godot"
@@ -65,11 +65,10 @@ def write_godot(animation: Animation, out: TextIO) -> None:
 
 def _lines(curve: Curve) -> str:
     """Return the keys of a value track."""
-    once = ", ".join(["1"] * len(curve.times))
     return (
-        f'"times": PoolRealArray( {_numbers(curve.times)} ),\n'
-        f'"transitions": PoolRealArray( {once} ),\n'
-        f'"update": 0,\n"values": [ {_numbers(curve.values)} ]\n'
+        f'"times": {_pool("Real", map(_number, curve.times))},\n'
+        f'"transitions": {_pool("Real", "1" * len(curve.times))},\n'
+        f'"update": 0,\n"values": [ {", ".join(map(_number, curve.values))} ]\n'
     )
 
 
@@ -79,16 +78,16 @@ def _bezier(curve: Curve) -> str:
     before, after = np.append(0, thirds), np.append(thirds, 0)
     handles = (-before, -before * curve.arriving, after, after * curve.leaving)
     points = np.column_stack((curve.values, *handles)).ravel() + 0.0
-    modes = ", ".join(["0"] * len(curve.times))
     return (
-        f'"handle_modes": PoolIntArray( {modes} ),\n'
-        f'"points": PoolRealArray( {_numbers(points)} ),\n'
-        f'"times": PoolRealArray( {_numbers(curve.times)} )\n'
+        f'"handle_modes": {_pool("Int", "0" * len(curve.times))},\n'
+        f'"points": {_pool("Real", map(_number, points))},\n'
+        f'"times": {_pool("Real", map(_number, curve.times))}\n'
     )
 
 
-def _numbers(values: Floats) -> str:
-    return ", ".join(map(_number, values.tolist()))
+def _pool(kind: str, items: Iterable[str]) -> str:
+    """Return a packed array of Godot 3, which Godot 4 reads as well."""
+    return f"Pool{kind}Array( {', '.join(items)} )"
 
 
 def _path(shape: MovingShape) -> str:

@@ -87,27 +87,26 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
     limits = (stated["least"], stated["most"])
     usual = schedule.audio.usual_level
     reference = motion.reference_level if usual is None else usual
-    level = levels(schedule, schedule.audio, classes, intensity, limits, reference)
+    level = levels(schedule, classes, intensity, limits, reference)
     return Dial(poses, level, "loudness")
 
 
-def levels(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
+def levels(
     schedule: "Schedule",
-    audio: "Audio",
     classes: Sequence[str],
     intensity: float,
     limits: tuple[float, float],
     reference: float,
 ) -> Level:
-    """Return the level over time, within limits.
+    """Return the level over time, within limits; 1 where there is no sound.
 
     It is 1 for a sound as loud as the median of its class, in a line near the `reference` in dBFS.
 
     The points are at the middle of each sound, with linear interpolation between them.
     """
-    if not any(classes):
+    if schedule.audio is None or not any(classes):
         return Level(np.zeros(1), np.ones(1))
-    powers, counts = _powers(audio, schedule.times)
+    powers, counts = _powers(schedule.audio, schedule.times)
     above = _smooth(_above(list(map(_decibels, powers, counts)), classes), classes)
     sounding = [number for number, one in enumerate(classes) if one]
     active = _decibels(sum(powers[n] for n in sounding), sum(counts[n] for n in sounding))
