@@ -305,7 +305,7 @@ class PairPacks:
 
     def drafts(self, pairs: list[Pair]) -> dict[Pair, BigramRow]:
         """Draft the pairs whose two phonemes have targets."""
-        targets = self._targets()
+        targets = self._targets
         able = [pair for pair in pairs if pair[0] in targets and pair[1] in targets]
         if not able:
             return {}
@@ -319,15 +319,17 @@ class PairPacks:
             drafts[pair] = BigramRow(Origin(pair, "draft", "drafted", places), curves, drafted=True)
         return drafts
 
+    @cached_property
     def _targets(self) -> dict[str, tuple[Target, str]]:
         """Target of each phoneme with its location; silence rests by default."""
         model = self.poseset.model
+        bound = thresholds(model) < FREE
         found = {}
         for phoneme in self.numbered:
             name = self._targeted(phoneme)
             if name in model.targets:
                 place = str(self.poseset.where(("targets", name)))
-                found[phoneme] = (self._target(model.targets[name]), place)
+                found[phoneme] = (self._target(model.targets[name], bound), place)
         silence = self.common.model.silence
         if found and silence not in found:
             still = np.zeros((1, len(self.poses)))
@@ -340,8 +342,8 @@ class PairPacks:
         coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
         return coarse if coarse in targets else self.likes.get(coarse, coarse)
 
-    def _target(self, steps: "Iterable[models.PhonemeTarget]") -> Target:
-        """Return a target as arrays.
+    def _target(self, steps: "Iterable[models.PhonemeTarget]", bound: Bools) -> Target:
+        """Return a target as arrays; `bound` is (P, P), True where a constraint binds two poses.
 
         A pose that is not named yields to the neighbours, unless a constraint sets it against one
         that is: a target that opens the jaw opposes pressed lips.
@@ -352,7 +354,7 @@ class PairPacks:
         overall = next((step.overall for step in steps if step.overall is not None), None)
         mentioned = {pose for step in steps for pose in step.weights}
         wanted = np.any(weights, axis=0)
-        against = (thresholds(self.poseset.model) < FREE) @ wanted
+        against = bound @ wanted
         dominance = []
         for pose, opposed in zip(self.poses, against, strict=True):
             usual = 1.0 if pose in mentioned or opposed else PASSIVE
