@@ -82,11 +82,12 @@ def measure(name: str, unit: str, limit: float | None = None) -> Callable[[Find]
 
 
 def load_measures() -> dict[str, Measure]:
-    """Return every measure by name, in the order of reports."""
-    import_module("lipsync_lang.quality.closures")
-    import_module("lipsync_lang.quality.movement")
-    import_module("lipsync_lang.quality.likeness")
-    return MEASURES
+    """Return every measure by name, in the order of reports, whichever was imported first."""
+    modules = [f"lipsync_lang.quality.{name}" for name in ("closures", "movement", "likeness")]
+    for module in modules:
+        import_module(module)
+    ordered = sorted(MEASURES.values(), key=lambda known: modules.index(known.find.__module__))
+    return {known.name: known for known in ordered}
 
 
 def one(
