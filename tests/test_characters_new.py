@@ -352,7 +352,7 @@ def test_json_says_the_same(cli, folder):
     assert told["match"]["poseset"] == "arkit"
     assert told["match"]["channels"]["jawOpen"] == ["jawOpen"]
     assert told["match"]["left"] == ["extra"]
-    assert len(told["match"]["lost"]) == 11
+    assert len(told["match"]["lost"]) == 13
     assert "wrote characters/anna.yaml" in ended.err
 
 
