@@ -10,7 +10,12 @@ from lipsync_lang.packs.checking.language_checks import notation_of
 from lipsync_lang.packs.finding import IPA
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.phonology.labels import normalise
-from lipsync_lang.resolver.nearest_phonemes import among, disagreements, reason_for
+from lipsync_lang.resolver.nearest_phonemes import (
+    Disagreement,
+    among,
+    disagreements,
+    reason_for,
+)
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -20,6 +25,9 @@ if TYPE_CHECKING:
 def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any]:
     """Return the description of a language for `languages show --json`."""
     model = pack.model
+    near = among(library, pack)
+    decided = library.ipa().model.decided
+    reasons = {one: reason_for(model, near, one, decided) for one in model.notations.get(IPA, {})}
     return {
         "name": model.name,
         "title": model.title or model.name,
@@ -40,23 +48,16 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
                     "label": label,
                     "common": " ".join(sounds.to),
                     "example": model.examples.get(label, "") if number == 0 else "",
-                    "reason": _reason(library, pack, name, label),
+                    "reason": (reasons if name == IPA else model.reasons).get(label, ""),
                 }
                 for label, sounds in table.items()
             ]
             for number, (name, table) in enumerate(model.notations.items())
         },
         "inventory": model.inventory.model_dump(mode="json") if model.inventory else None,
-        "disagreements": _disagreements(library, pack),
+        "disagreements": _disagreements(disagreements(model, near, decided)),
         "tests": _tests(library, pack),
     }
-
-
-def _reason(library: "Library", pack: "Pack[models.Language]", notation: str, label: str) -> str:
-    """Return why a label is mapped as it is; for other notations than the IPA, if the pack says."""
-    if notation != IPA:
-        return pack.model.reasons.get(label, "")
-    return reason_for(pack.model, among(library, pack), label, library.ipa().model.decided)
 
 
 def _reads(model: "models.Language") -> str:
@@ -111,7 +112,7 @@ def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
     }
 
 
-def _disagreements(library: "Library", pack: "Pack[models.Language]") -> list[dict[str, str]]:
+def _disagreements(rows: list[Disagreement]) -> list[dict[str, str]]:
     """Return the labels with a map entry different from the automatic one."""
     return [
         {
@@ -120,5 +121,5 @@ def _disagreements(library: "Library", pack: "Pack[models.Language]") -> list[di
             "automatic": " ".join(name for name, _ in row.automatic) or "(mute)",
             "reason": row.reason,
         }
-        for row in disagreements(pack.model, among(library, pack), library.ipa().model.decided)
+        for row in rows
     ]
