@@ -80,7 +80,7 @@ SHADES = {"\u031d", "˔", "\u031e", "˕", "\u031f", "˖", "\u0320", "˗"}
 """Marks of a vowel a little closer, opener, further in front or back than its letter says."""
 
 
-@pytest.mark.parametrize("mark", swept(UNSEEN, quick=[*UNSEEN][::8]))
+@pytest.mark.parametrize("mark", swept(UNSEEN, quick=[*UNSEEN][::24]))
 def test_a_mark_that_is_dropped_changes_nothing_that_is_seen(mark):
     changed = []
     for letter in LIBRARY.ipa().model.letters:

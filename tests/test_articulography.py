@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from lanes import full
 
 from lipsync_lang import resolve
 from lipsync_lang.quality.baselines import keyframes
@@ -18,6 +19,7 @@ def bench(root, monkeypatch):
     sys.modules.pop("articulography")
 
 
+@full
 def test_the_draft_follows_real_lips_better_than_keyframes(bench, data):
     lines = bench.recordings(data / "articulography")
     assert lines, "a comparison over nothing passes"

@@ -97,6 +97,7 @@ def test_bad_inventories_are_messages(folder, content, which, message):
 # Drafts
 
 
+@full
 def test_a_draft_of_an_inventory_runs_and_names_its_doubts(folder, cli):
     (folder / "phoible.csv").write_text(PHOIBLE, "utf-8")
     ended = cli("languages", "new", "testish", "--inventory", "phoible.csv", "--inventory-id", "7")

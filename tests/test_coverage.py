@@ -653,6 +653,7 @@ def test_every_form_tells_the_columns_of_a_language_apart(both):
     assert "toy (one) on facefx: 0 % are authored" in failed
 
 
+@full
 def test_what_changed_is_told_for_each_column(both, packs):
     assert both("-o", "old.json").code == 0
     bank(packs, "edited")

@@ -187,7 +187,7 @@ EMPTY = {
     | {"corpus": {"files": [], "lines": 0, "words": 0}, "shared": []},
 }
 MADE = {"one": made(1, 1), "some": made(3, 3), "lent": whole(borrowed()), **EMPTY}
-every_document = pytest.mark.parametrize("document", MADE.values(), ids=MADE)
+every_document = pytest.mark.parametrize("document", swept(MADE.values(), quick=3), ids=MADE)
 
 
 # Reading pages

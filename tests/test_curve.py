@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import full
 
 from lipsync_lang.pipeline.curve import bspline, polyline, span_basis
 
@@ -103,6 +104,7 @@ def test_the_curve_meets_its_golden_values(case):
     assert smooth(case["points"], *case["times"]) == pytest.approx(case["values"], abs=SAME)
 
 
+@full
 def test_the_golden_values_are_those_of_de_boor():
     assert len(WRITTEN) > 24, "a sweep over nothing passes"
     assert {len(case["points"]) for case in WRITTEN} == set(range(2, 10))

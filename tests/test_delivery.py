@@ -75,6 +75,7 @@ def stitched(performer, **how):
     return performance.frames.times(), performance.stages(0, performance.frames.count)[0].curves
 
 
+@full
 def test_a_share_of_nothing_is_neutral_to_the_bit(bare):
     plain = ll.resolve("english", "facefx", cache=False).perform(LINE)
     assert np.array_equal(bare.perform(LINE).weights, plain.weights)

@@ -30,6 +30,7 @@ def anna(tmp_path):
     return lambda **more: resolve("english", "anna", paths=[tmp_path], cache=False, **more)
 
 
+@full
 def test_a_word_is_said_in_the_characters_own_way_and_others_are_not(anna):
     ours = anna().perform(schedule())
     plain = resolve("english", "facefx", cache=False).perform(schedule())

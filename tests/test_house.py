@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from lanes import full
 from shipped import LIBRARY
 
 import lipsync_lang as ll
@@ -91,6 +92,7 @@ def test_arrows_run_downwards_only():
     assert not upward
 
 
+@full
 def test_the_picture_of_the_house_shows_these_arrows(root):
     drawn = runpy.run_path(str(root / "docs/draw_house.py"))
     rooms = drawn["graph"](dict(drawn["sources"](None)))

@@ -58,7 +58,7 @@ def test_what_the_sources_hear_becomes_what_the_tests_say(pack):
     assert not wrong, "(mapped, stated)"
 
 
-@pytest.mark.parametrize("pack", swept(LANGUAGES, quick=LANGUAGES[::5]), indirect=True)
+@pytest.mark.parametrize("pack", swept(LANGUAGES, quick=LANGUAGES[::9]), indirect=True)
 def test_text_becomes_what_the_tests_say(pack):
     """Through the pack's own engine, as every text goes."""
     if pack.g2p is None:

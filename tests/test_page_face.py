@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lanes import full
 from test_glb import document_of, mesh, model_of
 from test_line_page import STATIC, data_of, node, performed
 from test_video import boned, textured
@@ -59,6 +60,7 @@ def test_a_page_has_the_cameras_of_the_pictures():
     assert face["close"]["half"] < face["camera"]["half"] / 2
 
 
+@full
 def test_the_camera_stays_where_it_is_for_every_line():
     faces = [data_of(line_page(performed("facefx", *said)))["faces"][0] for said in (("a",), ())]
     assert faces[0]["camera"] == faces[1]["camera"]

@@ -226,6 +226,7 @@ def test_foreign_words_go_by_their_letters_where_no_voice_says_them(heard, voice
     assert voiced("卡拉OK").endswith("ou1kei4")
 
 
+@full
 def test_foreign_words_are_said_as_the_voice_says_them():
     pytest.importorskip("phonemizer", reason="the speech extra is not installed")
     text = "我爱Sylvie，用iPhone15和café！"

@@ -47,6 +47,7 @@ def test_a_line_is_enough_in_a_project(cli, project):
     assert json.loads((project / "takes/hello.data").read_text())["fps"] == 30
 
 
+@full
 def test_the_command_line_wins(cli, project):
     given = ("-l", "finnish", "-c", "oculus", "--fps", "24", "-o", "own.csv")
     assert cli("run", "--schedule", "hello.json", *given, "--notation", "arpabet").code == 2

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lanes import full
+from lanes import full, swept
 from shipped import POSESETS
 from strategies import any_lines  # noqa: F401 its profile is wanted
 
@@ -340,7 +340,7 @@ def test_frames_between_frames_change_no_count(more):
         assert after[name] == pytest.approx(before[name], abs=1e-6), name
 
 
-@pytest.mark.parametrize("name", POSESETS)
+@pytest.mark.parametrize("name", swept(POSESETS, quick=4))
 def test_every_pose_set_keeps_the_limits_it_states(name):
     quality = check(performed(name))
     assert failed(quality) == set(), str(quality)

@@ -52,6 +52,7 @@ def test_what_was_recognised_is_aligned(heard):
     assert (heard.start, heard.end) == (0.0, heard.audio.seconds)
 
 
+@full
 def test_what_was_recognised_can_be_performed(heard):
     animation = ll.resolve("english", "facefx").perform(heard)
     assert animation.weights.max() > 0.3
@@ -71,6 +72,7 @@ def test_long_recordings_are_heard_in_parts(heard, english, monkeypatch):
     assert tables[1] - tables[0] == pytest.approx(found.end / 2, abs=0.05)
 
 
+@full
 @pytest.mark.parametrize("count", swept([16_000, 100, 1]))
 def test_silence_is_a_pause(english, count):
     found = recognised(english, ll.Audio(np.zeros(count, np.int16), RATE))

@@ -112,6 +112,7 @@ def test_a_drawn_parent_comes_before_a_drafted_shade(packs):
     assert "drawn as kg-aa" in str(told)
 
 
+@full
 def test_a_drawn_shade_comes_before_its_drawn_parent_and_the_finest_first(packs):
     finest = f"  ae-ng: {{curves: {{wide: {CURVE}}}}}\n"
     half = f"  aa-ng: {{curves: {{W: {CURVE}}}}}\n"
@@ -174,6 +175,7 @@ def test_a_frame_names_the_shade(packs):
     assert off.performer.explain(off, 0.25).shade_of is None
 
 
+@full
 def test_contacts_are_the_parents_unless_a_shade_is_free(packs):
     face(packs, TARGETS.replace("  bw", "  ch: {ShCh: 0.5}\n  bw"))
     made = performer(packs)

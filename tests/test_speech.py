@@ -200,6 +200,7 @@ WORDS = [
 GLUE = [" ", ", ", ". ", "! ", " — ", "\n", "…", ' "', "  (", ") "]
 
 
+@full
 @needs_espeak
 def test_words_stand_in_the_text_in_order_whatever_the_punctuation():
     for shift, (voice, size) in enumerate(itertools.product(["en-us", "de", "ru"], [3, 7, 11])):
@@ -347,6 +348,7 @@ def test_markup_is_text():
     assert slow.times[hello.stop] - slow.times[hello.first] < 0.7
 
 
+@full
 @needs_espeak
 def test_an_unknown_voice_names_a_near_one():
     with pytest.raises(SpeechError, match="no voice 'en-uss'; did you mean 'en-us'"):

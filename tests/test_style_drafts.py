@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lanes import swept
 from shipped import LIBRARY
 from test_intensity import line
 
@@ -22,9 +23,8 @@ DRAFTED = {
     for one in LIBRARY.names("poseset")
     if LIBRARY.poseset(one.name).model.styles
 }
-every_style = pytest.mark.parametrize(
-    ("poseset", "style"), [(name, style) for name, styles in DRAFTED.items() for style in styles]
-)
+STYLES = [(name, style) for name, styles in DRAFTED.items() for style in styles]
+every_style = pytest.mark.parametrize(("poseset", "style"), swept(STYLES, quick=STYLES[::4]))
 
 
 def stitched(performer, **how):

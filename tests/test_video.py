@@ -599,6 +599,7 @@ def still_at(image, animation, seconds, **view):
     return page[sheet.EDGE : sheet.EDGE + SIZE, sheet.EDGE : sheet.EDGE + SIZE]
 
 
+@full
 def test_stills_of_any_line_are_taken_from_one_place(stills):
     performer = ll.resolve("english", "facefx")
     lines = [("P", "AA"), ("P", "S")]

@@ -3,6 +3,7 @@
 from unicodedata import normalize
 
 import pytest
+from lanes import full, swept
 from packs_tree import put
 from shipped import LANGUAGES, LIBRARY
 
@@ -48,7 +49,7 @@ def notations(name):
     return ready(tables_of(pack), silences, SILENT, IPA, SPELLING)
 
 
-@pytest.mark.parametrize("name", LANGUAGES)
+@pytest.mark.parametrize("name", swept(LANGUAGES, quick=LANGUAGES[::9]))
 def test_a_pack_reads_its_ipa_in_both_spellings_and_tells_them_apart(name):
     known = notations(name)
     assert IPA in known
@@ -160,6 +161,7 @@ def test_hand_made_sampa_is_told_from_ipa_and_known_throughout(language, data):
         assert [label for label in line.labels if notation.find(label) is None] == []
 
 
+@full
 def test_an_alignment_of_maus_is_read_in_any_language_of_its_sounds(data):
     path = data / "alignments/polyglotdb/textgrids/maus/maus_test.TextGrid"
     line = ll.read_schedule(path)

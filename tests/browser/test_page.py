@@ -92,6 +92,7 @@ def test_no_text_of_a_corpus_runs(show):
     assert shown["chosen"]["title"].startswith("Spanish")
 
 
+@full
 @pytest.mark.parametrize("document", swept(EMPTY.values()), ids=EMPTY)
 def test_a_page_of_nothing_opens(document, show):
     one = document["reports"]

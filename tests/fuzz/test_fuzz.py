@@ -18,7 +18,7 @@ from lipsync_lang import LipsyncError
 
 PACKAGE = HERE.parents[1] / "lipsync_lang"
 SEED = int(os.environ["LIPSYNC_LANG_FUZZ_SEED"])  # conftest.py chooses one for all workers
-QUICK_INPUTS, FULL_INPUTS = 200, 20_000
+QUICK_INPUTS, FULL_INPUTS = 150, 20_000
 TARGETS = targets()
 CORPUS = [path for target in TARGETS.values() for path in target.corpus]
 assert TARGETS, "a sweep over nothing passes"
