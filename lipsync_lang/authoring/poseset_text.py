@@ -115,7 +115,7 @@ def _poses(model: PoseSet, why: Mapping[str, str], *, packed: bool) -> Iterator[
 def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
     """Format the constraints; without any, a commented-out example."""
     stated = model.constraints
-    pairs = [_flow(pair.model_dump()) for pair in stated.pairs]
+    pairs = [_flow(pair.model_dump(exclude_none=True)) for pair in stated.pairs]
     binds = stated.default < NO_THRESHOLD
     yield "# Two poses that must not be seen together: at most so much of both; who yields, first"
     if not pairs and not binds:
