@@ -11,7 +11,7 @@ from textwrap import wrap
 from lipsync_lang.packs.models import ContactRule, Phonemes, PhonemeTarget, PoseSet
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 
-MAX_LINES = 80
+MAX_LINES = 90
 """Maximum number of lines before a denser layout is used."""
 
 WIDTH = 100
