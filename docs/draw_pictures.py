@@ -5,6 +5,7 @@
     spectrum    the share of the jaw's power above each frequency, before and now, over eight lines
     keys        keys fitted by `--keys 0.02` over every frame
     languages   each sound of a German and a Mandarin line, before and now
+    crab-motion each sound of two English lines on the crab, before and now
     crab        bigrams of the crab as drafted and as edited, with frames
     sheet       a sheet of stills
 
@@ -63,10 +64,14 @@ OLD, NOW, INK, PALE = "#c0392b", "#1f618d", "#222222", "#999999"
 CELL, FOOT, COLUMNS = 100, 22, 12
 """Pixels: side of a still, height of a caption; and stills in a row."""
 
-LINES = {
-    "german": "Fünf Mäuse kauften am Morgen blaue Schuhe.",
-    "mandarin": "我们明天去学校买新书。",
-}
+LINES = [
+    ("german", "Fünf Mäuse kauften am Morgen blaue Schuhe."),
+    ("mandarin", "我们明天去学校买新书。"),
+]
+ENGLISH = [
+    ("english", "Please buy five more maps before Bob's baby puppy bumps"),
+    ("english", "School. Two. Boot."),
+]
 SEEN = 0.05
 """Difference of a pose between draft and edit that is drawn."""
 
@@ -159,13 +164,23 @@ def stills(animation: ll.Animation, seconds: Sequence[float], size: int) -> list
 
 def languages(path: Path) -> None:
     """Draw each sound of a German and a Mandarin line, before above now."""
+    _save(_beside("facefx", LINES), path)
+
+
+def crab_motion(path: Path) -> None:
+    """Draw each sound of two English lines on the crab, before above now."""
+    _save(_beside("crab", ENGLISH), path)
+
+
+def _beside(character: str, lines: Sequence[tuple[str, str]]) -> Image.Image:
+    """Draw the middle of each sound of lines, given with their languages, before above now."""
     font = ImageFont.truetype("DejaVuSans.ttf", 14)
     blocks = []
-    for language, text in LINES.items():
+    for language, text in lines:
         schedule = ll.speak(text, language)
         sounds = [n for n, label in enumerate(schedule.labels) if label != SILENCE]
         middles = ((schedule.times[:-1] + schedule.times[1:]) / 2)[sounds]
-        rows = [stills(one.perform(schedule), middles, CELL) for one in pair(language, "facefx")]
+        rows = [stills(one.perform(schedule), middles, CELL) for one in pair(language, character)]
         labels = [schedule.labels[n] for n in sounds]
         for start in range(0, len(sounds), COLUMNS):
             part = slice(start, start + COLUMNS)
@@ -180,7 +195,7 @@ def languages(path: Path) -> None:
                 page.paste(images[column], (left, top + row * (CELL + 2)))
             middle = (left + CELL / 2, top + 2 * CELL + 4)
             draw.text(middle, label, INK, font=font, anchor="ma")
-    _save(page, path)
+    return page
 
 
 def crab(path: Path) -> None:
@@ -263,6 +278,7 @@ PICTURES = {
     "spectrum": ("motion-spectrum.png", spectrum),
     "keys": ("motion-keys.png", fitted),
     "languages": ("motion-languages.png", languages),
+    "crab-motion": ("motion-crab.png", crab_motion),
     "crab": ("crab-edits.png", crab),
     "sheet": ("still-sheet.png", sheet),
 }

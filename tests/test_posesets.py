@@ -8,6 +8,7 @@ import pytest
 from lanes import swept
 from shipped import LANGUAGES, LIBRARY, POSESETS
 
+from lipsync_lang import Schedule, resolve
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.prepare import GIVEN
@@ -115,3 +116,12 @@ def test_every_phoneme_has_a_target_and_every_pose_a_title(name):
     assert not [label for label in phonemes if label not in model.targets and label != "_"]
     assert not [pose for pose, told in model.poses.items() if not told.title or not told.region]
     assert model.measures
+
+
+@pytest.mark.parametrize(("before", "after"), [("v", "m"), ("f", "p"), ("v", "b")])
+def test_teeth_let_go_of_the_lip_where_lips_press(before, after):
+    labels = ("_", "a", before, after, "a", "_")
+    times = (0, 0.2, 0.35, 0.43, 0.5, 0.65, 0.9)
+    animation = resolve("english", "facefx").perform(Schedule(labels, times, notation="ipa"))
+    pressed = (animation["PBM"] >= 0.88) & (animation.times >= 0.43) & (animation.times <= 0.5)
+    assert animation["FV"][pressed].min() < 0.2

@@ -379,7 +379,7 @@ def test_a_character_limits_over_its_pose_set(tmp_path):
     rule = "{phonemes: [aa], measure: protrusion, at_least: 0.9}"
     (folder / "ann.yaml").write_text(
         "kind: character\nformat: 1\nname: ann\nposeset: facefx\n"
-        f"checks:\n  still: 0\n  rules:\n    pout: {rule}\n",
+        f"checks:\n  still: 0.02\n  rules:\n    pout: {rule}\n",
         "utf-8",
     )
     ann = resolve("english", "ann", paths=[tmp_path])

@@ -13,6 +13,7 @@ from strategies import RATES, real
 from lipsync_lang import LipsyncError, Schedule, resolve
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.pipeline.motion import PRESETS
+from lipsync_lang.pipeline.prepare import GIVEN
 from lipsync_lang.schedules.schedule import Word
 
 LABELS = ("_", "HH", "AH", "L", "OW", "P", "IY", "F", "M", "B", "T", "CH", "W", "_", "AY", "Z")
@@ -121,7 +122,7 @@ def test_a_p_or_an_f_makes_open_yield_and_says_so(label, pose, contact, floor):
     )
     assert last.why == f"{pose} outranks it: together at most 1"
     assert last.weight == pytest.approx(max(0, 1 - other.weight))
-    assert poses[pose].weight >= floor
+    assert poses[pose].weight >= floor - GIVEN
     assert other.why == ""
     printed = str(found)
     assert f"0.300 s (frame {found.frame}): {label} as" in printed
