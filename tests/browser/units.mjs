@@ -12,6 +12,7 @@ const { mouthOf } = await load("drawn_mouth");
 const { wave } = await load("player");
 const { sphere } = await load("ambient");
 const { Take } = await load("take");
+const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curve_points");
 
 const near = (a, b, most = 1e-6) => {
   assert.equal(a.length, b.length);
@@ -143,6 +144,50 @@ const units = {
     assert.deepEqual(take.moving, ["a"]);
     near(take.channelsAt(0.05), [0]);
     assert.deepEqual([take.stepsAt(0, 1), take.bigramsAt(1)], [[], []]);
+  },
+  "points keep their order and their range"() {
+    const curves = { a: [[0, 0], [0.4, 0.5], [0.6, 1], [1, 0]], b: [[0, 0], [1, 0]] };
+    const one = new Map([["a", new Set([1])]]), two = new Map([["a", new Set([1, 2])]]);
+    assert.deepEqual(shifted(curves, one, 0.1, 0.2).a[1], [0.5, 0.7]);
+    assert.deepEqual(shifted(curves, one, 0.5, -2).a[1], [0.6, 0]);
+    assert.deepEqual(shifted(curves, two, 0.9, 0.3).a, [[0, 0], [0.8, 0.5], [1, 1], [1, 0]], "a value at its limit holds the others");
+    assert.equal(shifted(curves, two, 0.9, 0.3).b, curves.b);
+    assert.deepEqual(curves.a[1], [0.4, 0.5]);
+  },
+  "points are scaled, times about a moment and values about nothing"() {
+    const curves = { a: [[0, 0], [0.4, 0.5], [0.6, 1], [1, 0]] }, two = new Map([["a", new Set([1, 2])]]);
+    assert.deepEqual(scaled(curves, two, 2, 0.5, 0.4).a, [[0, 0], [0.4, 0.25], [0.8, 0.5], [1, 0]]);
+    assert.deepEqual(scaled(curves, two, 9, 3, 0.4).a, [[0, 0], [0.4, 1], [1, 1], [1, 0]]);
+    assert.deepEqual(scaled(curves, two, -1, -1, 0.4).a.slice(1, 3), [[0.4, 0], [0.4, 0]]);
+  },
+  "numbers are snapped to their step"() {
+    assert.deepEqual([snapped(0.374, 0.05), snapped(0.376, 0.05), snapped(0.3337, 0.01), snapped(0.33372)], [0.35, 0.4, 0.33, 0.334]);
+  },
+  "a typed number sets, shifts or scales"() {
+    assert.deepEqual(typed("0.4"), { does: "set", amount: 0.4 });
+    assert.deepEqual(typed(" +,1 "), { does: "shift", amount: 0.1 });
+    assert.deepEqual(typed("−.25"), { does: "shift", amount: -0.25 });
+    assert.deepEqual(typed("*0.8"), { does: "scale", amount: 0.8 });
+    assert.deepEqual(typed("80%"), { does: "scale", amount: 0.8 });
+    assert.deepEqual(["", "a", "1e3", "+80%", "--1"].map(typed), [null, null, null, null, null]);
+    const curves = { a: [[0, 0], [0.4, 0.5], [0.6, 1], [1, 0]] }, two = new Map([["a", new Set([1, 2])]]);
+    const after = (axis, text) => changedBy(curves, two, axis, typed(text)).a.slice(1, 3);
+    assert.deepEqual([after(0, "0.2"), after(0, "200%")], [[[0.2, 0.5], [0.4, 1]], [[0.4, 0.5], [0.8, 1]]]);
+    assert.deepEqual([after(1, "2"), after(1, "-0.1")], [[[0.4, 1], [0.6, 1]], [[0.4, 0.4], [0.6, 0.9]]]);
+  },
+  "points come and go; a curve of one point goes"() {
+    const curves = { a: [[0, 0], [0.4, 0.5], [1, 0]] };
+    assert.deepEqual(inserted(curves.a, 0.7, 3), { points: [[0, 0], [0.4, 0.5], [0.7, 1], [1, 0]], index: 2 });
+    assert.deepEqual(inserted(curves.a, -1, 0).index, 1);
+    assert.deepEqual(without(curves, new Map([["a", new Set([1])]])), { a: [[0, 0], [1, 0]] });
+    assert.deepEqual(without(curves, new Map([["a", new Set([0, 1])]])), {});
+    assert.deepEqual([...everyPoint(curves)], [["a", new Set([0, 1, 2])]]);
+  },
+  "only sound curves are pasted"() {
+    const curves = { a: [[0, 0], [0.4, 0.5], [1, 0]] };
+    assert.deepEqual(fromText(asText(curves)), curves);
+    const unsound = [{ a: [[0, 0]] }, { a: [[1, 0], [0, 0]] }, { a: [[0, 2], [1, 0]] }, { a: [[0], [1, 0]] }, { a: [["0", null], [1, 0]] }, {}];
+    assert.deepEqual(["", "null", "{}", JSON.stringify({ curves }), ...unsound.map(asText)].map(fromText), Array(10).fill(null));
   },
 };
 
