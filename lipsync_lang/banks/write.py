@@ -1,13 +1,12 @@
 """Write bigrams as YAML into bank files that a person can edit."""
 
-import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from lipsync_lang.errors import OutputError, PackError
+from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, plain_or_quoted
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -17,10 +16,6 @@ Interpolation = Literal["bspline", "linear"]
 
 NEUTRAL = "neutral"
 """The default style of speaking."""
-
-PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
-"""Words that some version of YAML reads as booleans or null, so they need quotes."""
 
 
 @dataclass(frozen=True)
@@ -60,29 +55,9 @@ def bigrams_yaml(bigrams: Mapping[str, Mapping[str, Points]], status: str) -> st
     return "\n".join(["bigrams:", *entries]) + "\n"
 
 
-def entry(
-    key: str, stated: Mapping[str, str], curves: Mapping[str, Points], indent: int = 2
-) -> list[str]:
-    """Return the YAML lines of a bigram; each level is indented by two spaces more."""
-    names = {pose: plain_or_quoted(pose) for pose in curves}
-    width = max(map(len, names.values()), default=0) + 1
-    lines = [
-        f"{key}:",
-        *(f"  {field}: {value}" for field, value in stated.items()),
-        "  curves:" + ("" if curves else " {}"),
-        *(f"    {names[pose] + ':':<{width}} {_flow(points)}" for pose, points in curves.items()),
-    ]
-    return [" " * indent + line for line in lines]
-
-
-def plain_or_quoted(text: str) -> str:
-    """Return text as a YAML scalar, quoted if a plain one could be misread."""
-    plain = PLAIN.fullmatch(text) and text.casefold() not in WORDS
-    return text if plain else json.dumps(text, ensure_ascii=False)
-
-
-def _flow(points: Points) -> str:
-    return "[" + ", ".join(f"[{t:g}, {v:g}]" for t, v in points) + "]"
+def entry(key: str, stated: Mapping[str, str], curves: Mapping[str, Points]) -> list[str]:
+    """Return the YAML lines of a bigram, indented below `bigrams`."""
+    return block_lines({key: {**stated, "curves": curves}}, INDENT)
 
 
 def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -> str:
@@ -116,7 +91,8 @@ def make_room(path: Path) -> None:
 
 def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
     """Add bigrams to a bank file, made if missing, and return the new ones."""
-    from lipsync_lang.packs.editing import add_entries, write_edited
+    from lipsync_lang.packs.editing import write_edited
+    from lipsync_lang.packs.splicing import spliced
     from lipsync_lang.packs.yaml.source import read_bytes
 
     create = None if path.exists() else _empty_bank(made.poseset, path)
@@ -127,8 +103,8 @@ def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
     stated = _stated(source.data, made)
     new = {key: curves for key, curves in made.bigrams.items() if key not in there}
     if new or create is not None:
-        lines = {key: entry(key, stated, curves, 0) for key, curves in new.items()}
-        write_edited(path, add_entries(source, content, "bigrams", lines))
+        added = [(("bigrams", key), {**stated, "curves": new[key]}) for key in new]
+        write_edited(path, spliced(source, content, added))
     return list(new)
 
 

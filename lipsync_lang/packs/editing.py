@@ -14,9 +14,7 @@ from typing import Any
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.files import atomic
-from lipsync_lang.packs.models.validation import validated
-from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.packs.yaml.source import Data, YamlSource, read_bytes, read_yaml, scan
+from lipsync_lang.packs.yaml.source import Data, scan
 
 LINE_CHARS = 4096
 """Line width in characters; large enough that ruamel.yaml never folds a line."""
@@ -25,145 +23,39 @@ Document = Any
 """ruamel.yaml's `CommentedMap`, which is untyped."""
 
 
-def edit_pack(path: Path, change: Callable[[Document], None], *, create: str | None = None) -> None:
-    """Change a pack in its file.
-
-    Parameters
-    ----------
-    path : the pack
-    change : gets the file as a mapping, and changes it in place
-    create : initial text if the file does not exist
-
-    Raises
-    ------
-    PackFaults
-        The file is faulty, or would be after the change; it stays as it was.
-    PackError
-        The file cannot be opened, or does not exist and `create` is not given.
-    OutputError
-        The file cannot be written.
-    """
-    content = create.encode() if create is not None and not path.exists() else read_bytes(path)
-    edited = edited_text(path, content, change)
-    if edited != content or not path.exists():
-        write_edited(path, edited)
-
-
 def write_edited(path: Path, content: bytes) -> None:
     """Write a whole pack file; raise `OutputError` if that fails."""
     with atomic(path, durable=True) as stream:
         stream.write(content)
 
 
-def add_entries(
-    source: YamlSource, content: bytes, field: str, entries: Mapping[str, Sequence[str]]
-) -> bytes:
-    """Append entries to a top-level mapping of a pack.
-
-    The entries are inserted as lines of text, which is far quicker than dumping the document.
-    ruamel.yaml is used only for a mapping in braces, into which no lines can be inserted.
+def redumped(text: str, change: Callable[[Document], None]) -> str:
+    """Return a YAML text after a change of its document.
 
     Parameters
     ----------
-    source : the pack as read from `content`
-    content : the file's bytes
-    field : the name of the mapping
-    entries : the lines of each entry, without indentation, by key
-
-    Returns
-    -------
-    The new bytes of the file
+    text : sound YAML
+    change : gets the text as a mapping, and changes it in place
 
     Raises
     ------
-    PackFaults
-        The pack would be faulty with the entries.
+    PackError
+        The text has a form that cannot be dumped.
     """
-    expected = [*(source.data.get(field) or {}), *entries]
-    merged = _with_lines(source, content.decode("utf-8"), field, entries).encode()
-    written = scan(source.path, merged)
-    if written.faults or not _extends(written.data, source.data, field, expected):
-
-        def change(document: Document) -> None:
-            there = document.get(field)
-            added = _load("".join(f"{line}\n" for lines in entries.values() for line in lines))
-            if there:
-                there.update(added)
-                there.fa.set_block_style()
-            else:
-                document[field] = added
-
-        return edited_text(source.path, content, change)
-    _, faults = validated(written, name=_name(source.path))
-    if faults:
-        raise PackFaults(faults)
-    return merged
-
-
-def _extends(data: Data, old: Data, field: str, expected: Sequence[str]) -> bool:
-    """Return True if `data` is `old` with new keys in one field, and `expected` lists its keys."""
-    if not isinstance(data, dict) or not isinstance(data.get(field), dict):
-        return False
-    before = old.get(field) or {}
-    return (
-        list(data[field]) == expected
-        and {**data, field: None} == {**old, field: None}
-        and all(data[field][key] == value for key, value in before.items())
-    )
-
-
-def _with_lines(
-    source: YamlSource, text: str, field: str, entries: Mapping[str, Sequence[str]]
-) -> str:
-    """Insert lines after the last line of a field that is neither blank nor a comment."""
-    newline = "\r\n" if "\r\n" in text else "\n"
-    lines = text.split("\n")
-    inner = source.root.inner if isinstance(source.root.inner, dict) else {}
-    indent, end = 2, len(lines)
-    if field in inner:
-        key, value = inner[field]
-        if isinstance(value.inner, dict) and value.inner:
-            indent = value.column - 1
-        elif isinstance(value.inner, dict):  # `field: {}`
-            row = lines[value.line - 1]
-            lines[value.line - 1] = re.sub(r"[ \t]*\{[ \t]*\}", "", row, count=1)
-        end = min((at.line - 1 for at, _ in inner.values() if at > key), default=end)
-    else:
-        lines[end - 1 : end] = [*filter(None, lines[end - 1 : end]), f"{field}:", ""]
-        end = len(lines)
-    while end and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
-        end -= 1
-    made = [" " * indent + line for added in entries.values() for line in added]
-    if newline == "\r\n":
-        made = [f"{line}\r" for line in made]
-    if end == len(lines):  # the file ends without an end of line
-        lines[end - 1] += newline[:-1]
-        made[-1] = made[-1].rstrip("\r")
-    return "\n".join([*lines[:end], *made, *lines[end:]])
-
-
-def edited_text(path: Path, content: bytes, change: Callable[[Document], None]) -> bytes:
-    """Return the bytes of a pack file after a change; see `edit_pack`."""
-    read_yaml(path, content)
-    text = content.decode("utf-8")
     newline = "\r\n" if "\r\n" in text else "\n"
     lines = text.replace("\r\n", "\n")
     document = _load(lines)
     before = _dump(document, lines)
     change(document)
     after = _dump(document, lines)
-    if after == before:
-        return content
-    written = scan(path, after.encode())
-    merged = _transfer(lines, before, after).replace("\n", newline).encode()
-    source = scan(path, merged)
-    if source.faults or source.data != written.data:
-        # Safety net: if the merge loses part of the change, give up the author's formatting.
-        merged, source = after.replace("\n", newline).encode(), written
-    _, faults = validated(source, name=_name(path))
-    if faults:
-        raise PackFaults(faults)
-    return merged
+    merged = _transfer(lines, before, after)
+    if _data(merged) != _data(after):
+        merged = after  # the merge lost part of the change, so give up the author's formatting
+    return text if after == before else merged.replace("\n", newline)
+
+
+def _data(text: str) -> Data:
+    return scan(Path(), text.encode()).data
 
 
 def flow(value: object) -> Document:
@@ -179,13 +71,6 @@ def flow(value: object) -> Document:
         return value
     made.fa.set_flow_style()
     return made
-
-
-def _name(path: Path) -> str:
-    """Return the name a pack in this file must have: the file's, or for a pose set the folder's."""
-    from lipsync_lang.packs.finding import POSESET
-
-    return path.parent.name if path.name == POSESET else path.stem
 
 
 def _yaml(text: str) -> Document:

@@ -1,0 +1,428 @@
+"""Set, insert and delete values at locations of a pack's text, and keep every other character.
+
+A pack is cut into parts at the keys of its root, and at those of the block mappings below: a bank
+of 441 bigrams has 441 parts and a few more. A change parses and rewrites one part alone, so it
+takes milliseconds in any pack. Parts are never changed; a text before and after a change shares all
+others.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, NamedTuple, Self
+
+from lipsync_lang.errors import PackError
+from lipsync_lang.packs.models.validation import validated
+from lipsync_lang.packs.yaml.faults import PackFaults, shown
+from lipsync_lang.packs.yaml.rewriting import RewriteError, rewritten, same
+from lipsync_lang.packs.yaml.source import (
+    MAX_PACK_BYTES,
+    Data,
+    Loc,
+    SourceMark,
+    YamlSource,
+    read_yaml,
+    scan,
+)
+
+
+class _Absent:
+    """The type of `ABSENT`."""
+
+    def __repr__(self) -> str:
+        return "ABSENT"
+
+
+ABSENT: Final = _Absent()
+"""Stands for no value: setting it deletes the entry."""
+
+Change = tuple[Loc, Any]
+"""A location and its new value, or `ABSENT`."""
+
+INDEPENDENT = "bigrams"
+"""The long mapping of packs; the model of a pack checks its entries one by one."""
+
+_ALIAS = re.compile(r"(?:^|[\s\[{,:-])\*\S|[\x85\u2028\u2029]|\r(?!\n)")
+"""Aliases, whose values are stated elsewhere, and unusual line ends: such a text is not cut."""
+
+
+class TextPart(NamedTuple):
+    """Whole lines of a text: an entry with the comments behind it.
+
+    `loc` is () for a text that is not cut. `value` is None for the lines before the first key, and
+    for a key whose entries are parts.
+    """
+
+    loc: Loc
+    text: str
+    value: Data = None
+
+
+HEAD: Final[Loc] = ("", "")
+"""Location of the lines before the first key."""
+
+
+@dataclass(frozen=True, eq=False)
+class SplicedText:
+    r"""A pack's text in parts; `changed` returns another one.
+
+    Parameters
+    ----------
+    path : the file, for messages
+    parts : the whole text in order
+    sound : False if the text did not fit its model when it was read
+
+    Example
+    -------
+    >>> from pathlib import Path
+    >>> text = b"kind: bank\nformat: 1\nname: b\nposeset: f\nbigrams: {}  # none\n"
+    >>> pack = SplicedText.read(Path("b.yaml"), text)
+    >>> print(pack.changed([(("style",), "sad")]).content.decode(), end="")
+    kind: bank
+    format: 1
+    name: b
+    poseset: f
+    bigrams: {}  # none
+    style: sad
+    """
+
+    path: Path
+    parts: tuple[TextPart, ...] = field(repr=False)
+    sound: bool = True
+
+    @classmethod
+    def read(cls, path: Path, content: bytes) -> Self:
+        """Cut a pack into parts.
+
+        Raises
+        ------
+        PackFaults
+            The content is not sound YAML.
+        """
+        return cls.of(read_yaml(path, content), content)
+
+    @classmethod
+    def of(cls, source: YamlSource, content: bytes) -> Self:
+        """Cut a pack that was read already."""
+        _, faults = validated(source, name=pack_name(source.path))
+        return cls(source.path, tuple(_parts(source, content.decode("utf-8"))), not faults)
+
+    @cached_property
+    def content(self) -> bytes:
+        """The text as bytes."""
+        return "".join(part.text for part in self.parts).encode()
+
+    @cached_property
+    def data(self) -> Data:
+        """The text as data; a mapping that is not changed is shared, so change none."""
+        data: dict[str, Data] = {}
+        for loc, _, value in self.parts:
+            if not loc:
+                return value
+            if loc is HEAD:
+                continue
+            if len(loc) == 1:
+                data[str(loc[0])] = {} if value is _ENTRIES else value
+            else:
+                data[str(loc[0])][loc[1]] = value
+        return data
+
+    @cached_property
+    def _numbers(self) -> dict[Loc, int]:
+        """Number of each part by its location."""
+        return {part.loc: number for number, part in enumerate(self.parts)}
+
+    def at(self, loc: Loc) -> Data:
+        """Return the value at a location, or `ABSENT`."""
+        return get(self.data, loc)
+
+    def line(self, loc: Loc) -> int:
+        """Return the line, from 1, of the key of a part; of its root if it is none."""
+        number = self._numbers.get(loc, 0)
+        return 1 + sum(part.text.count("\n") for part in self.parts[:number])
+
+    def changed(self, changes: Sequence[Change]) -> Self:
+        """Return the text with values set, inserted or deleted, in order.
+
+        Raises
+        ------
+        PackFaults
+            The pack would be faulty.
+        PackError
+            A location lies within a value that has no entries.
+        """
+        made = self
+        for loc, value in changes:
+            made = made._spliced(loc, plain(value))
+        if made is not self:
+            entries = {loc[1] for loc, _ in changes if loc[:1] == (INDEPENDENT,) != loc}
+            _refuse_faults(made, entries if self.sound else set())
+        return made if made is self else replace(made, sound=True)
+
+    # Changes in place
+
+    def _spliced(self, loc: Loc, value: Data) -> Self:
+        """Return the text with one value changed."""
+        if _alike(self.at(loc), value):
+            return self
+        number = self._numbers.get(loc[:2], self._numbers.get(loc[:1]))
+        if number is None:
+            return self._at_root(loc, value)
+        first, stop = self._range(self._numbers[loc[:1]])
+        if value is ABSENT and len(loc) == 1:
+            return self._without(first, stop)
+        if value is ABSENT and loc == self.parts[number].loc and stop - first > 2:  # noqa: PLR2004 the key and one entry
+            return self._without(number, number + 1)
+        entries = self.parts[number].value is _ENTRIES
+        if (len(loc) == 1 and entries) or (value is ABSENT and loc == self.parts[number].loc):
+            return self._in_whole(loc, value)
+        return self._in_part(stop - 1 if entries else number, loc, value)
+
+    def _at_root(self, loc: Loc, value: Data) -> Self:
+        """Insert a key of the root behind the last that has no parts, or change an uncut text."""
+        places = [n for n, part in enumerate(self.parts) if len(part.loc) == 1]
+        places = [n for n in places if self.parts[n].value is not _ENTRIES]
+        return self._in_part(places[-1], loc, value) if places else self._in_whole(loc, value)
+
+    def _range(self, number: int) -> tuple[int, int]:
+        """Return the parts of a key of the root: the first, and one past the last."""
+        top, stop = self.parts[number].loc, number + 1
+        while stop < len(self.parts) and self.parts[stop].loc[:1] == top:
+            stop += 1
+        return number, stop
+
+    def _in_part(self, number: int, loc: Loc, value: Data) -> Self:
+        """Change a value within a part, or insert an entry behind it."""
+        part = self.parts[number]
+        old = {str(part.loc[-1]): part.value}
+        made = _rewritten(self.path, part.text, old, loc[len(part.loc) - 1 :], value)
+        return self._with(number, number + 1, _cut(*made, part.loc[:-1]))
+
+    def _in_whole(self, loc: Loc, value: Data) -> Self:
+        """Change a value that needs the whole text."""
+        text = "".join(part.text for part in self.parts)
+        made = _rewritten(self.path, text, self.data, loc, value)
+        return replace(self, parts=tuple(_parts(*made)))
+
+    def _without(self, first: int, stop: int) -> Self:
+        """Delete parts; the comments behind the last of them stay."""
+        rest = _behind_content(self.parts[stop - 1].text)
+        before = self.parts[first - 1] if first else TextPart(HEAD, "")
+        return self._with(max(first - 1, 0), stop, [before._replace(text=before.text + rest)])
+
+    def _with(self, first: int, stop: int, made: Iterable[TextPart]) -> Self:
+        return replace(self, parts=(*self.parts[:first], *made, *self.parts[stop:]))
+
+
+def _refuse_faults(pack: SplicedText, entries: set[str | int]) -> None:
+    """Raise the faults of a pack; of independent entries, if any are named, check only these."""
+    data = pack.data
+    if entries:
+        some = data.get(INDEPENDENT) or {}
+        data = {**data, INDEPENDENT: {key: some[key] for key in entries if key in some}}
+    _, faults = validated(YamlSource(pack.path, data), name=pack_name(pack.path))
+    if faults or len(pack.content) > MAX_PACK_BYTES:
+        _, faults = validated(scan(pack.path, pack.content), name=pack_name(pack.path))
+        raise PackFaults(faults)
+
+
+_ENTRIES: Final = object()
+"""Value of a part whose entries are parts of their own."""
+
+
+def spliced(source: YamlSource, content: bytes, changes: Sequence[Change]) -> bytes:
+    """Return the bytes of a pack with values set, inserted or deleted.
+
+    Parameters
+    ----------
+    source : the pack as read from `content`
+    changes : locations with their new values, `ABSENT` to delete; applied in order
+
+    Raises
+    ------
+    PackFaults
+        The pack would be faulty.
+    """
+    return SplicedText.of(source, content).changed(changes).content
+
+
+def get(data: Data, loc: Loc) -> Data:
+    """Return the value at a location of plain data, or `ABSENT`."""
+    for step in loc:
+        if isinstance(data, tuple):
+            data = dict(enumerate(data))
+        if not isinstance(data, dict) or step not in data:
+            return ABSENT
+        data = data[step]
+    return data
+
+
+def put(data: Data, loc: Loc, value: Data) -> Data:
+    """Return plain data with a value set or deleted; nothing given is changed.
+
+    Raises
+    ------
+    PackError
+        The location lies within a value that has no such entries.
+    """
+    if not loc:
+        return value
+    step, *rest = loc
+    if isinstance(step, int):
+        if not isinstance(data, tuple) or not 0 <= step <= len(data):
+            raise PackError(f"there is no list with an item {step + 1} to change")
+        gone = value is ABSENT and not rest
+        inner = data[step] if step < len(data) else {}
+        made = () if gone else (put(inner, tuple(rest), value),)
+        return (*data[:step], *made, *data[step + 1 :])
+    if data is not None and not isinstance(data, dict):
+        raise PackError(f"`{step}` cannot be set within a value that is no mapping")
+    inner = (data or {}).get(step)
+    if value is ABSENT and (not rest or inner is None):
+        return {key: one for key, one in (data or {}).items() if key != step or rest}
+    return {**(data or {}), step: put(inner, tuple(rest), value)}
+
+
+def plain(value: Any) -> Data:
+    """Return a value as the scanner would: dicts, tuples, text, numbers, booleans and None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return tuple(plain(one) for one in value)
+    return float(value) if isinstance(value, float) else value
+
+
+def _alike(one: Data, other: Data) -> bool:
+    """Return True for equal values, and for two that are both absent."""
+    return one is other if ABSENT in (one, other) else same(one, other)
+
+
+def pack_name(path: Path) -> str:
+    """Return the name a pack in this file must have: the file's, or for a pose set the folder's."""
+    from lipsync_lang.packs.finding import POSESET
+
+    return path.parent.name if path.name == POSESET else path.stem
+
+
+# Parts of a text
+
+
+def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple[YamlSource, str]:
+    """Return a text with data `old` with one value changed, as data too.
+
+    A form of YAML that is not rewritten in place is dumped anew.
+
+    Raises
+    ------
+    PackError
+        The value is stated in a way that allows no change.
+    """
+    new = put(old, loc, value)
+    for way in (_in_place, _dumped):
+        try:
+            made = way(text, old, loc, value)
+        except RewriteError:
+            continue
+        source = scan(path, made.encode())
+        if not source.faults and same(source.data, new) and _margin(made) == _margin(text):
+            return source, made
+    where = "/".join(map(str, loc))
+    raise PackError(
+        f"{shown(path)}: `{where}` cannot be changed here, perhaps for an alias (`*name`); "
+        "change it in the file"
+    )
+
+
+def _in_place(text: str, old: Data, loc: Loc, value: Data) -> str:
+    return rewritten(text, old, put(old, loc, value))
+
+
+def _dumped(text: str, _old: Data, loc: Loc, value: Data) -> str:
+    """Change a value by a dump of the whole text."""
+    from lipsync_lang.packs.editing import flow, redumped
+
+    def change(document: Any) -> None:
+        *way, last = loc
+        for step in way:
+            if isinstance(document, dict) and document.get(step) is None:
+                document[step] = flow({})
+            document = document[step]
+        if value is ABSENT:
+            del document[last]
+        elif isinstance(document, list) and last == len(document):
+            document.append(flow(value))
+        else:
+            document[last] = flow(value)
+
+    margin = _margin(text)
+    lines = redumped(re.sub(rf"(?m)^ {{0,{len(margin)}}}", "", text), change).splitlines(
+        keepends=True
+    )
+    return "".join(margin + line if line.strip() else line for line in lines)
+
+
+def _margin(text: str) -> str:
+    """Return the spaces before the first key of a part."""
+    return text[: len(text) - len(text.lstrip(" "))]
+
+
+def _parts(source: YamlSource, text: str) -> Iterator[TextPart]:
+    """Yield the parts of a whole text."""
+    lines = text.splitlines(keepends=True)
+    starts = _starts(source.root, lines)
+    if not starts or _ALIAS.search(text):
+        yield TextPart((), text, source.data)
+        return
+    if starts[0][1]:
+        yield TextPart(HEAD, "".join(lines[: starts[0][1]]))
+    yield from _cut(source, text, ())
+
+
+def _cut(source: YamlSource, text: str, above: Loc) -> Iterator[TextPart]:
+    """Yield the parts of a text that starts with a key; `above` is the location of its mapping."""
+    lines = text.splitlines(keepends=True)
+    for key, first, stop, mark in _entries(source.root, lines):
+        value = source.data[key]
+        inner = [] if above else _entries(mark, lines, stop)
+        if not inner or inner[0][1] == first:
+            yield TextPart((*above, key), "".join(lines[first:stop]), value)
+            continue
+        yield TextPart((key,), "".join(lines[first : inner[0][1]]), _ENTRIES)
+        for name, at, end, _ in inner:
+            yield TextPart((key, name), "".join(lines[at:end]), value[name])
+
+
+def _entries(
+    mark: SourceMark, lines: Sequence[str], stop: int | None = None
+) -> list[tuple[str, int, int, SourceMark]]:
+    """Return key, first line, stop and mark of each entry of a block mapping."""
+    starts = _starts(mark, lines)
+    stops = [*(row for _, row, _ in starts[1:]), len(lines) if stop is None else stop]
+    return (
+        [(key, row, end, inner) for (key, row, inner), end in zip(starts, stops, strict=True)]
+        if starts
+        else []
+    )
+
+
+def _starts(mark: SourceMark, lines: Sequence[str]) -> list[tuple[str, int, SourceMark]]:
+    """Return each key of a block mapping with its line and mark; empty for other values."""
+    if not isinstance(mark.inner, dict):
+        return []
+    found = [(key, at.line - 1, inner) for key, (at, inner) in mark.inner.items()]
+    columns = {at.column - 1 for at, _ in mark.inner.values()}
+    rows = [row for _, row, _ in found]
+    block = bool(found) and (mark.line, mark.column) == next(iter(mark.inner.values()))[0]
+    apart = block and len(columns) == 1 and rows == sorted(set(rows))
+    return found if apart and not any(lines[row][: min(columns)].strip(" ") for row in rows) else []
+
+
+def _behind_content(text: str) -> str:
+    """Return the blank lines and comments at the end of a text."""
+    lines = text.splitlines(keepends=True)
+    end = len(lines)
+    while end and (not lines[end - 1].strip() or lines[end - 1].lstrip().startswith("#")):
+        end -= 1
+    return "".join(lines[end:])

@@ -1,0 +1,299 @@
+"""Rewrite a YAML text for a new value, and touch only the characters that must change.
+
+The old value and the new one are compared. A scalar is replaced in its place; an entry of a block
+is inserted or deleted with its lines; a collection on one line keeps the text of its other items.
+"""
+
+from collections.abc import Callable, Mapping
+from itertools import pairwise, takewhile
+from typing import Any
+
+from lipsync_lang.packs.yaml.events import YamlError
+from lipsync_lang.packs.yaml.source import Data
+from lipsync_lang.packs.yaml.spans import EntrySpan, Span, spans
+from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, on_one_line, wants_block
+
+Items = Mapping[str | int, Data]
+
+
+class RewriteError(Exception):
+    """The text is written in a form that is not rewritten in place."""
+
+
+def rewritten(text: str, old: Data, new: Data) -> str:
+    """Return a text with data `old` as one with data `new`.
+
+    Raises
+    ------
+    RewriteError
+        The text has a form that cannot be rewritten here; the caller needs another way.
+    """
+    try:
+        root = spans(text)
+    except YamlError as error:
+        raise RewriteError(error.problem) from None
+    edits = _Edits(text)
+    edits.change(root, old, new)
+    return edits.applied(0, len(text))
+
+
+def same(one: Data, other: Data) -> bool:
+    """Return True for equal values with keys in the same order."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)
+
+
+class _Edits:
+    """Replacements of characters of one text, collected and applied together."""
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.newline = "\r\n" if "\r\n" in text else "\n"
+        self.found: list[tuple[int, int, str]] = []
+
+    def applied(self, start: int, end: int) -> str:
+        """Return a part of the text with the edits that lie within."""
+        out: list[str] = []
+        for first, last, new in sorted(self.found, key=lambda edit: edit[0]):
+            if start <= first and last <= end:
+                out += [self.text[start:first], new]
+                start = max(start, last)
+        return "".join([*out, self.text[start:end]])
+
+    def put(self, start: int, end: int, new: str) -> None:
+        """Replace characters."""
+        self.found.append((start, end, new))
+
+    def change(self, span: Span, old: Data, new: Data, within: EntrySpan | None = None) -> None:
+        """Turn the value of a span from `old` into `new`; `within` is its entry."""
+        if same(old, new):
+            return
+        before, after = _items(span, old), _items(span, new)
+        if before is None or after is None or not before or not after:
+            self._replace(span, new, within)
+        elif span.kind == "mapping":
+            self._mapping(span, before, after, new, within)
+        else:
+            self._sequence(span, list(before.values()), list(after.values()), new, within)
+
+    # Whole values
+
+    def _replace(self, span: Span, new: Data, within: EntrySpan | None) -> None:
+        """Replace a whole value; `within` is the key that it belongs to, or its item."""
+        if span.kind == "mapping" and not span.flow and within is None:
+            raise RewriteError("the root is replaced")
+        keyed = within is not None and within.key is not None
+        if keyed and within is not None and wants_block(new) and self._own_line(within.start):
+            self._as_block(span, new, within)
+            return
+        line = _quoted(new, span.quote)
+        if keyed and within is not None and self._multiline(within.after, span.start):
+            self.put(within.after, within.after, f" {line}")
+            self._delete_lines(span.start, span.end)
+        else:
+            empty = within is not None and span.start == span.end == within.after
+            self.put(span.start, span.end, f" {line}" if empty else line)
+
+    def _as_block(self, span: Span, new: Mapping[str, Data], within: EntrySpan) -> None:
+        """Write a mapping as the lines below its key."""
+        indent = self._column(within.start) + INDENT
+        lines = self._lines(block_lines(new, indent))
+        if self._multiline(within.after, span.start):
+            self._delete_lines(span.start, span.end)
+        elif "\n" in self.text[span.start : span.end]:
+            raise RewriteError("a value of several lines that starts beside its key")
+        else:
+            blank = len(self.text[: span.start].rstrip(" \t"))
+            self.put(max(blank, within.after), span.end, "")
+        self._insert_lines(self._line_end(span.end), lines)
+
+    # Mappings
+
+    def _mapping(
+        self, span: Span, before: Items, after: Items, new: Data, within: EntrySpan | None
+    ) -> None:
+        kept = [key for key in after if key in before]
+        if kept != [key for key in before if key in after] or not kept:
+            self._reordered(span, after, new, within)
+            return
+        entries = {str(entry.key): entry for entry in span.entries}
+        for key in kept:
+            self.change(entries[str(key)].value, before[key], after[key], entries[str(key)])
+        if list(after) == list(before):
+            return
+        if span.flow:
+            names = [str(key) for key in after]
+            made = {
+                key: f"{_name(key)}: {on_one_line(after[key])}"
+                for key in names
+                if key not in before
+            }
+            old = [str(key) for key in before]
+            self._flow(span, old, names, made)
+            return
+        for key in before:
+            if key not in after:
+                self._delete_lines(entries[str(key)].start, entries[str(key)].value.end)
+        self._insert_keys(span, entries, before, after)
+
+    def _reordered(self, span: Span, after: Items, new: Data, within: EntrySpan | None) -> None:
+        """Replace a mapping that shares no key with the new one, or has them in another order."""
+        if span.flow:
+            self._replace(span, new, within)
+        elif within is None or not self._own_line(span.start):
+            raise RewriteError("entries of the pack are put in another order")
+        else:
+            lines = block_lines(after, self._column(span.start))  # type: ignore[arg-type]
+            self._insert_lines(self._line_start(span.start), self._lines(lines))
+            self._delete_lines(span.start, span.end)
+
+    def _insert_keys(
+        self, span: Span, entries: Mapping[str, EntrySpan], before: Items, after: Items
+    ) -> None:
+        """Insert the lines of new keys, each behind the key before it."""
+        indent = self._column(span.entries[0].start)
+        first = next(entries[str(key)] for key in after if key in before)
+        if not self._own_line(first.start) and next(iter(after)) not in before:
+            raise RewriteError("a key before one that does not start a line")
+        at = self._line_start(first.start)
+        model = first
+        for key, value in after.items():
+            if key in before:
+                model = entries[str(key)]
+                at = self._line_end(model.value.end)
+                continue
+            self._insert_lines(at, self._lines(self._entry_lines(str(key), value, model, indent)))
+
+    def _entry_lines(self, key: str, value: Data, model: EntrySpan, indent: int) -> list[str]:
+        """Return the lines of a new entry in the form of a neighbour."""
+        near = model.value
+        as_block = near.kind == "mapping" and not near.flow
+        if isinstance(value, Mapping) and value and (as_block or wants_block(value)):
+            lines = [f"{_name(key)}:", *block_lines(value, INDENT)]
+        else:
+            column = self._column(near.start) - indent
+            beside = not self._multiline(model.after, near.start)
+            width = column - 1 if beside and near.kind != "scalar" else 0
+            lines = [f"{_name(key) + ':':<{width}} {on_one_line(value)}"]
+        return [" " * indent + line for line in lines]
+
+    # Sequences
+
+    def _sequence(
+        self, span: Span, before: list[Data], after: list[Data], new: Data, within: EntrySpan | None
+    ) -> None:
+        if len(before) == len(after):
+            for entry, one, other in zip(span.entries, before, after, strict=True):
+                self.change(entry.value, one, other, entry)
+            return
+        head = _common(before, after)
+        room = min(len(before), len(after)) - head
+        tail = min(_common(before[::-1], after[::-1]), room)
+        last = len(before) - tail
+        if span.flow:
+            old = list(map(str, range(len(before))))
+            made = {f"+{n}": on_one_line(after[n]) for n in range(head, len(after) - tail)}
+            self._flow(span, old, [*old[:head], *made, *old[last:]], made)
+            return
+        if not head and not tail:
+            self._replace(span, new, within)
+            return
+        for entry in span.entries[head:last]:
+            self._delete_lines(entry.start, entry.value.end)
+        indent = " " * self._column(span.start)
+        lines = [f"{indent}- {on_one_line(one)}" for one in after[head : len(after) - tail]]
+        if head:
+            at = self._line_end(span.entries[head - 1].value.end)
+        elif self._own_line(span.entries[last].start):
+            at = self._line_start(span.entries[last].start)
+        else:
+            raise RewriteError("an item before one that does not start a line")
+        self._insert_lines(at, self._lines(lines))
+
+    # Collections in brackets
+
+    def _flow(self, span: Span, old: list[str], new: list[str], made: Mapping[str, str]) -> None:
+        """Rebuild a collection in brackets from the text of its entries, `made` being new."""
+        text, entries = self.text, dict(zip(old, span.entries, strict=True))
+        gaps = [text[a.value.end : b.start] for a, b in pairwise(span.entries)]
+        first, last = span.entries[0], span.entries[-1]
+        if any("#" in gap for gap in gaps) or "\n" in text[span.start : span.end]:
+            raise RewriteError("items are added to or taken from brackets over several lines")
+        parts = [
+            made[key] if key in made else self.applied(entries[key].start, entries[key].value.end)
+            for key in new
+        ]
+        for entry in span.entries:
+            self._drop(entry.start, entry.value.end)
+        inside = (gaps[0] if gaps and gaps[0].strip() == "," else ", ").join(parts)
+        self.put(first.start, last.value.end, inside)
+
+    def _drop(self, start: int, end: int) -> None:
+        self.found = [edit for edit in self.found if not (start <= edit[0] and edit[1] <= end)]
+
+    # Lines
+
+    def _line_start(self, at: int) -> int:
+        return self.text.rfind("\n", 0, at) + 1
+
+    def _line_end(self, at: int) -> int:
+        found = self.text.find("\n", at)
+        return len(self.text) if found < 0 else found + 1
+
+    def _column(self, at: int) -> int:
+        return at - self._line_start(at)
+
+    def _own_line(self, at: int) -> bool:
+        """Return True if nothing but spaces precedes a character in its line."""
+        return not self.text[self._line_start(at) : at].strip()
+
+    def _multiline(self, start: int, end: int) -> bool:
+        return "\n" in self.text[start:end]
+
+    def _lines(self, lines: list[str]) -> str:
+        return "".join(f"{line}{self.newline}" for line in lines)
+
+    def _insert_lines(self, at: int, lines: str) -> None:
+        if at == len(self.text) and self.text and not self.text.endswith("\n"):
+            cut = len(self.newline)
+            lines = self.newline + lines[:-cut]
+        self.put(at, at, lines)
+
+    def _delete_lines(self, start: int, end: int) -> None:
+        if not self._own_line(start):
+            raise RewriteError("an entry that does not start a line is deleted")
+        self.put(self._line_start(start), self._line_end(end), "")
+
+
+def _items(span: Span, value: Data) -> Items | None:
+    """Return the entries of a collection that the span shows entry by entry; None otherwise."""
+    if span.kind == "mapping" and isinstance(value, dict):
+        return value
+    if span.kind == "sequence" and isinstance(value, tuple):
+        return dict(enumerate(value))
+    return None
+
+
+def _common(one: list[Data], other: list[Data]) -> int:
+    """Return the number of leading items that two lists share."""
+    pairs = takewhile(lambda pair: same(*pair), zip(one, other, strict=False))
+    return sum(1 for _ in pairs)
+
+
+def _name(key: Any) -> str:
+    return on_one_line(str(key))
+
+
+def _quoted(value: Data, quote: str) -> str:
+    """Return a value on one line, text in the quotes that the old text had."""
+    write: Callable[[Data], str] = on_one_line
+    if isinstance(value, str) and quote == "'" and value.isprintable():
+        return "'" + value.replace("'", "''") + "'"
+    if isinstance(value, str) and quote == '"':
+        import json
+
+        return json.dumps(value, ensure_ascii=False)
+    return write(value)
