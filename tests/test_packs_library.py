@@ -6,16 +6,19 @@ from pathlib import Path
 
 import pytest
 from lanes import full
-from packs_tree import BANK, CHILD, PARENT, POSESET, plant, put
+from packs_tree import ANNAS_BANK, BANK, CHILD, PARENT, POSESET, TREE, plant, put
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs import finding
+from lipsync_lang.packs import library as library_module
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import Finder, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import MODELS
 from lipsync_lang.packs.models.schema import kinds, schema
 from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.yaml.source import scan
+from lipsync_lang.resolver.compile import compile_pair
 
 
 @pytest.fixture
@@ -69,6 +72,37 @@ def test_a_place_is_searched_once(tmp_path):
 def test_a_given_folder_must_be_there(tmp_path):
     with pytest.raises(PackError, match="no such folder"):
         Library([tmp_path / "gone"])
+
+
+def test_unsaved_contents_stand_in_for_files(tmp_path, monkeypatch):
+    home = plant(tmp_path)
+    saved = Library([home], project=None)
+    old = saved.poseset("face"), saved.banks("face")[0]
+    named = POSESET.replace("title: Face", "title: New").encode()
+    unsaved = {
+        home / "posesets/face/poseset.yaml": named,
+        home / "posesets/face/banks/more.yaml": BANK.replace("name: common", "name: more").encode(),
+        home / "posesets/other/poseset.yaml": named.replace(b"name: face", b"name: other"),
+        home / "characters/ben.yaml": TREE["characters/anna.yaml"].replace("anna", "ben").encode(),
+        home / "characters/ben-bank.yaml": ANNAS_BANK.replace("anna", "ben").encode(),
+    }
+    read = []
+    monkeypatch.setattr(
+        library_module, "scan", lambda path, _: read.append(path.name) or scan(path, _)
+    )
+    library = Library([home], project=None, unsaved=unsaved, earlier=saved)
+    assert library.poseset("face").model.title == "New"
+    assert library.banks("face")[0].model is old[1].model
+    assert [bank.model.name for bank in library.banks("face")] == ["common", "more"]
+    assert library.poseset("other").model.name == "other"
+    ben = library.character("ben")
+    assert [bank.model.name for bank in library.character_banks(ben)] == ["ben-bank"]
+    assert read == ["poseset.yaml", "more.yaml", "poseset.yaml", "ben.yaml", "ben-bank.yaml"]
+    assert [found.name for found in library.names("character")] == ["anna", "ben"]
+    again = Library([home], project=None, unsaved={}, earlier=library)
+    assert again.poseset("face").model.title == "Face"
+    compiled = compile_pair(library, "child", "ben")
+    assert compiled.character == "ben"
 
 
 @full

@@ -7,8 +7,9 @@ others.
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
@@ -65,6 +66,9 @@ KIND_WORDS: dict[Kind, str] = {
 }
 """The name of each kind in messages."""
 
+NONE_UNSAVED: Mapping[Path, bytes] = MappingProxyType({})
+"""No contents in place of files."""
+
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 _KIND = re.compile(rb"^kind:[ \t]*[\"']?([a-z]+)", re.MULTILINE)
 
@@ -93,6 +97,7 @@ class Finder:
     ----------
     paths : folders to search first, and files of single packs
     project : the project's folder, searched next; None for no project
+    unsaved : contents of files, absolute, in place of those on the disk or beside them
 
     Attributes
     ----------
@@ -100,7 +105,13 @@ class Finder:
     missing : entry points of installed distributions whose folders do not exist
     """
 
-    def __init__(self, paths: Paths = (), project: Path | None = Path()) -> None:
+    def __init__(
+        self,
+        paths: Paths = (),
+        project: Path | None = Path(),
+        unsaved: Mapping[Path, bytes] = NONE_UNSAVED,
+    ) -> None:
+        self.unsaved = unsaved
         self.paths = folders_of(paths)
         self.project = None if project is None else project.absolute()
         self.missing: list[EntryPoint] = []
@@ -181,7 +192,7 @@ class Finder:
         for root in self.roots if home is not None else ():
             folder = root.path / FOLDERS["poseset"] / poseset
             folder = home.parent if root.path == home else folder
-            yield from yaml_files(folder / kind).values()
+            yield from yaml_files(folder / kind, self.unsaved).values()
             if folder / POSESET == home:
                 return
 
@@ -216,7 +227,8 @@ class Finder:
         key = root, kind
         if key not in self._listed:
             one = _alone(root, kind) if root.is_file() else None
-            self._listed[key] = _packs(root / FOLDERS[kind], kind) if one is None else one
+            folder = root / FOLDERS[kind]
+            self._listed[key] = _packs(folder, kind, self.unsaved) if one is None else one
         return self._listed[key]
 
     def _search(self) -> Iterator[Root]:
@@ -296,7 +308,7 @@ def _refuse_other(path: Path, kind: str) -> None:
         raise PackError(f"{path}: a pose set's file is called {POSESET}, in a folder of its name")
 
 
-def beside(pack: Path, name: str) -> Path | None:
+def beside(pack: Path, name: str, unsaved: Collection[Path] = ()) -> Path | None:
     """Return the path of a file named by a pack, or None if it is missing.
 
     A file outside the folder above the pack's counts as missing: a pack may not read it.
@@ -304,7 +316,7 @@ def beside(pack: Path, name: str) -> Path | None:
     path = pack.parent / name
     try:
         within = path.resolve().is_relative_to(pack.parent.parent.resolve())
-        return path if within and path.is_file() else None
+        return path if within and (path in unsaved or path.is_file()) else None
     except (OSError, ValueError, RuntimeError):
         return None  # too long a name, a null in it, or a circle of links
 
@@ -334,29 +346,31 @@ def location(entry_point: "EntryPoint") -> Path | None:
     return next((folder for folder in found if folder.is_dir()), None)
 
 
-def entries(folder: Path) -> list[Path]:
-    """List a folder in order of name; a missing folder counts as empty."""
+def entries(folder: Path, unsaved: Collection[Path] = ()) -> list[Path]:
+    """List a folder in order of name, unsaved files too; a missing folder counts as empty."""
+    within = {path for new in unsaved for path in (new, new.parent) if path.parent == folder}
     try:
-        return sorted(folder.iterdir())
+        return sorted({*folder.iterdir(), *within})
     except OSError:
-        return []
+        return sorted(within)
 
 
-def yaml_files(folder: Path) -> dict[str, Path]:
+def yaml_files(folder: Path, unsaved: Collection[Path] = ()) -> dict[str, Path]:
     """Map names to the YAML files of a folder, in order of name."""
-    found = (path for path in entries(folder) if path.suffix == ".yaml" and path.is_file())
+    files = (path for path in entries(folder, unsaved) if path.suffix == ".yaml")
+    found = (path for path in files if path in unsaved or path.is_file())
     return {path.stem: path for path in found if _NAME.fullmatch(path.stem)}
 
 
-def _packs(folder: Path, kind: Kind) -> dict[str, Path]:
+def _packs(folder: Path, kind: Kind, unsaved: Mapping[Path, bytes]) -> dict[str, Path]:
     if kind == "poseset":
-        named = {p.name: p / POSESET for p in entries(folder) if _NAME.fullmatch(p.name)}
-        return {name: path for name, path in named.items() if path.is_file()}
-    found = yaml_files(folder)
+        named = {p.name: p / POSESET for p in entries(folder, unsaved) if _NAME.fullmatch(p.name)}
+        return {name: path for name, path in named.items() if path in unsaved or path.is_file()}
+    found = yaml_files(folder, unsaved)
     if kind == "language":
         return {name: path for name, path in found.items() if name not in SHARED}
     # A character's banks lie beside it and are not characters.
-    return {name: path for name, path in found.items() if _stated(_KIND, path) != "bank"}
+    return {n: path for n, path in found.items() if _stated(_KIND, path, unsaved) != "bank"}
 
 
 def _alone(path: Path, kind: Kind) -> dict[str, Path]:
@@ -365,10 +379,12 @@ def _alone(path: Path, kind: Kind) -> dict[str, Path]:
     return {name: path} if _stated(_KIND, path) in (kind, "") and _NAME.fullmatch(name) else {}
 
 
-def _stated(field: "re.Pattern[bytes]", path: Path) -> str:
+def _stated(
+    field: "re.Pattern[bytes]", path: Path, unsaved: Mapping[Path, bytes] = NONE_UNSAVED
+) -> str:
     """Return the first group of a pattern in a file; empty if absent."""
     try:
-        found = field.search(read_bytes(path))
+        found = field.search(unsaved[path] if path in unsaved else read_bytes(path))
     except PackError:
         return ""
     return found.group(1).decode("ascii") if found else ""

@@ -5,7 +5,7 @@ as long as both are unchanged.
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -18,6 +18,7 @@ from lipsync_lang.packs.finding import (
     COMMON,
     FOLDERS,
     IPA,
+    NONE_UNSAVED,
     SHARED,
     Finder,
     FoundPack,
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from lipsync_lang.packs import models
 
 _log = logging.getLogger(__name__)
+
+_Asked = tuple[Path, str | None, str | None]
+"""A file with the kind and the name that it must have."""
 
 M = TypeVar("M", bound="models.PackModel")
 
@@ -99,6 +103,8 @@ class Library:
     ----------
     paths : folders to search first, and files of single packs
     project : the project's folder, searched next; None for no project
+    unsaved : contents of files, by absolute path, in place of those on the disk or beside them
+    earlier : a library whose packs are used again where their content is the same
 
     Attributes
     ----------
@@ -107,13 +113,22 @@ class Library:
     faults : every fault found so far, in order
     """
 
-    def __init__(self, paths: Paths = (), project: Path | None = Path()) -> None:
-        self.finder = Finder(paths, project)
+    def __init__(
+        self,
+        paths: Paths = (),
+        project: Path | None = Path(),
+        *,
+        unsaved: Mapping[Path, bytes] = NONE_UNSAVED,
+        earlier: "Library | None" = None,
+    ) -> None:
+        self.finder = Finder(paths, project, unsaved)
+        self.unsaved = unsaved
         self.paths, self.project = self.finder.paths, self.finder.project
         self.lookups: dict[tuple[str, str], tuple[str, ...]] = {}
         self.files: dict[str, str] = {}
         self.faults: list[Fault] = [_missing(e) for e in self.finder.missing]
-        self._loaded: dict[tuple[Path, str | None, str | None], _Inspected] = {}
+        self._loaded: dict[_Asked, _Inspected] = {}
+        self._earlier = {} if earlier is None else earlier.by_content()
 
     @property
     def roots(self) -> tuple[Root, ...]:
@@ -220,7 +235,7 @@ class Library:
         """Load a character's own bank files, in the order stated."""
         paths = []
         for number, name in enumerate(character.model.banks):
-            path = beside(character.path, name)
+            path = beside(character.path, name, self.unsaved)
             if path is None:
                 what, hint = (
                     f"there is no file '{name}'",
@@ -250,16 +265,25 @@ class Library:
         """Return the model (None if faulty), source and faults of a file, which is read once."""
         key = path, kind, name
         if key not in self._loaded:
-            from lipsync_lang.packs.models.validation import validated
-
-            _log.debug("reading %s", path)
-            content = read_bytes(path)
-            self.files[str(path)] = sha256(content).hexdigest()
-            source = scan(path, content)
-            model, faults = validated(source, kind=kind, name=name)
-            self.faults.extend(faults)
-            self._loaded[key] = _Inspected(model, source, faults)
+            content = self.unsaved[path] if path in self.unsaved else read_bytes(path)
+            digest = self.files[str(path)] = sha256(content).hexdigest()
+            found = self._earlier.get((key, digest)) or self._read(path, content, kind, name)
+            self.faults.extend(found.faults)
+            self._loaded[key] = found
         return self._loaded[key]
+
+    @staticmethod
+    def _read(path: Path, content: bytes, kind: str | None, name: str | None) -> "_Inspected":
+        from lipsync_lang.packs.models.validation import validated
+
+        _log.debug("reading %s", path)
+        source = scan(path, content)
+        model, faults = validated(source, kind=kind, name=name)
+        return _Inspected(model, source, faults)
+
+    def by_content(self) -> "dict[tuple[_Asked, str], _Inspected]":
+        """Return the files loaded so far, by what was asked for and the digest of the content."""
+        return {(key, self.files[str(key[0])]): found for key, found in self._loaded.items()}
 
     def scanned(self, path: Path, content: bytes) -> YamlSource:
         """Return a file as data; content that was loaded already is not scanned once more.

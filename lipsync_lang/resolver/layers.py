@@ -103,7 +103,13 @@ class PairPacks:
         if self.character.path != self.poseset.path:
             styles = {bank.model.style for bank in (*self.banks, *self.own_banks)}
             found += checks.check_character(
-                self.character, poseset, phonemes, rigs=rigs, languages=spoken, styles=styles
+                self.character,
+                poseset,
+                phonemes,
+                rigs=rigs,
+                languages=spoken,
+                styles=styles,
+                unsaved=self.library.unsaved,
             )
         faults = [f for f in found if f.severity == "fault"]
         if faults:

@@ -5,6 +5,7 @@ all packs of a library.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import did_you_mean
@@ -255,6 +256,7 @@ def check_character(  # noqa: PLR0913 what is known of others
     rigs: Collection[str],
     languages: Collection[str],
     styles: Collection[str],
+    unsaved: Collection[Path] = (),
 ) -> Iterator[Fault]:
     """Check that a character names known poses, phonemes, regions and styles, and its files."""
     model = character.model
@@ -273,7 +275,7 @@ def check_character(  # noqa: PLR0913 what is known of others
     yield from _pronunciations(character, phonemes, languages)
     yield from _rules(character, model.checks, poseset, phonemes)
     for number, file in enumerate(model.banks):
-        if beside(character.path, file) is None:
+        if beside(character.path, file, unsaved) is None:
             what, hint = f"there is no file '{file}'", "it belongs beside the character"
             yield character.fault(("banks", number), "P213", what, hint)
     yield from _model(character)
