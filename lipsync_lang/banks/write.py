@@ -95,7 +95,7 @@ def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
     from lipsync_lang.packs.splicing import spliced
     from lipsync_lang.packs.yaml.source import read_bytes
 
-    create = None if path.exists() else _empty_bank(made.poseset, path)
+    create = None if path.exists() else empty_bank(made.poseset, path)
     content = read_bytes(path) if create is None else create.encode()
     source = library.scanned(path, content)
     _refuse_other(path, source.data, made)
@@ -139,7 +139,8 @@ def _refuse_other(path: Path, bank: object, made: Made) -> None:
         raise PackError(f"{path}: {what}; name another file for the bigrams")
 
 
-def _empty_bank(poseset: str, path: Path) -> str:
+def empty_bank(poseset: str, path: Path) -> str:
+    """Return the text of a new bank for the bigrams of a person."""
     comment = (
         "# Bigrams that a person edited or approved; all others are drafted from the targets.\n"
     )

@@ -36,7 +36,7 @@ def fill(options: Namespace) -> None:
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
     for name, option in (("language", "-l"), ("character", "-c")):
-        if not getattr(options, name, True):
+        if not getattr(options, name, True) and not getattr(options, "choosing", False):
             raise LipsyncError(
                 f"no {name} is named: give {option} {name.upper()}, or state `{name}: ...` in "
                 f"{FILE}"

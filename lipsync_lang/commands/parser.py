@@ -11,6 +11,7 @@ from lipsync_lang.commands import (
     packs,
     performing,
     stills,
+    studio,
     validate_packs,
 )
 from lipsync_lang.commands import quality as check
@@ -20,6 +21,7 @@ from lipsync_lang.commands.shared_options import (
     add_json,
     add_json_form,
     add_line,
+    add_motion,
     add_pair,
     add_path,
     add_words,
@@ -62,6 +64,7 @@ def parser() -> argparse.ArgumentParser:
     _add_transcribe(add)
     _add_explain(add)
     _add_stills(add)
+    _add_studio(add)
     _add_checking(add)
     _add_coverage(add)
     _add_check(add)
@@ -95,6 +98,31 @@ def _add_run(add: Add) -> None:
     )
     add_line(run_)
     _add_written(run_.add_argument_group("what is written"))
+
+
+def _add_studio(add: Add) -> None:
+    studio_ = add(
+        "studio",
+        studio.studio,
+        "open the studio in a browser: hear a line, see it, ask why, and change it",
+        "studio -l english -c crab",
+    )
+    add_pair(studio_)
+    studio_.set_defaults(choosing=True)
+    studio_.add_argument("--tts", metavar="ENGINE", help="another speech engine; none is silent")
+    add_motion(studio_)
+    studio_.add_argument(
+        "--port", metavar="N", type=int, default=0, help="the port of the address [a free one]"
+    )
+    studio_.add_argument(
+        "--host", metavar="ADDRESS", default=studio.LOCAL,
+        help="let other machines in by this address; needs --token [this machine alone]",
+    )  # fmt: skip
+    studio_.add_argument("--token", metavar="SECRET", help="the secret in the address [random]")
+    studio_.add_argument(
+        "--browser", action=argparse.BooleanOptionalAction, default=True,
+        help="open the address in a browser [yes]",
+    )  # fmt: skip
 
 
 def _add_written(written: Options) -> None:

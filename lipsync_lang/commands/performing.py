@@ -187,12 +187,12 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
         paths=options.path,
         gaps=options.gaps,
         unknown=options.unknown,
-        motion=_motion(options.settings),
+        motion=motion_settings(options.settings),
         shades=options.shades,
     )
 
 
-def _motion(settings: list[str]) -> dict[str, object]:
+def motion_settings(settings: list[str]) -> dict[str, object]:
     """Parse ``motion.window=0.1`` and ``motion=paper``."""
     change: dict[str, object] = {}
     for setting in settings:

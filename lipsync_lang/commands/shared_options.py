@@ -109,14 +109,7 @@ def _add_delivery(how: Options) -> None:
         help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 "
         "[1 where there is sound]",
     )  # fmt: skip
-    how.add_argument(
-        "--fps", metavar="N", type=parse_rate, default=None,
-        help="frames per second, such as 24, 23.976 or 24000/1001 [the project's, or 60]",
-    )  # fmt: skip
-    how.add_argument(
-        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
-        help="change a motion setting, or take a preset: --set motion=paper",
-    )  # fmt: skip
+    add_motion(how)
     how.add_argument(
         "--shades", action=argparse.BooleanOptionalAction, default=None,
         help="perform the finer sounds that drafts know, or each as its parent [the project's, or "
@@ -129,4 +122,16 @@ def _add_delivery(how: Options) -> None:
     how.add_argument(
         "--unknown", choices=("error", "rest", "nearest"), default="error",
         help="labels that no notation maps; nearest is for IPA, by its features [error]",
+    )  # fmt: skip
+
+
+def add_motion(how: Options) -> None:
+    """Add the frame rate and the settings of motion."""
+    how.add_argument(
+        "--fps", metavar="N", type=parse_rate, default=None,
+        help="frames per second, such as 24, 23.976 or 24000/1001 [the project's, or 60]",
+    )  # fmt: skip
+    how.add_argument(
+        "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
+        help="change a motion setting, or take a preset: --set motion=paper",
     )  # fmt: skip

@@ -65,9 +65,13 @@ class ArrayPack:
         """Return type and length of each array, for JSON."""
         return [[kind, count] for kind, count in self._rows]
 
+    def block(self) -> bytes:
+        """Return the arrays, one after the other."""
+        return b"".join(self._data)
+
     def text(self) -> str:
         """Return the block, compressed, in base64."""
-        return b64encode(zlib.compress(b"".join(self._data), LEVEL)).decode("ascii")
+        return b64encode(zlib.compress(self.block(), LEVEL)).decode("ascii")
 
 
 def _coded(values: npt.NDArray[Any]) -> bytes:

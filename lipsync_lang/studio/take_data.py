@@ -61,7 +61,7 @@ def take_data(
         **curves_data(animation, pack),
         "measures": {} if performer is None else performer.compiled.measures,
         "spoken": schedule_data(animation.schedule),
-        "figures": [] if quality is None else _figures(quality),
+        "figures": [] if quality is None else figures_data(quality),
     }
     if performer is not None:
         data |= {"language": performer.language, "character": performer.character}
@@ -98,7 +98,8 @@ def schedule_data(schedule: Schedule) -> Json:
     }
 
 
-def _figures(quality: Quality) -> list[Json]:
+def figures_data(quality: Quality) -> list[Json]:
+    """Return figures with their verdicts and findings, for the timeline."""
     return [
         {
             "name": one.name,

@@ -146,6 +146,13 @@ export class Player {
     });
   }
 
+  /** Let go of the sound. */
+  close() {
+    this.pause();
+    if (this.audio) URL.revokeObjectURL(this.audio.src);
+    this.audio = null;
+  }
+
   /** @param {number} rate 1 for ordinary speed; the pitch stays */
   setRate(rate) {
     const now = this.time;

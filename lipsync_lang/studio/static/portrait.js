@@ -44,19 +44,22 @@ export class Portrait {
     if (this.face) this.face.setView({ yaw: this.face.yaw + yaw, pitch: this.face.pitch + pitch });
   }
 
-  /** @param {number} seconds */
-  draw(seconds) {
+  /**
+   * @param {number} seconds
+   * @param {Float32Array | null} [posed] weights of the channels in place of the take's
+   */
+  draw(seconds, posed = null) {
     const { canvas, take } = this;
     const ratio = Math.min(FINEST, window.devicePixelRatio || 1);
     const [wide, high] = [canvas.clientWidth, canvas.clientHeight].map((side) => Math.round(ratio * side));
     if (wide && (canvas.width !== wide || canvas.height !== high)) [canvas.width, canvas.height] = [wide, high];
     if (this.face) {
-      this.face.setWeights(take.channelsAt(seconds));
+      this.face.setWeights(posed ?? take.channelsAt(seconds));
       this.face.render();
       return;
     }
     const context = canvas.getContext("2d");
-    if (context) drawMouth(context, mouthOf(take.data.measures, take.poses, take.posesAt(take.frameAt(seconds))), this.close);
+    if (context) drawMouth(context, mouthOf(take.data.measures, take.poses, posed ?? take.posesAt(take.frameAt(seconds))), this.close);
   }
 }
 

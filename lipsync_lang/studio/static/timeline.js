@@ -132,7 +132,7 @@ export class Timeline {
   draw(seconds) {
     const { canvas } = this;
     const ratio = Math.min(3, window.devicePixelRatio || 1);
-    const height = this.top + Math.max(1, this.line.rows.length) * this.rowHeight + 4;
+    const height = this.top + this.line.rows.length * this.rowHeight + 4;
     const wide = Math.round(canvas.clientWidth * ratio), high = Math.round(height * ratio);
     if (canvas.width !== wide || canvas.height !== high) {
       canvas.style.height = `${height}px`;

@@ -1,0 +1,111 @@
+"""The command that opens the studio."""
+
+import logging
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.commands.output import SOUND
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    import socket
+
+LOCAL = "127.0.0.1"
+"""The address of this machine for itself alone."""
+
+TOKEN_BYTES = 18
+"""Bytes of a random token."""
+
+LEAST_TOKEN_CHARS = 16
+"""Characters of a token that the user chooses."""
+
+MAX_PORT = 65535
+
+SHUTDOWN_SECONDS = 1
+"""Seconds that open requests are given when the studio is closed."""
+
+
+def studio(options: Namespace) -> int:
+    """Open the studio in a browser, until it is interrupted."""
+    import threading
+    import webbrowser
+
+    try:
+        import uvicorn
+
+        from lipsync_lang.studio.server import app
+    except ImportError:
+        raise LipsyncError(
+            "the studio needs Starlette and uvicorn: pip install 'lipsync-lang[studio]'"
+        ) from None
+    from lipsync_lang.commands.performing import motion_settings
+    from lipsync_lang.studio.workshop import Workshop
+
+    token = _token(options)
+    workshop = Workshop(
+        Path.cwd(), options.path,
+        motion=motion_settings(options.settings), engine=options.tts,
+    )  # fmt: skip
+    workshop.settings.fps = options.fps
+    if options.language and options.character:
+        workshop.open(options.language, options.character)
+    with _listening(options.host, options.port) as listener:
+        port = listener.getsockname()[1]
+        names = {options.host, *((LOCAL, "localhost") if options.host == LOCAL else ())}
+        hosts = [f"{name}:{port}" for name in names]
+        address = f"http://{options.host}:{port}/{token}/"
+        print(f"the studio is at {address}", flush=True)
+        print("close it with Ctrl-C", file=sys.stderr)
+        if options.browser:
+            threading.Timer(0.3, webbrowser.open, (address,)).start()
+        config = uvicorn.Config(
+            app(workshop, token, hosts), log_level=logging.WARNING, access_log=False,
+            lifespan="off", ws="none", server_header=False,
+            timeout_graceful_shutdown=SHUTDOWN_SECONDS,
+        )  # fmt: skip
+        uvicorn.Server(config).run(sockets=[listener])
+    return SOUND
+
+
+def _token(options: Namespace) -> str:
+    """Return the secret part of the address; other machines need one that the user chose."""
+    from secrets import token_urlsafe
+
+    if options.token is None:
+        if options.host != LOCAL:
+            raise LipsyncError(
+                f"--host {options.host} lets other machines in: choose a secret for the address "
+                "with --token SECRET"
+            )
+        return token_urlsafe(TOKEN_BYTES)
+    token: str = options.token
+    if len(token) < LEAST_TOKEN_CHARS or not token.replace("-", "").replace("_", "").isalnum():
+        raise LipsyncError(
+            f"--token: use at least {LEAST_TOKEN_CHARS} letters, digits, - and _, such as "
+            f"{token_urlsafe(TOKEN_BYTES)}"
+        )
+    if options.host != LOCAL:
+        print(
+            f"warning: every machine that reaches {options.host} and knows the token can change "
+            "the packs of this folder; the connection is not encrypted",
+            file=sys.stderr,
+        )
+    return token
+
+
+def _listening(host: str, port: int) -> "socket.socket":
+    """Return a listening socket."""
+    import socket
+
+    if not 0 <= port <= MAX_PORT:
+        raise LipsyncError(
+            f"--port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free one"
+        )
+    try:
+        return socket.create_server((host, port))
+    except OSError as error:
+        raise LipsyncError(
+            f"--host {host} --port {port}: cannot be used: {error}; port 0 takes a free one"
+        ) from None

@@ -1,0 +1,85 @@
+"""Requests and answers of the studio, without the web."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.array_pack import ArrayPack
+from lipsync_lang.studio.workshop import Workshop
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request: the data in its path, its query, and its content."""
+
+    name: str = ""
+    query: Mapping[str, str] = field(default_factory=dict)
+    content: bytes = b""
+
+    @property
+    def body(self) -> Json:
+        """The content as a JSON object.
+
+        Raises
+        ------
+        LipsyncError
+            The content is none.
+        """
+        try:
+            found = json.loads(self.content or b"{}", parse_constant=_refuse)
+        except (ValueError, RecursionError):
+            found = None
+        if not isinstance(found, dict):
+            raise LipsyncError("the request is no JSON object")
+        return found
+
+    def text(self, name: str) -> str:
+        """Return a text of the body."""
+        found = self.body.get(name)
+        if not isinstance(found, str):
+            raise LipsyncError(f"the request needs a text '{name}'")
+        return found
+
+    def number(self, name: str, low: float, high: float) -> float:
+        """Return a number of the body within a range."""
+        found = self.body.get(name)
+        if isinstance(found, bool) or not isinstance(found, (int, float)):
+            raise LipsyncError(f"the request needs a number '{name}'")
+        if not (math.isfinite(found) and low <= found <= high):
+            raise LipsyncError(f"'{name}' is {found}; give {low:g} to {high:g}")
+        return float(found)
+
+
+def _refuse(word: str) -> None:
+    raise ValueError(word)
+
+
+@dataclass(frozen=True)
+class Packed:
+    """An answer with arrays, which goes to the browser as bytes."""
+
+    document: Json
+    arrays: ArrayPack
+
+    def content(self) -> bytes:
+        """Return the length of the JSON (4 bytes, little-endian), the JSON, and the arrays."""
+        whole = self.document | {"arrays": self.arrays.layout()}
+        text = json.dumps(whole, separators=(",", ":")).encode()
+        return len(text).to_bytes(4, "little") + text + self.arrays.block()
+
+
+Answer = Json | Packed
+Route = Callable[[Workshop, Asked], Answer]
+Routes = dict[str, Route]
+"""Functions by method and path, such as ``GET bigram/{name}``."""
+
+
+def listed(value: Any, what: str) -> list[Any]:
+    """Return a value of a request that must be a list."""
+    if not isinstance(value, list):
+        raise LipsyncError(f"the request needs a list of {what}")
+    return value

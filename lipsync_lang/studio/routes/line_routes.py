@@ -1,0 +1,181 @@
+"""Routes of the line: what is said, its curves, its face and its figures."""
+
+from dataclasses import fields, replace
+from math import isfinite
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.array_pack import ArrayPack
+from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.studio.routes.asking import Asked, Packed, Routes, listed
+from lipsync_lang.studio.take_data import curves_data, take_data
+from lipsync_lang.studio.workshop import Settings, Workshop
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+
+MAX_TEXT_CHARS = 2000
+"""Characters of a line that is typed."""
+
+
+def speak(workshop: Workshop, asked: Asked) -> Packed:
+    """Speak a text, and return its sound and its take."""
+    text = asked.text("text").strip()
+    if len(text) > MAX_TEXT_CHARS:
+        raise LipsyncError(
+            f"the line is longer than {MAX_TEXT_CHARS} characters; speak it in parts"
+        )
+    workshop.speak(text)
+    return _whole(workshop)
+
+
+def timings(workshop: Workshop, asked: Asked) -> Packed:
+    """Read timed phonemes of a file; a sound that was opened before stays with them."""
+    from lipsync_lang.schedules.timing_readers import read_schedule
+
+    with TemporaryDirectory() as folder:
+        path = _sent(asked, Path(folder))
+        schedule = read_schedule(path, asked.query.get("notation"))
+    workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
+    workshop.schedule, workshop.text = schedule, " ".join(word.text for word in schedule.words)
+    return _whole(workshop)
+
+
+def sound(workshop: Workshop, asked: Asked) -> Packed:
+    """Add the sound of the line; with a text, its phonemes are found in it."""
+    from lipsync_lang.speech.hearing import aligned
+    from lipsync_lang.speech.sound import read_audio
+
+    with TemporaryDirectory() as folder:
+        path, text = _sent(asked, Path(folder)), asked.query.get("text", "").strip()
+        if text:
+            workshop.schedule = aligned(workshop.performer.speaker, path, text)
+            workshop.text = text
+        elif workshop.schedule is not None:
+            workshop.schedule = replace(workshop.schedule, audio=read_audio(path))
+        else:
+            raise LipsyncError("say the text of the recording, or open its timed phonemes first")
+    return _whole(workshop)
+
+
+def _sent(asked: Asked, folder: Path) -> Path:
+    """Put a file that was sent into a folder, under the last part of its name."""
+    name = PurePath(asked.query.get("name", "").replace("\\", "/")).name
+    if not name or name in {".", ".."} or not name.isprintable():
+        raise LipsyncError("the file has no name")
+    path = folder / name[-100:]
+    path.write_bytes(asked.content)
+    return path
+
+
+def line(workshop: Workshop, _: Asked) -> Packed:
+    """Return sound and take of the line that is open."""
+    return _whole(workshop)
+
+
+def take(workshop: Workshop, asked: Asked) -> Packed:
+    """Perform the line as it is asked for, and return the take, and those beside it."""
+    stated = asked.body.get("settings")
+    if stated is not None:
+        workshop.settings = _settings(stated)
+    return _takes(workshop, asked.body.get("against"))
+
+
+def _settings(stated: Any) -> Settings:
+    """Read settings; names of styles and regions are checked when the line is performed."""
+    known = {field.name for field in fields(Settings)}
+    if not isinstance(stated, dict) or not known.issuperset(stated):
+        raise LipsyncError(f"settings are an object with any of {', '.join(sorted(known))}")
+    given = Settings(**{key: value for key, value in stated.items() if value is not None})
+    numbers = [given.fps, *([] if given.intensity is None else [given.intensity])]
+    levels = [given.styles, given.dials]
+    for table in levels:
+        if not isinstance(table, dict):
+            raise LipsyncError("`styles` and `dials` are objects of names and levels")
+        for level in table.values():
+            points = level if isinstance(level, list) else [[level]]
+            numbers += [number for point in points for number in listed(point, "numbers")]
+    if not all(_real(number) for number in numbers):
+        raise LipsyncError("frame rate, intensity and levels are numbers")
+    if given.line is not None and not isinstance(given.line, str):
+        raise LipsyncError("`line` is the name of a line")
+    return given
+
+
+def _real(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
+
+
+def _whole(workshop: Workshop) -> Packed:
+    packed = _takes(workshop, None)
+    schedule = workshop.schedule
+    audio = None if schedule is None else schedule.audio
+    sound = None
+    if audio is not None:
+        sound = {"rate": audio.rate, "samples": packed.arrays.add(audio.samples, "i2")}
+    remarks = [] if schedule is None else list(schedule.remarks)
+    unread = "" if schedule is None else " ".join(schedule.unread)
+    told = {"sound": sound, "remarks": remarks, "unread": unread, "text": workshop.text}
+    return Packed(packed.document | told, packed.arrays)
+
+
+def _takes(workshop: Workshop, against: Any) -> Packed:
+    pack = ArrayPack()
+    takes = [_take(workshop.perform(), pack, "")]
+    if isinstance(against, str) and against:
+        takes.append(_take(_other(workshop, against), pack, against))
+    return Packed({"takes": takes}, pack)
+
+
+def _other(workshop: Workshop, name: str) -> "Animation":
+    """Return the take to compare with."""
+    from lipsync_lang.quality.baselines import BASELINES
+
+    performer, schedule = workshop.performer, workshop.schedule
+    if name in BASELINES and schedule is not None:
+        return BASELINES[name](performer, schedule, workshop.settings.fps)
+    raise LipsyncError(f"'{name}' is no take; compare with {', '.join(BASELINES)}")
+
+
+def _take(animation: "Animation", pack: ArrayPack, name: str) -> Json:
+    performer = animation.performer
+    rigged = animation if performer is None else performer.rigged(animation)
+    channels = None if rigged is animation else curves_data(rigged, pack)
+    told = take_data(animation, performer, pack)
+    return told | {"name": name, "face": 0, "channels": channels}
+
+
+def face(workshop: Workshop, _: Asked) -> Packed:
+    """Return the model of the character, for `gl_face.js`."""
+    from lipsync_lang.schedules.schedule import Schedule
+
+    performer = workshop.performer
+    rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
+    pack = ArrayPack()
+    animation = performer.perform(rest)
+    shown = face_data(performer.rigged(animation), pack)
+    return Packed({"face": shown, "take": _take(animation, pack, "")}, pack)
+
+
+def figures(workshop: Workshop, _: Asked) -> Json:
+    """Return the figures of the take, with their findings."""
+    from lipsync_lang.quality.check_animation import check
+    from lipsync_lang.studio.take_data import figures_data
+
+    return {"figures": figures_data(check(workshop.perform()))}
+
+
+ROUTES: Routes = {
+    "GET line": line,
+    "POST line": speak,
+    "POST timings": timings,
+    "POST sound": sound,
+    "POST take": take,
+    "GET face": face,
+    "GET figures": figures,
+}

@@ -1,0 +1,571 @@
+/** The shell of the studio: one pair, one line, one clock, and a view at a time. */
+
+import { api, Refusal } from "./api.js";
+import { BigramView } from "./bigram_view.js";
+import { CharacterView } from "./character_view.js";
+import { CoverageView } from "./coverage_view.js";
+import { made, the } from "./elements.js";
+import { LanguageView } from "./language_view.js";
+import { Player } from "./player.js";
+import { Portrait } from "./portrait.js";
+import { clock } from "./scales.js";
+import { SentenceView } from "./sentence_view.js";
+import { showHelp, shellKeys } from "./studio_keys.js";
+import { Take } from "./take.js";
+import { Timeline } from "./timeline.js";
+import { WordsView } from "./words_view.js";
+
+/** @typedef {"state" | "take" | "time" | "theme" | "face"} Change a new state, curves, playhead, colours or model */
+/**
+ * @typedef {object} View
+ * @property {(argument: string) => Promise<void>} show become visible, with what follows the view's name in the address
+ * @property {() => void} hide
+ * @property {(event: KeyboardEvent) => boolean} key true if the key was used
+ * @property {(what: Change) => void} changed
+ */
+/** @typedef {{file: string, at: (string | number)[], value?: any}} Edit without a value it deletes */
+
+/** Names in the address, titles and classes of the views. */
+const VIEWS = /** @type {[string, string, new (studio: Studio, place: HTMLElement) => View][]} */ ([
+  ["sentence", "Sentence", SentenceView],
+  ["bigrams", "Bigrams", BigramView],
+  ["character", "Character", CharacterView],
+  ["words", "Words & lines", WordsView],
+  ["coverage", "Coverage", CoverageView],
+  ["language", "Language", LanguageView],
+]);
+
+/** Milliseconds for which a message stays. */
+const TOLD = 6000;
+/** Milliseconds between looks for edits of another tab. */
+const LOOK = 3000;
+/** Milliseconds after which a face is shaded. */
+const SHADE_LATER = 50;
+/** Degrees of the view for a pixel of a drag. */
+const TURN = 0.5;
+const AGAINST = [["", "alone"], ["saved", "A/B: as saved"], ["keyframes", "A/B: keyframes"], ["dominance", "A/B: dominance"]];
+
+/** The studio as a whole; views get it. */
+export class Studio {
+  constructor() {
+    this.api = api;
+    /** What the server knows: the pair, its poses and phonemes, unsaved edits. @type {any} */
+    this.state = {};
+    /** Languages and characters to choose from. @type {any} */
+    this.project = {};
+    /** The line's curves. @type {Take | null} */
+    this.take = null;
+    /** The take to compare with. @type {Take | null} */
+    this.other = null;
+    /** @type {{rate: number, samples: Int16Array} | null} */
+    this.sound = null;
+    /** The model, and a take of rest. @type {any} */
+    this.model = null;
+    /** How the line is performed: fps, line, styles, dials, intensity. @type {Record<string, any>} */
+    this.settings = {};
+    this.against = "";
+    this.player = new Player(0, 1, null, () => this.#playing());
+    /** @type {Portrait | null} */
+    this.portrait = null;
+    /** Weights of the model's channels shown in place of the take's. @type {Float32Array | null} */
+    this.posed = null;
+    this.tab = crypto.randomUUID();
+    this.strip = new Timeline(/** @type {HTMLCanvasElement} */ (the("strip")), {
+      seek: (seconds) => this.seek(seconds),
+      hover: () => {},
+      pick: () => {},
+      moved: () => this.wake(),
+    });
+    /** @type {Map<string, {view: View, place: HTMLElement}>} */
+    this.views = new Map();
+    /** @type {View | null} */
+    this.view = null;
+    this.viewName = "";
+    /** @type {number | undefined} */
+    this.asked = undefined;
+    /** Edits that wait for the one in flight. @type {{edits: Edit[], title: string, merge: string, done: (() => void)[]}[]} */
+    this.waiting = [];
+    this.sending = false;
+    this.performing = false;
+    this.again = false;
+  }
+
+  async start() {
+    this.#listen();
+    this.project = await this.api.get("project");
+    this.state = this.project.state;
+    fill(the("language"), this.project.languages, this.state.language);
+    fill(the("character"), this.project.characters, this.state.character);
+    if (this.state.restored) this.tell(`${this.state.restored} unsaved edits of the last time are here again`);
+    if (this.state.language) await this.#opened();
+    else this.#choose();
+    document.documentElement.dataset.ready = "";
+  }
+
+  // The pair
+
+  /** @param {string} language @param {string} character */
+  async open(language, character) {
+    await this.attempt(async () => {
+      this.state = await this.api.post("open", { language, character });
+      fill(the("language"), this.project.languages, this.state.language);
+      fill(the("character"), this.project.characters, this.state.character);
+      await this.#opened();
+    });
+  }
+
+  /** Show the face and the line of the pair. */
+  async #opened() {
+    the("main").querySelector(".empty")?.remove();
+    this.take = this.other = null;
+    await this.loadFace();
+    if (this.state.line) await this.attempt(async () => this.#heard(await this.api.packed("line")));
+    this.#told();
+    await this.#go();
+    this.notify("state");
+    this.wake();
+  }
+
+  /** Draw the model anew, after it was opened or replaced. */
+  async loadFace() {
+    this.model = await this.api.packed("face");
+    this.posed = null;
+    const rest = new Take(this.model.take);
+    this.portrait = new Portrait({ faces: [this.model.face] }, this.take ?? rest);
+    const { canvas, data, trouble } = this.portrait;
+    canvas.setAttribute("aria-label", `Face of ${this.state.character}`);
+    canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
+    canvas.addEventListener("pointermove", (event) => {
+      if (!canvas.hasPointerCapture(event.pointerId)) return;
+      this.portrait?.turn(event.movementX * TURN, event.movementY * TURN);
+      this.wake();
+    });
+    the("faces").replaceChildren(this.portrait.figure);
+    const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
+    the("notes").hidden = !notes.length;
+    the("notes").replaceChildren(...notes.map((/** @type {string} */ one) => made("li", {}, one)));
+    const shown = this.portrait;
+    setTimeout(() => { shown.shade(); this.wake(); }, SHADE_LATER);
+    this.notify("face");
+  }
+
+  /** Ask for a pair where none is open. */
+  #choose() {
+    const start = made("button", { type: "button", class: "main" }, "Open");
+    start.addEventListener("click", () => this.open(chosen("language"), chosen("character")));
+    the("view").replaceChildren(made("section", { class: "empty" },
+      made("h2", {}, "Choose a language and a character"),
+      made("p", {}, "Above stand all languages and characters that this folder and the installed packs have. Edits go into this folder only."),
+      start));
+  }
+
+  // The line
+
+  /** @param {string} text */
+  async speak(text) {
+    await this.busy(async () => this.#heard(await this.api.sent("line", { text })));
+  }
+
+  /** @param {string} path of the request @param {any} body */
+  async openLine(path, body) {
+    await this.busy(async () => this.#heard(await this.api.sent(path, body)));
+  }
+
+  /** @param {any} told take and sound of a new line */
+  #heard(told) {
+    this.sound = told.sound;
+    this.state.text = told.text;
+    /** @type {HTMLInputElement} */ (the("text")).value = told.text;
+    this.#taken(told);
+    const { rate } = this.player;
+    this.player.close();
+    const take = /** @type {Take} */ (this.take);
+    this.player = new Player(take.start, take.end, this.sound, () => this.#playing());
+    this.player.setRate(rate);
+    this.strip.shown = null;
+    this.#drawStrip();
+    for (const one of told.remarks) this.tell(one);
+    if (told.unread) this.tell(`not read: ${told.unread}`, "fault");
+    this.notify("take");
+    this.wake();
+  }
+
+  /** Perform the line once more; the newest wish wins, and one is in flight. */
+  async perform() {
+    if (!this.take) return;
+    if (this.performing) {
+      this.again = true;
+      return;
+    }
+    this.performing = true;
+    try {
+      do {
+        this.again = false;
+        const told = await this.api.sent("take", { settings: this.settings, against: this.against });
+        this.#taken(told);
+        this.#drawStrip();
+        this.notify("take");
+        this.wake();
+      } while (this.again);
+    } catch (error) {
+      this.tell(String(error instanceof Error ? error.message : error), "fault");
+    } finally {
+      this.performing = false;
+    }
+  }
+
+  /** @param {any} told */
+  #taken(told) {
+    [this.take, this.other] = [new Take(told.takes[0]), told.takes[1] ? new Take(told.takes[1]) : null];
+    if (this.portrait) this.portrait.take = this.take;
+  }
+
+  #drawStrip() {
+    if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [] });
+  }
+
+  // Edits
+
+  /**
+   * Change packs; resolves when the curves are new. The newest edits of one drag win.
+   * @param {Edit[]} edits
+   * @param {string} title of the step in undo
+   * @param {string} [merge] edits with one key are one step
+   * @returns {Promise<void>}
+   */
+  edit(edits, title, merge = "") {
+    return new Promise((done) => {
+      const last = this.waiting.at(-1);
+      if (last && merge && last.merge === merge) {
+        const places = new Set(edits.map((one) => JSON.stringify([one.file, one.at])));
+        last.edits = [...last.edits.filter((one) => !places.has(JSON.stringify([one.file, one.at]))), ...edits];
+        last.done.push(done);
+      } else this.waiting.push({ edits, title, merge, done: [done] });
+      this.#send();
+    });
+  }
+
+  async #send() {
+    if (this.sending) return;
+    this.sending = true;
+    for (let next = this.waiting.shift(); next; next = this.waiting.shift()) {
+      const { edits, title, merge, done } = next;
+      try {
+        this.#stated(await this.api.post("edit", { edits, title, merge, seen: this.state.revision, tab: this.tab }));
+        await this.perform();
+      } catch (error) {
+        this.#refused(error);
+      }
+      done.forEach((one) => one());
+    }
+    this.sending = false;
+  }
+
+  /** @param {unknown} error of an edit: the state is asked for anew, so that views show what is true */
+  async #refused(error) {
+    const faults = error instanceof Refusal ? error.told.faults ?? [] : [];
+    const told = faults.map((/** @type {any} */ one) => `${one.what}${one.hint ? `: ${one.hint}` : ""}`);
+    this.tell(told.length ? told.slice(0, 3).join("\n") : String(error instanceof Error ? error.message : error), "fault");
+    await this.look();
+  }
+
+  /** @param {any} state */
+  #stated(state) {
+    this.state = { ...state, text: this.state.text };
+    this.#told();
+    this.notify("state");
+  }
+
+  /** @param {"undo" | "redo"} way */
+  async history(way) {
+    await this.attempt(async () => {
+      const title = this.state[way];
+      if (!title) return;
+      this.#stated(await this.api.post(way));
+      this.tell(`${way === "undo" ? "Undone" : "Done again"}: ${title}`);
+      await this.perform();
+    });
+  }
+
+  async save() {
+    try {
+      const told = await this.api.post("save");
+      this.#stated(told.state);
+      this.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing is unsaved");
+    } catch (error) {
+      if (error instanceof Refusal && error.told.conflict) await this.settle(error.told.conflict);
+      else this.#refused(error);
+    }
+  }
+
+  /**
+   * Ask whose values to keep, where a file was changed on the disk as well.
+   * @param {{id: string, what: string, mine: string, theirs: string}[]} conflict
+   */
+  async settle(conflict) {
+    const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { "aria-label": "Conflict" }));
+    const rows = conflict.map(({ id, what, mine, theirs }) => {
+      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Keep of ${what}`, "data-id": id },
+        made("option", { value: "mine" }, "keep mine"), made("option", { value: "theirs" }, "keep the file's")));
+      return made("li", {}, made("b", {}, what), " ", pick, made("details", {}, made("summary", {}, "Compare"), made("pre", {}, `mine:\n${mine}\n\nthe file's:\n${theirs}`)));
+    });
+    const go = made("button", { type: "button", class: "main" }, "Save so"), no = made("button", { type: "button" }, "Not now");
+    dialog.append(made("h2", {}, "These were changed on the disk, too"), made("ul", {}, ...rows), made("p", { class: "row" }, go, no));
+    document.body.append(dialog);
+    dialog.showModal();
+    const keep = await new Promise((done) => {
+      go.addEventListener("click", () => done(Object.fromEntries([...dialog.querySelectorAll("select")].map((one) => [one.dataset.id, one.value]))));
+      no.addEventListener("click", () => done(null));
+      dialog.addEventListener("close", () => done(null));
+    });
+    dialog.remove();
+    if (!keep) return;
+    await this.attempt(async () => {
+      const told = await this.api.post("save", { keep });
+      this.#stated(told.state);
+      this.tell(`Saved ${told.saved.join(", ")}`);
+      await this.perform();
+    });
+  }
+
+  /** Ask for the state, and perform anew if another tab changed it. */
+  async look() {
+    await this.attempt(async () => {
+      const state = await this.api.get("state");
+      const moved = state.revision !== this.state.revision || state.unsaved.length !== this.state.unsaved?.length;
+      const other = state.language !== this.state.language || state.character !== this.state.character;
+      if (other) {
+        this.state = state;
+        await this.#opened();
+      } else if (moved) {
+        this.#stated(state);
+        await this.perform();
+      }
+    });
+  }
+
+  #told() {
+    const { unsaved = [], undo, redo } = this.state;
+    const button = (/** @type {string} */ id) => /** @type {HTMLButtonElement} */ (the(id));
+    button("undo").disabled = !undo;
+    button("redo").disabled = !redo;
+    button("undo").title = undo ? `Undo: ${undo}` : "Nothing to undo";
+    button("redo").title = redo ? `Redo: ${redo}` : "Nothing to redo";
+    button("save").disabled = !unsaved.length;
+    button("save").textContent = unsaved.length ? `Save ${unsaved.length}` : "Saved";
+    button("save").title = unsaved.map((/** @type {any} */ one) => `${one.file}: ${one.what}`).join("\n");
+    document.title = `${unsaved.length ? "● " : ""}${this.state.language} on ${this.state.character} · studio`;
+  }
+
+  // Views
+
+  /** @param {string} name @param {string} [argument] */
+  go(name, argument = "") {
+    const address = `#${name}${argument ? `/${encodeURIComponent(argument)}` : ""}`;
+    if (location.hash === address) this.#go();
+    else location.hash = address;
+  }
+
+  async #go() {
+    if (!this.state.language) return;
+    const [asked, argument = ""] = location.hash.slice(1).split("/");
+    const [name, , Kind] = VIEWS.find(([one]) => one === asked) ?? VIEWS[0];
+    let known = this.views.get(name);
+    if (!known) {
+      const place = made("section", { "aria-label": name });
+      known = { place, view: new Kind(this, place) };
+      this.views.set(name, known);
+    }
+    if (this.view !== known.view) this.view?.hide();
+    [this.view, this.viewName] = [known.view, name];
+    document.body.dataset.view = name;
+    the("view").replaceChildren(known.place);
+    for (const one of the("tabs").children) {
+      if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
+      else one.removeAttribute("aria-current");
+    }
+    the("strip").hidden = name === "sentence";
+    await this.attempt(() => known.view.show(decodeURIComponent(argument)));
+    this.strip.stale = true;
+    this.wake();
+  }
+
+  /** @param {Change} what */
+  notify(what) {
+    this.view?.changed(what);
+  }
+
+  // Time
+
+  /** @param {number} seconds */
+  seek(seconds) {
+    this.posed = null;
+    this.player.seek(seconds);
+    this.wake();
+  }
+
+  /** @param {number} seconds to go to, and to bring into view */
+  reveal(seconds) {
+    this.player.pause();
+    this.seek(seconds);
+    this.strip.follow(seconds);
+  }
+
+  /** @param {number} frames */
+  step(frames) {
+    if (!this.take) return;
+    this.player.pause();
+    this.reveal(this.take.timeOf(this.take.frameAt(this.player.time) + frames));
+  }
+
+  /** @param {Float32Array | null} weights of the model's channels to show in place of the take's */
+  pose(weights) {
+    this.posed = weights;
+    this.wake();
+  }
+
+  #playing() {
+    the("play").textContent = this.player.playing ? "❚❚" : "▶";
+    the("play").setAttribute("aria-label", this.player.playing ? "Pause" : "Play");
+    if (this.player.playing) this.posed = null;
+    this.wake();
+  }
+
+  /** Draw a frame soon. */
+  wake() {
+    this.asked ??= requestAnimationFrame(() => {
+      this.asked = undefined;
+      const seconds = this.player.time;
+      if (this.player.playing) this.strip.follow(seconds);
+      this.portrait?.draw(seconds, this.posed);
+      if (this.strip.shown && !the("strip").hidden) this.strip.draw(seconds);
+      the("clock").textContent = this.take ? clock(seconds) : "";
+      this.notify("time");
+      if (this.player.playing) this.wake();
+    });
+  }
+
+  // Words
+
+  /** @param {string} text @param {"" | "fault"} [kind] */
+  tell(text, kind = "") {
+    const one = made("li", { class: kind }, text);
+    const close = made("button", { type: "button", "aria-label": "Close" }, "×");
+    close.addEventListener("click", () => one.remove());
+    one.append(close);
+    the("toasts").append(one);
+    setTimeout(() => one.remove(), kind ? 2 * TOLD : TOLD);
+  }
+
+  /** @param {() => Promise<void>} does @returns {Promise<void>} a refusal is told, not thrown */
+  async attempt(does) {
+    try {
+      await does();
+    } catch (error) {
+      if (!(error instanceof Refusal)) throw error;
+      const faults = (error.told.faults ?? []).slice(0, 3).map((/** @type {any} */ one) => `${one.place}: ${one.what}${one.hint ? `\n${one.hint}` : ""}`);
+      this.tell(faults.length ? faults.join("\n") : error.message, "fault");
+    }
+  }
+
+  /** @param {() => Promise<void>} does what takes a while */
+  async busy(does) {
+    document.body.classList.add("busy");
+    await this.attempt(does);
+    document.body.classList.remove("busy");
+  }
+
+  // Hands
+
+  #listen() {
+    for (const [name, title] of VIEWS) the("tabs").append(made("a", { href: `#${name}` }, title));
+    fillPairs(the("against"), AGAINST);
+    const click = (/** @type {string} */ id, /** @type {() => void} */ does) => the(id).addEventListener("click", does);
+    click("play", () => this.player.toggle());
+    click("back", () => this.step(-1));
+    click("on", () => this.step(1));
+    click("undo", () => this.history("undo"));
+    click("redo", () => this.history("redo"));
+    click("save", () => this.save());
+    click("keys", showHelp);
+    click("loop", () => this.toggleLoop());
+    click("in", () => this.zoomed().zoom(1.5, this.player.time));
+    click("out", () => this.zoomed().zoom(1 / 1.5, this.player.time));
+    click("fit", () => this.zoomed().setView(this.zoomed().start, this.zoomed().end));
+    for (const one of document.querySelectorAll("[data-rate]")) one.addEventListener("click", () => this.setRate(Number(one.getAttribute("data-rate"))));
+    for (const one of document.querySelectorAll("[data-view]")) one.addEventListener("click", () => this.viewFrom(one.getAttribute("data-view") ?? "front"));
+    the("against").addEventListener("change", () => {
+      this.against = chosen("against");
+      this.perform();
+    });
+    for (const id of ["language", "character"]) the(id).addEventListener("change", () => this.state.language && this.open(chosen("language"), chosen("character")));
+    the("pair").addEventListener("submit", (event) => event.preventDefault());
+    the("say").addEventListener("submit", (event) => {
+      event.preventDefault();
+      const text = /** @type {HTMLInputElement} */ (the("text")).value.trim();
+      if (text) this.speak(text);
+      else this.tell("Type a line first");
+    });
+    addEventListener("hashchange", () => this.#go());
+    addEventListener("resize", () => { this.strip.stale = true; this.notify("theme"); this.wake(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.strip.stale = true; this.notify("theme"); this.wake(); });
+    document.addEventListener("keydown", (event) => shellKeys(this, event));
+    addEventListener("focus", () => this.state.language && this.look());
+    setInterval(() => { if (this.state.language && !document.hidden && !this.sending) this.look(); }, LOOK);
+  }
+
+  /** The timeline that the zoom buttons move. @returns {Timeline} */
+  zoomed() {
+    const own = /** @type {any} */ (this.view)?.timeline;
+    return own instanceof Timeline ? own : this.strip;
+  }
+
+  toggleLoop() {
+    const { take, player } = this;
+    if (!take) return;
+    const phoneme = take.phonemeAt(player.time), word = phoneme < 0 ? -1 : take.wordOf(phoneme);
+    const [, first, stop] = take.data.spoken.words[word] ?? ["", 0, 0];
+    const { times } = take.data.spoken;
+    player.loop = player.loop ? null : word < 0 ? [take.start, take.end] : [times[first], times[stop]];
+    this.strip.loop = player.loop;
+    this.strip.stale = true;
+    the("loop").setAttribute("aria-pressed", String(Boolean(player.loop)));
+    this.wake();
+  }
+
+  /** @param {number} rate */
+  setRate(rate) {
+    this.player.setRate(rate);
+    for (const one of document.querySelectorAll("[data-rate]")) one.setAttribute("aria-pressed", String(Number(one.getAttribute("data-rate")) === rate));
+  }
+
+  /** @param {string} way front, half, side or close */
+  viewFrom(way) {
+    this.portrait?.setClose(way === "close");
+    const yaw = { half: 40, side: 90 }[way] ?? 0;
+    if (yaw) this.portrait?.turn(yaw, 0);
+    for (const one of document.querySelectorAll("[data-view]")) one.setAttribute("aria-pressed", String(one.getAttribute("data-view") === way));
+    this.wake();
+  }
+}
+
+/** @param {string} id @returns {string} */
+function chosen(id) {
+  return /** @type {HTMLSelectElement} */ (the(id)).value;
+}
+
+/** @param {HTMLElement} select @param {string[]} names @param {string} now */
+function fill(select, names, now) {
+  fillPairs(select, names.map((one) => [one, one]));
+  if (now) /** @type {HTMLSelectElement} */ (select).value = now;
+}
+
+/** @param {HTMLElement} select @param {string[][]} pairs value and text */
+function fillPairs(select, pairs) {
+  select.replaceChildren(...pairs.map(([value, text]) => made("option", { value }, text)));
+}
+
+new Studio().start().catch((error) => {
+  the("view").replaceChildren(made("p", { class: "note", role: "alert" }, `The studio cannot start: ${error.message}`));
+  throw error;
+});

@@ -1,0 +1,117 @@
+/** Keys of the studio's shell; views have keys of their own, which come first. */
+
+import { made, the } from "./elements.js";
+
+const KEYS = {
+  "Space": "play and pause",
+  "← →": "a frame back and on; with Shift, ten frames (where no point is chosen)",
+  ", .": "the phoneme before and after",
+  "Ctrl Z, Ctrl Shift Z": "undo and redo",
+  "Ctrl S": "save",
+  "/": "type a line",
+  "Alt 1 … Alt 6": "the views, from left to right",
+  "l": "loop the word at the playhead",
+  "b": "the bigram at the playhead",
+  "f h p m": "the face from the front, half, in profile, and its mouth",
+  "+ − 0": "less time, more time, all",
+  "?": "these keys",
+};
+
+/** Keys that views add: key to what it does. @type {Record<string, string>} */
+const added = {};
+
+/** @param {Record<string, string>} keys of a view, for the list of keys */
+export function tellKeys(keys) {
+  Object.assign(added, keys);
+}
+
+/** Open the list of keys, or close it. */
+export function showHelp() {
+  const help = /** @type {HTMLDialogElement} */ (the("help"));
+  const list = /** @type {HTMLElement} */ (help.querySelector("dl"));
+  list.replaceChildren(...Object.entries({ ...KEYS, ...added }).flatMap(([key, does]) => [made("dt", {}, key), made("dd", {}, does)]));
+  if (help.open) help.close();
+  else help.showModal();
+}
+
+/** @param {EventTarget | null} target @returns {boolean} true where letters are typed */
+function typing(target) {
+  return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement
+    || (target instanceof HTMLInputElement && !["range", "checkbox", "button"].includes(target.type));
+}
+
+/**
+ * Act on a key.
+ * @param {import("./studio.js").Studio} studio
+ * @param {KeyboardEvent} event
+ */
+export function shellKeys(studio, event) {
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const control = event.ctrlKey || event.metaKey;
+  /** @type {Record<string, () => void>} */
+  const always = {
+    z: () => studio.history(event.shiftKey ? "redo" : "undo"),
+    y: () => studio.history("redo"),
+    s: () => studio.save(),
+  };
+  const within = typing(event.target);
+  if (control && always[key] && !(within && key !== "s")) {
+    event.preventDefault();
+    always[key]();
+    return;
+  }
+  if (document.querySelector("dialog[open]") && key !== "?") return;
+  if (event.altKey && /^[1-9]$/.test(key)) {
+    const tab = /** @type {HTMLAnchorElement | undefined} */ (the("tabs").children[Number(key) - 1]);
+    if (tab) { event.preventDefault(); tab.click(); }
+    return;
+  }
+  if (within) {
+    if (key === "Escape") /** @type {HTMLElement} */ (event.target).blur();
+    return;
+  }
+  if (studio.view?.key(event)) {
+    event.preventDefault();
+    return;
+  }
+  if (control || event.altKey) return;
+  if (key === " " && event.target instanceof HTMLButtonElement) return;
+  if (event.target instanceof HTMLInputElement && key.startsWith("Arrow")) return;
+  const frames = event.shiftKey ? 10 : 1;
+  /** @type {Record<string, () => void>} */
+  const does = {
+    " ": () => studio.player.toggle(),
+    "ArrowLeft": () => studio.step(-frames), "ArrowRight": () => studio.step(frames),
+    ",": () => phoneme(studio, -1), ".": () => phoneme(studio, 1),
+    "/": () => the("text").focus(),
+    "l": () => studio.toggleLoop(),
+    "b": () => bigram(studio),
+    "f": () => studio.viewFrom("front"), "h": () => studio.viewFrom("half"),
+    "p": () => studio.viewFrom("side"), "m": () => studio.viewFrom("close"),
+    "+": () => studio.zoomed().zoom(1.5, studio.player.time), "=": () => studio.zoomed().zoom(1.5, studio.player.time),
+    "-": () => studio.zoomed().zoom(1 / 1.5, studio.player.time),
+    "0": () => studio.zoomed().setView(studio.zoomed().start, studio.zoomed().end),
+    "?": showHelp,
+  };
+  const act = does[key];
+  if (!act) return;
+  event.preventDefault();
+  act();
+}
+
+/** @param {import("./studio.js").Studio} studio @param {number} way */
+function phoneme(studio, way) {
+  const { take } = studio;
+  if (!take) return;
+  const { times } = take.data.spoken, now = studio.player.time;
+  const next = way > 0 ? times.find((/** @type {number} */ one) => one > now + 1e-4) : times.findLast((/** @type {number} */ one) => one < now - 1e-4);
+  if (next !== undefined) studio.reveal(next);
+}
+
+/** @param {import("./studio.js").Studio} studio */
+function bigram(studio) {
+  const { take } = studio;
+  const found = take?.bigramsAt(take.frameAt(studio.player.time)) ?? [];
+  const nearest = found.toSorted((/** @type {any} */ a, /** @type {any} */ b) => Math.abs(a.position - 0.5) - Math.abs(b.position - 0.5))[0];
+  if (nearest) studio.go("bigrams", nearest.drawn_as ?? nearest.pair);
+}
