@@ -311,7 +311,7 @@ class PairPacks:
 
     def drafts(self, pairs: list[Pair]) -> dict[Pair, BigramRow]:
         """Draft the pairs whose two phonemes have targets."""
-        targets = self._targets
+        targets = self.targets
         able = [pair for pair in pairs if pair[0] in targets and pair[1] in targets]
         if not able:
             return {}
@@ -326,7 +326,7 @@ class PairPacks:
         return drafts
 
     @cached_property
-    def _targets(self) -> dict[str, tuple[Target, str]]:
+    def targets(self) -> dict[str, tuple[Target, str]]:
         """Target of each phoneme with its location; silence rests by default."""
         model = self.poseset.model
         bound = thresholds(model) < FREE

@@ -1,4 +1,4 @@
-// Use the editor of curves in a headless browser, and print what it reports:
+// Use the editor of curves and the matrix of bigrams in a headless browser, and print what it reports:
 //
 //   node curve_editor.mjs NODE_MODULES CHROMIUM STATIC [FOLDER]
 //
@@ -31,8 +31,18 @@ editor.show({
 });
 window.editor = editor;
 document.documentElement.dataset.ready = "";`;
+const MATRIX = `import { BigramMatrix } from "./bigram_matrix.js";
+window.opened = [];
+const matrix = new BigramMatrix(document.getElementById("here"), { open: (pair) => opened.push(pair) });
+const pairs = {
+  "_-a": { status: "drafted", layer: "draft" }, "a-_": { status: "gap", layer: "gap" }, "a-m": { status: "drafted", layer: "draft", need: 2, word: "am" },
+  "m-a": { status: "approved", layer: "shared", need: 1, word: "ma" }, "m-m": { status: "edited", layer: "shared" },
+};
+matrix.show({ phonemes: ["_", "a", "m"], pairs, wanted: [{ pair: "a-m", count: 2, word: "am" }] });
+window.more = () => matrix.show({ phonemes: ["_", "a", "m"], pairs: { ...pairs, "a-m": { status: "edited", need: 2 } }, wanted: [] });
+document.documentElement.dataset.ready = "";`;
 const KINDS = { ".js": "text/javascript", ".css": "text/css", "": "text/html" };
-const OWN = { "": PAGE, "own.js": SCRIPT, "own.css": STYLE };
+const OWN = { "": PAGE, matrix: PAGE.replace("own.js", "matrix.js"), "own.js": SCRIPT, "matrix.js": MATRIX, "own.css": STYLE };
 
 const server = createServer((request, response) => {
   const name = basename(new URL(request.url, "http://localhost").pathname);
@@ -46,11 +56,11 @@ const browser = await browsers.launch({
 });
 const said = [];
 
-async function open(options = {}) {
+async function open(options = {}, path = "") {
   const page = await browser.newPage({ viewport: { width: 1280, height: 700 }, ...options });
   page.on("pageerror", (error) => said.push(String(error)));
   page.on("console", (one) => ["error", "warning"].includes(one.type()) && said.push(one.text()));
-  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  await page.goto(`http://127.0.0.1:${server.address().port}/${path}`);
   await page.waitForSelector("html[data-ready]");
   return page;
 }
@@ -163,6 +173,23 @@ try {
   result.markup = await page.$$eval("#here b", (all) => all.length);
   if (pictures) await page.screenshot({ path: join(pictures, "light.png") });
   await page.close();
+
+  const board = await open({}, "matrix");
+  const info = () => board.textContent(".matrix-info");
+  const cells = () => board.$$eval("td[data-pair]", (all) => all.map((one) => [one.dataset.pair, one.className, one.textContent]));
+  result.matrix = { cells: await cells(), told: [await info()], wanted: await board.$$eval(".wanted button", (all) => all.map((one) => one.textContent)) };
+  await board.focus("td[tabindex='0']");
+  for (const key of ["ArrowLeft", "ArrowDown", "ArrowDown", "Enter"]) {
+    await board.keyboard.press(key);
+    result.matrix.told.push(await info());
+  }
+  await board.click("td[data-pair='m-m']");
+  await board.click(".wanted button");
+  result.matrix.opened = await board.evaluate(() => opened);
+  await board.evaluate(() => more());
+  result.matrix.changed = (await cells()).find(([pair]) => pair === "a-m");
+  result.matrix.none = await board.isVisible(".bigram-matrix .note");
+  await board.close();
 
   const phone = await open({ viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true });
   result.overflow = await phone.evaluate(() => document.documentElement.scrollWidth - innerWidth);

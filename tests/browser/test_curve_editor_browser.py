@@ -1,4 +1,4 @@
-"""The editor of curves in a browser: each hand on it reports the curves that it made."""
+"""The editor of curves and the matrix of bigrams in a browser: what hands on them report."""
 
 from pathlib import Path
 
@@ -91,3 +91,19 @@ def test_the_plot_is_zoomed_and_fits_a_phone(used):
     assert (used["nameless"], used["markup"]) == ([], 0)
     assert used["overflow"] <= 0
     assert used["tapped"] == [["open", [1]]]
+
+
+def test_the_matrix_is_walked_and_opens_bigrams(used):
+    matrix = used["matrix"]
+    assert matrix["cells"] == [
+        ["_-_", "none", ""], ["_-a", "drafted", "·"], ["_-m", "none", ""],
+        ["a-_", "gap", "×"], ["a-a", "none", ""], ["a-m", "drafted need", "·"],
+        ["m-_", "none", ""], ["m-a", "approved need", "✓"], ["m-m", "edited", "●"],
+    ]  # fmt: skip
+    needed = "a-m, drafted, by draft, as in am, the script needs it 2 times"
+    assert matrix["told"][0] == needed
+    assert [told.split(",")[0] for told in matrix["told"]] == ["a-m", "a-a", "m-a", "m-a", "m-a"]
+    assert matrix["opened"] == ["m-a", "m-m", "a-m"]
+    assert matrix["wanted"] == ["a-mam2×"]
+    assert matrix["changed"] == ["a-m", "edited need", "●"]
+    assert matrix["none"], "nothing is wanted any more"

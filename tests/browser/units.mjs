@@ -12,6 +12,7 @@ const { mouthOf } = await load("drawn_mouth");
 const { wave } = await load("player");
 const { sphere } = await load("ambient");
 const { Take } = await load("take");
+const { beside, editsOf, spoken } = await load("bigram_state");
 const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curve_points");
 
 const near = (a, b, most = 1e-6) => {
@@ -188,6 +189,34 @@ const units = {
     assert.deepEqual(fromText(asText(curves)), curves);
     const unsound = [{ a: [[0, 0]] }, { a: [[1, 0], [0, 0]] }, { a: [[0, 2], [1, 0]] }, { a: [[0], [1, 0]] }, { a: [["0", null], [1, 0]] }, {}];
     assert.deepEqual(["", "null", "{}", JSON.stringify({ curves }), ...unsound.map(asText)].map(fromText), Array(10).fill(null));
+  },
+  "edits say what changed of a bigram, and no more"() {
+    const before = { curves: { a: [[0, 0], [1, 0]], b: [[0, 1], [1, 1]] }, boundary: 0.4, interpolation: "", contact: "free", status: "drafted", word: "low", why: "" };
+    const after = { ...before, curves: { a: [[0, 0], [1, 0.5]], c: [[0, 0], [1, 1]] }, contact: "hold", status: "edited", why: "round" };
+    const at = ["bigrams", "l-ow"], file = "bank";
+    assert.deepEqual(editsOf("bank", "l-ow", before, before), []);
+    assert.deepEqual(editsOf("bank", "l-ow", before, after), [
+      { file, at: [...at, "status"], value: "edited" }, { file, at: [...at, "contact"] }, { file, at: [...at, "why"], value: "round" },
+      { file, at: [...at, "curves", "a"], value: after.curves.a }, { file, at: [...at, "curves", "b"] }, { file, at: [...at, "curves", "c"], value: after.curves.c },
+    ]);
+    assert.deepEqual(editsOf("bank", "l-ow", null, after), [{ file, at, value: { word: "low", status: "edited", boundary: 0.4, why: "round", curves: after.curves } }]);
+    assert.deepEqual(editsOf("bank", "l-ow", before, { ...before, curves: {} }), [{ file, at: [...at, "curves"], value: {} }]);
+  },
+  "a neighbour lies where its phoneme does"() {
+    near(beside({ a: [[0.2, 0.1], [0.6, 0.5], [1, 0.9]] }, 0.6, 0.4, "before").a.map(([t]) => t), [-0.4, 0, 0.4]);
+    near(beside({ a: [[0, 0.1], [0.5, 0.5], [1, 0.9]] }, 0.5, 0.4, "after").a.map(([t]) => t), [0.4, 1, 1.6]);
+  },
+  "a bigram is found in the line, nearest to a moment"() {
+    const FULL = 65535, curve = { low: 0, high: 1, moves: true, values: new Uint16Array(7) };
+    const bigrams = ["_-m", "m-a", "a-m", "m-a", "a-_"].map((pair) => ({ pair }));
+    const places = [[FULL, 1, 2, 3, 4, 5, 6], [0, FULL / 2, 0, 0, 0, 0, 0]].map((one) => Uint16Array.from(one));
+    const take = new Take({ poses: ["x"], start: 0, fps: 10, count: 7, curves: [curve], making: {
+      moving: [], stages: [], bigrams, bounds: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], phoneme: Uint16Array.of(0, 1, 2, 3, 4, 5, 5), places,
+    } });
+    assert.deepEqual(spoken(take, "m-a", 0), { seconds: 0.2, before: "_-m", after: "a-m" });
+    assert.deepEqual(spoken(take, "m-a", 0.5), { seconds: 0.4, before: "a-m", after: "a-_" });
+    assert.equal(spoken(take, "m-a", 0, 0.45).seconds, 0.1);
+    assert.equal(spoken(take, "o-o", 0), null);
   },
 };
 
