@@ -10,7 +10,7 @@ from studio_calls import HOST, TOKEN, Caller, unpacked
 
 from lipsync_lang.cli import main
 from lipsync_lang.studio.routes import line_routes
-from lipsync_lang.studio.routes.asking import Asked
+from lipsync_lang.studio.routes.asking import Wish
 from lipsync_lang.studio.server import MAX_REQUEST_BYTES
 from lipsync_lang.studio.workshop import Workshop
 
@@ -149,8 +149,8 @@ def test_a_file_of_no_name_or_form_is_told(caller, name):
 
 def test_a_sent_file_stays_in_its_folder(workshop, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    line_routes.timings(workshop, Asked(query={"name": "../../../over.json"}, content=TIMES))
-    line_routes.timings(workshop, Asked(query={"name": "..\\..\\over.json"}, content=TIMES))
+    line_routes.timings(workshop, Wish(query={"name": "../../../over.json"}, content=TIMES))
+    line_routes.timings(workshop, Wish(query={"name": "..\\..\\over.json"}, content=TIMES))
     assert list(tmp_path.iterdir()) == []
 
 

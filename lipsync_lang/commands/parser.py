@@ -105,7 +105,7 @@ def _add_studio(add: Add) -> None:
         "studio",
         studio.studio,
         "open the studio in a browser: hear a line, see it, ask why, and change it",
-        "studio -l english -c crab",
+        "studio -l english -c facefx",
     )
     add_pair(studio_)
     studio_.set_defaults(choosing=True)

@@ -23,7 +23,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.studio.routes.asking import Answer, Asked, Packed, Route
+from lipsync_lang.studio.routes.asking import Answer, Packed, Route, Wish
 from lipsync_lang.studio.workshop import Workshop
 
 _log = logging.getLogger(__name__)
@@ -146,14 +146,14 @@ def _limited(receive: Receive) -> Receive:
 def _asking(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request], Any]:
     """Return the endpoint of a route; one is answered at a time."""
 
-    def call(asked: Asked) -> Answer:
+    def call(asked: Wish) -> Answer:
         with lock:
             return route(workshop, asked)
 
     async def endpoint(request: Request) -> Response:
         try:
             content = await request.body()
-            asked = Asked(request.path_params.get("name", ""), dict(request.query_params), content)
+            asked = Wish(request.path_params.get("name", ""), dict(request.query_params), content)
             answer = await run_in_threadpool(call, asked)
         except (_TooLargeError, ClientDisconnect):
             return _error(413, f"the request is larger than {MAX_REQUEST_BYTES >> 20} MB")

@@ -27,8 +27,8 @@ OWN = ("path", "project")
 
 
 @dataclass
-class Settings:
-    """Settings of the line; the fields are those of `Performer.perform`."""
+class LineSettings:
+    """LineSettings of the line; the fields are those of `Performer.perform`."""
 
     fps: float = 60.0
     line: str | None = None
@@ -68,7 +68,7 @@ class Workshop:
         self.project, self.paths = project, tuple(paths)
         self.motion, self.engine = motion, engine
         self.language = self.character = ""
-        self.settings = Settings()
+        self.settings = LineSettings()
         self.schedule: Schedule | None = None
         self.text = ""
         self._now: Performer | None = None

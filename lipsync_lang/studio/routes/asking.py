@@ -13,7 +13,7 @@ from lipsync_lang.studio.workshop import Workshop
 
 
 @dataclass(frozen=True)
-class Asked:
+class Wish:
     """A request: the data in its path, its query, and its content."""
 
     name: str = ""
@@ -73,7 +73,7 @@ class Packed:
 
 
 Answer = Json | Packed
-Route = Callable[[Workshop, Asked], Answer]
+Route = Callable[[Workshop, Wish], Answer]
 Routes = dict[str, Route]
 """Functions by method and path, such as ``GET bigram/{name}``."""
 

@@ -12,9 +12,9 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.studio.routes.asking import Asked, Packed, Routes, listed
+from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed
 from lipsync_lang.studio.take_data import curves_data, take_data
-from lipsync_lang.studio.workshop import Settings, Workshop
+from lipsync_lang.studio.workshop import LineSettings, Workshop
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -23,7 +23,7 @@ MAX_TEXT_CHARS = 2000
 """Characters of a line that is typed."""
 
 
-def speak(workshop: Workshop, asked: Asked) -> Packed:
+def speak(workshop: Workshop, asked: Wish) -> Packed:
     """Speak a text, and return its sound and its take."""
     text = asked.text("text").strip()
     if len(text) > MAX_TEXT_CHARS:
@@ -34,7 +34,7 @@ def speak(workshop: Workshop, asked: Asked) -> Packed:
     return _whole(workshop)
 
 
-def timings(workshop: Workshop, asked: Asked) -> Packed:
+def timings(workshop: Workshop, asked: Wish) -> Packed:
     """Read timed phonemes of a file; a sound that was opened before stays with them."""
     from lipsync_lang.schedules.timing_readers import read_schedule
 
@@ -46,7 +46,7 @@ def timings(workshop: Workshop, asked: Asked) -> Packed:
     return _whole(workshop)
 
 
-def sound(workshop: Workshop, asked: Asked) -> Packed:
+def sound(workshop: Workshop, asked: Wish) -> Packed:
     """Add the sound of the line; with a text, its phonemes are found in it."""
     from lipsync_lang.speech.hearing import aligned
     from lipsync_lang.speech.sound import read_audio
@@ -63,7 +63,7 @@ def sound(workshop: Workshop, asked: Asked) -> Packed:
     return _whole(workshop)
 
 
-def _sent(asked: Asked, folder: Path) -> Path:
+def _sent(asked: Wish, folder: Path) -> Path:
     """Put a file that was sent into a folder, under the last part of its name."""
     name = PurePath(asked.query.get("name", "").replace("\\", "/")).name
     if not name or name in {".", ".."} or not name.isprintable():
@@ -73,12 +73,12 @@ def _sent(asked: Asked, folder: Path) -> Path:
     return path
 
 
-def line(workshop: Workshop, _: Asked) -> Packed:
+def line(workshop: Workshop, _: Wish) -> Packed:
     """Return sound and take of the line that is open."""
     return _whole(workshop)
 
 
-def take(workshop: Workshop, asked: Asked) -> Packed:
+def take(workshop: Workshop, asked: Wish) -> Packed:
     """Perform the line as it is asked for, and return the take, and those beside it."""
     stated = asked.body.get("settings")
     if stated is not None:
@@ -86,12 +86,12 @@ def take(workshop: Workshop, asked: Asked) -> Packed:
     return _takes(workshop, asked.body.get("against"))
 
 
-def _settings(stated: Any) -> Settings:
+def _settings(stated: Any) -> LineSettings:
     """Read settings; names of styles and regions are checked when the line is performed."""
-    known = {field.name for field in fields(Settings)}
+    known = {field.name for field in fields(LineSettings)}
     if not isinstance(stated, dict) or not known.issuperset(stated):
         raise LipsyncError(f"settings are an object with any of {', '.join(sorted(known))}")
-    given = Settings(**{key: value for key, value in stated.items() if value is not None})
+    given = LineSettings(**{key: value for key, value in stated.items() if value is not None})
     numbers = [given.fps, *([] if given.intensity is None else [given.intensity])]
     levels = [given.styles, given.dials]
     for table in levels:
@@ -150,7 +150,7 @@ def _take(animation: "Animation", pack: ArrayPack, name: str) -> Json:
     return told | {"name": name, "face": 0, "channels": channels}
 
 
-def face(workshop: Workshop, _: Asked) -> Packed:
+def face(workshop: Workshop, _: Wish) -> Packed:
     """Return the model of the character, for `gl_face.js`."""
     from lipsync_lang.schedules.schedule import Schedule
 
@@ -162,7 +162,7 @@ def face(workshop: Workshop, _: Asked) -> Packed:
     return Packed({"face": shown, "take": _take(animation, pack, "")}, pack)
 
 
-def figures(workshop: Workshop, _: Asked) -> Json:
+def figures(workshop: Workshop, _: Wish) -> Json:
     """Return the figures of the take, with their findings."""
     from lipsync_lang.quality.check_animation import check
     from lipsync_lang.studio.take_data import figures_data

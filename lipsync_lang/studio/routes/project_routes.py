@@ -3,11 +3,11 @@
 from lipsync_lang.packs.finding import Kind
 from lipsync_lang.packs.library import Library
 from lipsync_lang.rigs.container import Json
-from lipsync_lang.studio.routes.asking import Asked, Routes
+from lipsync_lang.studio.routes.asking import Routes, Wish
 from lipsync_lang.studio.workshop import Workshop
 
 
-def project(workshop: Workshop, _: Asked) -> Json:
+def project(workshop: Workshop, _: Wish) -> Json:
     """List languages and characters, and tell the pair that is open."""
     library = workshop.library()
     return {
@@ -22,13 +22,13 @@ def _names(library: Library, kind: Kind) -> list[str]:
     return [found.name for found in library.names(kind) if found.shadowed_by is None]
 
 
-def open_(workshop: Workshop, asked: Asked) -> Json:
+def open_(workshop: Workshop, asked: Wish) -> Json:
     """Open a pair."""
     workshop.open(asked.text("language"), asked.text("character"))
     return workshop.state()
 
 
-def state(workshop: Workshop, _: Asked) -> Json:
+def state(workshop: Workshop, _: Wish) -> Json:
     """Return the state."""
     return workshop.state()
 
