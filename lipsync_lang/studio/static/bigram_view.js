@@ -1,27 +1,257 @@
-/** The bigram view. */
+/** The view of bigrams: the matrix of all, and one on the editor of curves with its status and notes. */
 
+import { BigramMatrix } from "./bigram_matrix.js";
+import { beside, editsOf, spoken } from "./bigram_state.js";
+import { CurveEditor } from "./curve_editor.js";
 import { made } from "./elements.js";
+import { tellKeys } from "./studio_keys.js";
+
+/** Milliseconds after a change of the packs, before they are asked for anew. */
+const SETTLE = 120;
+const STATUSES = ["drafted", "edited", "approved"];
+
+tellKeys({
+  "n": "bigrams: the next one that the line needs",
+  "w": "bigrams: all of them; Esc, too",
+  "j": "bigrams: go to this one in the line, or speak its word",
+  "1 2 3": "bigrams: mark as drafted, edited, approved",
+  "← → ↑ ↓": "curves: move the chosen points by 0.01; with Shift 0.05, with Alt 0.001",
+  "Tab, [ ]": "curves: the next point, the pose before and after",
+  "a, Delete": "curves: add a point, delete the chosen ones",
+  "Ctrl A, C, V": "curves: choose all points of the pose (with Shift of all poses), copy, paste",
+  "g, h, s": "curves: snap to 0.05, hide the pose, show it alone",
+});
+
+/** @typedef {import("./bigram_state.js").BigramState} BigramState */
 
 export class BigramView {
   /** @param {import("./studio.js").Studio} studio @param {HTMLElement} place */
   constructor(studio, place) {
     this.studio = studio;
-    this.place = place;
-    place.append(made("p", {}, "to come"));
+    this.pair = "";
+    /** What the server told of the bigram. @type {any} */
+    this.told = null;
+    /** @type {BigramState} */
+    this.now = { curves: {}, boundary: 0.5, interpolation: "", contact: "hold", status: "edited", word: "", why: "" };
+    /** What the file is known to say, and what it was last asked to say. @type {[BigramState | null, BigramState | null]} */
+    this.known = [null, null];
+    this.sending = 0;
+    this.revision = -1;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.later = undefined;
+    /** @type {any} */
+    this.matrixData = null;
+    this.head = made("div", { class: "bigram-head" });
+    this.title = made("h2");
+    this.target = /** @type {HTMLInputElement} */ (made("input", { type: "text", class: "go", placeholder: "go to l-ow", "aria-label": "Bigram to go to", autocomplete: "off", spellcheck: "false" }));
+    this.status = made("span", { class: "group status", role: "group", "aria-label": "Status" });
+    this.word = this.#input("Word", "word");
+    this.why = this.#input("Note", "why");
+    this.kind = this.#select("Kind of curve", [["", "curve: as the bank"], ["bspline", "curve: smooth"], ["linear", "curve: straight"]], "interpolation");
+    this.contact = this.#select("Contacts", [["hold", "contacts held"], ["free", "contacts free"]], "contact");
+    this.origin = made("p", { class: "origin" });
+    const board = made("div"), desk = made("div", { class: "bigram-view" }, this.head), curves = made("div");
+    desk.append(curves);
+    this.board = board;
+    this.desk = desk;
+    place.append(board, desk);
+    place.classList.add("bigrams");
+    this.matrix = new BigramMatrix(board, { open: (pair) => studio.go("bigrams", pair) });
+    this.#makeHead();
+    this.editor = new CurveEditor(curves, {
+      changed: (what, { merge, title }) => {
+        this.now = { ...this.now, ...what, status: what.curves || this.now.status === "drafted" ? "edited" : this.now.status };
+        this.#send(`${title} in ${this.pair}`, merge);
+      },
+      seek: (time) => this.#seek(time),
+      tell: (text) => studio.tell(text),
+    });
   }
 
-  /** @param {string} argument */
+  // Parts
+
+  /** @param {string} label @param {"word" | "why"} field @returns {HTMLInputElement} */
+  #input(label, field) {
+    const one = /** @type {HTMLInputElement} */ (made("input", { type: "text", dir: "auto", "aria-label": label, maxlength: "300", autocomplete: "off" }));
+    one.addEventListener("change", () => this.#set({ [field]: one.value.trim() }, `${label} of ${this.pair}`));
+    return one;
+  }
+
+  /** @param {string} label @param {string[][]} options @param {"interpolation" | "contact"} field @returns {HTMLSelectElement} */
+  #select(label, options, field) {
+    const one = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": label }, ...options.map(([value, text]) => made("option", { value }, text))));
+    one.addEventListener("change", () => this.#set({ [field]: one.value }, `${label} of ${this.pair}`));
+    return one;
+  }
+
+  #makeHead() {
+    const { studio } = this;
+    const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
+      const one = made("button", { type: "button", title }, text);
+      one.addEventListener("click", does);
+      return one;
+    };
+    this.target.addEventListener("change", () => this.target.value.trim() && studio.go("bigrams", this.target.value.trim()));
+    this.status.append(...STATUSES.map((status, n) => {
+      const one = button(status, `Mark as ${status} (${n + 1})`, () => this.#set({ status }, `Mark ${this.pair} as ${status}`));
+      one.setAttribute("data-status", status);
+      return one;
+    }));
+    this.head.append(
+      made("div", { class: "row" }, this.title, this.status, button("In the line", "Go to this bigram in the line, or speak its word (J)", () => this.#find()),
+        button("Next wanted", "Open the next bigram that the line needs (N)", () => this.next()),
+        button("All bigrams", "The matrix of all bigrams (W)", () => studio.go("bigrams")), this.target, this.origin),
+      made("div", { class: "row" }, made("label", { class: "word" }, "Word", this.word), made("label", { class: "why" }, "Note", this.why), this.kind, this.contact),
+    );
+  }
+
+  // The view
+
+  /** @param {string} argument a bigram, or nothing for the matrix */
   async show(argument) {
-    this.argument = argument;
+    if (argument !== this.pair) this.told = null;
+    this.pair = argument;
+    this.desk.hidden = !argument;
+    this.board.hidden = Boolean(argument);
+    if (!argument) return this.#loadMatrix(true);
+    await this.#load();
+    const { take, player } = this.studio, here = take?.bigramsAt(take.frameAt(player.time)) ?? [];
+    if (!player.playing && !here.some((one) => one.pair === argument)) this.#seek(this.now.boundary);
   }
 
-  hide() {}
-
-  /** @param {KeyboardEvent} _event */
-  key(_event) {
-    return false;
+  hide() {
+    this.pair = "";
   }
 
-  /** @param {import("./studio.js").Change} _what */
-  changed(_what) {}
+  async #loadMatrix(focus = false) {
+    this.matrixData = await this.studio.api.get("matrix");
+    this.matrix.show(this.matrixData);
+    if (focus && document.activeElement === document.body) this.matrix.focus();
+  }
+
+  /** Ask for the bigram, with those that the line says before and after it. */
+  async #load() {
+    const { pair, studio } = this, found = studio.take && spoken(studio.take, pair, studio.player.time);
+    const query = new URLSearchParams(found ? { before: found.before, after: found.after } : {});
+    let told;
+    try {
+      told = await studio.api.get(`bigram/${encodeURIComponent(pair)}?${query}`);
+    } catch (error) {
+      if (this.pair === pair && !this.told) studio.go("bigrams");
+      throw error;
+    }
+    if (this.pair !== pair || this.sending) return;
+    this.revision = studio.state.revision;
+    this.told = told;
+    const { curves, boundary, interpolation, contact, status, word, why } = told;
+    this.now = { curves, boundary, interpolation, contact, status, word, why };
+    this.known = told.stated ? [this.now, this.now] : [null, null];
+    this.#draw();
+  }
+
+  #draw() {
+    const { told, now, pair } = this;
+    const [first, second] = pair.split("-");
+    this.title.textContent = `${first} → ${second}`;
+    for (const one of this.status.children) one.setAttribute("aria-pressed", String(one.getAttribute("data-status") === now.status));
+    [this.word.value, this.why.value, this.kind.value, this.contact.value, this.target.value] = [now.word, now.why, now.interpolation, now.contact, ""];
+    const drawn = told.drawn_as ? `, drawn as ${told.drawn_as}` : "";
+    const from = told.place ? `${told.layer}: ${told.place}${drawn}` : told.layer;
+    this.origin.textContent = told.locked ? `${from}; ${told.locked}` : told.stated ? told.place : `${from}; edits go into ${told.file}`;
+    const ghosts = [...told.ghosts, ...["before", "after"].flatMap((side) => {
+      const one = told[side];
+      return one ? [{ name: one.pair, kind: "neighbour", curves: beside(one.curves, one.boundary, now.boundary, /** @type {"before" | "after"} */ (side)) }] : [];
+    })];
+    this.editor.show({
+      poses: this.studio.state.poses, curves: now.curves, boundary: now.boundary, pair: [first, second], ghosts, interpolation: now.interpolation || told.bank_interpolation,
+    });
+    this.#time();
+  }
+
+  // Edits
+
+  /** @param {Partial<BigramState>} what @param {string} title */
+  #set(what, title) {
+    this.now = { ...this.now, ...what };
+    this.#send(title, "");
+    this.#draw();
+  }
+
+  /** Send what differs from what the file says, or may say once the last edit is done. @param {string} title @param {string} merge */
+  async #send(title, merge) {
+    const { pair, now, studio } = this, [base, sent] = this.known;
+    const edits = editsOf("bank", pair, base, now);
+    if (base && sent) {
+      const places = new Set(edits.map((one) => JSON.stringify(one.at)));
+      edits.push(...editsOf("bank", pair, sent, now).filter((one) => !places.has(JSON.stringify(one.at))));
+    }
+    if (!edits.length) return;
+    this.known = [base, now];
+    this.sending++;
+    await studio.edit(edits, title, merge && `${merge} ${studio.tab}`);
+    this.sending--;
+    if (this.pair !== pair) return;
+    this.revision = studio.state.revision;
+    if (this.sending) return;
+    if (base) this.known = [now, now];
+    if (!base || studio.state.undo !== title) await this.studio.attempt(() => this.#load());
+  }
+
+  // Moves
+
+  /** Go to the next bigram that the script needs and nobody drew. */
+  async next() {
+    await this.studio.attempt(() => this.#loadMatrix());
+    const wanted = this.matrixData?.wanted ?? [], at = wanted.findIndex((/** @type {any} */ one) => one.pair === this.pair);
+    const next = wanted[at + 1] ?? wanted[0];
+    if (next && next.pair !== this.pair) this.studio.go("bigrams", next.pair);
+    else this.studio.tell("Nothing is wanted: every bigram of the line and the script is drawn.");
+  }
+
+  /** Go to the bigram in the line, or speak its word. */
+  async #find() {
+    const { studio, pair } = this, found = studio.take && spoken(studio.take, pair, studio.player.time);
+    if (found) studio.reveal(found.seconds);
+    else if (this.now.word) await studio.speak(this.now.word);
+    else studio.tell(`The line does not say ${pair}. Give it a word, and it can be spoken.`);
+  }
+
+  /** @param {number} time within the bigram */
+  #seek(time) {
+    const { studio, pair } = this, found = studio.take && spoken(studio.take, pair, studio.player.time, time);
+    if (found) studio.reveal(found.seconds);
+  }
+
+  #time() {
+    const { take, player } = this.studio;
+    const here = take?.bigramsAt(take.frameAt(player.time)).find((one) => one.pair === this.pair);
+    this.editor.setTime(here ? here.position : null);
+  }
+
+  /** @param {KeyboardEvent} event @returns {boolean} */
+  key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    /** @type {Record<string, () => void>} */
+    const does = {
+      n: () => this.next(),
+      ...(this.pair ? { w: () => this.studio.go("bigrams"), j: () => this.#find(), Escape: () => this.studio.go("bigrams") } : {}),
+      ...(this.pair ? Object.fromEntries(STATUSES.map((status, n) => [String(n + 1), () => this.#set({ status }, `Mark ${this.pair} as ${status}`)])) : {}),
+    };
+    does[event.key]?.();
+    return Boolean(does[event.key]);
+  }
+
+  /** @param {import("./studio.js").Change} what */
+  changed(what) {
+    if (what === "time") {
+      if (this.pair && this.told) this.#time();
+    } else if (what === "theme") this.editor.draw();
+    else {
+      clearTimeout(this.later);
+      this.later = setTimeout(() => this.studio.attempt(async () => {
+        if (!this.pair) await (this.board.isConnected ? this.#loadMatrix() : undefined);
+        else if (!this.sending && !this.editor.held && this.revision !== this.studio.state.revision) await this.#load();
+      }), SETTLE);
+    }
+  }
 }

@@ -82,10 +82,10 @@ export class CurveEditor {
   show({ poses, curves, boundary = 0.5, interpolation = "bspline", ghosts = [], pair = ["", ""], fixed = false }) {
     if (poses.map(({ name }) => name).join("\n") !== [...this.poses.keys()].join("\n")) this.list.rows.clear();
     this.poses = new Map(poses.map((pose, index) => [pose.name, { ...pose, index }]));
-    if (String(pair) !== String(this.pair)) [this.chosen, this.repeated.what] = [new Map(), ""];
+    if (String(pair) !== String(this.pair)) [this.chosen, this.repeated.what, this.focus] = [new Map(), "", ""];
     [this.ghosts, this.interpolation, this.pair] = [ghosts, interpolation, pair];
     if (!this.held) [this.curves, this.boundary] = [curves, boundary];
-    if (!this.poses.has(this.focus) || (!this.curves[this.focus] && !this.chosen.size)) this.focus = this.visible(Object.keys(this.curves))[0] ?? "";
+    if (!this.poses.has(this.focus) || (!this.curves[this.focus] && !this.chosen.size)) this.focus = this.#highest();
     this.root.classList.toggle("fixed", fixed);
     this.tools.ghosts();
     this.draw();
@@ -116,6 +116,12 @@ export class CurveEditor {
   /** @param {string} pose */
   indexOf(pose) {
     return this.poses.get(pose)?.index ?? 0;
+  }
+
+  /** The pose that moves most. @returns {string} */
+  #highest() {
+    const tops = this.shown.map((pose) => /** @type {[string, number]} */ ([pose, Math.max(...this.curves[pose].map(([, value]) => value))]));
+    return tops.sort(([, a], [, b]) => b - a)[0]?.[0] ?? "";
   }
 
   /** @param {string} pose @param {number} index @returns {string} such as `open, point 3 of 5: time 0.40, value 0.62` */

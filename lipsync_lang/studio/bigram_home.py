@@ -1,0 +1,52 @@
+"""The file that an edit of a bigram goes to."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.resolver.bigram_sources import stated
+from lipsync_lang.resolver.compiled import Pair
+from lipsync_lang.resolver.layers import NEUTRAL, PairPacks
+
+PROJECT_BANK = "common"
+"""Name of the bank for bigrams that no bank of the project has."""
+
+
+def bigram_home(
+    shelf: PairPacks, pair: Pair, project: Path, own: Callable[[Path], bool]
+) -> tuple[Path, bool]:
+    """Return the file that an edit of a bigram goes to, and whether that file states the bigram.
+
+    The user's file with the bigram comes first, then the project's common bank, which may be new.
+
+    Parameters
+    ----------
+    project : folder for a new bank
+    own : True for a file of the user
+
+    Raises
+    ------
+    LipsyncError
+        An installed character, or a bank of one language, states the bigram: a common bank would
+        lie beneath it.
+    """
+    row = shelf.row(pair)
+    found = stated(shelf, row)
+    if row.place is not None and found is not None and found[0] == "-".join(pair):
+        if own(row.place.file):
+            return row.place.file, True
+        if row.origin.layer != "shared":
+            raise LipsyncError(
+                f"{shown(row.place.file)} is installed, and comes before the banks of this "
+                "project; copy it into the project to change it"
+            )
+    poseset = shelf.poseset.model.name
+    common = project / FOLDERS["poseset"] / poseset / "banks" / f"{PROJECT_BANK}.yaml"
+    mine = [
+        bank.path
+        for bank in shelf.banks
+        if own(bank.path) and bank.model.language is None and bank.model.style == NEUTRAL
+    ]
+    return common if common in mine or not mine else mine[0], False

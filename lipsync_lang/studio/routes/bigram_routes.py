@@ -1,0 +1,158 @@
+"""Routes of the bigrams: the matrix of all, and one with its curves and what lies beneath it."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from lipsync_lang.coverage.report import authored
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
+from lipsync_lang.resolver.compiled import Pair
+from lipsync_lang.resolver.layers import BigramRow, PairPacks
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.bigram_home import bigram_home
+from lipsync_lang.studio.routes.asking import Routes, Wish
+from lipsync_lang.studio.workshop import Workshop
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import BigramCurves
+
+DIGITS = 4
+"""Decimal places of times and values."""
+
+MAX_WANTED = 200
+"""Bigrams that are listed as wanted."""
+
+MAX_NAME_CHARS = 40
+"""Characters of an unknown bigram's name in a message."""
+
+
+def matrix(workshop: Workshop, _: Wish) -> Json:
+    """Return the status of every bigram, how often it is needed, and the next ones to draw."""
+    compiled = workshop.performer.compiled
+    needs = _needs(workshop)
+    pairs: dict[str, Json] = {}
+    for i, first in enumerate(compiled.phonemes):
+        for j, second in enumerate(compiled.phonemes):
+            if i == j == compiled.tables.silence:
+                continue
+            origin = compiled.origins[int(compiled.tables.pairs[i, j])]
+            told = {"status": origin.status or "gap", "layer": origin.layer}
+            count, word = needs.get(f"{first}-{second}", (0, ""))
+            found = {"need": count, "word": origin.word or word}
+            pairs[f"{first}-{second}"] = told | {key: one for key, one in found.items() if one}
+    wanted = [
+        {"pair": pair, "count": count, "word": pairs[pair].get("word", "")}
+        for pair, (count, _) in sorted(needs.items(), key=lambda need: -need[1][0])
+        if pair in pairs and not authored(pairs[pair]["layer"], pairs[pair]["status"])
+    ]
+    return {"phonemes": list(compiled.phonemes), "pairs": pairs, "wanted": wanted[:MAX_WANTED]}
+
+
+def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
+    """Return how often the line says each bigram, with a word that has it."""
+    schedule, performer = workshop.schedule, workshop.performer
+    if schedule is None:
+        return {}
+    ids, _, source = performer.common_phonemes(schedule)
+    names = [performer.compiled.phonemes[number] for number in ids.tolist()]
+    said = list(zip(names, source.tolist(), strict=True))
+    counts: Counter[str] = Counter()
+    words: dict[str, str] = {}
+    for (first, at), (second, then) in pairwise(said):
+        pair = f"{first}-{second}"
+        counts[pair] += 1
+        for word in schedule.words:
+            if min(at, then) >= word.first and max(at, then) < word.stop:
+                words.setdefault(pair, word.text)
+    return {pair: (count, words.get(pair, "")) for pair, count in counts.items()}
+
+
+def bigram(workshop: Workshop, asked: Wish) -> Json:
+    """Return a bigram: its curves and fields, its file, and curves to compare it with.
+
+    The query may name the bigrams `before` and `after` it in the line.
+    """
+    shelf = PairPacks.open(workshop.library(), workshop.language, workshop.character)
+    pair = _pair(shelf, asked.name)
+    row = shelf.row(pair)
+    found = stated(shelf, row)
+    own = found is not None and found[0] == asked.name
+    told = _drawn(shelf, row) | _fields(row, found[1] if found and own else None)
+    told |= _home(workshop, shelf, pair)
+    told |= {
+        "pair": asked.name,
+        "layer": row.origin.layer,
+        "place": row.place and f"{workshop.shown(row.place.file)}:{row.place.line}",
+        "drawn_as": found[0] if found and not own else "",
+        "ghosts": list(_ghosts(shelf, row, pair)),
+    }
+    for side in ("before", "after"):
+        if name := asked.query.get(side):
+            told[side] = {"pair": name} | _drawn(shelf, shelf.row(_pair(shelf, name)))
+    return told
+
+
+def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
+    """Tell the file that edits go to; `locked` says why there is none."""
+    try:
+        path, here = bigram_home(shelf, pair, workshop.project, workshop.own)
+    except LipsyncError as error:
+        return {"stated": False, "file": "", "locked": str(error)}
+    return {"stated": here, "file": workshop.shown(path), "locked": ""}
+
+
+def _pair(shelf: PairPacks, name: str) -> Pair:
+    """Return the two phonemes of a bigram."""
+    first, _, second = name.partition("-")
+    known = shelf.numbered
+    if first in known and second in known and {first, second} != {known[0]}:
+        return first, second
+    short = name[:MAX_NAME_CHARS]
+    hint = did_you_mean(
+        short, [f"{a}-{b}" for a in known for b in known if a != b or a != known[0]]
+    )
+    raise LipsyncError(f"no bigram '{short}' in {shelf.language.model.name}; {hint}")
+
+
+def _fields(row: BigramRow, model: "BigramCurves | None") -> Json:
+    """Return the fields beside the curves; a bigram drawn as another has none of its own."""
+    return {
+        "status": row.origin.status or "drafted",
+        "word": row.origin.word or "",
+        "why": (model and model.why) or "",
+        "contact": "free" if row.free else "hold",
+        "interpolation": (model and model.interpolation) or "",
+        "bank_interpolation": "linear" if row.linear else "bspline",
+    }
+
+
+def _drawn(shelf: PairPacks, row: BigramRow) -> Json:
+    return {"boundary": row.boundary, "curves": _curves(shelf, row.curves)}
+
+
+def _curves(shelf: PairPacks, curves: Mapping[int, Floats]) -> Json:
+    """Return control points by pose."""
+    return {
+        shelf.poses[pose]: [[round(t, DIGITS), round(v, DIGITS)] for t, v in points.tolist()]
+        for pose, points in sorted(curves.items())
+    }
+
+
+def _ghosts(shelf: PairPacks, row: BigramRow, pair: Pair) -> Iterator[Json]:
+    """Yield the draft, the layer beneath, and the targets, where they differ from the row."""
+    draft = shelf.drafts([pair]).get(pair)
+    if draft is not None:
+        yield {"name": "draft", "kind": "draft"} | _drawn(shelf, draft)
+    under = beneath(shelf, row)
+    if under is not None and under.place is not None:
+        yield {"name": f"beneath: {under.origin.layer}", "kind": "beneath"} | _drawn(shelf, under)
+    targets = target_curves(shelf, pair, row.boundary)
+    if targets:
+        curves = _curves(shelf, targets)
+        yield {"name": "targets", "kind": "targets", "boundary": row.boundary, "curves": curves}
+
+
+ROUTES: Routes = {"GET matrix": matrix, "GET bigram/{name}": bigram}

@@ -1,0 +1,144 @@
+"""The studio's bigrams: their matrix, one with what lies beneath it, the file of its edits."""
+
+import pytest
+
+pytest.importorskip("starlette", reason="the studio needs Starlette")
+
+from packs_tree import TREE, plant, put
+from studio_calls import TOKEN, Caller
+
+import lipsync_lang as ll
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.resolver.layers import PairPacks
+from lipsync_lang.studio.bigram_home import bigram_home
+from lipsync_lang.studio.workshop import Workshop
+
+LINE = ll.Schedule(
+    ("P", "2", "P", "2"), [0, 0.1, 0.2, 0.3, 0.4],
+    words=(ll.Word("ma", 0, 2), ll.Word("pa", 2, 4)), notation="first",
+)  # fmt: skip
+
+
+@pytest.fixture
+def workshop(tmp_path):
+    made = Workshop(plant(tmp_path), engine="none")
+    made.open("parent", "anna")
+    return made
+
+
+@pytest.fixture
+def told(workshop):
+    """Ask for a path of the server."""
+
+    def told(path, status=200, **query):
+        found = Caller(workshop).ask("GET", f"/{TOKEN}/api/{path}", query=query)
+        assert found.status == status, found.content
+        return found.json
+
+    return told
+
+
+def test_the_matrix_tells_the_status_of_every_pair(told):
+    matrix = told("matrix")
+    assert matrix["phonemes"] == ["_", "p", "f", "a", "yu"]
+    assert len(matrix["pairs"]) == 24, "all but silence with itself"
+    assert matrix["pairs"]["f-a"] == {"status": "edited", "layer": "character"}
+    assert matrix["pairs"]["p-yu"] == {"status": "approved", "layer": "shared"}
+    assert matrix["pairs"]["a-p"] == {"status": "drafted", "layer": "draft"}
+    assert matrix["wanted"] == []
+
+
+def test_the_matrix_tells_what_the_line_needs(told, workshop):
+    workshop.schedule = LINE
+    matrix = told("matrix")
+    assert matrix["pairs"]["p-a"] == {
+        "status": "drafted",
+        "layer": "draft",
+        "need": 2,
+        "word": "ma",
+    }
+    assert matrix["pairs"]["a-p"]["need"] == 1
+    assert "word" not in matrix["pairs"]["a-p"], "between two words"
+    assert matrix["wanted"][0]["pair"] == "p-a"
+    assert {"pair": "a-p", "count": 1, "word": ""} in matrix["wanted"]
+
+
+def test_a_bigram_has_its_curves_and_those_to_compare_with(told):
+    bigram = told("bigram/p-yu", before="a-p", after="a-f")
+    fields = ("status", "contact", "layer", "stated", "file", "place", "curves", "locked")
+    assert [bigram[field] for field in fields] == [
+        "approved", "free", "shared", True, "posesets/face/banks/common.yaml",
+        "posesets/face/banks/common.yaml:8", {}, "",
+    ]  # fmt: skip
+    kinds = {ghost["kind"]: ghost for ghost in bigram["ghosts"]}
+    assert set(kinds) == {"draft", "targets"}
+    assert kinds["draft"]["curves"]["PBM"][0] == [0, 0]
+    assert kinds["targets"]["curves"]["PBM"][1] == [0.25, 1]
+    assert bigram["before"]["curves"]["PBM"]
+    assert bigram["after"]["curves"] == {"FV": [[0, 0], [1, 1]]}
+
+
+def test_what_lies_beneath_is_shown(told):
+    bigram = told("bigram/f-a")
+    assert (bigram["layer"], bigram["file"]) == ("character", "characters/anna.yaml")
+    beneath = next(ghost for ghost in bigram["ghosts"] if ghost["kind"] == "beneath")
+    assert (beneath["name"], beneath["boundary"]) == ("beneath: shared", 0.4)
+    assert beneath["curves"]["open"] == [[0.2, 0], [1, 0]]
+
+
+def test_a_bigram_drawn_as_another_has_fields_of_its_own_to_come(told):
+    bigram = told("bigram/f-yu")
+    assert (bigram["drawn_as"], bigram["stated"], bigram["why"]) == ("f-a", False, "")
+
+
+@pytest.mark.parametrize("name", ["", "x", "a-x", "a-a-a", "_-_", "..", "a-%2e", "<script>-a"])
+def test_an_unknown_bigram_is_refused(told, name):
+    assert "no bigram" in told(f"bigram/{name or '-'}", 422)["error"]
+
+
+# The file of an edit
+
+
+def home(root, pair, *own, project=None):
+    from lipsync_lang.packs.library import Library
+
+    shelf = PairPacks.open(Library([root], project=None), "parent", "anna")
+    path, here = bigram_home(shelf, pair, project or root, lambda path: path.name in own)
+    return path.relative_to(project or root).as_posix(), here
+
+
+def test_an_edit_goes_to_the_users_file_that_has_the_bigram(tmp_path):
+    plant(tmp_path)
+    mine = ("anna.yaml", "anna-bank.yaml", "common.yaml")
+    assert home(tmp_path, ("f", "a"), *mine) == ("characters/anna.yaml", True)
+    assert home(tmp_path, ("a", "f"), *mine) == ("characters/anna-bank.yaml", True)
+    assert home(tmp_path, ("p", "yu"), *mine) == ("posesets/face/banks/common.yaml", True)
+    assert home(tmp_path, ("a", "p"), *mine) == ("posesets/face/banks/common.yaml", False)
+
+
+def test_an_edit_of_an_installed_bank_goes_to_one_of_the_project(tmp_path):
+    plant(tmp_path / "installed")
+    project = tmp_path / "project"
+    found = home(tmp_path / "installed", ("p", "yu"), project=project)
+    assert found == ("posesets/face/banks/common.yaml", False)
+
+
+def test_a_bank_of_the_user_by_another_name_is_used(tmp_path):
+    plant(tmp_path)
+    bank = TREE["posesets/face/banks/common.yaml"].partition("bigrams:")[0]
+    for name, more in (("drawn", ""), ("sad", "style: sad\n"), ("german", "language: parent\n")):
+        text = bank.replace("common", name).replace("language: null\n", "") + more
+        put(tmp_path, f"posesets/face/banks/{name}.yaml", f"{text}bigrams: {{}}\n")
+    mine = ("drawn.yaml", "sad.yaml", "german.yaml")
+    assert home(tmp_path, ("a", "p"), *mine) == ("posesets/face/banks/drawn.yaml", False)
+
+
+def test_what_would_lie_beneath_an_installed_character_is_refused(tmp_path):
+    plant(tmp_path)
+    with pytest.raises(LipsyncError, match="copy it into the project"):
+        home(tmp_path, ("f", "a"), "common.yaml")
+
+
+def test_a_bigram_that_cannot_be_edited_says_why(told, monkeypatch):
+    monkeypatch.setattr(Workshop, "own", lambda _, path: path.name == "common.yaml")
+    assert "copy it into the project" in told("bigram/f-a")["locked"]
