@@ -161,6 +161,12 @@ class SplicedText:
             _refuse_faults(made, entries if self.sound else set())
         return made if made is self else replace(made, sound=True)
 
+    def checked(self) -> Self:
+        """Return the text itself; raise `PackFaults` if the pack is faulty."""
+        if not self.sound:
+            _refuse_faults(self, set())
+        return self
+
     # Changes in place
 
     def _spliced(self, loc: Loc, value: Data) -> Self:

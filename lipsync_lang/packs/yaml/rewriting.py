@@ -176,7 +176,8 @@ class _Edits:
         else:
             column = self._column(near.start) - indent
             beside = not self._multiline(model.after, near.start)
-            width = column - 1 if beside and near.kind != "scalar" else 0
+            aligned = beside and near.kind != "scalar" and isinstance(value, (dict, tuple))
+            width = column - 1 if aligned else 0
             lines = [f"{_name(key) + ':':<{width}} {on_one_line(value)}"]
         return [" " * indent + line for line in lines]
 

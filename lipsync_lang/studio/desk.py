@@ -1,0 +1,486 @@
+"""Unsaved edits of pack files: made, undone, kept over a kill, merged with the disk and saved.
+
+A desk knows files by absolute path, and reads one when it is first edited. Each edit sets, inserts
+or deletes a value at a location; every text in between is a sound pack. Texts share the parts that
+an edit leaves alone, so that undo can reach back without end.
+"""
+
+import os
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from difflib import unified_diff
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import LipsyncError, OutputError, PackError
+from lipsync_lang.files import write_all
+from lipsync_lang.files.targets import file_behind
+from lipsync_lang.packs.finding import Finder
+from lipsync_lang.packs.splicing import SplicedText, get
+from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.source import Loc
+from lipsync_lang.studio.edit_journal import (
+    JournalError,
+    Line,
+    append,
+    base_line,
+    edit_of,
+    line_of,
+    put_aside,
+    read_journal,
+    whole,
+    write_journal,
+)
+from lipsync_lang.studio.merging import (
+    Choices,
+    EditConflict,
+    MergeConflict,
+    SaveConflict,
+    differences,
+    overlap,
+    told,
+)
+from lipsync_lang.studio.sheets import (
+    Edit,
+    Parts,
+    Sheet,
+    Step,
+    by_file,
+    in_parts,
+    on_disk,
+    planned,
+    rebase,
+)
+
+RESTORED = "edits found again"
+"""Title of a step that a journal keeps as a whole text."""
+
+MAX_JOURNAL_LINES = 2000
+"""Lines after which a journal is written anew with the texts alone; reading takes seconds."""
+
+MAX_TOUCHED = 10_000
+"""Latest edits that are remembered to find conflicts between tabs."""
+
+
+class Desk:
+    r"""Files with unsaved edits.
+
+    Parameters
+    ----------
+    journal : the file that keeps unsaved edits; None keeps them in memory alone
+    shipped : folders whose files are never edited; None is those of installed distributions
+
+    Attributes
+    ----------
+    revision : grows by each change
+    restored : number of edits found in the journal
+    notes : what the user should know about the journal
+
+    Example
+    -------
+    >>> desk = Desk(None)
+    >>> bank = Path("/nowhere/b.yaml")
+    >>> text = "kind: bank\nformat: 1\nname: b\nposeset: f\nbigrams: {}\n"
+    >>> desk.change("Make a bank", [(bank, ("style",), "sad")], create={bank: text})
+    >>> desk.undo_title, desk.unsaved()[0][1:]
+    ('Make a bank', (('kind',), 'added'))
+    """
+
+    def __init__(self, journal: Path | None, *, shipped: Iterable[Path] | None = None) -> None:
+        self.revision = 0
+        self.restored = 0
+        self.notes: list[str] = []
+        self._sheets: dict[Path, Sheet] = {}
+        self._done: list[Step] = []
+        self._undone: list[Step] = []
+        self._touched: deque[tuple[int, str, Path, Loc]] = deque(maxlen=MAX_TOUCHED)
+        self._shipped = _installed() if shipped is None else tuple(shipped)
+        self._journal: Path | None = None
+        self._lines = 0
+        self._opened: set[Path] = set()
+        self._stale = self._replaying = False
+        if journal is not None:
+            self._restore(journal)
+        self._journal = journal
+
+    # What there is
+
+    @property
+    def undo_title(self) -> str | None:
+        """Title of the step that `undo` takes back."""
+        return self._done[-1].title if self._done else None
+
+    @property
+    def redo_title(self) -> str | None:
+        """Title of the step that `redo` does again."""
+        return self._undone[-1].title if self._undone else None
+
+    @property
+    def contents(self) -> Mapping[Path, bytes]:
+        """Text of every file with unsaved edits, for `Library(unsaved=...)`."""
+        return {path: sheet.text.content for path, sheet in self._sheets.items() if sheet.edited}
+
+    def content(self, path: Path) -> bytes | None:
+        """Return the text of a file with its edits; None if it is not on the desk."""
+        sheet = self._sheets.get(path)
+        return sheet.text.content if sheet is not None and sheet.text.parts else None
+
+    def text(self, path: Path) -> SplicedText | None:
+        """Return a file on the desk in parts, with its edits; None if it is not on the desk."""
+        sheet = self._sheets.get(path)
+        return sheet.text if sheet is not None and sheet.text.parts else None
+
+    def unsaved(self) -> list[tuple[Path, Loc, str]]:
+        """List every entry that differs from the disk: file, location, and how it changed."""
+        return [
+            (path, loc, told(get(sheet.saved.data, loc), value))
+            for path, sheet in self._sheets.items()
+            if sheet.edited
+            for loc, value in differences(sheet.saved.data, sheet.text.data)
+        ]
+
+    def diff(self, path: Path) -> str:
+        """Return the edits of a file as a unified diff against the disk."""
+        sheet = self._sheets.get(path)
+        if sheet is None:
+            return ""
+        disk = on_disk(path) or b""
+        texts = (text.decode("utf-8", "replace") for text in (disk, sheet.text.content))
+        one, other = (text.splitlines(keepends=True) for text in texts)
+        rows = unified_diff(one, other, f"{shown(path)} (saved)", f"{shown(path)} (edited)")
+        return "".join(row if row.endswith("\n") else f"{row}\n" for row in rows)
+
+    # Edits
+
+    def change(  # noqa: PLR0913 each is a fact of one edit
+        self,
+        title: str,
+        edits: Sequence[Edit],
+        *,
+        seen: int | None = None,
+        tab: str = "",
+        merge: str = "",
+        create: Mapping[Path, str] | None = None,
+    ) -> None:
+        """Set, insert or delete values; all of them or none.
+
+        Parameters
+        ----------
+        title : what is done, for undo
+        seen : revision that the tab has shown; None accepts any
+        tab : the tab that asks
+        merge : successive changes of one tab with the same key are undone as one
+        create : text of files that do not exist yet
+
+        Raises
+        ------
+        EditConflict
+            Another tab changed a location after `seen`.
+        PackFaults
+            A pack would be faulty; nothing changes.
+        LipsyncError
+            A file cannot be read, or may not be edited.
+        """
+        create = create or {}
+        locs = [(path, tuple(loc)) for path, loc, _ in edits]
+        self._refuse_conflicts(locs, seen, tab)
+        sheets = {path: self._sheet(path) for path in [*create, *(path for path, _ in locs)]}
+        texts = {path: sheet.text for path, sheet in sheets.items()}
+        for path, initial in create.items():
+            if not texts[path].parts:
+                texts[path] = SplicedText.read(path, initial.encode()).checked()
+        for path, changes in by_file(edits).items():
+            if not texts[path].parts:
+                raise PackError(f"{shown(path)}: no such file; it was deleted, or never made")
+            texts[path] = texts[path].changed(changes)
+        self._sheets |= sheets
+        before = {path: sheets[path].text.parts for path in texts}
+        after = {path: text.parts for path, text in texts.items()}
+        if all(before[path] is after[path] for path in after):
+            return
+        self._put(texts)
+        step = self._add(Step(title, merge, tab, locs, before, after))
+        self._touch(locs, tab)
+        self._write(
+            step,
+            {
+                "change": title,
+                "merge": merge,
+                "tab": tab,
+                "edits": [line_of(edit) for edit in edits],
+                "create": {str(path): text for path, text in create.items()},
+            },
+        )
+
+    def undo(self, *, tab: str = "") -> str:
+        """Take back the latest step, and return its title.
+
+        Raises
+        ------
+        LipsyncError
+            There is nothing to undo.
+        """
+        if not self._done:
+            raise LipsyncError("there is nothing to undo")
+        step = self._done.pop()
+        self._undone.append(step)
+        return self._back_to(step, step.before, {"undo": step.title}, tab)
+
+    def redo(self, *, tab: str = "") -> str:
+        """Do the step again that was undone last, and return its title.
+
+        Raises
+        ------
+        LipsyncError
+            There is nothing to do again.
+        """
+        if not self._undone:
+            raise LipsyncError("there is nothing to redo")
+        step = self._undone.pop()
+        self._done.append(step)
+        return self._back_to(step, step.after, {"redo": step.title}, tab)
+
+    def _back_to(self, step: Step, parts: Mapping[Path, Parts], line: Line, tab: str) -> str:
+        self._put({path: SplicedText(path, some) for path, some in parts.items()})
+        self._touch(step.locs, tab)
+        self._write(step, line)
+        return step.title
+
+    def _add(self, step: Step) -> Step:
+        """Add a step, or join it to the latest; return the latest."""
+        last = self._done[-1] if self._done and not self._undone else None
+        self._undone.clear()
+        alike = last is not None and (last.merge, last.tab) == (step.merge, step.tab)
+        if last is None or not step.merge or not alike:
+            self._done.append(step)
+            return step
+        last.before = {**step.before, **last.before}
+        last.after |= step.after
+        last.locs = list(dict.fromkeys([*last.locs, *step.locs]))
+        return last
+
+    def _put(self, texts: Mapping[Path, SplicedText]) -> None:
+        for path, text in texts.items():
+            sheet = self._sheets[path]
+            sheet.text = sheet.saved if text.parts is sheet.saved.parts else text
+
+    def _touch(self, locs: Iterable[tuple[Path, Loc]], tab: str) -> None:
+        self.revision += 1
+        self._touched.extend((self.revision, tab, path, loc) for path, loc in locs)
+
+    def _refuse_conflicts(
+        self, locs: Sequence[tuple[Path, Loc]], seen: int | None, tab: str
+    ) -> None:
+        """Raise `EditConflict` if another tab changed a location after the revision seen."""
+        for revision, other, path, loc in self._touched if seen is not None else ():
+            if revision <= (seen or 0) or other == tab:
+                continue
+            for own_path, own in locs:
+                if path == own_path and overlap(loc, own):
+                    where = "-".join(map(str, loc[1:2] or loc))
+                    raise EditConflict(
+                        f"another tab changed {where} of {shown(path)} meanwhile; "
+                        "look at it, and edit once more"
+                    )
+
+    def _sheet(self, path: Path) -> Sheet:
+        """Return a file of the desk, read now if it has no edits yet."""
+        sheet = self._sheets.get(path)
+        if sheet is not None and sheet.edited:
+            return sheet
+        if sheet is None and not self._replaying:
+            self._refuse(path)
+        if self._replaying:
+            if sheet is None:
+                raise JournalError("is damaged: it edits a file before it names it")
+            return sheet
+        disk = on_disk(path)
+        if sheet is not None and sheet.base == disk:
+            return sheet
+        saved = in_parts(path, disk)
+        if sheet is not None:
+            self._rebase(sheet, saved, saved)
+        return Sheet(path, disk, saved, saved)
+
+    def _refuse(self, path: Path) -> None:
+        """Raise an error for a file that may not be edited."""
+        if not path.is_absolute() or path.suffix != ".yaml":
+            raise OutputError(f"{path}: is no pack's file; name it in full, ending in .yaml")
+        real = Path(os.path.realpath(path))
+        folder = next((root for root in self._shipped if real.is_relative_to(root)), None)
+        if folder is not None:
+            raise OutputError(
+                f"{shown(path)}: is shipped with a distribution, and an update would undo edits; "
+                f"copy it to {real.relative_to(folder)} in your project and edit it there"
+            )
+        try:
+            file_behind(path)
+        except OSError as error:
+            raise OutputError(f"{shown(path)}: {error.strerror or error}") from None
+        other = next(
+            (p for p in self._sheets if p != path and Path(os.path.realpath(p)) == real), None
+        )
+        if other is not None:
+            raise OutputError(f"{shown(path)}: is the file {shown(other)}; edit it by that name")
+
+    # Saving
+
+    def save(self, files: Iterable[Path] | None = None, keep: Choices | None = None) -> list[Path]:
+        """Write the edits of some files, or of all, and return the files written.
+
+        A file that changed on the disk keeps those changes; the edits are applied to it.
+
+        Parameters
+        ----------
+        keep : the side to keep of each conflict that an earlier call raised, by file and location
+
+        Raises
+        ------
+        SaveConflict
+            An entry was edited here and changed on the disk; nothing is written.
+        PackFaults
+            A file is faulty on the disk, or would be with the edits; nothing is written.
+        OutputError
+            A file cannot be written; nothing is.
+        """
+        wanted = self.contents if files is None else set(files)
+        sheets = [sheet for path, sheet in self._sheets.items() if path in wanted and sheet.edited]
+        conflicts: list[MergeConflict] = []
+        plans = []
+        for sheet in sheets:
+            self._refuse(sheet.path)
+            disk = on_disk(sheet.path)
+            plan = planned(sheet, disk, keep or {})
+            conflicts += plan.conflicts
+            plans.append((sheet, disk, plan))
+        if conflicts:
+            raise SaveConflict(conflicts)
+        written = {
+            sheet.path: plan.text.content
+            for sheet, disk, plan in plans
+            if plan.text.parts and plan.text.content != disk
+        }
+        _write_all(written)
+        for sheet, disk, plan in plans:
+            text = plan.text
+            if disk != sheet.base:
+                self._rebase(sheet, plan.theirs, text, plan.dropped)
+            base = text.content if text.parts else None
+            self._sheets[sheet.path] = Sheet(sheet.path, base, text, text)
+        self._compact()
+        return list(written)
+
+    def _rebase(
+        self, sheet: Sheet, theirs: SplicedText, now: SplicedText, dropped: Sequence[Loc] = ()
+    ) -> None:
+        """Put what changed on the disk into every text that undo and redo reach."""
+        taken = differences(sheet.saved.data, theirs.data)
+        self._stale = True
+        self._touch([(sheet.path, loc) for loc, _ in taken], "")
+        try:
+            rebase([*self._done, *reversed(self._undone)], sheet, theirs, now, dropped)
+        except PackError:  # an older text does not take the change
+            self._done.clear()
+            self._undone.clear()
+            where = shown(sheet.path)
+            self.notes.append(f"{where} changed on the disk; earlier steps cannot be undone")
+
+    # The journal
+
+    def _write(self, step: Step, line: Line) -> None:
+        """Append a line to the journal, after the content of files that it does not have yet."""
+        if self._journal is None:
+            return
+        if self._stale or self._lines >= MAX_JOURNAL_LINES or not step.journaled:
+            self._compact()
+            return
+        opened = [
+            base_line(sheet) for path, sheet in self._sheets.items() if path not in self._opened
+        ]
+        self._opened |= {*self._sheets}
+        self._lines += 1
+        append(self._journal, [*opened, line])
+
+    def _compact(self) -> None:
+        """Write the journal anew: the files with unsaved edits, without steps."""
+        if self._journal is None:
+            return
+        edited = [sheet for sheet in self._sheets.values() if sheet.edited]
+        write_journal(self._journal, (line for sheet in edited for line in whole(sheet)))
+        self._opened = {sheet.path for sheet in edited}
+        self._lines, self._stale = 2 * len(edited), False
+        for step in [*self._done, *self._undone]:
+            step.journaled = False
+
+    def _restore(self, journal: Path) -> None:
+        """Make the edits of a journal again; put a damaged one aside."""
+        try:
+            lines = read_journal(journal)
+            self._replaying = True
+            for line in lines:
+                self._replay(line)
+            self._lines, self._opened = len(lines), {*self._sheets}
+        except (LipsyncError, KeyError, TypeError, ValueError) as error:
+            self._sheets.clear()
+            self._done.clear()
+            self._undone.clear()
+            self._touched.clear()
+            why = str(error) if isinstance(error, LipsyncError) else "is damaged"
+            try:
+                where = f"it is kept as {put_aside(journal)}"
+            except OSError as failed:
+                raise OutputError(f"{journal}: {why}, and cannot be renamed: {failed}") from None
+            self.notes.append(f"{journal}: {why}; no edits are restored, and {where}")
+        finally:
+            self._replaying = False
+        self.restored = len(self._done)
+
+    def _replay(self, line: Line) -> None:
+        """Make one line of a journal again."""
+        if "base" in line:
+            path, text = Path(line["base"]), line["text"]
+            base = None if text is None else text.encode()
+            saved = in_parts(path, base)
+            self._sheets[path] = Sheet(path, base, saved, saved)
+        elif "put" in line:
+            sheet = self._sheets[Path(line["put"])]
+            after = SplicedText.read(sheet.path, line["text"].encode()).checked()
+            locs = [(sheet.path, loc) for loc, _ in differences(sheet.saved.data, after.data)]
+            sides = {sheet.path: sheet.text.parts}, {sheet.path: after.parts}
+            self._put({sheet.path: after})
+            self._add(Step(RESTORED, "", "", locs, *sides, journaled=True))
+            self._touch(locs, "")
+        elif "change" in line:
+            edits = [edit_of(one) for one in line["edits"]]
+            create = {Path(path): text for path, text in line["create"].items()}
+            more = {"tab": line["tab"], "merge": line["merge"], "create": create}
+            self.change(line["change"], edits, **more)
+        elif "undo" in line:
+            self.undo()
+        elif "redo" in line:
+            self.redo()
+        else:
+            raise JournalError("has lines of a newer version")
+
+
+def _write_all(contents: Mapping[Path, bytes]) -> None:
+    """Write files together; folders that are missing are made."""
+
+    def writer(content: bytes) -> Any:
+        return lambda stream: stream.write(content)
+
+    for path in contents:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            why = error.strerror or error
+            raise OutputError(f"{path.parent}: cannot be made: {why}") from None
+    write_all({path: writer(content) for path, content in contents.items()}, durable=True)
+
+
+def _installed() -> tuple[Path, ...]:
+    """Return the folders of packs that come with distributions, the program's own among them."""
+    found = Finder().roots
+    return tuple(
+        root.path.resolve() for root in found if root.origin.startswith(("built-in", "installed"))
+    )

@@ -1,0 +1,115 @@
+"""A file that keeps unsaved edits, so that a killed server finds them again.
+
+Each line is JSON. A line is appended at each edit, so a kill loses at most the line being written.
+"""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import atomic
+from lipsync_lang.packs.splicing import ABSENT, plain
+from lipsync_lang.studio.sheets import Edit, Sheet
+
+HEADER = {"journal": "lipsync-lang studio", "format": 1}
+"""First line of a journal."""
+
+MAX_JOURNAL_BYTES = 64 * 2**20
+"""Largest journal that is read."""
+
+Line = dict[str, Any]
+
+
+class JournalError(LipsyncError):
+    """A journal is damaged, or another program's file."""
+
+
+def read_journal(path: Path) -> list[Line]:
+    """Return the lines of a journal without its header; a torn last line is cut off the file.
+
+    Raises
+    ------
+    JournalError
+        The file is no journal, or is damaged before its last line.
+    """
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(MAX_JOURNAL_BYTES + 1)
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise JournalError(f"cannot be read: {error.strerror or error}") from None
+    if len(content) > MAX_JOURNAL_BYTES:
+        raise JournalError(f"is larger than {MAX_JOURNAL_BYTES >> 20} MB")
+    *rows, torn = content.split(b"\n")
+    if not rows:
+        raise JournalError("is damaged")
+    try:
+        header, *lines = map(json.loads, rows)
+    except (ValueError, RecursionError):
+        raise JournalError("is damaged") from None
+    if header != HEADER or not all(isinstance(line, dict) for line in lines):
+        raise JournalError("is not a journal of the studio")
+    if torn:
+        write_journal(path, lines)
+    return lines
+
+
+def write_journal(path: Path, lines: Iterable[Line]) -> None:
+    """Write a journal anew; raise `OutputError` if that fails."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with atomic(path, durable=True) as stream:
+        for line in (HEADER, *lines):
+            stream.write(_row(line))
+
+
+def append(path: Path, lines: Iterable[Line]) -> int:
+    """Append lines to a journal, and return its size in bytes."""
+    if not path.exists():
+        write_journal(path, ())
+    with path.open("ab") as stream:
+        stream.write(b"".join(map(_row, lines)))
+        return stream.tell()
+
+
+def put_aside(path: Path) -> Path:
+    """Rename a file that is no sound journal, and return its new path."""
+    names = (path.with_name(f"{path.name}.damaged{number or ''}") for number in range(10**6))
+    free = next(name for name in names if not name.exists())
+    path.rename(free)
+    return free
+
+
+def _row(line: Mapping[str, Any]) -> bytes:
+    return json.dumps(line, ensure_ascii=False, separators=(",", ":")).encode() + b"\n"
+
+
+# Lines
+
+
+def line_of(edit: Edit) -> Line:
+    """Return an edit as JSON."""
+    path, loc, value = edit
+    stated = {} if value is ABSENT else {"value": plain(value)}
+    return {"file": str(path), "at": list(loc), **stated}
+
+
+def edit_of(line: Line) -> Edit:
+    """Return the edit of a line."""
+    return Path(line["file"]), tuple(line["at"]), line.get("value", ABSENT)
+
+
+def whole(sheet: Sheet) -> list[Line]:
+    """Return the lines that restore a file: its content as saved, and with its edits."""
+    text = sheet.text.content.decode()
+    return [
+        base_line(sheet),
+        {"put": str(sheet.path), "text": text},
+    ]
+
+
+def base_line(sheet: Sheet) -> Line:
+    """Return the line with a file's content as saved."""
+    return {"base": str(sheet.path), "text": None if sheet.base is None else sheet.base.decode()}
