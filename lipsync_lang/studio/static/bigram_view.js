@@ -3,6 +3,7 @@
 import { BigramMatrix } from "./bigram_matrix.js";
 import { beside, editsOf, spoken } from "./bigram_state.js";
 import { CurveEditor } from "./curve_editor.js";
+import { press } from "./curve_hands.js";
 import { made } from "./elements.js";
 import { tellKeys } from "./studio_keys.js";
 
@@ -230,15 +231,15 @@ export class BigramView {
 
   /** @param {KeyboardEvent} event @returns {boolean} */
   key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    const plain = !event.ctrlKey && !event.metaKey && !event.altKey;
     /** @type {Record<string, () => void>} */
-    const does = {
-      n: () => this.next(),
-      ...(this.pair ? { w: () => this.studio.go("bigrams"), j: () => this.#find(), Escape: () => this.studio.go("bigrams") } : {}),
-      ...(this.pair ? Object.fromEntries(STATUSES.map((status, n) => [String(n + 1), () => this.#set({ status }, `Mark ${this.pair} as ${status}`)])) : {}),
-    };
-    does[event.key]?.();
-    return Boolean(does[event.key]);
+    const does = !plain ? {} : { n: () => this.next(), ...(this.pair && {
+      w: () => this.studio.go("bigrams"), j: () => this.#find(), Escape: () => this.studio.go("bigrams"),
+      ...Object.fromEntries(STATUSES.map((status, n) => [String(n + 1), () => this.#set({ status }, `Mark ${this.pair} as ${status}`)])),
+    }) };
+    if (does[event.key]) does[event.key]();
+    else return Boolean(this.pair && this.editor.chosen.size) && press(this.editor, event);
+    return true;
   }
 
   /** @param {import("./studio.js").Change} what */

@@ -72,8 +72,11 @@ export class CurveDrawing {
     this.now = drawn("line", { class: "now" });
     this.plot = drawn("svg", { class: "inner", overflow: "hidden", "pointer-events": "none" }, this.ghosts, this.now);
     this.svg = drawn("svg", { class: "plot", role: "application", "aria-label": "Curves", tabindex: "0" }, this.grid, this.plot, this.boundary, this.curves, this.over);
-    /** @type {Map<string, {group: SVGElement, polygon: SVGElement, smooth: SVGElement, points: SVGElement, of: Point[] | null, key: string}>} */
+    /** @type {Map<string, {group: SVGElement, polygon: SVGElement, smooth: SVGElement, points: SVGElement}>} */
     this.pool = new Map();
+    /** Paths of curves, with the view that they are for. @type {WeakMap<Point[], [string, string]>} */
+    this.paths = new WeakMap();
+    this.key = "";
     place.append(this.svg);
     new ResizeObserver(() => this.resize()).observe(this.svg);
   }
@@ -128,7 +131,8 @@ export class CurveDrawing {
 
   draw() {
     if (!this.wide) return;
-    const { editor } = this, key = `${this.view}|${this.wide}|${this.high}|${editor.interpolation}`;
+    const { editor } = this;
+    this.key = `${this.view}|${this.wide}|${this.high}|${editor.interpolation}`;
     put(this.svg, { viewBox: `0 0 ${this.wide} ${this.high}` });
     const [left, top] = MARGIN;
     const inner = { x: left, y: top, width: this.wide - left - MARGIN[2], height: this.high - top - MARGIN[3] };
@@ -141,7 +145,7 @@ export class CurveDrawing {
       group.remove();
       this.pool.delete(pose);
     }
-    for (const pose of shown) this.#drawCurve(pose, key);
+    for (const pose of shown) this.#drawCurve(pose);
     const front = this.pool.get(editor.focus)?.group;
     if (front && front !== this.curves.lastElementChild) this.curves.append(front);
     this.#drawBoundary();
@@ -173,7 +177,7 @@ export class CurveDrawing {
       if (!editor.haunting.has(name)) continue;
       for (const pose of editor.visible(Object.keys(curves))) {
         const { colour } = look(editor.indexOf(pose), editor.poses.get(pose)?.colour);
-        const path = drawn("path", { class: `ghost ${kind} ${pose === editor.focus ? "front" : ""}`, d: this.#smooth(curves[pose], editor.interpolation) });
+        const path = drawn("path", { class: `ghost ${kind} ${pose === editor.focus ? "front" : ""}`, d: this.#smooth(curves[pose]) });
         path.style.setProperty("--c", colour);
         parts.push(path);
       }
@@ -181,18 +185,22 @@ export class CurveDrawing {
     this.ghosts.replaceChildren(...parts);
   }
 
-  /** @param {Point[]} points @param {string} kind @returns {string} a path */
-  #smooth(points, kind) {
+  /** @param {Point[]} points @returns {string} a path */
+  #smooth(points) {
+    const kind = this.editor.interpolation, [known, path] = this.paths.get(points) ?? [];
+    if (path && known === this.key) return path;
     const first = points[0][0], last = points[points.length - 1][0];
     const from = clamp(this.view[0], first, last), to = clamp(this.view[1], first, last);
     const inner = points.map(([time]) => time).filter((time) => kind === "linear" && time > from && time < to);
     const times = [...Array.from({ length: SAMPLES }, (_, n) => from + ((to - from) * n) / (SAMPLES - 1)), ...inner].sort((a, b) => a - b);
     const values = valuesAt(points, kind, times);
-    return times.map((time, n) => `${n ? "L" : "M"}${this.x(time).toFixed(1)} ${this.y(values[n]).toFixed(1)}`).join("");
+    const made = times.map((time, n) => `${n ? "L" : "M"}${this.x(time).toFixed(1)} ${this.y(values[n]).toFixed(1)}`).join("");
+    this.paths.set(points, [this.key, made]);
+    return made;
   }
 
-  /** @param {string} pose @param {string} key of the view */
-  #drawCurve(pose, key) {
+  /** @param {string} pose */
+  #drawCurve(pose) {
     const { editor } = this, points = editor.curves[pose], front = pose === editor.focus;
     let item = this.pool.get(pose);
     if (!item) {
@@ -200,7 +208,7 @@ export class CurveDrawing {
       const [polygon, smooth, marks] = [drawn("polyline"), drawn("path", { class: "smooth", "stroke-dasharray": dash }), drawn("g")];
       const group = drawn("g", { "data-pose": pose }, drawn("svg", { class: "inner", overflow: "hidden" }, polygon, smooth), marks);
       group.style.setProperty("--c", colour);
-      item = { group, polygon, smooth, points: marks, of: null, key: "" };
+      item = { group, polygon, smooth, points: marks };
       this.pool.set(pose, item);
       this.curves.append(group);
     }
@@ -208,11 +216,8 @@ export class CurveDrawing {
     put(item.points, { "aria-hidden": String(!front) });
     const inner = item.group.firstElementChild;
     for (const trait of ["x", "y", "width", "height", "viewBox"]) inner?.setAttribute(trait, this.plot.getAttribute(trait) ?? "");
-    if (item.of !== points || item.key !== key) {
-      [item.of, item.key] = [points, key];
-      put(item.polygon, { points: points.map(([t, v]) => `${this.x(t).toFixed(1)},${this.y(v).toFixed(1)}`).join(" ") });
-      put(item.smooth, { d: this.#smooth(points, editor.interpolation) });
-    }
+    put(item.polygon, { points: points.map(([t, v]) => `${this.x(t).toFixed(1)},${this.y(v).toFixed(1)}`).join(" ") });
+    put(item.smooth, { d: this.#smooth(points) });
     this.#drawPoints(pose, item.points, front);
   }
 
@@ -241,8 +246,13 @@ export class CurveDrawing {
       "aria-label": `Boundary: ${pair[0]} ends, ${pair[1]} begins, at ${boundary.toFixed(2)}`, "aria-valuenow": boundary.toFixed(3),
       visibility: x < MARGIN[0] - 1 || x > this.wide - MARGIN[2] + 1 ? "hidden" : "visible",
     });
-    const { time } = this.editor;
-    put(this.now, { x1: this.x(time ?? 0), x2: this.x(time ?? 0), y1: MARGIN[1], y2: this.high - MARGIN[3], visibility: time === null ? "hidden" : "visible" });
+    this.drawNow();
+  }
+
+  /** Draw the playhead. */
+  drawNow() {
+    const { time } = this.editor, x = this.x(time ?? 0);
+    put(this.now, { x1: x, x2: x, y1: MARGIN[1], y2: this.high - MARGIN[3], visibility: time === null ? "hidden" : "visible" });
   }
 
   /** The box around the chosen points with its handles, and the marquee. */

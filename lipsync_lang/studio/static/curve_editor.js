@@ -134,7 +134,7 @@ export class CurveEditor {
   setTime(time) {
     if (time === this.time) return;
     this.time = time;
-    this.drawing.draw();
+    this.drawing.drawNow();
     this.list.values();
   }
 

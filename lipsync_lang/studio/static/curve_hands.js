@@ -191,25 +191,35 @@ class Drag {
  * @param {CurveEditor} editor
  */
 export function listenKeys(editor) {
-  const { svg, boundary } = editor.drawing;
+  const { svg } = editor.drawing;
   svg.addEventListener("focusin", (event) => {
     const target = /** @type {Element} */ (event.target), index = Number(target.getAttribute("data-index") ?? -1);
     const pose = target.closest("[data-pose]")?.getAttribute("data-pose");
     if (pose && index >= 0 && !editor.chosen.get(pose)?.has(index) && !editor.held) editor.choose(pose, index, false);
   });
   svg.addEventListener("keydown", (event) => {
-    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
-    const [right, up] = steps[/** @type {keyof typeof steps} */ (event.key)] ?? [0, 0];
-    const step = event.altKey ? FINE : event.shiftKey ? GRID : STEP;
-    const command = event.ctrlKey || event.metaKey;
-    if (event.key !== "a") editor.cursor = null;
-    if (right || up) {
-      if (command) return;
-      if (event.target === boundary) editor.setBoundary(snapped(editor.boundary + (right + up) * step), { merge: editor.sameStep("boundary"), done: true });
-      else if (editor.chosen.size) editor.nudge(right * step, up * step);
-      else editor.drawing.zoom(1, [0, 0], right * STEP * 5, up * STEP * 5);
-    } else if (!editor.key(event.key.length === 1 ? event.key.toLowerCase() : event.key, command, event.shiftKey)) return;
+    if (!press(editor, event)) return;
     event.preventDefault();
     event.stopPropagation();
   });
+}
+
+/**
+ * Act on a key.
+ * @param {CurveEditor} editor @param {KeyboardEvent} event
+ * @returns {boolean} whether it does anything
+ */
+export function press(editor, event) {
+  const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
+  const [right, up] = steps[/** @type {keyof typeof steps} */ (event.key)] ?? [0, 0];
+  const step = event.altKey ? FINE : event.shiftKey ? GRID : STEP;
+  const command = event.ctrlKey || event.metaKey, { drawing } = editor;
+  if (event.key !== "a") editor.cursor = null;
+  if (!right && !up) return !event.altKey && editor.key(event.key.length === 1 ? event.key.toLowerCase() : event.key, command, event.shiftKey);
+  if (command) return false;
+  if (event.target === drawing.boundary) {
+    editor.setBoundary(snapped(editor.boundary + (right + up) * step), { merge: editor.sameStep("boundary"), done: true });
+  } else if (editor.chosen.size) editor.nudge(right * step, up * step);
+  else return false;
+  return true;
 }
