@@ -172,7 +172,8 @@ def test_a_fault_of_the_program_shows_no_traceback(caller, monkeypatch):
 
 def test_another_pair_is_opened_or_refused(tmp_path):
     caller = Caller(Workshop(tmp_path, engine="none"))
-    assert caller.api("state").json == {"language": "", "character": ""}
+    state = caller.api("state").json
+    assert (state["language"], state["character"], state["unsaved"]) == ("", "", [])
     assert "choose a language" in caller.api("face").json["error"]
     assert caller.post("open", {"language": "german", "character": "crab"}).status == 200
     found = caller.post("open", {"language": "germany", "character": "crab"})

@@ -41,11 +41,12 @@ def studio(options: Namespace) -> int:
             "the studio needs Starlette and uvicorn: pip install 'lipsync-lang[studio]'"
         ) from None
     from lipsync_lang.commands.performing import motion_settings
+    from lipsync_lang.studio.desk import Desk
     from lipsync_lang.studio.workshop import Workshop
 
     token = _token(options)
     workshop = Workshop(
-        Path.cwd(), options.path,
+        Path.cwd(), options.path, Desk(_journal(Path.cwd())),
         motion=motion_settings(options.settings), engine=options.tts,
     )  # fmt: skip
     workshop.settings.fps = options.fps
@@ -57,7 +58,7 @@ def studio(options: Namespace) -> int:
         hosts = [f"{name}:{port}" for name in names]
         address = f"http://{options.host}:{port}/{token}/"
         print(f"the studio is at {address}", flush=True)
-        print("close it with Ctrl-C", file=sys.stderr)
+        print("close it with Ctrl-C; unsaved edits are kept", file=sys.stderr)
         if options.browser:
             threading.Timer(0.3, webbrowser.open, (address,)).start()
         config = uvicorn.Config(
@@ -93,6 +94,16 @@ def _token(options: Namespace) -> str:
             file=sys.stderr,
         )
     return token
+
+
+def _journal(project: Path) -> Path:
+    """Return the file of a project's unsaved edits, outside of the project."""
+    from hashlib import sha256
+
+    from platformdirs import user_state_path
+
+    name = sha256(str(project.resolve()).encode()).hexdigest()[:16]
+    return user_state_path("lipsync-lang") / "studio" / f"{name}.jsonl"
 
 
 def _listening(host: str, port: int) -> "socket.socket":

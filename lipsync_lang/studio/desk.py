@@ -7,7 +7,7 @@ an edit leaves alone, so that undo can reach back without end.
 
 import os
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import unified_diff
 from pathlib import Path
 from typing import Any
@@ -161,6 +161,7 @@ class Desk:
         tab: str = "",
         merge: str = "",
         create: Mapping[Path, str] | None = None,
+        check: Callable[[Mapping[Path, bytes]], None] | None = None,
     ) -> None:
         """Set, insert or delete values; all of them or none.
 
@@ -171,6 +172,7 @@ class Desk:
         tab : the tab that asks
         merge : successive changes of one tab with the same key are undone as one
         create : text of files that do not exist yet
+        check : is called with the `contents` that would be; its error refuses the edits
 
         Raises
         ------
@@ -198,6 +200,8 @@ class Desk:
         after = {path: text.parts for path, text in texts.items()}
         if all(before[path] is after[path] for path in after):
             return
+        if check is not None:
+            check({**self.contents, **{path: text.content for path, text in texts.items()}})
         self._put(texts)
         step = self._add(Step(title, merge, tab, locs, before, after))
         self._touch(locs, tab)

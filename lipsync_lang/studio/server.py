@@ -23,7 +23,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.studio.routes.asking import Answer, Packed, Route, Wish
+from lipsync_lang.studio.merging import EditConflict
+from lipsync_lang.studio.routes.asking import Answer, Packed, Refused, Route, Wish
 from lipsync_lang.studio.workshop import Workshop
 
 _log = logging.getLogger(__name__)
@@ -182,10 +183,9 @@ def _told(error: LipsyncError) -> Response:
             }
             for f in error.faults
         ]
-    conflict = getattr(error, "conflict", None)
-    if conflict is not None:
-        return JSONResponse(told | {"conflict": conflict}, 409)
-    return JSONResponse(told, 422)
+    if isinstance(error, Refused):
+        return JSONResponse(told | {"conflict": error.conflict}, 409)
+    return JSONResponse(told, 409 if isinstance(error, EditConflict) else 422)
 
 
 def _error(status: int, what: str) -> Response:

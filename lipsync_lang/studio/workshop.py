@@ -1,10 +1,10 @@
-"""The workshop: an open language-character pair, and the line that it speaks.
+"""The workshop: an open language-character pair with its unsaved edits, and the line it speaks.
 
 The routes of the server call it; nothing here knows of the web. One workshop serves every tab of
 one user, one call at a time.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,11 +16,16 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.desk import Desk
+from lipsync_lang.studio.sheets import Edit
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.resolver.compiled import Compiled
     from lipsync_lang.schedules.schedule import Schedule
+
+PROJECT_BANK = "common"
+"""Name of the bank for bigrams that no bank of the project has."""
 
 OWN = ("path", "project")
 """Origins of folders whose packs are the user's."""
@@ -53,6 +58,7 @@ class Workshop:
     ----------
     project : folder for new packs
     paths : folders and files searched first
+    desk : unsaved edits
     motion : changed settings of motion, or a preset
     engine : speech engine instead of the language's
     """
@@ -61,29 +67,41 @@ class Workshop:
         self,
         project: Path,
         paths: Sequence[Path] = (),
+        desk: Desk | None = None,
         *,
         motion: Mapping[str, object] | str | None = None,
         engine: str | None = None,
     ) -> None:
-        self.project, self.paths = project, tuple(paths)
+        self.project, self.paths = project.absolute(), tuple(paths)
+        self.desk = Desk(None) if desk is None else desk
         self.motion, self.engine = motion, engine
         self.language = self.character = ""
         self.settings = LineSettings()
         self.schedule: Schedule | None = None
         self.text = ""
-        self._now: Performer | None = None
+        self._library: tuple[int, Library] | None = None
+        self._now: tuple[int, Performer] | None = None
+        self._saved: tuple[int, Performer] | None = None
 
     # Packs
 
     def library(self) -> Library:
-        """Return the packs."""
-        return Library(self.paths, self.project)
+        """Return the packs with the unsaved edits; those that no edit touched are not read again.
+
+        The disk is looked at again after each edit, and whenever a pair is opened.
+        """
+        revision = self.desk.revision
+        if self._library is None or self._library[0] != revision:
+            earlier = None if self._library is None else self._library[1]
+            made = Library(self.paths, self.project, unsaved=self.desk.contents, earlier=earlier)
+            self._library = revision, made
+        return self._library[1]
 
     def open(self, language: str, character: str) -> None:
         """Open a pair; the workshop stays as it was if it cannot be resolved."""
         before = self.language, self.character
         self.language, self.character = language, character
-        self._now = None
+        self._library = self._now = self._saved = None
         try:
             performer = self.performer
         except LipsyncError:
@@ -94,16 +112,45 @@ class Workshop:
 
     @property
     def performer(self) -> Performer:
-        """Performer of the open pair."""
+        """Performer of the open pair with the unsaved edits."""
         if not self.language or not self.character:
             raise LipsyncError("no pair is open; choose a language and a character")
-        if self._now is None:
-            self._now = self._performer(self.library())
-        return self._now
+        revision = self.desk.revision
+        if self._now is None or self._now[0] != revision:
+            self._now = revision, self._performer(self.library())
+        return self._now[1]
+
+    @property
+    def saved(self) -> Performer:
+        """Performer of the open pair as it is on the disk."""
+        if not self.desk.contents:
+            return self.performer
+        if self._saved is None or self._saved[0] != self.desk.revision:
+            library = Library(self.paths, self.project, earlier=self.library())
+            self._saved = self.desk.revision, self._performer(library)
+        return self._saved[1]
 
     def _performer(self, library: Library) -> Performer:
         compiled: Compiled = compile_pair(library, self.language, self.character)
         return Performer(compiled, motion_with(compiled.motion, self.motion), "rest", self.paths)
+
+    def edit(self, title: str, edits: Sequence[Edit], **more: Any) -> None:
+        """Change packs; an edit after which the pair cannot be performed is refused.
+
+        Parameters
+        ----------
+        more : keywords of `Desk.change`
+        """
+        rehearsed: list[tuple[Library, Performer]] = []
+
+        def rehearse(contents: Mapping[Path, bytes]) -> None:
+            library = Library(self.paths, self.project, unsaved=contents, earlier=self.library())
+            rehearsed.append((library, self._performer(library)))
+
+        self.desk.change(title, edits, check=rehearse if self.language else None, **more)
+        for library, performer in rehearsed:
+            self._library = self.desk.revision, library
+            self._now = self.desk.revision, performer
 
     def own(self, path: Path) -> bool:
         """Return True if a pack file is the user's, and so can be edited in place."""
@@ -129,7 +176,8 @@ class Workshop:
             return path, None
         if name == "language":
             own = self.project / FOLDERS["language"] / f"{compiled.language}.yaml"
-            head = f"kind: language\nformat: 1\nname: {compiled.language}\n"
+            tag = self.library().language(compiled.language).model.tag
+            head = f"kind: language\nformat: 1\nname: {compiled.language}\ntag: {tag}\n"
             return own, f"{head}extends: {compiled.language}\n"
         if name == "character":
             own = self.project / FOLDERS["character"] / f"{compiled.character}.yaml"
@@ -140,6 +188,22 @@ class Workshop:
         raise LipsyncError(
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
+
+    def bank_for(self, pair: str) -> tuple[Path, str | None]:
+        """Return the bank that an edit of a bigram goes to, and its first text if it is new.
+
+        The bank of the project that has the bigram comes first, then the project's common bank.
+        """
+        from lipsync_lang.banks.write import empty_bank
+
+        library, poseset = self.library(), self.performer.compiled.poseset
+        banks = [bank for bank in library.banks(poseset) if self.own(bank.path)]
+        for bank in banks:
+            if pair in bank.model.bigrams and bank.model.language is None:
+                return bank.path, None
+        path = self.project / FOLDERS["poseset"] / poseset / "banks" / f"{PROJECT_BANK}.yaml"
+        known = path.exists() or path in self.desk.contents
+        return path, None if known else empty_bank(poseset, path)
 
     def files(self) -> dict[str, Path]:
         """Return the packs of the open pair by the identifiers that the browser names them by."""
@@ -163,7 +227,7 @@ class Workshop:
         self.text = text
 
     def perform(self, performer: Performer | None = None) -> "Animation":
-        """Perform the line, by another performer or that of the unsaved edits."""
+        """Perform the line, by another performer or the open one."""
         if self.schedule is None:
             raise LipsyncError("there is no line; type one, or open timed phonemes")
         one = performer or self.performer
@@ -173,7 +237,17 @@ class Workshop:
 
     def state(self) -> Json:
         """Return what every view needs to know, as JSON data."""
-        told: Json = {"language": self.language, "character": self.character}
+        desk = self.desk
+        told: Json = {
+            "revision": desk.revision,
+            "language": self.language,
+            "character": self.character,
+            "unsaved": list(self._unsaved()),
+            "undo": desk.undo_title,
+            "redo": desk.redo_title,
+            "restored": desk.restored,
+            "notes": desk.notes,
+        }
         if not self.language:
             return told
         performer = self.performer
@@ -189,11 +263,21 @@ class Workshop:
             "shades": compiled.shades,
             "measures": compiled.measures,
             "regions": compiled.regions,
-            "styles": [*compiled.style_names, *compiled.style_drafts],
+            "styles": list(dict.fromkeys((*compiled.style_names, *compiled.style_drafts))),
             "warnings": list(compiled.report.warnings),
             "text": self.text,
             "line": self.schedule is not None,
         }
+
+    def _unsaved(self) -> Iterator[Json]:
+        """Yield what is unsaved, without the heads of new files."""
+        rows = self.desk.unsaved()
+        new = {path for path, loc, what in rows if (loc, what) == (("kind",), "added")}
+        for path, loc, what in rows:
+            if path not in new or len(loc) > 1:
+                yield {"file": self.shown(path), "at": list(loc), "what": what}
+        for path in new - {path for path, loc, _ in rows if len(loc) > 1}:
+            yield {"file": self.shown(path), "at": [], "what": "added"}
 
     def shown(self, path: Path) -> str:
         """Return a pack's file as the user knows it: relative to the project, or its last parts."""

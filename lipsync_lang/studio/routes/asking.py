@@ -58,6 +58,19 @@ def _refuse(word: str) -> None:
     raise ValueError(word)
 
 
+class Refused(LipsyncError):  # noqa: N818 the answer to a request
+    """A request that the user has to settle first.
+
+    Parameters
+    ----------
+    conflict : what there is to choose from
+    """
+
+    def __init__(self, message: str, conflict: list[Json]) -> None:
+        super().__init__(message)
+        self.conflict = conflict
+
+
 @dataclass(frozen=True)
 class Packed:
     """An answer with arrays, which goes to the browser as bytes."""

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MAX_TEXT_CHARS = 2000
 """Characters of a line that is typed."""
 
+SAVED = "saved"
+"""Name of the take with the packs as they are on the disk."""
+
 
 def speak(workshop: Workshop, asked: Wish) -> Packed:
     """Speak a text, and return its sound and its take."""
@@ -129,7 +132,7 @@ def _takes(workshop: Workshop, against: Any) -> Packed:
     takes = [_take(workshop.perform(), pack, "")]
     if isinstance(against, str) and against:
         takes.append(_take(_other(workshop, against), pack, against))
-    return Packed({"takes": takes}, pack)
+    return Packed({"revision": workshop.desk.revision, "takes": takes}, pack)
 
 
 def _other(workshop: Workshop, name: str) -> "Animation":
@@ -137,9 +140,11 @@ def _other(workshop: Workshop, name: str) -> "Animation":
     from lipsync_lang.quality.baselines import BASELINES
 
     performer, schedule = workshop.performer, workshop.schedule
+    if name == SAVED:
+        return workshop.perform(workshop.saved)
     if name in BASELINES and schedule is not None:
         return BASELINES[name](performer, schedule, workshop.settings.fps)
-    raise LipsyncError(f"'{name}' is no take; compare with {', '.join(BASELINES)}")
+    raise LipsyncError(f"'{name}' is no take; compare with {', '.join((SAVED, *BASELINES))}")
 
 
 def _take(animation: "Animation", pack: ArrayPack, name: str) -> Json:

@@ -13,6 +13,7 @@ import { SentenceView } from "./sentence_view.js";
 import { showHelp, shellKeys } from "./studio_keys.js";
 import { Take } from "./take.js";
 import { Timeline } from "./timeline.js";
+import { Tour } from "./tour.js";
 import { WordsView } from "./words_view.js";
 
 /** @typedef {"state" | "take" | "time" | "theme" | "face"} Change a new state, curves, playhead, colours or model */
@@ -97,6 +98,7 @@ export class Studio {
     fill(the("language"), this.project.languages, this.state.language);
     fill(the("character"), this.project.characters, this.state.character);
     if (this.state.restored) this.tell(`${this.state.restored} unsaved edits of the last time are here again`);
+    for (const one of this.state.notes ?? []) this.tell(one, "fault");
     if (this.state.language) await this.#opened();
     else this.#choose();
     document.documentElement.dataset.ready = "";
@@ -153,10 +155,25 @@ export class Studio {
   #choose() {
     const start = made("button", { type: "button", class: "main" }, "Open");
     start.addEventListener("click", () => this.open(chosen("language"), chosen("character")));
+    const tours = this.project.tours.map((/** @type {string} */ name) => {
+      const one = made("button", { type: "button" }, `Take the tour: ${name}`);
+      one.addEventListener("click", () => this.tour(name));
+      return one;
+    });
     the("view").replaceChildren(made("section", { class: "empty" },
       made("h2", {}, "Choose a language and a character"),
       made("p", {}, "Above stand all languages and characters that this folder and the installed packs have. Edits go into this folder only."),
-      start));
+      made("p", { class: "row" }, start, ...tours)));
+  }
+
+  /** @param {string} character that has a tour */
+  async tour(character) {
+    await this.busy(async () => {
+      const { language, line, steps } = await this.api.get(`tour/${encodeURIComponent(character)}`);
+      await this.open(language, character);
+      if (!this.take) await this.speak(line);
+      new Tour(this, steps);
+    });
   }
 
   // The line
@@ -281,7 +298,7 @@ export class Studio {
     await this.attempt(async () => {
       const title = this.state[way];
       if (!title) return;
-      this.#stated(await this.api.post(way));
+      this.#stated(await this.api.post(way, { tab: this.tab }));
       this.tell(`${way === "undo" ? "Undone" : "Done again"}: ${title}`);
       await this.perform();
     });
