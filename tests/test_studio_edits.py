@@ -142,7 +142,7 @@ def test_a_bank_that_changed_on_the_disk_is_merged_or_asked_about(caller, tmp_pa
     assert "aa-bmp" in row["what"]
     assert "0.2" in row["mine"]
     assert "0.7" in row["theirs"]
-    assert caller.post("save", {"keep": {row["id"]: "mine"}}).status == 200
+    assert caller.post("save", {"keep": {row["key"]: "mine"}}).status == 200
     assert "0.2]" in file.read_text("utf-8")
 
 

@@ -137,10 +137,10 @@ def save(workshop: Workshop, wish: Wish) -> Json:
 
 
 def _row(workshop: Workshop, one: MergeConflict) -> Json:
-    """Return a conflict as JSON data; `id` names it in the next request."""
+    """Return a conflict as JSON data; `key` names it in the next request."""
     file, where = workshop.shown(one.path), ": ".join(map(str, one.loc)) or "the whole file"
     return {
-        "id": json.dumps([file, *one.loc]),
+        "key": json.dumps([file, *one.loc]),
         "what": f"{file}: {where}",
         "mine": _words(one.mine),
         "theirs": _words(one.theirs),

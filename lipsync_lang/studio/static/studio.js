@@ -317,12 +317,12 @@ export class Studio {
 
   /**
    * Ask whose values to keep, where a file was changed on the disk as well.
-   * @param {{id: string, what: string, mine: string, theirs: string}[]} conflict
+   * @param {{key: string, what: string, mine: string, theirs: string}[]} conflict
    */
   async settle(conflict) {
     const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { "aria-label": "Conflict" }));
-    const rows = conflict.map(({ id, what, mine, theirs }) => {
-      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Keep of ${what}`, "data-id": id },
+    const rows = conflict.map(({ key, what, mine, theirs }) => {
+      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Keep of ${what}`, "data-key": key },
         made("option", { value: "mine" }, "keep mine"), made("option", { value: "theirs" }, "keep the file's")));
       return made("li", {}, made("b", {}, what), " ", pick, made("details", {}, made("summary", {}, "Compare"), made("pre", {}, `mine:\n${mine}\n\nthe file's:\n${theirs}`)));
     });
@@ -331,7 +331,7 @@ export class Studio {
     document.body.append(dialog);
     dialog.showModal();
     const keep = await new Promise((done) => {
-      go.addEventListener("click", () => done(Object.fromEntries([...dialog.querySelectorAll("select")].map((one) => [one.dataset.id, one.value]))));
+      go.addEventListener("click", () => done(Object.fromEntries([...dialog.querySelectorAll("select")].map((one) => [one.dataset.key, one.value]))));
       no.addEventListener("click", () => done(null));
       dialog.addEventListener("close", () => done(null));
     });
