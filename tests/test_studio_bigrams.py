@@ -11,6 +11,7 @@ import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.studio.bigram_home import bigram_home
+from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.workshop import Workshop
 
 LINE = ll.Schedule(
@@ -49,7 +50,7 @@ def test_the_matrix_tells_the_status_of_every_pair(told):
 
 
 def test_the_matrix_tells_what_the_line_needs(told, workshop):
-    workshop.schedule = LINE
+    workshop.line = SpokenLine(LINE)
     matrix = told("matrix")
     assert matrix["pairs"]["p-a"] == {
         "status": "drafted",

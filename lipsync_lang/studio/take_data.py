@@ -4,6 +4,7 @@ Conventions: T frames of the animation, P poses; stages are (P, T).
 """
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -245,6 +246,7 @@ class _Making:
         }
 
 
+@cache
 def _short(place: str) -> str:
     """Shorten ``folder/pack/file.yaml:3:1`` to its last parts."""
     return "/".join(PurePath(place.replace("\\", "/")).parts[-SHOWN_FOLDERS:])

@@ -5,7 +5,7 @@ one user, one call at a time.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.sheets import Edit
+from lipsync_lang.studio.spoken_line import MAX_FRAMES, SpokenLine
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -77,7 +78,7 @@ class Workshop:
         self.motion, self.engine = motion, engine
         self.language = self.character = ""
         self.settings = LineSettings()
-        self.schedule: Schedule | None = None
+        self.line: SpokenLine | None = None
         self.text = ""
         self._library: tuple[int, Library] | None = None
         self._now: tuple[int, Performer] | None = None
@@ -108,7 +109,9 @@ class Workshop:
             self.language, self.character = before
             raise
         if performer.compiled.language != before[0]:
-            self.schedule = None
+            self.line = None
+        if (self.language, self.character) != before:  # styles and regions are a character's own
+            self.settings = LineSettings(fps=self.settings.fps)
 
     @property
     def performer(self) -> Performer:
@@ -221,17 +224,39 @@ class Workshop:
 
     # The line
 
+    @property
+    def part_seconds(self) -> float:
+        """Longest part of a line that is shown."""
+        return MAX_FRAMES / max(self.settings.fps, 1.0)
+
+    @property
+    def schedule(self) -> "Schedule | None":
+        """The line, or the part of a long one that is shown."""
+        return None if self.line is None else self.line.part(self.part_seconds)
+
     def speak(self, text: str) -> None:
         """Speak a text; it becomes the line."""
-        self.schedule = self.performer.speaker.speak(text, engine=self.engine)
+        self.line = SpokenLine(self.performer.speaker.speak(text, engine=self.engine))
         self.text = text
+
+    @property
+    def spoken(self) -> SpokenLine:
+        """The line.
+
+        Raises
+        ------
+        LipsyncError
+            There is none.
+        """
+        if self.line is None:
+            raise LipsyncError("there is no line; type one, or open timed phonemes")
+        return self.line
 
     def perform(self, performer: Performer | None = None) -> "Animation":
         """Perform the line, by another performer or the open one."""
-        if self.schedule is None:
-            raise LipsyncError("there is no line; type one, or open timed phonemes")
+        schedule = self.spoken.part(self.part_seconds)
         one = performer or self.performer
-        return one.perform(self.schedule, self.settings.fps, **self.settings.asked())
+        return one.perform(schedule, self.settings.fps, **self.settings.asked())
 
     # State
 
@@ -266,7 +291,8 @@ class Workshop:
             "styles": list(dict.fromkeys((*compiled.style_names, *compiled.style_drafts))),
             "warnings": list(compiled.report.warnings),
             "text": self.text,
-            "line": self.schedule is not None,
+            "settings": asdict(self.settings),
+            "line": self.line is not None,
         }
 
     def _unsaved(self) -> Iterator[Json]:

@@ -1,6 +1,6 @@
 """Routes of the line: what is said, its curves, its face and its figures."""
 
-from dataclasses import fields, replace
+from dataclasses import fields
 from math import isfinite
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
@@ -13,11 +13,17 @@ from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed
+from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.take_data import curves_data, take_data
 from lipsync_lang.studio.workshop import LineSettings, Workshop
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+AROUND_SECONDS = 1.0
+"""Seconds of sound that are sent before and after a line."""
 
 MAX_TEXT_CHARS = 2000
 """Characters of a line that is typed."""
@@ -34,7 +40,7 @@ def speak(workshop: Workshop, asked: Wish) -> Packed:
             f"the line is longer than {MAX_TEXT_CHARS} characters; speak it in parts"
         )
     workshop.speak(text)
-    return _whole(workshop)
+    return whole(workshop)
 
 
 def timings(workshop: Workshop, asked: Wish) -> Packed:
@@ -45,8 +51,10 @@ def timings(workshop: Workshop, asked: Wish) -> Packed:
         path = _sent(asked, Path(folder))
         schedule = read_schedule(path, asked.query.get("notation"))
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
-    workshop.schedule, workshop.text = schedule, " ".join(word.text for word in schedule.words)
-    return _whole(workshop)
+    text = " ".join(word.text for word in schedule.words)
+    workshop.line = SpokenLine(schedule)
+    workshop.text = text if len(text) <= MAX_TEXT_CHARS else ""
+    return whole(workshop)
 
 
 def sound(workshop: Workshop, asked: Wish) -> Packed:
@@ -57,13 +65,13 @@ def sound(workshop: Workshop, asked: Wish) -> Packed:
     with TemporaryDirectory() as folder:
         path, text = _sent(asked, Path(folder)), asked.query.get("text", "").strip()
         if text:
-            workshop.schedule = aligned(workshop.performer.speaker, path, text)
+            workshop.line = SpokenLine(aligned(workshop.performer.speaker, path, text))
             workshop.text = text
-        elif workshop.schedule is not None:
-            workshop.schedule = replace(workshop.schedule, audio=read_audio(path))
+        elif workshop.line is not None:
+            workshop.line.hear(read_audio(path))
         else:
             raise LipsyncError("say the text of the recording, or open its timed phonemes first")
-    return _whole(workshop)
+    return whole(workshop)
 
 
 def _sent(asked: Wish, folder: Path) -> Path:
@@ -78,15 +86,19 @@ def _sent(asked: Wish, folder: Path) -> Path:
 
 def line(workshop: Workshop, _: Wish) -> Packed:
     """Return sound and take of the line that is open."""
-    return _whole(workshop)
+    return whole(workshop)
 
 
 def take(workshop: Workshop, asked: Wish) -> Packed:
     """Perform the line as it is asked for, and return the take, and those beside it."""
-    stated = asked.body.get("settings")
+    stated, before = asked.body.get("settings"), workshop.settings
     if stated is not None:
         workshop.settings = _settings(stated)
-    return _takes(workshop, asked.body.get("against"))
+    try:
+        return takes(workshop, asked.body.get("against"))
+    except LipsyncError:
+        workshop.settings = before
+        raise
 
 
 def _settings(stated: Any) -> LineSettings:
@@ -114,25 +126,46 @@ def _real(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)
 
 
-def _whole(workshop: Workshop) -> Packed:
-    packed = _takes(workshop, None)
+def whole(workshop: Workshop) -> Packed:
+    """Return sound and take of the line, or of the part of it that is shown."""
+    packed = takes(workshop, None)
     schedule = workshop.schedule
-    audio = None if schedule is None else schedule.audio
-    sound = None
-    if audio is not None:
-        sound = {"rate": audio.rate, "samples": packed.arrays.add(audio.samples, "i2")}
+    sound = None if schedule is None else _sound(schedule, packed.arrays)
     remarks = [] if schedule is None else list(schedule.remarks)
     unread = "" if schedule is None else " ".join(schedule.unread)
     told = {"sound": sound, "remarks": remarks, "unread": unread, "text": workshop.text}
     return Packed(packed.document | told, packed.arrays)
 
 
-def _takes(workshop: Workshop, against: Any) -> Packed:
+def _sound(schedule: "Schedule", pack: ArrayPack) -> Json | None:
+    """Return the samples around a schedule, and the seconds at which they begin."""
+    audio = schedule.audio
+    if audio is None:
+        return None
+    first = max(0, int((schedule.start - AROUND_SECONDS) * audio.rate))
+    stop = max(first, int((schedule.end + AROUND_SECONDS) * audio.rate))
+    samples = pack.add(audio.samples[first:stop], "i2")
+    return {"rate": audio.rate, "start": first / audio.rate, "samples": samples}
+
+
+def takes(workshop: Workshop, against: Any) -> Packed:
+    """Return the take, and the one beside it."""
     pack = ArrayPack()
-    takes = [_take(workshop.perform(), pack, "")]
+    made = [_take(workshop.perform(), workshop.performer, pack, "")]
     if isinstance(against, str) and against:
-        takes.append(_take(_other(workshop, against), pack, against))
-    return Packed({"revision": workshop.desk.revision, "takes": takes}, pack)
+        made.append(_take(_other(workshop, against), workshop.performer, pack, against))
+    told = {"revision": workshop.desk.revision, "takes": made, "part": _part(workshop)}
+    return Packed(told, pack)
+
+
+def _part(workshop: Workshop) -> Json | None:
+    """Tell which part of a long line is shown; None for a line that is shown whole."""
+    line, seconds = workshop.spoken, workshop.part_seconds
+    count = len(line.cuts(seconds)) - 1
+    if count == 1:
+        return None
+    length = line.whole.end - line.whole.start
+    return {"number": line.number(seconds), "count": count, "seconds": length}
 
 
 def _other(workshop: Workshop, name: str) -> "Animation":
@@ -147,9 +180,10 @@ def _other(workshop: Workshop, name: str) -> "Animation":
     raise LipsyncError(f"'{name}' is no take; compare with {', '.join((SAVED, *BASELINES))}")
 
 
-def _take(animation: "Animation", pack: ArrayPack, name: str) -> Json:
+def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) -> Json:
+    """Return a take as JSON; a plain method has no performer, and moves the model by our own."""
     performer = animation.performer
-    rigged = animation if performer is None else performer.rigged(animation)
+    rigged = (performer or own).rigged(animation)
     channels = None if rigged is animation else curves_data(rigged, pack)
     told = take_data(animation, performer, pack)
     return told | {"name": name, "face": 0, "channels": channels}
@@ -164,7 +198,7 @@ def face(workshop: Workshop, _: Wish) -> Packed:
     pack = ArrayPack()
     animation = performer.perform(rest)
     shown = face_data(performer.rigged(animation), pack)
-    return Packed({"face": shown, "take": _take(animation, pack, "")}, pack)
+    return Packed({"face": shown, "take": _take(animation, performer, pack, "")}, pack)
 
 
 def figures(workshop: Workshop, _: Wish) -> Json:

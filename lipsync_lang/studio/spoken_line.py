@@ -1,0 +1,162 @@
+"""The line of the studio: a schedule that is corrected, and the part of it that is shown.
+
+Conventions: times are seconds; boundary b is the start of phoneme b, and the last one is the end.
+Numbers of boundaries and words count from the start of the shown part.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule
+
+LEAST_SECONDS = 0.005
+"""Shortest phoneme that a moved boundary leaves."""
+
+MAX_FRAMES = 7200
+"""Frames of the part of a line that is shown: 2 minutes at 60 per second."""
+
+SEARCHED = 0.25
+"""Last share of a part in which a pause is looked for to end it."""
+
+
+class SpokenLine:
+    """A schedule, corrected by hand.
+
+    Parameters
+    ----------
+    schedule : as it was read or spoken
+    """
+
+    def __init__(self, schedule: Schedule) -> None:
+        self.whole = schedule
+        self.original = schedule.times
+        self.at = schedule.start
+        """Seconds in the part that is shown."""
+        self._cut: tuple[Schedule, float, list[int]] | None = None
+        self._part: tuple[Schedule, int, int, Schedule] | None = None
+
+    def cuts(self, seconds: float) -> list[int]:
+        """Return the boundaries at which parts of at most some seconds begin, and the last end."""
+        if self._cut is None or self._cut[0] is not self.whole or self._cut[1] != seconds:
+            self._cut = self.whole, seconds, list(_cuts(self.whole, seconds))
+        return self._cut[2]
+
+    def number(self, seconds: float) -> int:
+        """Return the number of the shown part among those of at most some seconds."""
+        starts = self.whole.times[self.cuts(seconds)[:-1]]
+        return max(0, int(starts.searchsorted(self.at + LEAST_SECONDS / 2, "right")) - 1)
+
+    def show(self, number: int, seconds: float) -> None:
+        """Show another part."""
+        cuts = self.cuts(seconds)
+        if not 0 <= number < len(cuts) - 1:
+            raise LipsyncError(f"the line has {len(cuts) - 1} parts; there is no part {number + 1}")
+        self.at = float(self.whole.times[cuts[number]])
+
+    def part(self, seconds: float) -> Schedule:
+        """Return the shown part, of at most some seconds; a shorter line is whole."""
+        first, stop = self._span(seconds)
+        if self._part is None or self._part[:3] != (self.whole, first, stop):
+            self._part = self.whole, first, stop, _excerpt(self.whole, first, stop)
+        return self._part[3]
+
+    def _span(self, seconds: float) -> tuple[int, int]:
+        cuts, number = self.cuts(seconds), self.number(seconds)
+        return cuts[number], cuts[number + 1]
+
+    def move(self, boundary: int, to: float, seconds: float) -> None:
+        """Move a boundary; it stays between its neighbours.
+
+        Raises
+        ------
+        LipsyncError
+            There is no such boundary.
+        """
+        first, stop = self._span(seconds)
+        if not 0 <= boundary <= stop - first:
+            raise LipsyncError(f"there is no boundary {boundary}; the last is {stop - first}")
+        at, times = first + boundary, self.whole.times.copy()
+        low = times[at - 1] + LEAST_SECONDS if at else min(0.0, times[0])
+        high = times[at + 1] - LEAST_SECONDS if at + 1 < len(times) else self._latest()
+        if low <= high:  # phonemes shorter than the least stay as they are
+            times[at] = min(max(to, low), high)
+        cuts = self.cuts(seconds)
+        self.whole = replace(self.whole, times=times)
+        self._cut = self.whole, seconds, cuts  # what is edited does not become another part
+        self.at = float(times[first])
+
+    def _latest(self) -> float:
+        """Return the latest end of the line: that of its sound."""
+        audio = self.whole.audio
+        return max(self.whole.end, float("inf") if audio is None else audio.seconds)
+
+    def restore(self) -> None:
+        """Put the times back as they were read or spoken."""
+        number = int(self.whole.times.searchsorted(self.at, "right")) - 1
+        self.whole = replace(self.whole, times=self.original)
+        self.at = float(self.original[max(0, number)])
+
+    def emphasise(self, word: int, level: float, seconds: float) -> None:
+        """Set the emphasis of a word.
+
+        Raises
+        ------
+        LipsyncError
+            There is no such word, or the level is out of range.
+        """
+        first, stop = self._span(seconds)
+        words = [n for n, one in enumerate(self.whole.words) if first <= one.first < stop]
+        if not 0 <= word < len(words):
+            raise LipsyncError(f"there is no word {word}; the line shows {len(words)} words")
+        if not 0 <= level <= MAX_EMPHASIS:
+            raise LipsyncError(f"emphasis is a number from 0 to {MAX_EMPHASIS:g}")
+        changed = list(self.whole.words)
+        changed[words[word]] = replace(changed[words[word]], emphasis=level)
+        self.whole = replace(self.whole, words=tuple(changed))
+
+    def hear(self, audio: Audio) -> None:
+        """Add the sound."""
+        self.whole = replace(self.whole, audio=audio)
+
+
+def _cuts(schedule: Schedule, seconds: float) -> "list[int]":
+    """Cut a line into parts: in its longest pause late in a part, else at a word or a phoneme."""
+    times, last = schedule.times, len(schedule)
+    starts = np.zeros(last + 1, bool)
+    starts[[word.first for word in schedule.words]] = True
+    inside = np.zeros(last + 1, bool)
+    for word in schedule.words:
+        inside[word.first + 1 : word.stop] = True
+    pauses = np.where([label == SILENCE for label in schedule.labels], np.diff(times), 0.0)
+    found = [0]
+    while times[-1] - times[found[-1]] > seconds:
+        begin = found[-1]
+        most = int(times.searchsorted(times[begin] + seconds, "right")) - 1
+        least = int(times.searchsorted(times[begin] + (1 - SEARCHED) * seconds))
+        places = np.arange(max(least, begin + 1), max(most, begin + 1) + 1)
+        if not len(places):
+            places = np.array([max(most, begin + 1)])
+        worth = pauses[places - 1] + 1e-3 * starts[places] - 1e3 * inside[places] + 1e-6 * places
+        found.append(int(places[worth.argmax()]))
+    return [*found, last] if found[-1] < last else found
+
+
+def _excerpt(schedule: Schedule, first: int, stop: int) -> Schedule:
+    """Return a part of a line, at its own time."""
+    if (first, stop) == (0, len(schedule)):
+        return schedule
+    words = tuple(
+        replace(word, first=max(word.first, first) - first, stop=min(word.stop, stop) - first)
+        for word in schedule.words
+        if first <= word.first < stop
+    )
+    return replace(
+        schedule,
+        labels=schedule.labels[first:stop],
+        times=schedule.times[first : stop + 1],
+        words=words,
+        stress=schedule.stress[first:stop],
+        lines=schedule.lines[first:stop],
+    )
