@@ -14,8 +14,10 @@ from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.resolver.compile import compile_pair
+from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.sheets import Edit
 from lipsync_lang.studio.spoken_line import MAX_FRAMES, SpokenLine
@@ -24,9 +26,6 @@ if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.resolver.compiled import Compiled
     from lipsync_lang.schedules.schedule import Schedule
-
-PROJECT_BANK = "common"
-"""Name of the bank for bigrams that no bank of the project has."""
 
 OWN = ("path", "project")
 """Origins of folders whose packs are the user's."""
@@ -81,6 +80,8 @@ class Workshop:
         self.line: SpokenLine | None = None
         self.text = ""
         self._library: tuple[int, Library] | None = None
+        self._shelf: tuple[int, PairPacks] | None = None
+        self._homes: dict[str, Path] = {}
         self._now: tuple[int, Performer] | None = None
         self._saved: tuple[int, Performer] | None = None
 
@@ -102,7 +103,8 @@ class Workshop:
         """Open a pair; the workshop stays as it was if it cannot be resolved."""
         before = self.language, self.character
         self.language, self.character = language, character
-        self._library = self._now = self._saved = None
+        self._library = self._now = self._saved = self._shelf = None
+        self._homes = {}
         try:
             performer = self.performer
         except LipsyncError:
@@ -145,6 +147,8 @@ class Workshop:
         more : keywords of `Desk.change`
         """
         rehearsed: list[tuple[Library, Performer]] = []
+        if any(loc[0] != "bigrams" for _, loc, _ in edits):
+            self._homes = {}
 
         def rehearse(contents: Mapping[Path, bytes]) -> None:
             library = Library(self.paths, self.project, unsaved=contents, earlier=self.library())
@@ -192,21 +196,28 @@ class Workshop:
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
 
-    def bank_for(self, pair: str) -> tuple[Path, str | None]:
-        """Return the bank that an edit of a bigram goes to, and its first text if it is new.
+    def shelf(self) -> PairPacks:
+        """Return the packs of the open pair with the unsaved edits, to look up bigrams in."""
+        revision = self.desk.revision
+        if self._shelf is None or self._shelf[0] != revision:
+            packs = PairPacks.open(self.library(), self.language, self.character)
+            self._shelf = revision, packs
+        return self._shelf[1]
 
-        The bank of the project that has the bigram comes first, then the project's common bank.
+    def bank_for(self, pair: str) -> tuple[Path, str | None]:
+        """Return the file that an edit of a bigram goes to, and its first text if it is new.
+
+        The file is looked up once: edits of bigrams do not move it, and to look it up reads banks.
         """
         from lipsync_lang.banks.write import empty_bank
 
-        library, poseset = self.library(), self.performer.compiled.poseset
-        banks = [bank for bank in library.banks(poseset) if self.own(bank.path)]
-        for bank in banks:
-            if pair in bank.model.bigrams and bank.model.language is None:
-                return bank.path, None
-        path = self.project / FOLDERS["poseset"] / poseset / "banks" / f"{PROJECT_BANK}.yaml"
+        if pair not in self._homes:
+            first, _, second = pair.partition("-")
+            path, _ = bigram_home(self.shelf(), (first, second), self.project, self.own)
+            self._homes[pair] = path
+        path = self._homes[pair]
         known = path.exists() or path in self.desk.contents
-        return path, None if known else empty_bank(poseset, path)
+        return path, None if known else empty_bank(self.performer.compiled.poseset, path)
 
     def files(self) -> dict[str, Path]:
         """Return the packs of the open pair by the identifiers that the browser names them by."""

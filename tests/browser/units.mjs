@@ -210,11 +210,12 @@ const units = {
     const FULL = 65535, curve = { low: 0, high: 1, moves: true, values: new Uint16Array(7) };
     const bigrams = ["_-m", "m-a", "a-m", "m-a", "a-_"].map((pair) => ({ pair }));
     const places = [[FULL, 1, 2, 3, 4, 5, 6], [0, FULL / 2, 0, 0, 0, 0, 0]].map((one) => Uint16Array.from(one));
-    const take = new Take({ poses: ["x"], start: 0, fps: 10, count: 7, curves: [curve], making: {
-      moving: [], stages: [], bigrams, bounds: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], phoneme: Uint16Array.of(0, 1, 2, 3, 4, 5, 5), places,
+    const spokenLine = { words: [["ma", 1, 3], ["m", 3, 4], ["a", 4, 5]], labels: [], times: [] };
+    const take = new Take({ poses: ["x"], start: 0, fps: 10, count: 7, curves: [curve], spoken: spokenLine, making: {
+      moving: [], stages: [], bigrams, source: [-1, 1, 2, 3, 4, -1], bounds: [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6], phoneme: Uint16Array.of(0, 1, 2, 3, 4, 5, 5), places,
     } });
-    assert.deepEqual(spoken(take, "m-a", 0), { seconds: 0.2, before: "_-m", after: "a-m" });
-    assert.deepEqual(spoken(take, "m-a", 0.5), { seconds: 0.4, before: "a-m", after: "a-_" });
+    assert.deepEqual(spoken(take, "m-a", 0), { seconds: 0.2, before: "_-m", after: "a-m", word: "ma" });
+    assert.deepEqual(spoken(take, "m-a", 0.5), { seconds: 0.4, before: "a-m", after: "a-_", word: "" });
     assert.equal(spoken(take, "m-a", 0, 0.45).seconds, 0.1);
     assert.equal(spoken(take, "o-o", 0), null);
   },

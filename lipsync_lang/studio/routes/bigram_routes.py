@@ -75,7 +75,7 @@ def bigram(workshop: Workshop, asked: Wish) -> Json:
 
     The query may name the bigrams `before` and `after` it in the line.
     """
-    shelf = PairPacks.open(workshop.library(), workshop.language, workshop.character)
+    shelf = workshop.shelf()
     pair = _pair(shelf, asked.name)
     row = shelf.row(pair)
     found = stated(shelf, row)

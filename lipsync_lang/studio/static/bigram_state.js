@@ -50,7 +50,7 @@ export function beside(curves, own, boundary, side) {
 /**
  * Find where a line says a bigram: the time nearest to a moment.
  * @param {import("./take.js").Take} take @param {string} pair @param {number} seconds @param {number} [position] within the bigram
- * @returns {{seconds: number, before: string, after: string} | null} null if the line does not say it
+ * @returns {{seconds: number, before: string, after: string, word: string} | null} null if the line does not say it
  */
 export function spoken(take, pair, seconds, position) {
   const { making } = take.data, FULL = 65535;
@@ -64,5 +64,6 @@ export function spoken(take, pair, seconds, position) {
     const place = side < 0 ? FULL : making.places[side][frame], far = place === FULL ? Infinity : Math.abs(place / FULL - position);
     if (far < least) [found, least] = [frame, far];
   }
-  return { seconds: take.timeOf(found), before: making.bigrams[n - 1]?.pair ?? "", after: making.bigrams[n + 1]?.pair ?? "" };
+  const [word, other] = [making.source[n], making.source[n + 1]].map((phoneme) => (phoneme < 0 ? -1 : take.wordOf(phoneme)));
+  return { seconds: take.timeOf(found), word: word >= 0 && word === other ? take.data.spoken.words[word][0] : "", before: making.bigrams[n - 1]?.pair ?? "", after: making.bigrams[n + 1]?.pair ?? "" };
 }

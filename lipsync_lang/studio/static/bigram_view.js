@@ -36,6 +36,8 @@ export class BigramView {
     this.now = { curves: {}, boundary: 0.5, interpolation: "", contact: "hold", status: "edited", word: "", why: "" };
     /** What the file is known to say, and what it was last asked to say. @type {[BigramState | null, BigramState | null]} */
     this.known = [null, null];
+    /** The word of the line that has the bigram, for a bigram that is drawn anew. */
+    this.said = "";
     this.sending = 0;
     this.revision = -1;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -144,6 +146,7 @@ export class BigramView {
     if (this.pair !== pair || this.sending) return;
     this.revision = studio.state.revision;
     this.told = told;
+    this.said = found?.word ?? "";
     const { curves, boundary, interpolation, contact, status, word, why } = told;
     this.now = { curves, boundary, interpolation, contact, status, word, why };
     this.known = told.stated ? [this.now, this.now] : [null, null];
@@ -181,6 +184,7 @@ export class BigramView {
   /** Send what differs from what the file says, or may say once the last edit is done. @param {string} title @param {string} merge */
   async #send(title, merge) {
     const { pair, now, studio } = this, [base, sent] = this.known;
+    if (!base && !now.word) now.word = this.said;
     const edits = editsOf("bank", pair, base, now);
     if (base && sent) {
       const places = new Set(edits.map((one) => JSON.stringify(one.at)));
@@ -194,8 +198,11 @@ export class BigramView {
     if (this.pair !== pair) return;
     this.revision = studio.state.revision;
     if (this.sending) return;
-    if (base) this.known = [now, now];
-    if (!base || studio.state.undo !== title) await this.studio.attempt(() => this.#load());
+    if (studio.state.undo === title) {
+      this.known = [now, now];
+      Object.assign(this.told, { stated: true, place: this.told.file });
+      this.#draw();
+    } else await studio.attempt(() => this.#load());
   }
 
   // Moves
