@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from packs_tree import BANK, plant
 
@@ -409,7 +409,6 @@ EDITS = st.lists(
 
 
 @given(EDITS, st.booleans())
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 def test_undo_of_everything_gives_the_bytes_and_redo_gives_them_back(tmp_path, edits, kill):
     bank, journal = tmp_path / "common.yaml", tmp_path / "journal"
     bank.write_text(BANK)

@@ -18,9 +18,11 @@ from lipsync_lang.packs.models.validation import validated
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.packs.yaml.rewriting import RewriteError, rewritten, same
 from lipsync_lang.packs.yaml.source import (
+    FILE_START,
     MAX_PACK_BYTES,
     Data,
     Loc,
+    Position,
     SourceMark,
     YamlSource,
     read_yaml,
@@ -138,10 +140,13 @@ class SplicedText:
         """Return the value at a location, or `ABSENT`."""
         return get(self.data, loc)
 
-    def line(self, loc: Loc) -> int:
-        """Return the line, from 1, of the key of a part; of its root if it is none."""
-        number = self._numbers.get(loc, 0)
-        return 1 + sum(part.text.count("\n") for part in self.parts[:number])
+    def place(self, loc: Loc) -> Position:
+        """Return the place of the key of a part; that of the whole text if it is none."""
+        number = self._numbers.get(loc)
+        if number is None:
+            return FILE_START
+        before = sum(part.text.count("\n") for part in self.parts[:number])
+        return Position(before + 1, len(_margin(self.parts[number].text)) + 1)
 
     def changed(self, changes: Sequence[Change]) -> Self:
         """Return the text with values set, inserted or deleted, in order.

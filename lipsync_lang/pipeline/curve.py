@@ -12,13 +12,16 @@ from functools import cache
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.arrays import Floats, Ints
 
 STEPS = 40
 """Most iterations to invert t(w); bracketed Newton steps converge in about six."""
 
 ENOUGH = 1e-13
-"""Smallest change of w that continues the iteration."""
+"""Smallest change of w that continues the iteration; a w that has settled stays as it is."""
+
+BLOCK_CURVES = 32
+"""Curves evaluated together; their intermediate values fit into the processor's cache."""
 
 
 @cache
@@ -75,18 +78,43 @@ def bspline(points: Floats, at: Floats) -> Floats:
     -------
     (C, K)
     """
-    curves, count, _ = points.shape
-    basis = span_basis(count)
-    spans, order, _ = basis.shape
-    windows = np.arange(spans)[:, None] + np.arange(order)
-    power = np.einsum("ski,csix->cskx", basis, points[:, windows])
-    starts = power[:, 1:, 0, 0]
-    span = (starts[:, None, :] <= at[None, :, None]).sum(-1)
-    local = power[np.arange(curves)[:, None], span]
-    w = _invert(local[..., 0], np.broadcast_to(at, span.shape))
-    values = _horner(local[..., 1], w)
+    times, own = np.unique(points[..., 0], axis=0, return_inverse=True)
+    own = own.reshape(-1)  # numpy 2.0 gives it another shape
+    blocks = range(0, len(times), BLOCK_CURVES)
+    solved = [_solve(times[first : first + BLOCK_CURVES], at) for first in blocks]
+    out = np.empty((len(points), len(at)))
+    if not solved:
+        return out
+    span, w = (np.concatenate(parts) for parts in zip(*solved, strict=True))
+    for first in range(0, len(points), BLOCK_CURVES):
+        some = slice(first, first + BLOCK_CURVES)
+        number = own[some]
+        power = _powers(points[some, :, 1])
+        local = power[np.arange(len(number))[:, None], span[number]]
+        out[some] = _horner(local, w[number])
     inside = (at >= points[:, :1, 0]) & (at <= points[:, -1:, 0])
-    return np.where(inside, values, 0.0)
+    return np.where(inside, out, 0.0)
+
+
+def _solve(times: Floats, at: Floats) -> tuple[Ints, Floats]:
+    """Return span and local w of every time in curves with control times (C, n): (C, K) each."""
+    power = _powers(times)
+    span = (power[:, 1:, 0][:, None, :] <= at[None, :, None]).sum(-1)
+    local = power[np.arange(len(times))[:, None], span]
+    return span, _invert(local, np.broadcast_to(at, span.shape))
+
+
+def _powers(values: Floats) -> Floats:
+    """Return the polynomial of control values (C, n) on each span: (C, S, d + 1), by power of w.
+
+    The terms are added one after the other, so no curve depends on which others are evaluated.
+    """
+    basis = span_basis(values.shape[1])
+    spans, order, _ = basis.shape
+    return sum(
+        (basis[None, :, :, i] * values[:, i : i + spans, None] for i in range(1, order)),
+        basis[None, :, :, 0] * values[:, :spans, None],
+    )
 
 
 def polyline(points: Floats, at: Floats) -> Floats:
@@ -105,16 +133,21 @@ def _horner(coefficients: Floats, w: Floats) -> Floats:
 
 def _invert(t: Floats, x: Floats) -> Floats:
     """Solve t(w) = x for w in [0, 1], t rising: Newton's step where it stays in the bracket."""
-    slope = t[..., 1:] * np.arange(1, t.shape[-1])
-    low, high = np.zeros(x.shape), np.ones(x.shape)
-    w = np.full(x.shape, 0.5)
+    shape, found = x.shape, np.empty(x.size)
+    left = np.arange(x.size)
+    t, x = t.reshape(x.size, -1), x.reshape(-1)
+    low, high, w = np.zeros(x.size), np.ones(x.size), np.full(x.size, 0.5)
     for _ in range(STEPS):
         error = _horner(t, w) - x
         low, high = np.where(error < 0, w, low), np.where(error < 0, high, w)
-        steep = _horner(slope, w)
+        steep = _horner(t[:, 1:] * np.arange(1, t.shape[1]), w)
         step = w - error / np.where(steep > 0, steep, np.inf)
         wanted = np.where((step >= low) & (step <= high) & (steep > 0), step, (low + high) / 2)
-        if np.abs(wanted - w).max(initial=0.0) < ENOUGH:
+        moves = np.abs(wanted - w) >= ENOUGH
+        found[left] = w
+        if not moves.any():
             break
-        w = wanted
-    return w
+        left, t, x, low, high, w = (one[moves] for one in (left, t, x, low, high, wanted))
+    else:
+        found[left] = w
+    return found.reshape(shape)

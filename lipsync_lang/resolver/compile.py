@@ -1,10 +1,11 @@
 """Compile a pair: every pack of it, checked, layered and sampled into tables."""
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -31,14 +32,41 @@ if TYPE_CHECKING:
 def compile_pair(library: "Library", language: str, character: str) -> Compiled:
     """Read the packs of a pair and compile them; the package's docstring lists the layers."""
     shelf = PairPacks.open(library, language, character)
+    return compiled(shelf, PairRows.of(shelf))
+
+
+@dataclass(frozen=True, eq=False)
+class PairRows:
+    """The bigrams of a pair, as they enter its tables."""
+
+    counted: list[BigramRow]
+    """A row for each pair without shades."""
+    finer: dict[Pair, BigramRow]
+    """The row of each pair with a shade; several may share the row of a coarser pair."""
+    styles: dict[str, list[BigramRow]]
+    """By style, a row for each of `every`; those that the style does not change are neutral's."""
+
+    @classmethod
+    def of(cls, shelf: PairPacks) -> Self:
+        """Look up every pair."""
+        made = cls(shelf.rows(), shelf.shade_rows(), {})
+        every = made.every
+        styles = {style: [styled(shelf, row, style) for row in every] for style in shelf.styles}
+        return replace(made, styles=styles)
+
+    @cached_property
+    def every(self) -> list[BigramRow]:
+        """The rows of the tables, from row 1: those counted, then those of pairs with shades."""
+        own = (row for pair, row in self.finer.items() if row.origin.pair == pair)
+        return [*self.counted, *own]
+
+
+def compiled(shelf: PairPacks, rows: PairRows) -> Compiled:
+    """Return the packs of a pair as tables and plain data."""
     common, spoken, who, poseset = shelf.common, shelf.language, shelf.character, shelf.poseset
-    counted = list(shelf.rows())
-    finer = shelf.shade_rows()
-    rows = [*counted, *(row for pair, row in finer.items() if row.origin.pair == pair)]
-    styles = {style: _styled(shelf, rows, style) for style in shelf.styles}
-    tables = _tables(shelf, rows, finer, styles)
-    model = spoken.model
+    model, library = spoken.model, shelf.library
     manner = manner_of(spoken, common.model, who.model)
+    tables = _tables(shelf, rows)
     return Compiled(
         language=model.name,
         character=who.model.name,
@@ -55,13 +83,8 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         line_edits=_plain(
             {name: [e.model_dump() for e in line.edits] for name, line in who.model.lines.items()}
         ),
-        origins=(Origin(("", ""), "gap", "", ()), *(r.origin for r in rows)),
         contact_names=tuple(poseset.model.contacts),
-        style_origins={
-            style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
-            for style, changed in styles.items()
-        },
-        style_drafts=_style_drafts(poseset, styles),
+        style_drafts=_style_drafts(poseset, rows.styles),
         regions=_regions(poseset.model),
         intensity=_plain(poseset.model.intensity.model_dump()) if poseset.model.intensity else None,
         delivery=_delivery(who.model),
@@ -70,69 +93,80 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
         motion=_motion(poseset.model.motion, who.model.motion),
         measures={name: dict(gains) for name, gains in poseset.model.measures.items()},
         checks=_checks(poseset.model.checks, who.model.checks),
-        report=replace(
-            _report(shelf, [r.origin for r in counted], _warnings(shelf, rows, tables)),
-            styles={style: _statuses(rows[: len(counted)]) for style, rows in styles.items()},
-        ),
         nearest=plain_among(library, spoken) if model.automatic else None,
         manner=_plain(manner.plain()),
         rig=plain_rig(library, who, poseset),
         pose_names=pose_names(poseset.model),
         neutral=poseset.model.neutral,
         model=model_file(who, poseset),
+        **told(shelf, rows, tables),
     )
 
 
-def _tables(
-    shelf: PairPacks,
-    rows: list[BigramRow],
-    finer: Mapping[Pair, BigramRow],
-    styles: Mapping[str, list[BigramRow]],
-) -> Tables:
+def told(shelf: PairPacks, rows: PairRows, tables: Tables) -> dict[str, Any]:
+    """Return the fields of a compiled pair that tell where its rows come from."""
+    counted = len(rows.counted)
+    warnings = list(_shorts(shelf, rows.every, tables))
+    return {
+        "origins": (Origin(("", ""), "gap", "", ()), *(row.origin for row in rows.every)),
+        "style_origins": {
+            style: {str(n): row.origin for n, row in enumerate(changed, 1) if row.style == style}
+            for style, changed in rows.styles.items()
+        },
+        "report": replace(
+            _report(shelf, [row.origin for row in rows.counted], warnings),
+            styles={style: _statuses(some[:counted]) for style, some in rows.styles.items()},
+        ),
+    }
+
+
+def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     """Return rows, rows of styles, and the rules of the pose set as read-only arrays."""
     poseset = shelf.poseset.model
-    curves = _tabulate(rows, len(shelf.poses))
-    boundary, free = _marks(rows)
-    tables = Tables(
-        curves=curves,
-        boundary=boundary,
-        free=free,
-        pairs=_pairs(shelf, rows, finer),
-        silence=0,
-        contacts=tuple(shelf.contacts()),
-        thresholds=pose_arrays.thresholds(poseset),
-        paper=pose_arrays.thresholds(poseset, paper=True),
-        priority=pose_arrays.priority(poseset),
-        softness=pose_arrays.softness(poseset),
-        anticipate=pose_arrays.anticipate(poseset),
-        highest=shelf.highest(),
-        opposed=shelf.opposed(),
-        at_most=tuple(pose_arrays.at_most(poseset)),
-        styles=tuple(_bank(changed, curves) for changed in styles.values()),
+    curves = tabulated(rows.every, len(shelf.poses))
+    boundary, free = marks(rows.every)
+    return frozen(
+        Tables(
+            curves=curves,
+            boundary=boundary,
+            free=free,
+            pairs=row_numbers(shelf, rows),
+            silence=0,
+            contacts=tuple(shelf.contacts()),
+            thresholds=pose_arrays.thresholds(poseset),
+            paper=pose_arrays.thresholds(poseset, paper=True),
+            priority=pose_arrays.priority(poseset),
+            softness=pose_arrays.softness(poseset),
+            anticipate=pose_arrays.anticipate(poseset),
+            highest=shelf.highest(),
+            opposed=shelf.opposed(),
+            at_most=tuple(pose_arrays.at_most(poseset)),
+            styles=tuple(_bank(changed, curves) for changed in rows.styles.values()),
+        )
     )
-    _freeze(tables)
-    return tables
 
 
-def _pairs(shelf: PairPacks, rows: list[BigramRow], finer: Mapping[Pair, BigramRow]) -> Ints:
+def row_numbers(shelf: PairPacks, rows: PairRows) -> Ints:
     """Return (N, N) row numbers; several pairs with shades may share the row of a coarser pair."""
-    numbers = {row.origin.pair: n for n, row in enumerate(rows, 1) if row.origin.layer != "gap"}
-    played = numbers | {pair: numbers[row.origin.pair] for pair, row in finer.items()}
-    index = {phoneme: number for number, phoneme in enumerate(shelf.numbered)}
+    every = enumerate(rows.every, 1)
+    numbers = {row.origin.pair: n for n, row in every if row.origin.layer != "gap"}
+    played = numbers | {pair: numbers[row.origin.pair] for pair, row in rows.finer.items()}
+    index = shelf.numbers
     pairs = np.zeros((len(index), len(index)), np.intp)
     for (a, b), number in played.items():
         pairs[index[a], index[b]] = number
     return pairs
 
 
-def _freeze(tables: Tables) -> None:
-    """Make every array read-only, as arrays from the cache are."""
+def frozen(tables: Tables) -> Tables:
+    """Make every array read-only, as arrays from the cache are, and return the tables."""
     stored = (tables, *tables.contacts)
     arrays = [value for one in stored for value in vars(one).values()]
     arrays += [value for bank in tables.styles for value in bank]
     for array in arrays:
         if isinstance(array, np.ndarray):
             array.setflags(write=False)
+    return tables
 
 
 def _plain(data: Any) -> Any:
@@ -160,7 +194,7 @@ def _checks(*layers: "models.Checks") -> dict[str, Any]:
     return {"limits": limits, "rules": rules}
 
 
-def _tabulate(rows: list[BigramRow], poses: int) -> Singles:
+def tabulated(rows: list[BigramRow], poses: int) -> Singles:
     """Return (B, RESOLUTION + 1, P) samples of every bigram's curves; row 0 is rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
@@ -171,11 +205,29 @@ def _tabulate(rows: list[BigramRow], poses: int) -> Singles:
             kept = drafted if row.drafted else alike.setdefault((len(points), row.linear), [])
             kept.append((number, pose, points))
     if drafted:  # drafts share their control times, so one basis serves them all
-        values = np.stack([points[:, 1] for _, _, points in drafted])
-        _put(out, drafted, values @ shape(at))
+        _put(out, drafted, _mixed(np.stack([points[:, 1] for _, _, points in drafted]), shape(at)))
     for (_, linear), curves in alike.items():
         points = np.stack([control for _, _, control in curves])
         _put(out, curves, (polyline if linear else bspline)(points, at))
+    return out
+
+
+BLOCK_ROWS = 256
+"""Curves mixed together; their intermediate values fit into the processor's cache."""
+
+
+def _mixed(values: Floats, basis: Floats) -> Floats:
+    """Return `values @ basis`, summed in order: no row depends on which others there are.
+
+    A retouched pair samples few curves, and must equal the same pair compiled anew to the last bit.
+    """
+    out = np.empty((len(values), basis.shape[1]))
+    for first in range(0, len(values), BLOCK_ROWS):
+        some = values[first : first + BLOCK_ROWS, :, None]
+        total = some[:, 0] * basis[0]
+        for control in range(1, len(basis)):
+            total += some[:, control] * basis[control]
+        out[first : first + BLOCK_ROWS] = total
     return out
 
 
@@ -183,21 +235,18 @@ def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -
     out[[n for n, _, _ in curves], :, [pose for _, pose, _ in curves]] = sampled.clip(0, 1)
 
 
-def _styled(shelf: PairPacks, rows: list[BigramRow], style: str) -> list[BigramRow]:
-    """Return the rows of a style; bigrams that no bank of it changes are neutral's own."""
-    found = (shelf.authored(row.origin.pair, style) for row in rows)
-    return [
-        one if one is not None and one.style == style else row
-        for one, row in zip(found, rows, strict=True)
-    ]
+def styled(shelf: PairPacks, row: BigramRow, style: str) -> BigramRow:
+    """Return the row of a style in place of a neutral one, which stays where no bank changes it."""
+    found = shelf.authored(row.origin.pair, style)
+    return found if found is not None and found.style == style else row
 
 
 def _bank(rows: list[BigramRow], neutral: Singles) -> Bank:
     """Return a style's bank: neutral's samples, with the style's own rows laid over them."""
     own = [number for number, row in enumerate(rows, 1) if row.style != NEUTRAL]
     curves = neutral.copy()
-    curves[own] = _tabulate([rows[number - 1] for number in own], neutral.shape[2])[1:]
-    return Bank(curves, *_marks(rows))
+    curves[own] = tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
+    return Bank(curves, *marks(rows))
 
 
 def _statuses(rows: list[BigramRow]) -> dict[str, int]:
@@ -205,7 +254,7 @@ def _statuses(rows: list[BigramRow]) -> dict[str, int]:
     return dict(sorted(Counter(r.origin.status for r in rows if r.style != NEUTRAL).items()))
 
 
-def _marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
+def marks(rows: list[BigramRow]) -> tuple[Floats, Bools]:
     """Return boundaries and waivers of all rows; row 0 is rest."""
     boundary = np.array([0.5, *(row.boundary for row in rows)])
     return boundary, np.array([False, *(row.free for row in rows)])
@@ -249,24 +298,42 @@ ENOUGH = 0.9
 """Share of a contact's floor that a bigram's own curve should reach."""
 
 
-def _warnings(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> list[Fault]:
-    """Return warnings about sound packs: weak contacts, and words that are never performed."""
-    found = [f for f in shelf.library.faults if f.severity == "warning"]
+def _shorts(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> Iterator[Fault]:
+    """Yield warnings about contacts that the curves of bank rows miss by far."""
+    asked = [n for n, row in enumerate(rows, 1) if row.place is not None and not row.free]
+    spoken = np.array([[shelf.numbers[p] for p in rows[n - 1].origin.pair] for n in asked], int)
+    tops = _tops(tables, asked)
+    found = [
+        (int(row), side, number, pose)
+        for side in range(2 if asked else 0)
+        for number, contact in enumerate(tables.contacts)
+        for pose in contact.raised
+        for row in np.flatnonzero(
+            contact.phonemes[spoken[:, side]]
+            & (tops[side, :, pose] < ENOUGH * float(contact.floor[pose]))
+        )
+    ]
     names = list(shelf.poseset.model.contacts)
-    for number, row in enumerate(rows, start=1):
-        if row.place is None or row.free:
-            continue
-        edge = round(row.boundary * RESOLUTION)
-        halves = tables.curves[number, : edge + 1], tables.curves[number, edge:]
-        for phoneme, half in zip(row.origin.pair, halves, strict=True):
-            for name, contact in zip(names, tables.contacts, strict=True):
-                if not contact.phonemes[shelf.numbered.index(phoneme)]:
-                    continue
-                for pose in contact.raised:
-                    top, floor = float(half[:, pose].max()), float(contact.floor[pose])
-                    if top < ENOUGH * floor:
-                        found.append(_short(row, phoneme, name, shelf.poses[pose], top, floor))
-    return found
+    for row, side, number, pose in sorted(found):
+        top, floor = float(tops[side, row, pose]), float(tables.contacts[number].floor[pose])
+        one = rows[asked[row] - 1]
+        yield _short(one, one.origin.pair[side], names[number], shelf.poses[pose], top, floor)
+
+
+def _tops(tables: Tables, rows: list[int]) -> Floats:
+    """Return (2, R, P) the greatest weight of some rows in each of their phonemes.
+
+    Poses that no contact raises stay at 0.
+    """
+    raised = sorted({pose for contact in tables.contacts for pose in contact.raised})
+    edges = [round(float(tables.boundary[row]) * RESOLUTION) for row in rows]
+    curves = tables.curves[:, :, raised][rows]
+    tops = np.zeros((2, len(rows), len(tables.priority)))
+    for edge in set(edges):
+        some = [place for place, one in enumerate(edges) if one == edge]
+        for side, half in enumerate((slice(None, edge + 1), slice(edge, None))):
+            tops[np.ix_([side], some, raised)] = curves[some, half].max(axis=1)
+    return tops
 
 
 def _short(  # noqa: PLR0913, PLR0917 the parts of one message
@@ -281,7 +348,8 @@ def _short(  # noqa: PLR0913, PLR0917 the parts of one message
     return Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
 
 
-def _report(shelf: PairPacks, origins: list[Origin], warnings: list[Fault]) -> Report:
+def _report(shelf: PairPacks, origins: list[Origin], warnings: Sequence[Fault]) -> Report:
+    warnings = [*(f for f in shelf.library.faults if f.severity == "warning"), *warnings]
     silence = shelf.common.model.silence
     base = set(shelf.common.model.base)
     spoken = [o for o in origins if silence not in o.pair]

@@ -1,11 +1,11 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 
@@ -44,6 +44,19 @@ class BigramRow:
     style: str = NEUTRAL
     drafted: bool = False
     """True if its control times are those of every draft."""
+
+
+class DrawnBigrams(NamedTuple):
+    """The bigrams of one file."""
+
+    path: Path
+    layer: str
+    style: str
+    rows: Mapping[Pair, BigramRow]
+
+
+UNDRAWN = frozenset({"known", "parents", "likes", "_mapped"})
+"""Cached properties of `PairPacks` that do not depend on bigrams."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +105,7 @@ class PairPacks:
         common, poseset = self.common.model, self.poseset.model
         rigs = {path.stem for path in self.library.rigs_of(poseset.name)}
         spoken = {found.name for found in self.library.names("language")}
-        phonemes = known(self.library, {*common.phonemes, *common.shades, *self.phonemes})
+        phonemes = self.known
         found = [
             *checks.check_phonemes(self.common),
             *checks.check_language(self.language, common),
@@ -114,6 +127,12 @@ class PairPacks:
         faults = [f for f in found if f.severity == "fault"]
         if faults:
             raise PackFaults(sorted(set(faults)))
+
+    @cached_property
+    def known(self) -> Collection[str]:
+        """Phonemes that a pack may name: those of the pair, and of every other language."""
+        common = self.common.model
+        return known(self.library, {*common.phonemes, *common.shades, *self.phonemes})
 
     @property
     def poses(self) -> tuple[str, ...]:
@@ -161,6 +180,11 @@ class PairPacks:
         return (*self.phonemes, *self.shades)
 
     @cached_property
+    def numbers(self) -> dict[str, int]:
+        """Number of each phoneme in the tables."""
+        return {phoneme: number for number, phoneme in enumerate(self.numbered)}
+
+    @cached_property
     def likes(self) -> dict[str, str]:
         """The substitute (`like`) of each added phoneme."""
         found = {}
@@ -171,25 +195,39 @@ class PairPacks:
         return found
 
     @cached_property
-    def layers(self) -> dict[str, dict[str, dict[Pair, BigramRow]]]:
-        """Bigrams of the first three layers, by style; within both the earlier file wins."""
+    def drawn(self) -> tuple[DrawnBigrams, ...]:
+        """Bigrams of the first three layers, file by file; the earlier file wins."""
         own = self.character
-        rows = self._bank_rows("character", own, own.model.bigrams, linear=False)
-        layers: dict[str, dict[str, dict[Pair, BigramRow]]] = {
-            "character": {NEUTRAL: dict(rows)},
-            "language": {},
-            "shared": {},
-        }
+        found = [DrawnBigrams(own.path, "character", NEUTRAL, self.drawn_rows("character", own))]
         for bank in (*self.own_banks, *self.banks):
             layer = "character" if bank in self.own_banks else "shared"
             if layer == "shared" and bank.model.language is not None:
                 if bank.model.language not in self.language.lineage:
                     continue
                 layer = "language"
-            known = layers[layer].setdefault(bank.model.style, {})
-            for pair, row in self._pack_rows(layer, bank):
-                known.setdefault(pair, row)
+            rows = self.drawn_rows(layer, bank)
+            found.append(DrawnBigrams(bank.path, layer, bank.model.style, rows))
+        return tuple(found)
+
+    @cached_property
+    def layers(self) -> dict[str, dict[str, dict[Pair, BigramRow]]]:
+        """Bigrams of the first three layers, by style."""
+        layers: dict[str, dict[str, dict[Pair, BigramRow]]] = {
+            layer: {} for layer in ("character", "language", "shared")
+        }
+        for file in self.drawn:
+            layer = layers[file.layer]
+            layer[file.style] = {**file.rows, **layer.get(file.style, {})}
         return layers
+
+    def redrawn(self, drawn: "tuple[DrawnBigrams, ...]") -> Self:
+        """Return these packs with other bigrams in their files."""
+        other = replace(self)
+        kept = {name: value for name, value in vars(self).items() if name in UNDRAWN}
+        vars(other).update(kept, drawn=drawn)
+        if other.numbered == self.numbered:
+            vars(other).update(targets=self.targets, numbers=self.numbers)
+        return other
 
     @property
     def styles(self) -> tuple[str, ...]:
@@ -197,50 +235,41 @@ class PairPacks:
         found = {style for layer in self.layers.values() for style in layer}
         return tuple(sorted(found - {NEUTRAL}))
 
-    def _pack_rows(
-        self, layer: str, bank: "Pack[models.BankPack]"
-    ) -> Iterator[tuple[Pair, BigramRow]]:
-        linear = bank.model.interpolation == "linear"
-        bigrams, style = bank.model.bigrams, bank.model.style
-        return self._bank_rows(layer, bank, bigrams, linear=linear, style=style)
-
-    def _bank_rows(
-        self,
-        layer: str,
-        pack: "Pack[Any]",
-        bigrams: "Mapping[str, models.BigramCurves]",
-        *,
-        linear: bool,
-        style: str = NEUTRAL,
-    ) -> Iterator[tuple[Pair, BigramRow]]:
-        for key, bigram in bigrams.items():
+    def drawn_rows(self, layer: str, pack: "Pack[Any]") -> dict[Pair, BigramRow]:
+        """Return the bigrams of a bank or a character as rows."""
+        model = pack.model
+        linear = getattr(model, "interpolation", "") == "linear"
+        style = getattr(model, "style", NEUTRAL)
+        numbers = {pose: number for number, pose in enumerate(self.poses)}
+        rows = {}
+        for key, bigram in model.bigrams.items():
             first, second = key.split("-")
             place = pack.where(("bigrams", key), key=True)
             origin = Origin((first, second), layer, bigram.status, (str(place),), bigram.word)
             curves = {
-                self.poses.index(pose): np.array(points, float)
-                for pose, points in bigram.curves.items()
+                numbers[pose]: np.array(points, float) for pose, points in bigram.curves.items()
             }
             straight = bigram.interpolation == "linear" or (linear and not bigram.interpolation)
             free = bigram.contact == "free"
             row = BigramRow(origin, curves, straight, bigram.boundary, free, place, style)
-            yield (first, second), row
+            rows[first, second] = row
+        return rows
 
-    def rows(self) -> Iterator[BigramRow]:
-        """Yield a row for every ordered pair of phonemes, in their order, without shades."""
-        everyone = self.pairs()
-        found = {pair: self.authored(pair) for pair in everyone}
-        drafts = self.drafts([pair for pair in everyone if found[pair] is None])
-        for pair in everyone:
-            gap = BigramRow(Origin(pair, "gap", "", ()), {})
-            yield found[pair] or drafts.get(pair, gap)
+    def rows(self, pairs: Sequence[Pair] | None = None) -> list[BigramRow]:
+        """Return a row for some pairs without shades, or for every ordered pair, in their order."""
+        asked = self.pairs() if pairs is None else list(pairs)
+        found = {pair: self.authored(pair) for pair in asked}
+        drafts = self.drafts([pair for pair in asked if found[pair] is None])
+        gaps = (BigramRow(Origin(pair, "gap", "", ()), {}) for pair in asked)
+        return [found[pair] or drafts.get(pair, gap) for pair, gap in zip(asked, gaps, strict=True)]
 
-    def shade_rows(self) -> dict[Pair, BigramRow]:
-        """Return the row of every ordered pair with a shade, by pair.
+    def shade_rows(self, pairs: Sequence[Pair] | None = None) -> dict[Pair, BigramRow]:
+        """Return the row of some ordered pairs with a shade, or of all, by pair.
 
         It is the row of a coarser pair (`origin.pair`) where a bank draws that one and not this.
+        Rows of banks come before drafts.
         """
-        pairs = self.shade_pairs()
+        pairs = self.shade_pairs() if pairs is None else pairs
         found = {}
         for pair in pairs:
             row = self.authored(pair)

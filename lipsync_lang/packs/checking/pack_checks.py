@@ -245,7 +245,7 @@ def check_bank(
     if bank.model.language is not None and bank.model.language not in languages:
         hint = did_you_mean(bank.model.language, languages)
         yield bank.fault(("language",), "P210", f"unknown language '{bank.model.language}'", hint)
-    yield from _bigrams(bank, bank.model.bigrams, poseset, phonemes)
+    yield from check_bigrams(bank, bank.model.bigrams, poseset, phonemes)
 
 
 def check_character(  # noqa: PLR0913 what is known of others
@@ -263,7 +263,7 @@ def check_character(  # noqa: PLR0913 what is known of others
     yield from _delivery(character, (), model, poseset, styles)
     for name, line in model.lines.items():
         yield from _delivery(character, ("lines", name), line, poseset, styles)
-    yield from _bigrams(character, model.bigrams, poseset, phonemes)
+    yield from check_bigrams(character, model.bigrams, poseset, phonemes)
     for word, edit in model.words.items():
         for pose in edit.curves:
             yield from check_pose(character, ("words", word, "curves", pose), pose, poseset.poses)
@@ -367,12 +367,13 @@ def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:
     return {*phonemes, *shades}
 
 
-def _bigrams(
+def check_bigrams(
     pack: "Pack[BankPack] | Pack[Character]",
     bigrams: Mapping[str, BigramCurves],
     poseset: PoseSet,
     phonemes: Collection[str] | None,
 ) -> Iterator[Fault]:
+    """Check that bigrams name known phonemes and poses."""
     for key, bigram in bigrams.items():
         for label in dict.fromkeys(key.split("-")):
             if phonemes is not None:

@@ -16,6 +16,9 @@ INDENT = 2
 MAX_FLOW_CHARS = 100
 """Characters of a mapping that is written on one line without being asked to."""
 
+CURVES = "curves"
+"""The field of packs with a mapping of curves, in blocks even while it has none."""
+
 PLAIN = re.compile(r"[^\W\d][\w-]*(?: [\w-]+)*")
 WORDS = {"true", "false", "yes", "no", "on", "off", "y", "n", "null"}
 """Words that some version of YAML reads as booleans or null, so they need quotes."""
@@ -42,12 +45,13 @@ def on_one_line(value: Data) -> str:
 
 
 def wants_block(value: Data) -> bool:
-    """Return True for a mapping that holds curves, or is too long for a line."""
+    """Return True for a mapping that holds curves or may do so, or is too long for a line."""
     return (
         isinstance(value, Mapping)
         and bool(value)
         and (
-            any(_is_curve(one) or wants_block(one) for one in value.values())
+            CURVES in value
+            or any(_is_curve(one) or wants_block(one) for one in value.values())
             or len(on_one_line(value)) > MAX_FLOW_CHARS
         )
     )
