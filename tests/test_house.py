@@ -36,7 +36,8 @@ FLOORS = (
     {"speech"},
     {"performing"},
     {"coverage", "quality", "render"},
-    {"authoring", "studio"},
+    {"authoring"},
+    {"studio"},
     {"commands"},
     {"cli"},
 )

@@ -198,6 +198,17 @@ class Performer:
             contacts={},
         )
 
+    def held_channels(self, weights: Floats) -> Floats:
+        """Return the channels (T, C) of the model for poses (T, P), each row held for long.
+
+        Without a rig, the channels are the poses.
+        """
+        driver = self._driver
+        if driver is None:
+            return weights
+        rows = [drive(row[None], driver.rig, 1.0) for row in weights]
+        return np.vstack(rows) if rows else np.zeros((0, len(driver.channels)))
+
     def with_expression(self, animation: Animation, expression: "Levels") -> Animation:
         """Add an expression to an animation of this performer; speech has the right of way.
 

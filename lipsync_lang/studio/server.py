@@ -29,7 +29,13 @@ from lipsync_lang.studio.workshop import Workshop
 
 _log = logging.getLogger(__name__)
 
-VIEWS = ("project_routes", "line_routes", "sentence_routes", "bigram_routes")
+VIEWS = (
+    "project_routes",
+    "line_routes",
+    "sentence_routes",
+    "bigram_routes",
+    "character_routes",
+)
 """Modules of `routes`."""
 
 MAX_REQUEST_BYTES = 64 * 2**20

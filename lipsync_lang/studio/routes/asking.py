@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path, PurePath
 from typing import Any
 
 from lipsync_lang.errors import LipsyncError
@@ -96,3 +97,13 @@ def listed(value: Any, what: str) -> list[Any]:
     if not isinstance(value, list):
         raise LipsyncError(f"the request needs a list of {what}")
     return value
+
+
+def sent_file(wish: Wish, folder: Path) -> Path:
+    """Put a file that was sent into a folder, under the last part of its name."""
+    name = PurePath(wish.query.get("name", "").replace("\\", "/")).name
+    if not name or name in {".", ".."} or not name.isprintable():
+        raise LipsyncError("the file has no name")
+    path = folder / name[-100:]
+    path.write_bytes(wish.content)
+    return path

@@ -2,7 +2,7 @@
 
 from dataclasses import fields
 from math import isfinite
-from pathlib import Path, PurePath
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +12,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
-from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed
+from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed, sent_file
 from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.take_data import curves_data, take_data
 from lipsync_lang.studio.workshop import LineSettings, Workshop
@@ -48,7 +48,7 @@ def timings(workshop: Workshop, asked: Wish) -> Packed:
     from lipsync_lang.schedules.timing_readers import read_schedule
 
     with TemporaryDirectory() as folder:
-        path = _sent(asked, Path(folder))
+        path = sent_file(asked, Path(folder))
         schedule = read_schedule(path, asked.query.get("notation"))
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
     text = " ".join(word.text for word in schedule.words)
@@ -63,7 +63,7 @@ def sound(workshop: Workshop, asked: Wish) -> Packed:
     from lipsync_lang.speech.sound import read_audio
 
     with TemporaryDirectory() as folder:
-        path, text = _sent(asked, Path(folder)), asked.query.get("text", "").strip()
+        path, text = sent_file(asked, Path(folder)), asked.query.get("text", "").strip()
         if text:
             workshop.line = SpokenLine(aligned(workshop.performer.speaker, path, text))
             workshop.text = text
@@ -72,16 +72,6 @@ def sound(workshop: Workshop, asked: Wish) -> Packed:
         else:
             raise LipsyncError("say the text of the recording, or open its timed phonemes first")
     return whole(workshop)
-
-
-def _sent(asked: Wish, folder: Path) -> Path:
-    """Put a file that was sent into a folder, under the last part of its name."""
-    name = PurePath(asked.query.get("name", "").replace("\\", "/")).name
-    if not name or name in {".", ".."} or not name.isprintable():
-        raise LipsyncError("the file has no name")
-    path = folder / name[-100:]
-    path.write_bytes(asked.content)
-    return path
 
 
 def line(workshop: Workshop, _: Wish) -> Packed:

@@ -1,0 +1,108 @@
+"""A copy of a pose set in the project: poses, model, banks and rigs, to be changed there.
+
+The copy is found in place of the original and performs as it does, bit for bit.
+"""
+
+from collections.abc import Callable, Collection, Iterator
+from os.path import normpath, relpath
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from lipsync_lang.errors import PackError
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.finding import FOLDERS, POSESET, beside, yaml_files
+from lipsync_lang.packs.splicing import spliced
+from lipsync_lang.packs.yaml.faults import shown
+from lipsync_lang.packs.yaml.source import read_yaml
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+
+MAX_COPY_BYTES = 256 * 2**20
+"""Size limit in bytes of what is copied; a folder with more holds other things than a pose set."""
+
+
+def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
+    """Copy a pose set into a project, all of it or nothing; no file is overwritten.
+
+    Banks and rigs of the project for this pose set stay, and come first as before.
+
+    Parameters
+    ----------
+    library : packs that have the pose set
+    name : name of the pose set
+    folder : folder of the project
+
+    Returns
+    -------
+    the files written
+
+    Raises
+    ------
+    PackError
+        The project has the pose set, would not use its copy, or has other files of its names.
+    OutputError
+        A file is not writable; nothing is copied.
+    """
+    source = library.find("poseset", name)
+    home = folder.absolute() / FOLDERS["poseset"] / source.parent.name
+    _refuse(library, source, home / POSESET)
+    outputs: dict[Path, bytes] = {}
+    known = {path.name for path in yaml_files(home / "banks").values()}
+    for path in _whole(library, source):
+        target, content = Path(normpath(home / relpath(path, source.parent))), path.read_bytes()
+        bank = target.parent == home / "banks" and target.suffix == ".yaml"
+        if bank and (stem := _behind(known, path.stem)) != path.stem:
+            target = target.with_name(f"{stem}.yaml")
+            content = spliced(read_yaml(target, content), content, [(("name",), stem)])
+        if target.parent != home / "rigs" or not target.exists():
+            outputs[target] = content
+    _refuse_others(outputs)
+    for target in outputs:
+        target.parent.mkdir(parents=True, exist_ok=True)
+    write_all({target: _writing(content) for target, content in outputs.items()}, durable=True)
+    return list(outputs)
+
+
+def _writing(content: bytes) -> Callable[[BinaryIO], object]:
+    return lambda stream: stream.write(content)
+
+
+def _refuse(library: "Library", source: Path, target: Path) -> None:
+    if target.exists() or source == target:
+        raise PackError(f"{shown(target)}: is there already; the project has this pose set")
+    searched = [root.path.resolve() for root in library.roots]
+    origin = next(f.root.path for f in library.names("poseset") if f.path == source)
+    project = target.parents[2].resolve()
+    if project not in searched or searched.index(origin.resolve()) < searched.index(project):
+        raise PackError(
+            f"{shown(source)}: is searched before the project, so a copy would not be used; "
+            "change this one"
+        )
+
+
+def _whole(library: "Library", source: Path) -> Iterator[Path]:
+    """Yield the files of a pose set: all in its folder, and a model beside the folder."""
+    home = source.parent
+    files = [path for path in sorted(home.rglob("*")) if path.is_file()]
+    if sum(path.stat().st_size for path in files) > MAX_COPY_BYTES:
+        raise PackError(f"{shown(home)}: holds more than {MAX_COPY_BYTES >> 20} MB")
+    yield from files
+    stated = library.load(source, "poseset", home.name).source.data.get("model")
+    model = beside(source, stated) if isinstance(stated, str) else None
+    if model is not None and home not in model.parents:
+        yield model
+
+
+def _refuse_others(outputs: dict[Path, bytes]) -> None:
+    """Refuse to overwrite a file, unless it has the same content."""
+    for target, content in outputs.items():
+        if target.exists() and not (target.is_file() and target.read_bytes() == content):
+            raise PackError(f"{shown(target)}: is there already; move it")
+
+
+def _behind(known: Collection[str], stem: str) -> str:
+    """Return a name for a bank that comes after those of the project, as the original does."""
+    last = max(known, default="")
+    names = (stem, *(f"{'z' * number}-{stem}" for number in range(1, len(last) + 2)))
+    return next(name for name in names if f"{name}.yaml" > last)

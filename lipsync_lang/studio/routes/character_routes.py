@@ -1,0 +1,276 @@
+"""Routes of the character: its rules as they are stated, its face in a mix of poses, its model."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError, ModelError
+from lipsync_lang.files import write_all
+from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.constrain import constrain
+from lipsync_lang.resolver.pose_arrays import SOFTNESS_SECONDS
+from lipsync_lang.resolver.settings import RANGES
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.studio.array_pack import ArrayPack
+from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.studio.routes.asking import Routes, Wish, listed, sent_file
+from lipsync_lang.studio.workshop import Workshop
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.tables import Tables
+    from lipsync_lang.rigs.channel import Channel
+
+MAX_MIXES = 400
+"""Mixes of poses in one request: a picture of each pose."""
+
+VISIBLE = 5e-4
+"""Least change of a weight that is told, as in `performing.trace`."""
+
+STATED = ("constraints", "priority", "contacts", "softness", "motion", "targets", "poses")
+"""Fields of a pose set that the character view edits."""
+
+_NOT_IN_A_NAME = re.compile(r"[^A-Za-z0-9_-]+")
+
+
+def character(workshop: Workshop, _: Wish) -> Json:
+    """Return what the pose set states, as it is stated, and what is in force."""
+    performer, library = workshop.performer, workshop.library()
+    compiled = performer.compiled
+    poseset = library.poseset(compiled.poseset)
+    rule = {p: n for n, c in poseset.model.contacts.items() for p in c.phonemes}
+    common = library.common().model
+    return {
+        "poseset": compiled.poseset,
+        "title": poseset.model.title,
+        "file": workshop.shown(poseset.path),
+        "own": workshop.own(poseset.path),
+        "stated": {key: poseset.source.data.get(key) for key in STATED},
+        "phonemes": [
+            {
+                "name": name,
+                "title": getattr(common.phonemes.get(name), "title", ""),
+                "example": getattr(common.phonemes.get(name), "example", None) or "",
+                "like": compiled.shades.get(name, ""),
+                "contact": rule.get(name, ""),
+            }
+            for name in _phonemes(workshop, list(poseset.model.targets))
+        ],
+        "motion": _plain(asdict(performer.motion)),
+        "ranges": {name: list(span) for name, span in RANGES.items()},
+        "softness": SOFTNESS_SECONDS,
+        "rig": None if compiled.rig is None else compiled.rig["name"],
+        "model": None if compiled.model is None else Path(compiled.model).name,
+    }
+
+
+def _phonemes(workshop: Workshop, targeted: list[str]) -> list[str]:
+    """Phonemes of the open language and their shades, then those of other languages."""
+    compiled = workshop.performer.compiled
+    return list(dict.fromkeys([*compiled.counted, *compiled.shades, *targeted]))
+
+
+def _plain(settings: Json) -> Json:
+    """Return settings that JSON can hold: an endless number is None."""
+    endless = {key for key, value in settings.items() if value == np.inf}
+    return {key: None if key in endless else value for key, value in settings.items()}
+
+
+# Mixes of poses
+
+
+def pose(workshop: Workshop, wish: Wish) -> Json:
+    """Turn mixes of poses into channels of the model, and tell the rules that act on them.
+
+    Each of `mixes` is an object of poses and weights; `within` keeps them within the constraints.
+    """
+    performer, within = workshop.performer, wish.body.get("within") is True
+    mixes = listed(wish.body.get("mixes"), "mixes")
+    if len(mixes) > MAX_MIXES:
+        raise LipsyncError(f"give at most {MAX_MIXES} mixes at once")
+    weights = np.array([_mix(performer, one) for one in mixes]).reshape(-1, len(performer.poses)).T
+    tables = performer.compiled.tables
+    tables = tables.papers if performer.motion.thresholds == "paper" else tables
+    kept = constrain(weights, tables.binding, tables.at_most) if within else weights
+    channels = performer.held_channels(kept.T)
+    return {
+        "rows": [
+            {
+                "channels": channels[number].tolist(),
+                "weights": kept[:, number].tolist(),
+                "acts": list(_acting(performer, tables, weights[:, number], kept[:, number])),
+            }
+            for number in range(weights.shape[1])
+        ]
+    }
+
+
+def _mix(performer: "Performer", mix: Any) -> Floats:
+    """Read a mix of poses."""
+    if not isinstance(mix, dict):
+        raise LipsyncError("a mix is an object of poses and weights")
+    for name, weight in mix.items():
+        number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
+        if name not in performer.poses or not number or not 0 <= weight <= 1:
+            raise LipsyncError(f"'{name}' needs to be a pose of this face, from 0 to 1")
+    return np.array([mix.get(name, 0.0) for name in performer.poses], float)
+
+
+def _acting(
+    performer: "Performer", tables: "Tables", wanted: Floats, kept: Floats
+) -> Iterator[Json]:
+    """Yield the rule that lowers each pose."""
+    names = performer.poses
+    for number in np.flatnonzero(wanted - kept > VISIBLE).tolist():
+        rules = [
+            (threshold - kept[high], high, f"together at most {threshold:g}")
+            for low, high, threshold in tables.caps
+            if low == number
+        ]
+        bounds = [
+            (kept[other], other, "never above it") for low, other in tables.at_most if low == number
+        ]
+        _, other, told = min(rules + bounds)
+        yield {"pose": names[number], "other": names[other], "why": told}
+
+
+# Packs of the project
+
+
+def own(workshop: Workshop, _: Wish) -> Json:
+    """Copy the pose set into the project, where it can be edited, and open the pair anew."""
+    from lipsync_lang.authoring.poseset_copy import copy_poseset
+
+    name = workshop.performer.compiled.poseset
+    home = workshop.project / FOLDERS["poseset"] / name
+    if any(path.is_relative_to(home) for path in workshop.desk.contents):
+        raise LipsyncError("save the unsaved edits first; then the copy goes with them")
+    written = copy_poseset(workshop.library(), name, workshop.project)
+    workshop.open(workshop.language, workshop.character)
+    return {"wrote": [workshop.shown(path) for path in written], "state": workshop.state()}
+
+
+def model(workshop: Workshop, wish: Wish) -> Json:
+    """Put a model into the project, beside the character's pack, and tell how well it fits.
+
+    The answer has `name`, the value of the character's `model`.
+    """
+    from lipsync_lang.rigs.model import read_model
+    from lipsync_lang.rigs.recognise import find
+
+    performer = workshop.performer
+    with TemporaryDirectory() as folder:
+        path = _glb(wish, Path(folder))
+        with _told_without(folder):
+            sent = read_model(path, bones=performer.compiled.rig is not None)
+            channels = _face_channels(performer, path)
+            found = find(channels, sent)
+        names = [channel.name for channel in channels]
+        missing = [name for name in names if name not in found.places]
+        pack, _ = workshop.editable("character")
+        target = pack.with_name(path.name)
+        _keep(target, path.read_bytes())
+    return {
+        "name": target.name,
+        "shown": len(names) - len(missing),
+        "channels": len(names),
+        "missing": missing,
+    }
+
+
+def drafted(workshop: Workshop, wish: Wish) -> Json:
+    """Draft a character from a model, with the pose set and the rig that fit it best."""
+    from lipsync_lang.authoring.character_draft import CharacterWish, draft
+
+    with TemporaryDirectory() as folder:
+        path = _glb(wish, Path(folder))
+        name = wish.query.get("as", "") or _NOT_IN_A_NAME.sub("-", path.stem).strip("-")
+        with _told_without(folder):
+            made = draft(workshop.library(), CharacterWish(name, path), workshop.project)
+            _draw(_trial(path, [one for own in made.match.found.places.values() for one in own]))
+            made.write()
+    workshop.open(workshop.language, workshop.character)  # to find the new packs
+    return {
+        "name": name,
+        "match": str(made.match),
+        "wrote": [workshop.shown(path) for path in made.outputs],
+        "doubts": list(made.match.found.doubts),
+    }
+
+
+def _glb(wish: Wish, folder: Path) -> Path:
+    """Put a model that was sent into a folder; only GLB has all of its parts in one file."""
+    path = sent_file(wish, folder)
+    if path.suffix.lower() != ".glb":
+        raise LipsyncError(f"{path.name}: export the model as GLB, which has all in one file")
+    stem = _NOT_IN_A_NAME.sub("-", path.stem).strip("-") or "model"
+    return path.rename(path.with_name(f"{stem}.glb"))
+
+
+@contextmanager
+def _told_without(folder: str) -> Iterator[None]:
+    """Leave a temporary folder out of what is told of a model."""
+    try:
+        yield
+    except LipsyncError as error:
+        raise LipsyncError(str(error).replace(f"{folder}/", "")) from None
+
+
+def _face_channels(performer: "Performer", path: Path) -> "tuple[Channel, ...]":
+    """Return the channels of a face on another model, which is drawn once as a trial."""
+    rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
+    animation = replace(performer.rigged(performer.perform(rest)), model=path)
+    _draw(animation)
+    return animation.columns
+
+
+def _trial(path: Path, shapes: list[str]) -> "Animation":
+    """Return an animation of a model's own shapes and bones at rest."""
+    from lipsync_lang.animations.animation import Animation
+
+    still = np.zeros((2, len(shapes)))
+    schedule = Schedule(("_",), np.array([0, 0.1]))
+    return Animation(np.array([0, 0.1]), tuple(shapes), still, 10.0, schedule, model=path)
+
+
+def _draw(animation: "Animation") -> None:
+    """Draw a model once.
+
+    Raises
+    ------
+    ModelError
+        It cannot be drawn.
+    """
+    told = face_data(animation, ArrayPack())
+    if "parts" not in told:
+        raise ModelError("; ".join(told["unshown"]))
+
+
+def _keep(path: Path, content: bytes) -> None:
+    """Write a model, and never over another one."""
+    if path.exists():
+        if path.read_bytes() != content:
+            raise LipsyncError(
+                f"{path.name}: the project has another model of this name; rename it"
+            )
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_all({path: lambda stream: stream.write(content)}, durable=True)
+
+
+ROUTES: Routes = {
+    "GET character": character,
+    "POST pose": pose,
+    "POST own": own,
+    "POST model": model,
+    "POST drafted": drafted,
+}
