@@ -143,3 +143,32 @@ def test_what_would_lie_beneath_an_installed_character_is_refused(tmp_path):
 def test_a_bigram_that_cannot_be_edited_says_why(told, monkeypatch):
     monkeypatch.setattr(Workshop, "own", lambda _, path: path.name == "common.yaml")
     assert "copy it into the project" in told("bigram/f-a")["locked"]
+
+
+def edit(workshop, *edits, path="edit"):
+    stated = [{"file": file, "at": ["bigrams", *at], "value": value} for file, at, value in edits]
+    found = Caller(workshop).post(path, {"title": "Draw", "edits": stated})
+    assert found.status == 200, found.content
+
+
+def homes(workshop):
+    """Return the files with a drawn bigram, as the desk has them."""
+    return {path.name: b"a-p" in content for path, content in workshop.desk.contents.items()}
+
+
+def test_an_edit_is_of_the_bank_or_of_the_character_alone(told, workshop):
+    assert told("bigram/a-p")["character"] == "characters/anna.yaml"
+    drawn = {"curves": {"open": [[0, 0], [1, 1]]}}
+    edit(workshop, ("bank", ["a-p"], drawn))
+    assert told("bigram/a-p")["file"] == "posesets/face/banks/common.yaml"
+    edit(workshop, ("character", ["a-p"], drawn))
+    assert told("bigram/a-p")["file"] == "characters/anna.yaml", "it comes before the bank"
+    edit(workshop, ("bank", ["a-p", "why"], "wide"))
+    assert homes(workshop) == {"common.yaml": True, "anna.yaml": True}
+    assert told("bigram/a-p")["why"] == "wide"
+    for _ in range(2):
+        edit(workshop, path="undo")
+    assert told("bigram/a-p")["stated"]
+    edit(workshop, ("bank", ["a-p", "why"], "round"))
+    assert homes(workshop) == {"common.yaml": True}
+    assert told("bigram/a-p")["why"] == "round"

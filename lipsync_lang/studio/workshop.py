@@ -81,7 +81,8 @@ class Workshop:
         self.text = ""
         self._library: tuple[int, Library] | None = None
         self._shelf: tuple[int, PairPacks] | None = None
-        self._homes: dict[str, Path] = {}
+        self.homes: dict[str, Path] = {}
+        """Files that edits of bigrams go to, as far as they were looked up."""
         self._now: tuple[int, Performer] | None = None
         self._saved: tuple[int, Performer] | None = None
 
@@ -104,7 +105,7 @@ class Workshop:
         before = self.language, self.character
         self.language, self.character = language, character
         self._library = self._now = self._saved = self._shelf = None
-        self._homes = {}
+        self.homes = {}
         try:
             performer = self.performer
         except LipsyncError:
@@ -147,8 +148,8 @@ class Workshop:
         more : keywords of `Desk.change`
         """
         rehearsed: list[tuple[Library, Performer]] = []
-        if any(loc[0] != "bigrams" for _, loc, _ in edits):
-            self._homes = {}
+        if any(self.homes.get(str(loc[1]) if loc[1:] else "") != path for path, loc, _ in edits):
+            self.homes.clear()
 
         def rehearse(contents: Mapping[Path, bytes]) -> None:
             library = Library(self.paths, self.project, unsaved=contents, earlier=self.library())
@@ -211,11 +212,11 @@ class Workshop:
         """
         from lipsync_lang.banks.write import empty_bank
 
-        if pair not in self._homes:
+        if pair not in self.homes:
             first, _, second = pair.partition("-")
             path, _ = bigram_home(self.shelf(), (first, second), self.project, self.own)
-            self._homes[pair] = path
-        path = self._homes[pair]
+            self.homes[pair] = path
+        path = self.homes[pair]
         known = path.exists() or path in self.desk.contents
         return path, None if known else empty_bank(self.performer.compiled.poseset, path)
 

@@ -96,12 +96,17 @@ def bigram(workshop: Workshop, asked: Wish) -> Json:
 
 
 def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
-    """Tell the file that edits go to; `locked` says why there is none."""
+    """Tell the file that edits go to; `locked` says why there is none.
+
+    `character` is the user's file of the character, where edits may go for this face alone.
+    """
+    who = workshop.files().get("character")
+    own = {"character": workshop.shown(who) if who and workshop.own(who) else ""}
     try:
         path, here = bigram_home(shelf, pair, workshop.project, workshop.own)
     except LipsyncError as error:
-        return {"stated": False, "file": "", "locked": str(error)}
-    return {"stated": here, "file": workshop.shown(path), "locked": ""}
+        return own | {"stated": False, "file": "", "locked": str(error)}
+    return own | {"stated": here, "file": workshop.shown(path), "locked": ""}
 
 
 def _pair(shelf: PairPacks, name: str) -> Pair:

@@ -106,12 +106,14 @@ def _edit(workshop: Workshop, one: Any) -> tuple[Path, tuple[str | int, ...], An
 def undo(workshop: Workshop, wish: Wish) -> Json:
     """Take the last edit back."""
     workshop.desk.undo(tab=_tab(wish))
+    workshop.homes.clear()
     return workshop.state()
 
 
 def redo(workshop: Workshop, wish: Wish) -> Json:
     """Make the last edit that was taken back once more."""
     workshop.desk.redo(tab=_tab(wish))
+    workshop.homes.clear()
     return workshop.state()
 
 

@@ -52,6 +52,9 @@ export class BigramView {
     this.why = this.#input("Note", "why");
     this.kind = this.#select("Kind of curve", [["", "curve: as the bank"], ["bspline", "curve: smooth"], ["linear", "curve: straight"]], "interpolation");
     this.contact = this.#select("Contacts", [["hold", "contacts held"], ["free", "contacts free"]], "contact");
+    /** Where edits go: to the bank, or to the character alone. */
+    this.into = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Edits are for" }, made("option", { value: "bank" }, "for every face"), made("option", { value: "character" }, "for this character")));
+    this.into.addEventListener("change", () => this.#base());
     this.origin = made("p", { class: "origin" });
     const board = made("div"), desk = made("div", { class: "bigram-view" }, this.head), curves = made("div");
     desk.append(curves);
@@ -104,7 +107,7 @@ export class BigramView {
       made("div", { class: "row" }, this.title, this.status, button("In the line", "Go to this bigram in the line, or speak its word (J)", () => this.#find()),
         button("Next wanted", "Open the next bigram that the line needs (N)", () => this.next()),
         button("All bigrams", "The matrix of all bigrams (W)", () => studio.go("bigrams")), this.target, this.origin),
-      made("div", { class: "row" }, made("label", { class: "word" }, "Word", this.word), made("label", { class: "why" }, "Note", this.why), this.kind, this.contact),
+      made("div", { class: "row" }, made("label", { class: "word" }, "Word", this.word), made("label", { class: "why" }, "Note", this.why), this.kind, this.contact, this.into),
     );
   }
 
@@ -149,8 +152,16 @@ export class BigramView {
     this.said = found?.word ?? "";
     const { curves, boundary, interpolation, contact, status, word, why } = told;
     this.now = { curves, boundary, interpolation, contact, status, word, why };
-    this.known = told.stated ? [this.now, this.now] : [null, null];
+    this.into.hidden = !told.character || told.character === told.file;
+    this.into.value = "bank";
+    this.#base();
     this.#draw();
+  }
+
+  /** Take what the file of the edits says of the bigram: all, or nothing. */
+  #base() {
+    const here = this.told.stated && this.into.value === "bank";
+    this.known = here ? [this.now, this.now] : [null, null];
   }
 
   #draw() {
@@ -183,12 +194,12 @@ export class BigramView {
 
   /** Send what differs from what the file says, or may say once the last edit is done. @param {string} title @param {string} merge */
   async #send(title, merge) {
-    const { pair, now, studio } = this, [base, sent] = this.known;
+    const { pair, now, studio } = this, [base, sent] = this.known, file = this.into.value;
     if (!base && !now.word) now.word = this.said;
-    const edits = editsOf("bank", pair, base, now);
+    const edits = editsOf(file, pair, base, now);
     if (base && sent) {
       const places = new Set(edits.map((one) => JSON.stringify(one.at)));
-      edits.push(...editsOf("bank", pair, sent, now).filter((one) => !places.has(JSON.stringify(one.at))));
+      edits.push(...editsOf(file, pair, sent, now).filter((one) => !places.has(JSON.stringify(one.at))));
     }
     if (!edits.length) return;
     this.known = [base, now];
@@ -198,7 +209,7 @@ export class BigramView {
     if (this.pair !== pair) return;
     this.revision = studio.state.revision;
     if (this.sending) return;
-    if (studio.state.undo === title) {
+    if (studio.state.undo === title && file === "bank") {
       this.known = [now, now];
       Object.assign(this.told, { stated: true, place: this.told.file });
       this.#draw();
