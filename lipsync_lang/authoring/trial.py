@@ -3,7 +3,7 @@
 A test is a text with its expected common phonemes; a mismatch is a fault with a location.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ from lipsync_lang.packs.extending import extended
 from lipsync_lang.packs.finding import FOLDERS, IPA, SHARED, built_in
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import Fault
-from lipsync_lang.phonology.g2p.g2p_engines import Rule
+from lipsync_lang.phonology.g2p.g2p_engines import Rule, Said
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import pieces
 from lipsync_lang.phonology.labels import normalise
@@ -91,13 +91,17 @@ class Trial:
         return [number for number in range(len(rules)) if number not in fired]
 
 
-def try_out(library: Library, pack: "Pack[models.Language]") -> Trial:
-    """Run the tests of a language through its engine."""
+def try_out(
+    library: Library,
+    pack: "Pack[models.Language]",
+    read: "MutableMapping[str, tuple[Said, ...]] | None" = None,
+) -> Trial:
+    """Run the tests of a language through its engine; `read` is that of `Speaker`."""
     if not pack.model.tests:
         return Trial(pack)
     try:
         common = library.common().model
-        speaker = Speaker(manner_of(pack, common), notations_of(library, pack))
+        speaker = Speaker(manner_of(pack, common), notations_of(library, pack), read=read)
         texts = [test.text for test in pack.model.tests]
         return Trial(pack, tuple(speaker.transcribe(texts)), shades=common.shades)
     except LipsyncError as error:

@@ -6,7 +6,7 @@ phonemes, joined by alignment. Without a voice, times are estimated from duratio
 class.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
@@ -77,6 +77,7 @@ class Speaker:
     manner : reading and speaking settings
     notations : its notations, by name
     near : lookup of the nearest known label, in automatic languages
+    read : words of texts that were read before with the same settings; it grows
     """
 
     def __init__(
@@ -84,10 +85,12 @@ class Speaker:
         manner: Manner,
         notations: Mapping[str, Notation],
         near: "NearestPhonemes | None" = None,
+        read: "MutableMapping[str, tuple[Said, ...]] | None" = None,
     ) -> None:
         self.manner = manner
         self.notations = notations
         self.near = near
+        self.read = read
 
     @classmethod
     def of(cls, language: str | Path, paths: Paths = ()) -> "Speaker":
@@ -117,6 +120,15 @@ class Speaker:
             yield self._transcript(text, words)
 
     def _read(self, texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        if self.read is None:
+            yield from self._read_anew(texts)
+            return
+        new = [text for text in dict.fromkeys(texts) if text not in self.read]
+        if new:
+            self.read.update(zip(new, self._read_anew(new), strict=True))
+        yield from (self.read[text] for text in texts)
+
+    def _read_anew(self, texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         manner = self.manner
         if manner.engine is None:
             raise SpeechError(

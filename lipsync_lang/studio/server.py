@@ -35,6 +35,7 @@ VIEWS = (
     "sentence_routes",
     "bigram_routes",
     "character_routes",
+    "language_routes",
 )
 """Modules of `routes`."""
 

@@ -573,7 +573,7 @@ function chosen(id) {
 
 /** @param {HTMLElement} select @param {string[]} names @param {string} now */
 function fill(select, names, now) {
-  fillPairs(select, names.map((one) => [one, one]));
+  fillPairs(select, (names.includes(now) || !now ? names : [...names, now]).map((one) => [one, one]));
   if (now) /** @type {HTMLSelectElement} */ (select).value = now;
 }
 

@@ -1,0 +1,336 @@
+"""Table of the sounds of a language: what each label looks like, and which mappings need a look.
+
+Rows come in the order of their need: labels that nothing maps, mappings that their features
+contradict, mappings that lose much of the sound, and the rest.
+"""
+
+from collections.abc import Iterator, Mapping, MutableMapping
+from dataclasses import dataclass, field, replace
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.authoring.trial import Trial, try_out
+from lipsync_lang.errors import PackError
+from lipsync_lang.packs.checking.language_checks import notation_of, written
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.phonology.g2p import Said
+from lipsync_lang.phonology.labels import Notation, looser, normalise
+from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.phonology.nearest import SMALL_MARK, NearestPhonemes
+from lipsync_lang.resolver.language_tables import manner_of, notations_of
+from lipsync_lang.resolver.nearest_phonemes import (
+    among,
+    candidates,
+    disagreements,
+    fights,
+    reason_for,
+)
+from lipsync_lang.speech.speaking import Speaker
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library, Pack
+
+NEEDS = ("unmapped", "doubtful", "automatic", "loses", "")
+"""Needs of rows, the most urgent first."""
+
+MAX_WORDS = 3
+"""Words that a row names for its label."""
+
+
+@dataclass
+class SoundMemory:
+    """Results that edits of a table leave as they are; one serves the tables of one user.
+
+    Attributes
+    ----------
+    read : words of texts, by the settings of the engine that read them
+    near : the latest search by features, with what it depends on
+    """
+
+    read: dict[tuple[Any, ...], dict[str, tuple[Said, ...]]] = field(default_factory=dict)
+    near: tuple[object, NearestPhonemes | None] = (None, None)
+
+
+@dataclass(frozen=True)
+class SoundTable:
+    """A language with everything that its table of sounds needs.
+
+    Parameters
+    ----------
+    library : packs, unsaved edits included
+    pack : the language
+    memory : results of earlier tables
+    spoken : further (label, word) of the engine's notation, such as those of a line
+    """
+
+    library: "Library"
+    pack: "Pack[models.Language]"
+    memory: SoundMemory = field(default_factory=SoundMemory)
+    spoken: tuple[tuple[str, str], ...] = ()
+
+    def told(self) -> dict[str, Any]:
+        """Return the table as JSON data: rows, common phonemes, tests and caveats."""
+        trial = self.trial()
+        model, sources = self.pack.model, self.pack.sources
+        return {
+            "name": model.name,
+            "title": next(filter(None, (one.data.get("title") for one in sources)), model.name),
+            "tag": model.tag,
+            "extends": model.extends,
+            "automatic": model.automatic,
+            "speaks": model.tts is not None,
+            "notations": list(model.notations),
+            "read": written(model),
+            "common": self._common(),
+            "rows": self.rows(trial),
+            "tests": self._tests(trial),
+            "own_tests": len(self.pack.source.data.get("tests") or ()),
+            "refusal": trial.refusal,
+            "caveats": list(model.caveats),
+        }
+
+    def trial(self) -> Trial:
+        """Run the tests of the pack, and those of the packs that it extends."""
+        tests = [*self._lineage_tests()]
+        whole = replace(self.pack, model=self.pack.model.model_copy(update={"tests": tests}))
+        return try_out(self.library, whole, self._read(self._manner()))
+
+    def _lineage_tests(self) -> "Iterator[models.Test]":
+        for source in self.pack.sources:
+            if source.path.is_file() or source.path in self.library.unsaved:
+                found: Any = self.library.load(source.path, "language", source.path.stem)
+                yield from found.model.tests
+
+    def transcribed(self, text: str) -> dict[str, Any]:
+        """Transcribe a text: words with their labels, and the common phonemes of each.
+
+        Raises
+        ------
+        SpeechError
+            The language reads no text, or its engine failed.
+        """
+        manner = self._manner()
+        near = self._near() if self.pack.model.automatic else None
+        notations = notations_of(self.library, self.pack)
+        speaker = Speaker(manner, notations, near, self._read(manner))
+        (transcript,) = speaker.transcribe([text])
+        return speaker.told(transcript)
+
+    def _manner(self) -> Manner:
+        return manner_of(self.pack, self.library.common().model)
+
+    def _read(self, manner: Manner) -> "MutableMapping[str, tuple[Said, ...]]":
+        file = manner.settings.file
+        when = file.stat().st_mtime_ns if file is not None and file.is_file() else 0
+        key = (manner.engine, manner.settings, frozenset(manner.words), when)
+        return self.memory.read.setdefault(key, {})
+
+    # Rows
+
+    def rows(self, trial: Trial) -> list[dict[str, Any]]:
+        """Return a row for each label of each notation, the most urgent first."""
+        words = self._words(trial)
+        near = self._near()
+        rows = [*self._unmapped(trial)]
+        for notation, table in self.pack.model.notations.items():
+            judged = self._judged(near) if notation == IPA and near is not None else {}
+            known = words if notation in (IPA, written(self.pack.model)) else {}
+            for label, sounds in table.items():
+                row = self._row(notation, label, list(sounds.to), list(sounds.shares or ()))
+                own = self._examples(notation, label)
+                row["words"] = [*dict.fromkeys((*own, *known.get(normalise(label), ())))]
+                rows.append(row | judged.get(label, {}))
+        rows += self._automatic(trial, near)
+        for row in rows:
+            row["words"] = row["words"][:MAX_WORDS]
+        return sorted(rows, key=_urgency)
+
+    def _row(self, notation: str, label: str, to: list[str], shares: list[float]) -> dict[str, Any]:
+        stated = self.pack.source.data
+        tables = stated.get("notations") or {}
+        return {
+            "notation": notation,
+            "label": label,
+            "to": to,
+            "shares": shares,
+            "reason": self.pack.model.reasons.get(label, ""),
+            "own": label in (tables.get(notation) or {}),
+            "own_reason": label in (stated.get("reasons") or {}),
+            "why": "",
+            "need": "",
+            "says": "",
+            "losses": [],
+            "distance": 0.0,
+            "words": [],
+        }
+
+    def _examples(self, notation: str, label: str) -> list[str]:
+        model = self.pack.model
+        first = next(iter(model.notations), "")
+        example = model.examples.get(label, "") if notation == first else ""
+        return [example] if example else []
+
+    def _near(self) -> NearestPhonemes | None:
+        """Return the search by features; None if the pack of the IPA is unsound."""
+        library, model = self.library, self.pack.model
+        try:
+            ipa, common = library.ipa(), library.common()
+            labels = model.inventory.segments if model.inventory else model.notations.get(IPA, ())
+            files = [library.files[str(pack.path)] for pack in (ipa, common)]
+            key = (files, candidates(model, common.model), tuple(labels))
+            if self.memory.near[0] != key:
+                self.memory.near = key, among(library, self.pack)
+        except PackError:
+            return None
+        return self.memory.near[1]
+
+    def _judged(self, near: NearestPhonemes) -> dict[str, dict[str, Any]]:
+        """Return what the features say of each mapping of the IPA."""
+        model, decided = self.pack.model, self.library.ipa().model.decided
+        against = dict(fights(model, near))
+        other = {row.label: row for row in disagreements(model, near, decided)}
+        judged = {}
+        for label in model.notations[IPA]:
+            found = near.nearest(label)
+            one: dict[str, Any] = {
+                "why": reason_for(model, near, label, decided),
+                "losses": list(found.losses),
+                "distance": 0.0 if found.distance == inf else round(found.distance, 3),
+            }
+            row = other.get(label)
+            if label in against:
+                one |= {"need": "doubtful", "says": f"otherwise by {', '.join(against[label])}"}
+            elif row is not None and not row.reason:
+                by = " ".join(name for name, _ in row.automatic) or "nothing"
+                one |= {
+                    "need": "doubtful",
+                    "says": f"its features say {by}, and no reason is given",
+                }
+            elif row is None and found.losses and one["distance"] > SMALL_MARK:
+                one |= {"need": "loses", "says": f"not shown: {', '.join(found.losses)}"}
+            judged[label] = one
+        return judged
+
+    def _unmapped(self, trial: Trial) -> Iterator[dict[str, Any]]:
+        """Yield rows for labels that are spoken or in the inventory, and mapped nowhere."""
+        model = self.pack.model
+        name = written(model)
+        found: dict[tuple[str, str], list[str]] = {}
+        for heard in trial.transcripts:
+            for label in heard.unmapped:
+                found.setdefault((name, label), []).append(heard.text)
+        notation = notation_of(model, name)
+        for label, word in self.spoken if not model.automatic else ():
+            if notation.find(label) is None:
+                found.setdefault((name, label), []).append(word)
+        mapped, inventory = notation_of(model, IPA), model.inventory
+        if inventory is not None and not model.automatic:
+            for segment in inventory.segments:
+                if segment not in inventory.absent and mapped.find(segment) is None:
+                    found.setdefault((IPA, segment), [])
+        for (where, label), words in found.items():
+            says = f"'{words[0]}' is read with it" if words else "the inventory has it"
+            row = self._row(where, label, [], [])
+            yield row | {"need": "unmapped", "says": f"{says}; nothing maps it", "words": words}
+
+    def _automatic(self, trial: Trial, near: NearestPhonemes | None) -> Iterator[dict[str, Any]]:
+        """Yield rows for labels that an automatic language maps by features alone."""
+        model = self.pack.model
+        if not model.automatic or near is None:
+            return
+        stated = Notation(dict.fromkeys(model.notations.get(IPA, {}), ()))
+        for label, words in self._heard(trial).items():
+            found = near.nearest(label)
+            if stated.stated(label) is not None or found.distance == inf:
+                continue
+            says = f"not shown: {', '.join(found.losses)}" if found.losses else "by its features"
+            row = self._row(IPA, label, [name for name, _ in found.value], [])
+            yield row | {
+                "need": "automatic",
+                "says": says,
+                "losses": list(found.losses),
+                "distance": round(found.distance, 3),
+                "words": words,
+            }
+
+    def _heard(self, trial: Trial) -> dict[str, list[str]]:
+        """Return the words of each label, as the engine or a test's source writes it."""
+        heard: dict[str, list[str]] = {}
+        for transcript in trial.transcripts:
+            for said in transcript.words:
+                for label in said.labels:
+                    heard.setdefault(normalise(label), []).append(said.text)
+        for test in trial.pack.model.tests:
+            for label in test.ipa.split():
+                heard.setdefault(normalise(label), []).append(test.text)
+        for label, word in self.spoken:
+            heard.setdefault(normalise(label), []).append(word)
+        return heard
+
+    def _words(self, trial: Trial) -> dict[str, list[str]]:
+        """Return words by normalised label; those of a looser spelling come last."""
+        model = self.pack.model
+        names = {normalise(label) for table in model.notations.values() for label in table}
+        found: dict[str, list[str]] = {}
+        for label, words in self._heard(trial).items():
+            known = next((one for one in looser(label) if one in names), label)
+            found.setdefault(known, []).extend(words)
+        return {label: [*dict.fromkeys(words)] for label, words in found.items()}
+
+    # What rows refer to
+
+    def _common(self) -> list[dict[str, Any]]:
+        """Return the common phonemes of the language, with their shades behind them."""
+        common, model = self.library.common().model, self.pack.model
+        names = candidates(model, common)
+        told = []
+        for name in names:
+            stated: Any = model.adds.get(name) or common.phonemes[name]
+            told.append(_described(name, stated, ""))
+            told += [_described(s, x, name) for s, x in common.shades.items() if x.like == name]
+        return told
+
+    def _tests(self, trial: Trial) -> list[dict[str, Any]]:
+        """Return each test with what the pack makes of it."""
+        common = self.library.common().model
+        notation = notation_of(self.pack.model, IPA)
+        rows = []
+        for number, test in enumerate(trial.pack.model.tests):
+            heard = trial.transcripts[number] if number < len(trial.transcripts) else None
+            said = [name for name in heard.phonemes if name != common.silence] if heard else []
+            claimed = [n for label in test.ipa.split() for n, _ in notation.find(label) or ()]
+            claim = not test.ipa or test.accepts(claimed, common.shades)
+            right = heard is None or (not heard.unmapped and test.accepts_read(said, common.shades))
+            rows.append(
+                {
+                    "text": test.text,
+                    IPA: test.ipa,
+                    "source": test.source,
+                    "expected": list(test.read or test.phonemes),
+                    "said": said,
+                    "claimed": claimed if not claim else [],
+                    "labels": list(heard.labels) if heard else [],
+                    "unmapped": list(heard.unmapped) if heard else [],
+                    "right": right,
+                    "passed": right and claim,
+                }
+            )
+        return rows
+
+
+def _described(name: str, stated: "models.SoundFields", like: str) -> dict[str, Any]:
+    """Return a common phoneme or a shade in words."""
+    return {
+        "name": name,
+        "title": stated.title,
+        IPA: list(stated.ipa),
+        "example": stated.example,
+        "class": stated.sound or "",
+        "like": like,
+        "reason": getattr(stated, "reason", ""),
+    }
+
+
+def _urgency(row: Mapping[str, Any]) -> tuple[int, float]:
+    return NEEDS.index(row["need"]), -row["distance"] if row["need"] else 0.0
