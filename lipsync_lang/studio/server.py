@@ -7,6 +7,7 @@ The address holds a random token. A page of another site can neither guess it no
 import json
 import logging
 from collections.abc import Callable, Collection
+from functools import cache
 from importlib import import_module
 from importlib.resources import files
 from secrets import compare_digest
@@ -24,6 +25,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.studio.merging import EditConflict
+from lipsync_lang.studio.module_bundle import bundle
 from lipsync_lang.studio.routes.asking import Answer, Packed, Refused, Route, Wish
 from lipsync_lang.studio.workshop import Workshop
 
@@ -41,6 +43,9 @@ VIEWS = (
 
 MAX_REQUEST_BYTES = 64 * 2**20
 """Bytes of a request: a recording of some minutes."""
+
+SCRIPT = "studio.bundle.js"
+"""Name of the script that `studio.html` loads."""
 
 KINDS = {
     "html": "text/html; charset=utf-8",
@@ -208,9 +213,17 @@ def _file(name: str) -> Callable[[Request], Any]:
     return endpoint
 
 
+@cache
+def _script() -> str:
+    """Return the studio's modules in one script: one request in place of one for each."""
+    return bundle("studio")
+
+
 async def _named(request: Request) -> Response:
     """Serve a file of `static`; names with folders never come here."""
     name = request.path_params["name"]
+    if name == SCRIPT:
+        return Response(_script(), media_type=KINDS["js"])
     known = {one.name for one in (files("lipsync_lang.studio") / "static").iterdir()}
     if name not in known or name.rpartition(".")[2] not in KINDS:
         return _error(404, "there is no such file")

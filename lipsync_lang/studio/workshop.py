@@ -13,6 +13,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.layers import PairPacks
 from lipsync_lang.resolver.settings import motion_with
@@ -123,7 +124,7 @@ class Workshop:
             raise LipsyncError("no pair is open; choose a language and a character")
         revision = self.desk.revision
         if self._now is None or self._now[0] != revision:
-            self._now = revision, self._performer(self.library())
+            self._now = revision, self._cached() or self._performer(self.library())
         return self._now[1]
 
     @property
@@ -135,6 +136,15 @@ class Workshop:
             library = Library(self.paths, self.project, earlier=self.library())
             self._saved = self.desk.revision, self._performer(library)
         return self._saved[1]
+
+    def _cached(self) -> Performer | None:
+        """Return the performer as the command line has it, which compiles a pair only once."""
+        if self.desk.contents or self.project != Path.cwd():
+            return None
+        return resolve(
+            self.language, self.character, paths=self.paths, gaps="rest", unknown="rest",
+            motion=self.motion,
+        )  # fmt: skip
 
     def _performer(self, library: Library) -> Performer:
         compiled: Compiled = compile_pair(library, self.language, self.character)

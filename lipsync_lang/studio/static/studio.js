@@ -93,13 +93,14 @@ export class Studio {
 
   async start() {
     this.#listen();
+    const face = this.api.packed("face").catch(() => null); // asked for at once: it takes longest
     this.project = await this.api.get("project");
     this.state = this.project.state;
     fill(the("language"), this.project.languages, this.state.language);
     fill(the("character"), this.project.characters, this.state.character);
     if (this.state.restored) this.tell(`${this.state.restored} unsaved edits of the last time are here again`);
     for (const one of this.state.notes ?? []) this.tell(one, "fault");
-    if (this.state.language) await this.#opened();
+    if (this.state.language) await this.#opened(await face);
     else this.#choose();
     document.documentElement.dataset.ready = "";
   }
@@ -116,11 +117,11 @@ export class Studio {
     });
   }
 
-  /** Show the face and the line of the pair. */
-  async #opened() {
+  /** Show the face and the line of the pair. @param {any} [face] that was asked for already */
+  async #opened(face) {
     the("main").querySelector(".empty")?.remove();
     this.take = this.other = null;
-    await this.loadFace();
+    await this.loadFace(face);
     if (this.state.line) await this.attempt(async () => this.#heard(await this.api.packed("line")));
     this.#told();
     await this.#go();
@@ -128,9 +129,9 @@ export class Studio {
     this.wake();
   }
 
-  /** Draw the model anew, after it was opened or replaced. */
-  async loadFace() {
-    this.model = await this.api.packed("face");
+  /** Draw the model anew, after it was opened or replaced. @param {any} [face] that was asked for already */
+  async loadFace(face) {
+    this.model = face ?? await this.api.packed("face");
     this.posed = null;
     const rest = new Take(this.model.take);
     this.portrait = new Portrait({ faces: [this.model.face] }, this.take ?? rest);
