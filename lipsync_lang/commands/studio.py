@@ -3,6 +3,7 @@
 import logging
 import sys
 from argparse import Namespace
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -66,7 +67,8 @@ def studio(options: Namespace) -> int:
             lifespan="off", ws="none", server_header=False,
             timeout_graceful_shutdown=SHUTDOWN_SECONDS,
         )  # fmt: skip
-        uvicorn.Server(config).run(sockets=[listener])
+        with suppress(KeyboardInterrupt):  # the usual end of a studio
+            uvicorn.Server(config).run(sockets=[listener])
     return SOUND
 
 

@@ -1,0 +1,228 @@
+// Use the studio in a headless browser as an animator would, and print what came of it:
+//
+//   node studio.mjs NODE_MODULES CHROMIUM ADDRESS STORY [FOLDER]
+//
+// A story is one of the functions below. Printed is JSON: `said` and `asked`, the errors and the requests
+// to other places of all this; the rest is the story's. FOLDER gets pictures, where one is named.
+import { createRequire } from "node:module";
+import { createInterface } from "node:readline";
+
+const [modules, chromium, address, story, folder] = process.argv.slice(2);
+const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
+
+const flags = [
+  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+  "--autoplay-policy=no-user-gesture-required",
+];
+const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const said = [], asked = [];
+const origin = new URL(address).origin;
+
+async function show(hash = "", options = {}) {
+  const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
+  page.on("pageerror", (error) => said.push(String(error)));
+  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall|GL Driver/.test(one.text()) && said.push(one.text()));
+  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("request", (one) => one.url().startsWith(origin) || /^(data|blob):/.test(one.url()) || asked.push(one.url()));
+  await page.goto(address + hash);
+  await page.waitForSelector("html[data-ready]", { timeout: 120000 });
+  return page;
+}
+
+const settle = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+const text = (page, selector) => page.textContent(selector);
+const saved = (page) => page.waitForFunction(() => document.querySelector("#save").textContent === "Saved");
+const unsaved = (page) => page.waitForFunction(() => /\d/.test(document.querySelector("#save").textContent));
+const picture = async (page, name) => folder && page.screenshot({ path: `${folder}/${name}.png` });
+
+/** Speak a line, and wait until its curves are here. */
+async function speak(page, line) {
+  await page.fill("#text", line);
+  await page.press("#text", "Enter");
+  await page.waitForFunction(() => document.querySelector("#clock").textContent !== "" && !document.body.classList.contains("busy"), null, { timeout: 120000 });
+  await page.evaluate(() => document.activeElement.blur());
+  await settle(page);
+}
+
+/** The pixels of the face, small. */
+const pixels = (page) => page.evaluate(() => {
+  const small = Object.assign(document.createElement("canvas"), { width: 64, height: 64 });
+  const context = small.getContext("2d");
+  context.drawImage(document.querySelector("#faces canvas"), 0, 0, 64, 64);
+  return [...context.getImageData(0, 0, 64, 64).data];
+});
+const differing = (a, b) => a.filter((one, n) => Math.abs(one - b[n]) > 24).length;
+
+/** The points of the pose in front, as [time, value]. */
+const points = (page) => page.$$eval(".curve-plot g.front [data-index]", (all) => all.map((one) => one.getAttribute("aria-valuetext")));
+
+/** Drag a point of the pose in front by pixels. */
+async function drag(page, index, right, down) {
+  const box = await page.locator(`.curve-plot g.front [data-index="${index}"]`).boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (const share of [0.3, 0.6, 1]) await page.mouse.move(x + share * right, y + share * down);
+  await page.mouse.up();
+  await settle(page);
+}
+
+/** Wait for a word from the test. */
+const told = () => new Promise((done) => createInterface({ input: process.stdin }).once("line", done));
+const tell = (word) => process.stdout.write(`${word}\n`);
+
+const stories = {
+  /** The walk of two minutes: hear the line, see why, shape a bigram, undo, save. */
+  async walk() {
+    const page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    await picture(page, "sentence");
+    const rest = await pixels(page);
+    await page.keyboard.press("Space");
+    const heard = [], faces = [];
+    for (let n = 0; n < 8; n++) {
+      await page.waitForTimeout(150);
+      heard.push(await page.evaluate(() => parseFloat(document.querySelector("#clock").textContent.replace("−", "-"))));
+      faces.push(await pixels(page));
+    }
+    await page.keyboard.press("Space");
+    const moved = Math.max(...faces.map((one) => differing(one, rest)));
+    await page.evaluate(() => { location.hash = "#bigrams/b-w"; location.hash = "#bigrams/w-bmp"; });
+    await page.waitForSelector(".curve-plot g.front [data-index]");
+    await settle(page);
+    await picture(page, "bigram");
+    const before = await points(page);
+    await drag(page, 3, 0, -60);
+    await unsaved(page);
+    const after = await points(page);
+    await page.keyboard.press("Control+z");
+    await saved(page);
+    await settle(page);
+    const undone = await points(page);
+    await page.keyboard.press("Control+Shift+z");
+    await unsaved(page);
+    await page.click('[data-status="approved"]');
+    await page.waitForFunction(() => document.querySelector('[data-status="approved"]').getAttribute("aria-pressed") === "true");
+    await page.keyboard.press("Control+s");
+    await saved(page);
+    await settle(page);
+    return { heard, moved, before, after, undone, saved: await points(page) };
+  },
+
+  /** Everything by keys alone. */
+  async keyboard() {
+    const page = await show();
+    await page.keyboard.press("/");
+    await page.keyboard.type("My map");
+    await page.keyboard.press("Enter");
+    await page.waitForFunction(() => document.querySelector("#clock").textContent !== "", null, { timeout: 120000 });
+    await page.keyboard.press("Escape");
+    const clock = await text(page, "#clock");
+    for (let n = 0; n < 3; n++) await page.keyboard.press(".");
+    await settle(page);
+    const stepped = await text(page, "#clock");
+    await page.keyboard.press("b");
+    await page.waitForSelector(".curve-plot g.front [data-index]");
+    const hash = await page.evaluate(() => location.hash);
+    await page.focus(".curve-plot g.front [data-index='1']");
+    const before = await points(page);
+    await page.keyboard.press("ArrowUp");
+    await unsaved(page);
+    const after = await points(page);
+    await page.keyboard.press("Control+z");
+    await saved(page);
+    await page.keyboard.press("?");
+    const keys = await page.$$eval("#help dt", (all) => all.length);
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Alt+1");
+    await page.waitForFunction(() => location.hash === "#sentence");
+    const nameless = await page.$$eval("button, input, select, textarea, [role=slider], [role=application]", (all) => all
+      .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim() || one.closest("label") || one.title)).map((one) => one.outerHTML.slice(0, 80)));
+    return { clock, stepped, hash, before, after, keys, nameless };
+  },
+
+  /** Two tabs on one bigram, a file that changed on the disk, and a server that is killed. */
+  async trouble() {
+    const one = await show("#bigrams/w-bmp"), other = await show("#bigrams/w-bmp");
+    await Promise.all([one, other].map((page) => page.waitForSelector(".curve-plot g.front [data-index]")));
+    await drag(one, 3, 0, -40);
+    await unsaved(one);
+    await other.evaluate(() => dispatchEvent(new Event("focus")));
+    await unsaved(other);
+    await settle(other);
+    const shared = JSON.stringify(await points(one)) === JSON.stringify(await points(other));
+    await one.keyboard.press("Control+s");
+    await saved(one);
+    await drag(one, 3, 0, -20);
+    await unsaved(one);
+    tell("edited"); // the test changes the file
+    await told();
+    await one.keyboard.press("Control+s");
+    await one.waitForSelector("dialog[open] select");
+    const conflict = await text(one, "dialog[open] li b");
+    await picture(one, "conflict");
+    await one.selectOption("dialog[open] select", "mine");
+    await one.click("dialog[open] .main");
+    await saved(one);
+    await drag(one, 3, 0, 50);
+    await unsaved(one);
+    const last = await points(one);
+    await other.close();
+    tell("kill"); // the test kills the server, and starts it anew at the same address
+    await told();
+    said.length = 0; // requests to a dead server are errors of the browser
+    await one.goto("about:blank");
+    await one.goto(`${address}#bigrams/w-bmp`);
+    await one.waitForSelector("html[data-ready]", { timeout: 120000 });
+    await one.waitForSelector(".curve-plot g.front [data-index]");
+    await unsaved(one);
+    return { shared, conflict, kept: JSON.stringify(await points(one)) === JSON.stringify(last) };
+  },
+
+  /** The first start: choose a pair, or take the tour to its end. */
+  async tour() {
+    const page = await show();
+    await picture(page, "first");
+    await page.click(".empty button:not(.main)");
+    await page.waitForSelector(".tour", { timeout: 120000 });
+    const titles = [], outside = [];
+    for (;;) {
+      titles.push(await text(page, ".tour h2"));
+      await settle(page);
+      await picture(page, `tour-${titles.length}`);
+      const { x, y, width, height } = await page.locator(".tour").boundingBox();
+      if (x < 0 || y < 0 || x + width > 1366 || y + height > 768) outside.push(titles.at(-1));
+      const last = (await text(page, ".tour .main")) === "Done";
+      await page.click(".tour .main");
+      if (last) break;
+    }
+    return { titles, outside, left: await page.locator(".tour").count() };
+  },
+
+  /** Every view, light and dark, on small and large screens: nothing overflows. */
+  async views() {
+    const overflow = [];
+    const page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    for (const [width, height] of [[1366, 768], [2560, 1440], [390, 844]]) {
+      await page.setViewportSize({ width, height });
+      for (const colorScheme of folder ? ["light", "dark"] : ["light"]) {
+        await page.emulateMedia({ colorScheme });
+        for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "words", "coverage", "language"]) {
+          await page.evaluate((name) => { location.hash = `#${name}`; }, view);
+          await page.waitForTimeout(200);
+          const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+          if (wide > 0) overflow.push([view, width, wide]);
+          await picture(page, `${view.replace("/", "-")}-${width}-${colorScheme}`);
+        }
+      }
+    }
+    return { overflow };
+  },
+};
+
+const found = await stories[story]();
+await browser.close();
+tell(JSON.stringify({ said, asked, ...found }));
+process.exit(0);

@@ -1,0 +1,165 @@
+"""The studio in a browser, used as an animator would use it."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from lanes import full
+from test_consumers import chromium, found
+
+from lipsync_lang.performing.resolving import resolve
+
+pytest.importorskip("uvicorn", reason="the studio needs uvicorn")
+pytestmark = full
+
+HERE = Path(__file__).parent
+BANK = Path("posesets") / "crab" / "banks" / "common.yaml"
+TOKEN = "a-token-for-the-tests"  # noqa: S105 of a server that nobody else reaches
+
+
+class Studio:
+    """A studio in a process of its own, in a folder of its own."""
+
+    def __init__(self, folder, *arguments):
+        self.folder, self.arguments = folder, arguments
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.process = None
+
+    def start(self):
+        command = [
+            sys.executable, "-m", "lipsync_lang", "studio", "--no-browser", "--token", TOKEN,
+            "--port", str(self.port), *self.arguments,
+        ]  # fmt: skip
+        state = os.environ | {"XDG_STATE_HOME": str(self.folder.parent / "state")}
+        self.process = subprocess.Popen(
+            command, cwd=self.folder, env=state, stdout=subprocess.PIPE, encoding="utf-8"
+        )
+        self.address = self.process.stdout.readline().split()[-1]
+
+    def kill(self, how=signal.SIGKILL):
+        if self.process is not None:
+            self.process.send_signal(how)
+            self.process.wait(timeout=20)
+            self.process.stdout.close()
+            self.process = None
+
+
+@pytest.fixture
+def studio(tmp_path, request):
+    folder = tmp_path / "project"
+    folder.mkdir()
+    made = Studio(folder, *getattr(request, "param", ("-l", "english", "-c", "crab")))
+    made.start()
+    yield made
+    made.kill()
+
+
+class Story:
+    """A story that is told in the browser; the test may act between its parts."""
+
+    def __init__(self, studio, name):
+        node, modules = found("playwright-core")
+        pictures = os.environ.get("LIPSYNC_LANG_STUDIO_PICTURES", "")
+        self.process = subprocess.Popen(
+            [node, HERE / "studio.mjs", modules, chromium(), studio.address, name, pictures],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, encoding="utf-8",
+        )  # fmt: skip
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+
+    def line(self):
+        return self.process.stdout.readline().strip()
+
+    def go_on(self):
+        self.process.stdin.write("\n")
+        self.process.stdin.flush()
+
+    def end(self):
+        """Return what the story tells at its end: no errors, no request to another place."""
+        out = self.process.stdout.read()
+        self.process.wait(timeout=300)
+        assert self.process.returncode == 0
+        told = json.loads(out)
+        assert (told["said"], told["asked"]) == ([], [])
+        return told
+
+
+def telling(studio, name):
+    with Story(studio, name) as story:
+        return story.end()
+
+
+def test_a_line_is_heard_seen_explained_shaped_and_saved(studio):
+    told = telling(studio, "walk")
+    assert told["moved"] > 20
+    assert told["heard"] == sorted(told["heard"])
+    assert told["heard"][-1] > told["heard"][0]
+    assert told["after"] != told["before"]
+    assert told["undone"] == told["before"]
+    assert told["saved"] == told["after"]
+    text = (studio.folder / BANK).read_text("utf-8")
+    assert "w-bmp" in text
+    assert "approved" in text
+    performer = resolve("english", "crab", paths=[studio.folder], cache=False)
+    assert ("w", "bmp") in [
+        origin.pair for origin in performer.compiled.origins if origin.status == "approved"
+    ]
+
+
+def test_everything_is_reached_by_keys(studio):
+    told = telling(studio, "keyboard")
+    assert told["stepped"] != told["clock"]
+    assert told["hash"].startswith("#bigrams/")
+    assert told["after"] != told["before"]
+    assert told["keys"] > 10
+    assert told["nameless"] == []
+
+
+def test_two_tabs_a_changed_file_and_a_killed_server(studio):
+    with Story(studio, "trouble") as story:
+        assert story.line() == "edited"
+        file = studio.folder / BANK
+        text = file.read_text("utf-8")
+        file.write_text(
+            text.replace("]]", "], [1, 0.123]]", 1).replace("[1, 0], [1", "[1"), "utf-8"
+        )
+        assert file.read_text("utf-8") != text
+        story.go_on()
+        assert story.line() == "kill"
+        studio.kill()
+        studio.start()
+        story.go_on()
+        told = story.end()
+    assert told["shared"]
+    assert "w-bmp" in told["conflict"]
+    assert told["kept"]
+
+
+@pytest.mark.parametrize("studio", [()], indirect=True)
+def test_the_tour_of_the_crab(studio):
+    told = telling(studio, "tour")
+    assert len(told["titles"]) >= 5
+    assert (told["outside"], told["left"]) == ([], 0)
+
+
+def test_every_view_fits_every_screen(studio):
+    assert telling(studio, "views")["overflow"] == []
+
+
+def test_ctrl_c_closes_the_studio(studio):
+    process = studio.process
+    studio.kill(signal.SIGINT)
+    assert process.returncode == 0
