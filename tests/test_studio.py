@@ -174,7 +174,8 @@ def test_another_pair_is_opened_or_refused(tmp_path):
     caller = Caller(Workshop(tmp_path, engine="none"))
     state = caller.api("state").json
     assert (state["language"], state["character"], state["unsaved"]) == ("", "", [])
-    assert "choose a language" in caller.api("face").json["error"]
+    assert unpacked(caller.api("face"))[0]["face"] is None
+    assert "choose a language" in caller.api("figures").json["error"]
     assert caller.post("open", {"language": "german", "character": "crab"}).status == 200
     found = caller.post("open", {"language": "germany", "character": "crab"})
     assert "german" in found.json["error"]

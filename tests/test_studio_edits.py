@@ -173,6 +173,10 @@ def test_every_tour_has_steps_and_a_line(caller):
         assert told["language"]
         assert told["line"]
         assert all({*step} == {"view", "at", "title", "text"} for step in told["steps"])
+        caller.post("open", {"language": told["language"], "character": name})
+        views = [step["view"].partition("/") for step in told["steps"]]
+        pairs = [pair for view, _, pair in views if view == "bigrams"]
+        assert all(caller.api(f"bigram/{pair}").status == 200 for pair in pairs)
     assert caller.api("tour/facefx").status == 422
     assert caller.api("tour/../crab").status in {404, 422}
 

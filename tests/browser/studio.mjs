@@ -23,6 +23,7 @@ async function show(hash = "", options = {}) {
   const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
   page.on("pageerror", (error) => said.push(String(error)));
   page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall|GL Driver/.test(one.text()) && said.push(one.text()));
+  page.on("response", (one) => one.status() >= 400 && one.status() !== 409 && said.push(`${one.status()} ${one.url()}`));
   page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
   page.on("request", (one) => one.url().startsWith(origin) || /^(data|blob):/.test(one.url()) || asked.push(one.url()));
   await page.goto(address + hash);
@@ -146,11 +147,14 @@ const stories = {
   async trouble() {
     const one = await show("#bigrams/w-bmp"), other = await show("#bigrams/w-bmp");
     await Promise.all([one, other].map((page) => page.waitForSelector(".curve-plot g.front [data-index]")));
+    await one.bringToFront();
     await drag(one, 3, 0, -40);
     await unsaved(one);
     await other.evaluate(() => dispatchEvent(new Event("focus")));
+    await other.bringToFront();
     await unsaved(other);
     await settle(other);
+    await one.bringToFront();
     const shared = JSON.stringify(await points(one)) === JSON.stringify(await points(other));
     await one.keyboard.press("Control+s");
     await saved(one);

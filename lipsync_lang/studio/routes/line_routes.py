@@ -180,9 +180,11 @@ def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) 
 
 
 def face(workshop: Workshop, _: Wish) -> Packed:
-    """Return the model of the character, for `gl_face.js`."""
+    """Return the model of the character, for `gl_face.js`, and a take of rest."""
     from lipsync_lang.schedules.schedule import Schedule
 
+    if not workshop.language:
+        return Packed({"face": None}, ArrayPack())
     performer = workshop.performer
     rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
     pack = ArrayPack()

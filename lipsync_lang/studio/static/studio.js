@@ -131,7 +131,7 @@ export class Studio {
 
   /** Draw the model anew, after it was opened or replaced. @param {any} [face] that was asked for already */
   async loadFace(face) {
-    this.model = face ?? await this.api.packed("face");
+    this.model = face?.face ? face : await this.api.packed("face");
     this.posed = null;
     const rest = new Take(this.model.take);
     this.portrait = new Portrait({ faces: [this.model.face] }, this.take ?? rest);
@@ -238,7 +238,14 @@ export class Studio {
     if (this.portrait) this.portrait.take = this.take;
   }
 
+  /** The strip is seen beside every view but that of the whole timeline. */
+  #showStrip() {
+    the("strip").hidden = !this.take || this.viewName === "sentence";
+    this.strip.stale = true;
+  }
+
   #drawStrip() {
+    this.#showStrip();
     if (this.take) this.strip.show({ take: this.take, other: null, sound: this.sound, rows: [] });
   }
 
@@ -402,7 +409,7 @@ export class Studio {
       if (one.getAttribute("href") === `#${name}`) one.setAttribute("aria-current", "page");
       else one.removeAttribute("aria-current");
     }
-    the("strip").hidden = name === "sentence";
+    this.#showStrip();
     await this.attempt(() => known.view.show(decodeURIComponent(argument)));
     this.strip.stale = true;
     this.wake();
