@@ -36,7 +36,10 @@ def test_the_studio_is_served_with_a_strict_policy(caller):
     assert "script-src 'self'" in found.headers["content-security-policy"]
     assert "unsafe" not in found.headers["content-security-policy"]
     assert found.headers["referrer-policy"] == "no-referrer"
-    assert b"studio.js" in found.content
+    assert b'src="studio.bundle.js"' in found.content
+    script = caller.get("studio.bundle.js")
+    assert script.status == 200
+    assert b"class Studio" in script.content
 
 
 def test_every_module_of_the_studio_is_served(caller):
@@ -175,7 +178,8 @@ def test_another_pair_is_opened_or_refused(tmp_path):
     state = caller.api("state").json
     assert (state["language"], state["character"], state["unsaved"]) == ("", "", [])
     assert unpacked(caller.api("face"))[0]["face"] is None
-    assert "choose a language" in caller.api("figures").json["error"]
+    assert caller.api("figures").status == 422
+    assert "choose a language" in caller.post("line", {"text": "Hello"}).json["error"]
     assert caller.post("open", {"language": "german", "character": "crab"}).status == 200
     found = caller.post("open", {"language": "germany", "character": "crab"})
     assert "german" in found.json["error"]
