@@ -1,7 +1,4 @@
-"""Sources of a bigram's curves: the pack that states it, the layers beneath it, and the targets."""
-
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+"""Sources of a bigram's curves: the file that states it, the layers beneath it, the targets."""
 
 import numpy as np
 
@@ -9,40 +6,29 @@ from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import BigramRow, PairPacks
 
-if TYPE_CHECKING:
-    from lipsync_lang.packs.library import Pack
-    from lipsync_lang.packs.models import BigramCurves
 
+def stated(shelf: PairPacks, row: BigramRow) -> str | None:
+    """Return the key of a row in the file that states it; None for a draft.
 
-def stated(shelf: PairPacks, row: BigramRow) -> "tuple[str, BigramCurves] | None":
-    """Return the key and the fields of a row in the pack that states it; None for a draft."""
-    packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)
-    for pack in packs:
-        if row.place is None or pack.path != row.place.file:
-            continue
-        bigrams = pack.model.bigrams
-        own = "-".join(row.origin.pair)
-        for key in (own, *bigrams):
-            if key in bigrams and pack.where(("bigrams", key), key=True) == row.place:
-                return key, bigrams[key]
+    The key is another pair's where a coarser pair, or a substitute, is drawn in its place.
+    """
+    for file in shelf.drawn:
+        if row.place is not None and file.path == row.place.file:
+            own = file.rows.get(row.origin.pair)
+            if own is not None and own.place == row.place:
+                return "-".join(row.origin.pair)
+            return next(
+                ("-".join(p) for p, one in file.rows.items() if one.place == row.place), None
+            )
     return None
 
 
 def beneath(shelf: PairPacks, row: BigramRow) -> BigramRow | None:
-    """Return the row of the same pair without the pack that states it; None for a draft."""
+    """Return the row of the same pair without the file that states it; None for a draft."""
     if row.place is None:
         return None
-    file, character = row.place.file, shelf.character
-    if character.path == file:
-        model = character.model.model_copy(update={"bigrams": {}})
-        character = replace(character, model=model)
-    rest = replace(
-        shelf,
-        character=character,
-        banks=tuple(bank for bank in shelf.banks if bank.path != file),
-        own_banks=tuple(bank for bank in shelf.own_banks if bank.path != file),
-    )
-    return rest.row(row.origin.pair)
+    rest = tuple(file for file in shelf.drawn if file.path != row.place.file)
+    return shelf.redrawn(rest).row(row.origin.pair)
 
 
 def target_curves(shelf: PairPacks, pair: Pair, boundary: float) -> dict[int, Floats]:

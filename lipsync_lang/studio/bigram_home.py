@@ -33,8 +33,7 @@ def bigram_home(
         lie beneath it.
     """
     row = shelf.row(pair)
-    found = stated(shelf, row)
-    if row.place is not None and found is not None and found[0] == "-".join(pair):
+    if row.place is not None and stated(shelf, row) == "-".join(pair):
         if own(row.place.file):
             return row.place.file, True
         if row.origin.layer != "shared":

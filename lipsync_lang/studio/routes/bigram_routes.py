@@ -3,10 +3,11 @@
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.coverage.report import authored
 from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.packs.splicing import get
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.resolver.bigram_sources import beneath, stated, target_curves
 from lipsync_lang.resolver.compiled import Pair
@@ -17,7 +18,7 @@ from lipsync_lang.studio.routes.asking import Routes, Wish
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
-    from lipsync_lang.packs.models import BigramCurves
+    from lipsync_lang.packs.library import Pack
 
 DIGITS = 4
 """Decimal places of times and values."""
@@ -78,15 +79,14 @@ def bigram(workshop: Workshop, asked: Wish) -> Json:
     shelf = workshop.shelf()
     pair = _pair(shelf, asked.name)
     row = shelf.row(pair)
-    found = stated(shelf, row)
-    own = found is not None and found[0] == asked.name
-    told = _drawn(shelf, row) | _fields(row, found[1] if found and own else None)
-    told |= _home(workshop, shelf, pair)
+    key = stated(shelf, row)
+    own = _written(workshop, shelf, row) if key == asked.name else {}
+    told = _drawn(shelf, row) | _fields(row, own) | _home(workshop, shelf, pair)
     told |= {
         "pair": asked.name,
         "layer": row.origin.layer,
         "place": row.place and f"{workshop.shown(row.place.file)}:{row.place.line}",
-        "drawn_as": found[0] if found and not own else "",
+        "drawn_as": key if key and key != asked.name else "",
         "ghosts": list(_ghosts(shelf, row, pair)),
     }
     for side in ("before", "after"):
@@ -122,14 +122,26 @@ def _pair(shelf: PairPacks, name: str) -> Pair:
     raise LipsyncError(f"no bigram '{short}' in {shelf.language.model.name}; {hint}")
 
 
-def _fields(row: BigramRow, model: "BigramCurves | None") -> Json:
+def _written(workshop: Workshop, shelf: PairPacks, row: BigramRow) -> Json:
+    """Return the fields of a row as its file has them, with the unsaved edits."""
+    packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)
+    data = {pack.path: pack.source.data for pack in packs}
+    if row.place is None:
+        return {}
+    text = workshop.desk.text(row.place.file)
+    stated_in = data.get(row.place.file) if text is None else text.data
+    found = get(stated_in, ("bigrams", "-".join(row.origin.pair)))
+    return found if isinstance(found, dict) else {}
+
+
+def _fields(row: BigramRow, own: Json) -> Json:
     """Return the fields beside the curves; a bigram drawn as another has none of its own."""
     return {
         "status": row.origin.status or "drafted",
         "word": row.origin.word or "",
-        "why": (model and model.why) or "",
+        "why": own.get("why") or "",
         "contact": "free" if row.free else "hold",
-        "interpolation": (model and model.interpolation) or "",
+        "interpolation": own.get("interpolation") or "",
         "bank_interpolation": "linear" if row.linear else "bspline",
     }
 
