@@ -25,7 +25,6 @@ The paper has none of this.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from math import ceil, floor, inf
 from typing import NamedTuple, Self
 
@@ -99,15 +98,28 @@ class Prepared:
         return max(sum(r.back for r in looks), sum(r.ahead for r in looks))
 
 
-@lru_cache(maxsize=64)
+MAX_PREPARED = 64
+"""Motions and frame rates that tables remember; a studio tries many."""
+
+
 def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
-    """Derive the values of a motion at a frame rate.
+    """Derive the values of a motion at a frame rate; the tables remember them.
 
     Parameters
     ----------
     tables : with the thresholds that the motion asks for
     fps : frames per second
     """
+    known = tables.prepared
+    if (motion, fps) not in known:
+        if len(known) >= MAX_PREPARED:
+            known.clear()
+        known[motion, fps] = _prepared(tables, motion, fps)
+    found: Prepared = known[motion, fps]
+    return found
+
+
+def _prepared(tables: Tables, motion: Motion, fps: float) -> Prepared:
     step = motion.speed_limit / fps
     half = np.zeros_like(tables.softness) if motion.hold else tables.softness * motion.softness
     narrow, extra = _shared(tables, half)

@@ -130,6 +130,27 @@ class Tables:
         out: Floats = tied / self.highest
         return out
 
+    @cached_property
+    def prepared(self) -> dict[Any, Any]:
+        """Values that `prepare` derived from these tables, by motion and frame rate."""
+        return {}
+
+    def with_rows(
+        self,
+        curves: Singles,
+        boundary: Floats,
+        free: Bools,
+        pairs: Ints,
+        styles: tuple[Bank, ...],
+    ) -> Self:
+        """Return tables with other bigrams; what is derived from the rest is kept."""
+        made = replace(
+            self, curves=curves, boundary=boundary, free=free, pairs=pairs, styles=styles
+        )
+        kept = ("prepared", "caps", "binding", "held", "floors", "blockers")
+        vars(made).update({name: getattr(self, name) for name in kept})
+        return made
+
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle to a third of the size, compressed once however often it is sent."""
         return _unpacked, self._packed

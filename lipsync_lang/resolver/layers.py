@@ -13,7 +13,8 @@ from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import known
-from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.packs.library import FilePlace
+from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
@@ -22,7 +23,7 @@ from lipsync_lang.resolver.pose_arrays import thresholds
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
-    from lipsync_lang.packs.library import FilePlace, Library, Pack
+    from lipsync_lang.packs.library import Library, Pack
 
 
 NEUTRAL = "neutral"
@@ -39,7 +40,7 @@ class BigramRow:
     linear: bool = False
     boundary: float = 0.5
     free: bool = False
-    place: "FilePlace | None" = None
+    place: FilePlace | None = None
     """Location in a bank file; None for a draft."""
     style: str = NEUTRAL
     drafted: bool = False
@@ -241,11 +242,12 @@ class PairPacks:
         linear = getattr(model, "interpolation", "") == "linear"
         style = getattr(model, "style", NEUTRAL)
         numbers = {pose: number for number, pose in enumerate(self.poses)}
-        rows = {}
+        rows, file = {}, shown(pack.path)
         for key, bigram in model.bigrams.items():
             first, second = key.split("-")
-            place = pack.where(("bigrams", key), key=True)
-            origin = Origin((first, second), layer, bigram.status, (str(place),), bigram.word)
+            place = FilePlace(pack.path, *pack.source.where(("bigrams", key), key=True))
+            told = f"{file}:{place.line}:{place.column}"
+            origin = Origin((first, second), layer, bigram.status, (told,), bigram.word)
             curves = {
                 numbers[pose]: np.array(points, float) for pose, points in bigram.curves.items()
             }

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
@@ -16,6 +17,7 @@ from lipsync_lang.resolver.language_tables import value_of
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
     from lipsync_lang.packs.library import Library, Pack
+    from lipsync_lang.packs.yaml.source import YamlSource
 
 
 class Disagreement(NamedTuple):
@@ -63,9 +65,21 @@ def spelling(library: "Library") -> dict[str, dict[str, Any]]:
     need no more of it are performed all the same.
     """
     try:
-        data = _features(library)
+        ipa, common = library.ipa(), library.common()
+        known = _SPELLINGS.setdefault(ipa.source, WeakKeyDictionary())
+        if common.source not in known:
+            known[common.source] = _spelling(_features(library))
+        return known[common.source]
     except PackError:
         return {"spelled": {}, "unseen": {}}
+
+
+_SPELLINGS: "WeakKeyDictionary[YamlSource, WeakKeyDictionary[YamlSource, dict[str, Any]]]"
+_SPELLINGS = WeakKeyDictionary()
+"""Spellings by the files of the IPA and of the common phonemes, as long as a library has these."""
+
+
+def _spelling(data: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     spelled = {
         name: {sign: key(meant) for sign, meant in signs.items()}
         for name, signs in data["notations"].items()

@@ -217,16 +217,7 @@ def _retabulated(shelf: PairPacks, old: PairRows, new: PairRows, tables: Tables)
         plain = [number for number, row in enumerate(rows, 1) if row.style == NEUTRAL]
         own[plain] = curves[plain]
         styles.append(Bank(own, *marks(rows)))
-    return frozen(
-        replace(
-            tables,
-            curves=curves,
-            boundary=boundary,
-            free=free,
-            pairs=row_numbers(shelf, new),
-            styles=tuple(styles),
-        )
-    )
+    return frozen(tables.with_rows(curves, boundary, free, row_numbers(shelf, new), tuple(styles)))
 
 
 def _taken(curves: Singles, old: Sequence[BigramRow], new: Sequence[BigramRow]) -> Singles:
