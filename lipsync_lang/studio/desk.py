@@ -152,6 +152,10 @@ class Desk:
 
     # Edits
 
+    def read(self, path: Path) -> None:
+        """Put a file on the desk before its first edit, which is quicker then."""
+        self._sheets.setdefault(path, self._sheet(path))
+
     def change(  # noqa: PLR0913 each is a fact of one edit
         self,
         title: str,
@@ -161,7 +165,7 @@ class Desk:
         tab: str = "",
         merge: str = "",
         create: Mapping[Path, str] | None = None,
-        check: Callable[[Mapping[Path, bytes]], None] | None = None,
+        check: Callable[[Mapping[Path, SplicedText]], None] | None = None,
     ) -> None:
         """Set, insert or delete values; all of them or none.
 
@@ -172,7 +176,7 @@ class Desk:
         tab : the tab that asks
         merge : successive changes of one tab with the same key are undone as one
         create : text of files that do not exist yet
-        check : is called with the `contents` that would be; its error refuses the edits
+        check : is called with the changed files as they would be; its error refuses the edits
 
         Raises
         ------
@@ -201,7 +205,7 @@ class Desk:
         if all(before[path] is after[path] for path in after):
             return
         if check is not None:
-            check({**self.contents, **{path: text.content for path, text in texts.items()}})
+            check(texts)
         self._put(texts)
         step = self._add(Step(title, merge, tab, locs, before, after))
         self._touch(locs, tab)

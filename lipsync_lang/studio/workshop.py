@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.splicing import SplicedText
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.layers import PairPacks
+from lipsync_lang.resolver.retouch import OpenPair
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.bigram_home import bigram_home
@@ -81,7 +83,7 @@ class Workshop:
         self.line: SpokenLine | None = None
         self.text = ""
         self._library: tuple[int, Library] | None = None
-        self._shelf: tuple[int, PairPacks] | None = None
+        self._pair: tuple[int, OpenPair] | None = None
         self.homes: dict[str, Path] = {}
         """Files that edits of bigrams go to, as far as they were looked up."""
         self._now: tuple[int, Performer] | None = None
@@ -92,7 +94,7 @@ class Workshop:
     def library(self) -> Library:
         """Return the packs with the unsaved edits; those that no edit touched are not read again.
 
-        The disk is looked at again after each edit, and whenever a pair is opened.
+        The disk is looked at again whenever a pair is opened.
         """
         revision = self.desk.revision
         if self._library is None or self._library[0] != revision:
@@ -105,7 +107,7 @@ class Workshop:
         """Open a pair; the workshop stays as it was if it cannot be resolved."""
         before = self.language, self.character
         self.language, self.character = language, character
-        self._library = self._now = self._saved = self._shelf = None
+        self._library = self._now = self._saved = self._pair = None
         self.homes = {}
         try:
             performer = self.performer
@@ -124,8 +126,39 @@ class Workshop:
             raise LipsyncError("no pair is open; choose a language and a character")
         revision = self.desk.revision
         if self._now is None or self._now[0] != revision:
-            self._now = revision, self._cached() or self._performer(self.library())
+            self._now = revision, self._cached() or self._performer(self.pair().compiled)
         return self._now[1]
+
+    def pair(self) -> OpenPair:
+        """Return the open pair with its packs at hand and the unsaved edits."""
+        revision = self.desk.revision
+        if self._pair is None or self._pair[0] != revision:
+            self._pair = revision, self._with({})
+        return self._pair[1]
+
+    def _with(self, changed: Mapping[Path, SplicedText]) -> OpenPair:
+        """Return the open pair with the texts on the desk, and some of them changed.
+
+        Changed bigrams are retouched; after any other edit the pair is compiled anew.
+        """
+        known = {} if self._pair is None else self._pair[1].data
+        here = {path: text for path in known if (text := self.desk.text(path))}
+        texts = {**here, **changed}
+        same = self.desk.contents.keys() <= texts.keys() and all(
+            path in texts or path.exists() for path in known
+        )
+        if self._pair is not None and same:
+            made = self._pair[1].retouched(texts.values())
+            if made is not None:
+                return made
+        contents = {**self.desk.contents, **{path: text.content for path, text in changed.items()}}
+        library = Library(self.paths, self.project, unsaved=contents, earlier=self.library())
+        return OpenPair.open(library, self.language, self.character)
+
+    def look_again(self) -> None:
+        """Forget what was read of the disk, which may have changed."""
+        self.homes.clear()
+        self._library = self._now = self._saved = self._pair = None
 
     @property
     def saved(self) -> Performer:
@@ -134,20 +167,20 @@ class Workshop:
             return self.performer
         if self._saved is None or self._saved[0] != self.desk.revision:
             library = Library(self.paths, self.project, earlier=self.library())
-            self._saved = self.desk.revision, self._performer(library)
+            compiled = compile_pair(library, self.language, self.character)
+            self._saved = self.desk.revision, self._performer(compiled)
         return self._saved[1]
 
     def _cached(self) -> Performer | None:
         """Return the performer as the command line has it, which compiles a pair only once."""
-        if self.desk.contents or self.project != Path.cwd():
+        if self.desk.contents or self._pair is not None or self.project != Path.cwd():
             return None
         return resolve(
             self.language, self.character, paths=self.paths, gaps="rest", unknown="rest",
             motion=self.motion,
         )  # fmt: skip
 
-    def _performer(self, library: Library) -> Performer:
-        compiled: Compiled = compile_pair(library, self.language, self.character)
+    def _performer(self, compiled: "Compiled") -> Performer:
         return Performer(compiled, motion_with(compiled.motion, self.motion), "rest", self.paths)
 
     def edit(self, title: str, edits: Sequence[Edit], **more: Any) -> None:
@@ -157,18 +190,18 @@ class Workshop:
         ----------
         more : keywords of `Desk.change`
         """
-        rehearsed: list[tuple[Library, Performer]] = []
+        rehearsed: list[OpenPair] = []
         if any(self.homes.get(str(loc[1]) if loc[1:] else "") != path for path, loc, _ in edits):
             self.homes.clear()
+        if self.language:
+            self.pair()
 
-        def rehearse(contents: Mapping[Path, bytes]) -> None:
-            library = Library(self.paths, self.project, unsaved=contents, earlier=self.library())
-            rehearsed.append((library, self._performer(library)))
+        def rehearse(texts: Mapping[Path, SplicedText]) -> None:
+            rehearsed.append(self._with(texts))
 
         self.desk.change(title, edits, check=rehearse if self.language else None, **more)
-        for library, performer in rehearsed:
-            self._library = self.desk.revision, library
-            self._now = self.desk.revision, performer
+        for pair in rehearsed:
+            self._pair = self.desk.revision, pair
 
     def own(self, path: Path) -> bool:
         """Return True if a pack file is the user's, and so can be edited in place."""
@@ -209,11 +242,7 @@ class Workshop:
 
     def shelf(self) -> PairPacks:
         """Return the packs of the open pair with the unsaved edits, to look up bigrams in."""
-        revision = self.desk.revision
-        if self._shelf is None or self._shelf[0] != revision:
-            packs = PairPacks.open(self.library(), self.language, self.character)
-            self._shelf = revision, packs
-        return self._shelf[1]
+        return self.pair().shelf
 
     def bank_for(self, pair: str) -> tuple[Path, str | None]:
         """Return the file that an edit of a bigram goes to, and its first text if it is new.

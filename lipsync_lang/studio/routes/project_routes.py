@@ -117,6 +117,15 @@ def redo(workshop: Workshop, wish: Wish) -> Json:
     return workshop.state()
 
 
+def warm(workshop: Workshop, _: Wish) -> Json:
+    """Read what the first edit needs, while nobody waits for it."""
+    if workshop.language:
+        for path in workshop.pair().data:
+            if workshop.own(path):
+                workshop.desk.read(path)
+    return {}
+
+
 def save(workshop: Workshop, wish: Wish) -> Json:
     """Save every edit; of entries that changed on the disk as well, `keep` names the side."""
     keep = wish.body.get("keep") or {}
@@ -130,11 +139,15 @@ def save(workshop: Workshop, wish: Wish) -> Json:
             choices[known[file], tuple(loc)] = side
         except (ValueError, KeyError, TypeError):
             raise LipsyncError(f"nothing unsaved is called {text}") from None
+    desk = workshop.desk
+    before = desk.contents
     try:
-        written = workshop.desk.save(keep=choices)
+        written = desk.save(keep=choices)
     except SaveConflict as error:
         rows = [_row(workshop, one) for one in error.conflicts]
         raise Refused(str(error), rows) from None
+    if any(desk.content(path) != content for path, content in before.items()):
+        workshop.look_again()  # the disk had changed as well
     return {"saved": [workshop.shown(path) for path in written], "state": workshop.state()}
 
 
@@ -166,4 +179,5 @@ ROUTES: Routes = {
     "POST undo": undo,
     "POST redo": redo,
     "POST save": save,
+    "POST warm": warm,
 }

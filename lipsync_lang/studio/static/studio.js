@@ -42,6 +42,8 @@ const TOLD = 6000;
 const LOOK = 3000;
 /** Milliseconds after which a face is shaded. */
 const SHADE_LATER = 50;
+/** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
+const WARM_LATER = 800;
 /** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
 const AGAINST = [["", "alone"], ["saved", "A/B: as saved"], ["keyframes", "A/B: keyframes"], ["dominance", "A/B: dominance"]];
@@ -103,6 +105,7 @@ export class Studio {
     if (this.state.language) await this.#opened(await face);
     else this.#choose();
     document.documentElement.dataset.ready = "";
+    setTimeout(() => this.api.post("warm").catch(() => {}), WARM_LATER);
   }
 
   // The pair
