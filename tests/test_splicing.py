@@ -190,6 +190,44 @@ def test_sequences_keep_their_other_items():
     ]  # fmt: skip
 
 
+SPREAD = """\
+kind: poseset
+format: 1
+name: face
+poses: {open: {}, wide: {},   # of the jaw
+  PBM: {},
+  # below
+  FV: {},
+}
+priority: [open, FV,
+  PBM]  # lips last
+"""
+
+
+@pytest.mark.parametrize(
+    ("loc", "value", "expected"),
+    [
+        (("poses", "flat"), {}, ["+  flat: {},"]),
+        (("poses", "PBM"), ABSENT, ["-  PBM: {},"]),
+        (("poses", "FV"), ABSENT, ["-  FV: {},"]),
+        (("poses", "open"), ABSENT, ["-poses: {open: {}, wide: {},   # of the jaw",
+                                     "+poses: {wide: {},   # of the jaw"]),
+        (("priority",), ["wide", "open", "PBM"],
+         ["-priority: [open, FV,", "+priority: [wide, open,"]),
+        (("priority",), ["PBM", "FV", "open"],
+         ["-priority: [open, FV,", "-  PBM]  # lips last",
+          "+priority: [PBM, FV,", "+  open]  # lips last"]),
+        (("priority", 2), ABSENT, ["-  PBM]  # lips last", "+  ]  # lips last"]),
+        (("priority", 3), "wide", ["-  PBM]  # lips last", "+  PBM, wide]  # lips last"]),
+        (("priority",), ["wide", "open", "FV", "PBM"],
+         ["-priority: [open, FV,", "+priority: [wide, open, FV,"]),
+    ],
+)  # fmt: skip
+def test_brackets_over_several_lines_keep_their_lines(loc, value, expected, monkeypatch):
+    monkeypatch.setattr(splicing, "_dumped", None)
+    assert changed(SPREAD, (loc, value), path=Path("face/poseset.yaml")) == expected
+
+
 def test_a_faulty_result_is_refused_with_its_place():
     with pytest.raises(PackFaults, match=r"odd\.yaml:19:33: P104 `boundary` must be below 1"):
         changed(AUTHORED, (("bigrams", "p-a", "boundary"), 3))

@@ -5,7 +5,7 @@ is inserted or deleted with its lines; a collection on one line keeps the text o
 """
 
 from collections.abc import Callable, Mapping
-from itertools import pairwise, takewhile
+from itertools import takewhile
 from typing import Any
 
 from lipsync_lang.packs.yaml.events import YamlError
@@ -217,20 +217,58 @@ class _Edits:
     # Collections in brackets
 
     def _flow(self, span: Span, old: list[str], new: list[str], made: Mapping[str, str]) -> None:
-        """Rebuild a collection in brackets from the text of its entries, `made` being new."""
-        text, entries = self.text, dict(zip(old, span.entries, strict=True))
-        gaps = [text[a.value.end : b.start] for a, b in pairwise(span.entries)]
-        first, last = span.entries[0], span.entries[-1]
-        if any("#" in gap for gap in gaps) or "\n" in text[span.start : span.end]:
-            raise RewriteError("items are added to or taken from brackets over several lines")
+        """Insert and delete entries of a collection in brackets, `made` being new ones."""
+        entries = dict(zip(old, span.entries, strict=True))
+        if self._multiline(span.start, span.end):
+            self._spread(entries, new, made)
+            return
+        gap = ", "
+        if len(old) > 1:
+            gap = self.text[span.entries[0].value.end : span.entries[1].start]
         parts = [
             made[key] if key in made else self.applied(entries[key].start, entries[key].value.end)
             for key in new
         ]
         for entry in span.entries:
             self._drop(entry.start, entry.value.end)
-        inside = (gaps[0] if gaps and gaps[0].strip() == "," else ", ").join(parts)
-        self.put(first.start, last.value.end, inside)
+        inside = (gap if gap.strip() == "," else ", ").join(parts)
+        self.put(span.entries[0].start, span.entries[-1].value.end, inside)
+
+    def _spread(
+        self, entries: Mapping[str, EntrySpan], new: list[str], made: Mapping[str, str]
+    ) -> None:
+        """Insert and delete entries in brackets over several lines; a comma may end them."""
+        for key, entry in entries.items():
+            if key not in new:
+                self._drop(entry.start, entry.value.end)
+                self._delete_item(entry.start, entry.value.end)
+        near = next((entries[key] for key in new if key in entries), None)
+        if near is None:
+            raise RewriteError("brackets over several lines lose every item")
+        first = _leading(new, made)
+        if first:
+            self.put(near.start, near.start, "".join(f"{made[key]}, " for key in first))
+        for key in new[len(first) :]:
+            if key in entries:
+                near = entries[key]
+                continue
+            alone = self._own_line(near.start) and "#" not in self._rest(near.value.end)
+            between = self.newline + " " * self._column(near.start) if alone else " "
+            self.put(near.value.end, near.value.end, f",{between}{made[key]}")
+
+    def _delete_item(self, start: int, end: int) -> None:
+        """Delete an item in brackets with its comma, and its line if nothing else is on it."""
+        behind = len(self.text) - len(self.text[end:].lstrip(" \t"))
+        if self.text[behind : behind + 1] == ",":
+            rest = self.text[behind + 1 :]
+            end = behind + 1 + len(rest) - len(rest.lstrip(" \t"))
+        if self._own_line(start) and not self._rest(end).strip():
+            start, end = self._line_start(start), self._line_end(end)
+        self.put(start, end, "")
+
+    def _rest(self, at: int) -> str:
+        """Return the rest of a line."""
+        return self.text[at : self._line_end(at)]
 
     def _drop(self, start: int, end: int) -> None:
         self.found = [edit for edit in self.found if not (start <= edit[0] and edit[1] <= end)]
@@ -276,6 +314,11 @@ def _items(span: Span, value: Data) -> Items | None:
     if span.kind == "sequence" and isinstance(value, tuple):
         return dict(enumerate(value))
     return None
+
+
+def _leading(keys: list[str], made: Mapping[str, str]) -> list[str]:
+    """Return the new keys before the first old one."""
+    return list(takewhile(lambda key: key in made, keys))
 
 
 def _common(one: list[Data], other: list[Data]) -> int:
