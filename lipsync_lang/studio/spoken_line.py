@@ -4,6 +4,7 @@ Conventions: times are seconds; boundary b is the start of phoneme b, and the la
 Numbers of boundaries and words count from the start of the shown part.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -91,6 +92,21 @@ class SpokenLine:
         """Return the latest end of the line: that of its sound."""
         audio = self.whole.audio
         return max(self.whole.end, float("inf") if audio is None else audio.seconds)
+
+    def retime(self, times: Sequence[float], seconds: float) -> None:
+        """Set all boundaries of the shown part.
+
+        Raises
+        ------
+        ScheduleError
+            The times run backwards, or are not as many as the boundaries.
+        """
+        first, stop = self._span(seconds)
+        changed = np.concatenate((self.whole.times[:first], times, self.whole.times[stop + 1 :]))
+        cuts = self.cuts(seconds)
+        self.whole = replace(self.whole, times=changed)
+        self._cut = self.whole, seconds, cuts
+        self.at = float(changed[first])
 
     def restore(self) -> None:
         """Put the times back as they were read or spoken."""

@@ -96,6 +96,7 @@ def schedule_data(schedule: Schedule) -> Json:
         "times": [round(float(time), 5) for time in schedule.times],
         "labels": list(schedule.labels),
         "words": [[word.text, word.first, word.stop] for word in schedule.words],
+        "emphasis": [word.emphasis for word in schedule.words],
     }
 
 

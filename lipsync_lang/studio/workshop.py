@@ -305,8 +305,8 @@ class Workshop:
 
     def perform(self, performer: Performer | None = None) -> "Animation":
         """Perform the line, by another performer or the open one."""
-        schedule = self.spoken.part(self.part_seconds)
         one = performer or self.performer
+        schedule = self.spoken.part(self.part_seconds)
         return one.perform(schedule, self.settings.fps, **self.settings.asked())
 
     # State

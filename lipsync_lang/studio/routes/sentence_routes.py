@@ -4,7 +4,7 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, MAX_SCHEDULE_SECONDS
 from lipsync_lang.schedules.timing_writers import TIMING_WRITERS
-from lipsync_lang.studio.routes.asking import Packed, Routes, Wish
+from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed
 from lipsync_lang.studio.routes.line_routes import takes, whole
 from lipsync_lang.studio.workshop import Workshop
 
@@ -17,6 +17,15 @@ def boundary(workshop: Workshop, asked: Wish) -> Packed:
     number = _number(asked)
     seconds = asked.number("seconds", -MAX_SCHEDULE_SECONDS, MAX_SCHEDULE_SECONDS)
     workshop.spoken.move(number, seconds, workshop.part_seconds)
+    return takes(workshop, asked.body.get("against"))
+
+
+def times(workshop: Workshop, asked: Wish) -> Packed:
+    """Set all boundaries of the shown part, and return the takes."""
+    given = listed(asked.body.get("times"), "times")
+    if not all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in given):
+        raise LipsyncError("times are numbers of seconds")
+    workshop.spoken.retime(given, workshop.part_seconds)
     return takes(workshop, asked.body.get("against"))
 
 
@@ -56,6 +65,7 @@ def _number(asked: Wish) -> int:
 
 ROUTES: Routes = {
     "POST boundary/{name}": boundary,
+    "POST times": times,
     "POST original": original,
     "POST emphasis/{name}": emphasis,
     "POST part/{name}": part,

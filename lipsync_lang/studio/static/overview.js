@@ -38,7 +38,8 @@ export class Overview {
     const x = (/** @type {number} */ time) => ((time - start) / (end - start)) * wide;
     context.fillStyle = colours.wave;
     if (line.sound) {
-      if (this.shape.length !== wide) this.shape = outline(line.sound.samples, line.sound.rate, start, end, wide);
+      const { samples, rate, start: begins = 0 } = line.sound;
+      if (this.shape.length !== wide) this.shape = outline(samples, rate, start - begins, end - begins, wide);
       const tall = HEIGHT / 2 - 2, most = timeline.loudest || 1;
       this.shape.forEach(([low, high], column) => context.fillRect(column, HEIGHT / 2 - (high / most) * tall, 1, Math.max(1, ((high - low) / most) * tall)));
     }

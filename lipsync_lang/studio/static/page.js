@@ -1,18 +1,18 @@
 /** The page of a line: one clock moves the face, the playhead and the values. */
 
-import { made, swatch, the } from "./elements.js";
+import { made, the } from "./elements.js";
 import { Overview } from "./overview.js";
 import { Player } from "./player.js";
 import { Portrait, label } from "./portrait.js";
 import { clock } from "./scales.js";
 import { Take } from "./take.js";
+import { TakeValues } from "./take_values.js";
+import { findingTimes, listFigures, listStages, movingRows, tell } from "./take_words.js";
 import { Timeline } from "./timeline.js";
 import { unpack } from "./unpack.js";
 
 /** Milliseconds after which a face is shaded: the first picture does not wait for it. */
 const SHADE_LATER = 50;
-/** Findings of a figure that are listed. */
-const FINDINGS = 20;
 /** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
 
@@ -63,8 +63,8 @@ class Page {
       moved: () => this.wake(),
     });
     this.overview = new Overview(/** @type {HTMLCanvasElement} */ (the("overview")), this.timeline);
+    this.values = new TakeValues({ moment: the("moment"), bigrams: the("bigrams"), poses: the("poses") }, { pick: (row) => this.pick(row) });
     this.row = -1;
-    this.drawn = Number.NaN;
     the("main").hidden = false;
     this.#words();
     this.#listen();
@@ -104,14 +104,12 @@ class Page {
   #show() {
     const { take, other } = this;
     this.row = -1;
-    this.drawn = Number.NaN;
     the("against").setAttribute("aria-pressed", String(take !== this.takes[0]));
-    const names = new Set([...take.moving, ...(other?.moving ?? [])]);
-    const every = [...take.rows.keys(), ...(other?.rows.keys() ?? [])];
-    this.rows = [...new Set(every.filter((one) => names.has(one)))];
+    this.rows = movingRows(take, other);
     this.timeline.show({ take, other, sound: this.data.sound, rows: this.rows });
     this.timeline.row = this.row;
-    this.#listPoses();
+    this.values.show(take, this.rows);
+    this.values.pick(this.row);
     this.#listFigures();
     this.#legend();
     for (const one of this.portraits) {
@@ -189,8 +187,7 @@ class Page {
     this.row = Math.max(-1, Math.min(this.rows.length - 1, row));
     this.timeline.row = this.row;
     this.timeline.stale = true;
-    [...the("poses").children].forEach((one, n) => one.firstElementChild?.setAttribute("aria-expanded", String(n === this.row)));
-    this.drawn = Number.NaN;
+    this.values.pick(this.row);
     this.wake();
   }
 
@@ -235,14 +232,10 @@ class Page {
   }
 
   nextFinding() {
-    const { figures } = this.take.data;
-    const missed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL" && one.findings.length);
-    const times = (missed.length ? missed : figures)
-      .flatMap((/** @type {any} */ one) => one.findings.map((/** @type {[number, string]} */ [seconds]) => seconds))
-      .sort((/** @type {number} */ a, /** @type {number} */ b) => a - b);
+    const times = findingTimes(this.take.data.figures);
     if (!times.length) return;
     this.player.pause();
-    this.reveal(times.find((/** @type {number} */ one) => one > this.player.time + 0.01) ?? times[0]);
+    this.reveal(times.find((one) => one > this.player.time + 0.01) ?? times[0]);
   }
 
   #playing() {
@@ -272,98 +265,30 @@ class Page {
   }
 
   #legend() {
-    const stages = this.take.data.making?.stages ?? [];
-    const used = stages.filter((/** @type {any} */ stage) => stage.curves.some(Boolean));
-    the("legend").replaceChildren(...used.map((/** @type {any} */ stage) => swatch(stage.label, stage.colour, stage === stages[0] ? "dots" : "")));
-    if (this.other) the("legend").append(swatch(label(this.other), getComputedStyle(document.body).getPropertyValue("--other"), "line"));
-  }
-
-  #listPoses() {
-    the("poses").replaceChildren(...this.rows.map((name, row) => {
-      const button = made("button", { type: "button", "aria-expanded": "false" }, made("span", { dir: "auto", title: name }, name), made("i"), made("span", {}, ""));
-      button.addEventListener("click", () => this.pick(row === this.row ? -1 : row));
-      return made("li", {}, button);
-    }));
+    listStages(the("legend"), this.take, this.other);
   }
 
   #listFigures() {
-    const { figures } = this.take.data;
-    const missed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL");
-    the("figures").hidden = !figures.length;
-    the("judged").textContent = missed.length ? `Check: ${missed.length} limit${missed.length > 1 ? "s" : ""} missed` : "Check: all limits are kept";
-    the("missed").replaceChildren(...missed.map((/** @type {any} */ one) => this.#figure(one)));
-    const others = figures.filter((/** @type {any} */ one) => one.verdict !== "FAIL");
-    the("measured").replaceChildren(...others.map((/** @type {any} */ one) => this.#figure(one)));
-  }
-
-  /** @param {any} figure of the check @returns {HTMLElement} with buttons that go to its findings */
-  #figure(figure) {
-    const row = made("li", { class: figure.verdict }, made("b", {}, figure.verdict), ` ${figure.name}: ${figure.told} `);
-    for (const [seconds, what] of figure.findings.slice(0, FINDINGS)) {
-      const button = made("button", { type: "button" }, `${clock(seconds)}: ${what}`);
-      button.addEventListener("click", () => {
-        this.player.pause();
-        this.reveal(seconds);
-      });
-      row.append(button);
-    }
-    if (figure.findings.length > FINDINGS) row.append(`and ${figure.findings.length - FINDINGS} more`);
-    return row;
+    const places = { figures: the("figures"), judged: the("judged"), missed: the("missed"), measured: the("measured") };
+    listFigures(places, this.take.data.figures, (seconds) => {
+      this.player.pause();
+      this.reveal(seconds);
+    });
   }
 
   /** @param {number} seconds */
   #values(seconds) {
     const { take, scrub } = this;
-    const frame = take.frameAt(seconds);
+    const frame = take.frameAt(seconds), sound = take.soundAt(frame);
     scrub.value = String(Math.round((seconds - this.player.start) * take.fps));
     the("clock").textContent = clock(seconds);
-    if (frame === this.drawn) return;
-    this.drawn = frame;
-    const sound = take.soundAt(frame);
-    const as = sound.common && sound.common !== sound.label ? ` as ${sound.common}` : "";
-    the("moment").replaceChildren(made("b", { dir: "auto" }, sound.label), `${as}${sound.word ? ", in " : ""}`, made("bdi", {}, sound.word));
     scrub.setAttribute("aria-valuetext", `${clock(seconds)}, ${sound.label}${sound.word ? ` in ${sound.word}` : ""}`);
-    the("bigrams").replaceChildren(...take.bigramsAt(frame).flatMap((one) => {
-      const drawn = one.drawn_as ? `, drawn as ${one.drawn_as}` : "", word = one.word ? `, as in ${one.word}` : "";
-      return [made("li", {}, `${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${word} `, made("small", {}, one.from.join(", ")))];
-    }));
-    this.rows.forEach((name, row) => this.#value(name, row, frame));
+    this.values.draw(frame, this.player.playing);
   }
 
-  /** @param {string} name @param {number} row @param {number} frame */
-  #value(name, row, frame) {
-    const item = the("poses").children[row], own = this.take.rows.get(name);
-    const [, bar, number] = /** @type {HTMLElement[]} */ ([.../** @type {Element} */ (item.firstElementChild).children]);
-    const weight = this.take.weight(name, frame), { low, high } = own?.curve ?? { low: 0, high: 1 };
-    bar.style.setProperty("--share", String((weight - low) / (high - low)));
-    number.textContent = weight.toFixed(2);
-    item.querySelector("ol")?.remove();
-    if (row !== this.row || this.player.playing) return;
-    const steps = own ? this.take.stepsAt(own.pose, frame) : [];
-    const told = steps.map((step) => made("li", {}, made("span", {}, step.label), made("span", {}, step.weight.toFixed(3)), made("span", {}, step.why)));
-    const rest = own?.pose === -1 ? "played from the poses by the rig" : "at rest";
-    item.append(made("ol", {}, ...(told.length ? told : [made("li", {}, rest)])));
-  }
-
-  /** @param {{seconds: number, row: number, x: number, y: number} | null} at */
+  /** @param {import("./take_words.js").Pointed | null} at */
   #hover(at) {
-    const tip = the("tip");
-    tip.hidden = !at || this.player.playing || at.seconds < this.take.start || at.seconds > this.take.end;
-    if (!at || tip.hidden) return;
-    const frame = this.take.frameAt(at.seconds), sound = this.take.soundAt(frame);
-    const lines = [`${clock(at.seconds)}  ${sound.label}${sound.word ? `, in ${sound.word}` : ""}`];
-    const name = this.rows[at.row], own = this.take.rows.get(name);
-    if (own) {
-      lines.push(`${name} = ${this.take.weight(name, frame).toFixed(3)}`);
-      lines.push(...this.take.stepsAt(own.pose, frame).map((one) => `${one.label} ${one.weight.toFixed(3)}  ${one.why}`));
-    }
-    const near = this.take.data.figures.flatMap((/** @type {any} */ one) => one.findings
-      .filter((/** @type {[number, string]} */ [seconds]) => Math.abs(this.timeline.x(seconds) - this.timeline.x(at.seconds)) < 6)
-      .map((/** @type {[number, string]} */ [, what]) => `${one.verdict === "FAIL" ? "▲" : "●"} ${one.name}: ${what}`));
-    if (at.row < 0) lines.push(...near);
-    tip.textContent = lines.join("\n");
-    tip.style.left = `${Math.max(4, Math.min(at.x + 14, innerWidth - tip.offsetWidth - 8))}px`;
-    tip.style.top = `${at.y + 18 + tip.offsetHeight > innerHeight ? at.y - tip.offsetHeight - 10 : at.y + 18}px`;
+    tell(the("tip"), this.timeline, this.player.playing ? null : at);
   }
 
   // Hands

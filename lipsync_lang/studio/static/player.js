@@ -33,12 +33,17 @@ const PATIENCE = 0.25;
 /** Seconds by which the sound's clock may be rounded. */
 const SAME = 1e-4;
 
+/**
+ * Sound of a line; `start` is the seconds of its first sample, 0 unless given.
+ * @typedef {{rate: number, samples: Int16Array, start?: number}} Sound
+ */
+
 /** A playing line. Times are seconds of the schedule: the sound starts at 0. */
 export class Player {
   /**
    * @param {number} start
    * @param {number} end
-   * @param {{rate: number, samples: Int16Array} | null} sound
+   * @param {Sound | null} sound
    * @param {() => void} changed called when playing starts or stops
    */
   constructor(start, end, sound, changed = () => {}) {
@@ -56,9 +61,10 @@ export class Player {
     /** @type {HTMLAudioElement | null} */
     this.audio = null;
     if (sound) {
+      const begins = sound.start ?? 0;
       const audio = new Audio();
       audio.preservesPitch = true;
-      audio.src = URL.createObjectURL(new Blob([wave(sound.samples, sound.rate, start, end)], { type: "audio/wav" }));
+      audio.src = URL.createObjectURL(new Blob([wave(sound.samples, sound.rate, start - begins, end - begins)], { type: "audio/wav" }));
       audio.addEventListener("error", () => { this.audio = null; });
       audio.addEventListener("pause", () => { if (!audio.ended) this.pause(); }); // a headset's button, for one
       this.audio = audio;

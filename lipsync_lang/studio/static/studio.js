@@ -23,6 +23,8 @@ import { WordsView } from "./words_view.js";
  * @property {() => void} hide
  * @property {(event: KeyboardEvent) => boolean} key true if the key was used
  * @property {(what: Change) => void} changed
+ * @property {{undo: string | null, redo: string | null}} [steps] titles of steps of the view's own, which are undone first
+ * @property {(way: "undo" | "redo") => void} [history] undo such a step, or do it again
  */
 /** @typedef {{file: string, at: (string | number)[], value?: any}} Edit without a value it deletes */
 
@@ -46,7 +48,7 @@ const SHADE_LATER = 50;
 const WARM_LATER = 800;
 /** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
-const AGAINST = [["", "alone"], ["saved", "A/B: as saved"], ["keyframes", "A/B: keyframes"], ["dominance", "A/B: dominance"]];
+const AGAINST = [["", "alone"], ["saved", "A/B: as saved"], ["keyframes", "A/B: keyframes"], ["dominance", "A/B: dominance"], ["held", "A/B: held"]];
 
 /** The studio as a whole; views get it. */
 export class Studio {
@@ -60,7 +62,7 @@ export class Studio {
     this.take = null;
     /** The take to compare with. @type {Take | null} */
     this.other = null;
-    /** @type {{rate: number, samples: Int16Array} | null} */
+    /** @type {import("./player.js").Sound | null} */
     this.sound = null;
     /** The model, and a take of rest. @type {any} */
     this.model = null;
@@ -90,7 +92,10 @@ export class Studio {
     this.waiting = [];
     this.sending = false;
     this.performing = false;
-    this.again = false;
+    /** Wishes for another take: the newest of each path. @type {Map<string, any>} */
+    this.wishes = new Map();
+    /** Which part of a long line is shown, of how many. @type {{number: number, count: number, seconds: number} | null} */
+    this.part = null;
   }
 
   async start() {
@@ -124,6 +129,7 @@ export class Studio {
   async #opened(face) {
     the("main").querySelector(".empty")?.remove();
     this.take = this.other = null;
+    this.settings = this.state.settings ?? {};
     await this.loadFace(face);
     if (this.state.line) await this.attempt(async () => this.#heard(await this.api.packed("line")));
     this.#told();
@@ -211,24 +217,28 @@ export class Studio {
     this.wake();
   }
 
-  /** Perform the line once more; the newest wish wins, and one is in flight. */
-  async perform() {
+  /**
+   * Perform the line once more; the newest wish of each path wins, and one is in flight.
+   * @param {string} [path] what is changed of the line before, such as `boundary/3`
+   * @param {any} [body]
+   */
+  async perform(path = "take", body = { settings: this.settings }) {
     if (!this.take) return;
-    if (this.performing) {
-      this.again = true;
-      return;
-    }
+    this.wishes.set(path, body);
+    if (this.performing) return;
     this.performing = true;
     try {
-      do {
-        this.again = false;
-        const told = await this.api.sent("take", { settings: this.settings, against: this.against });
+      for (let next = this.wishes.entries().next(); !next.done; next = this.wishes.entries().next()) {
+        const [where, wish] = next.value;
+        this.wishes.delete(where);
+        const told = await this.api.sent(where, { ...wish, against: this.against });
         this.#taken(told);
         this.#drawStrip();
         this.notify("take");
         this.wake();
-      } while (this.again);
+      }
     } catch (error) {
+      this.wishes.clear();
       this.tell(String(error instanceof Error ? error.message : error), "fault");
     } finally {
       this.performing = false;
@@ -237,6 +247,7 @@ export class Studio {
 
   /** @param {any} told */
   #taken(told) {
+    this.part = told.part;
     [this.take, this.other] = [new Take(told.takes[0]), told.takes[1] ? new Take(told.takes[1]) : null];
     if (this.portrait) this.portrait.take = this.take;
   }
@@ -306,6 +317,10 @@ export class Studio {
 
   /** @param {"undo" | "redo"} way */
   async history(way) {
+    if (this.view?.steps?.[way]) {
+      this.view.history?.(way);
+      return;
+    }
     await this.attempt(async () => {
       const title = this.state[way];
       if (!title) return;
@@ -373,7 +388,8 @@ export class Studio {
   }
 
   #told() {
-    const { unsaved = [], undo, redo } = this.state;
+    const { unsaved = [] } = this.state;
+    const [undo, redo] = /** @type {const} */ (["undo", "redo"]).map((way) => this.view?.steps?.[way] ?? this.state[way]);
     const button = (/** @type {string} */ id) => /** @type {HTMLButtonElement} */ (the(id));
     button("undo").disabled = !undo;
     button("redo").disabled = !redo;
@@ -383,6 +399,11 @@ export class Studio {
     button("save").textContent = unsaved.length ? `Save ${unsaved.length}` : "Saved";
     button("save").title = unsaved.map((/** @type {any} */ one) => `${one.file}: ${one.what}`).join("\n");
     document.title = `${unsaved.length ? "● " : ""}${this.state.language} on ${this.state.character} · studio`;
+  }
+
+  /** Tell of the steps that can be undone, after a view's own have changed. */
+  stepped() {
+    this.#told();
   }
 
   // Views
@@ -414,6 +435,7 @@ export class Studio {
     }
     this.#showStrip();
     await this.attempt(() => known.view.show(decodeURIComponent(argument)));
+    this.#told();
     this.strip.stale = true;
     this.wake();
   }

@@ -17,22 +17,30 @@ const FULL = 65535;
 
 /**
  * @typedef {{take: import("./take.js").Take, other: import("./take.js").Take | null,
- *   sound: {rate: number, samples: Int16Array} | null, rows: string[]}} Line
+ *   sound: import("./player.js").Sound | null, rows: string[]}} Line
+ */
+/**
+ * What a timeline does: seek, tell of a place under the pointer, pick a row, and say that its view moved. Where they are given:
+ * `drag` moves a boundary between phonemes (`done` at the end), `word` chooses a word, `open` is a double click.
+ * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} | null) => void,
+ *   pick: (row: number) => void, moved: () => void, drag?: (boundary: number, seconds: number, done: boolean) => void,
+ *   word?: (word: number) => void, open?: (seconds: number, row: number) => void}} Hands
  */
 
 /** A timeline; times are seconds. */
 export class Timeline {
-  /**
-   * @param {HTMLCanvasElement} canvas
-   * @param {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} | null) => void,
-   *   pick: (row: number) => void, moved: () => void}} does
-   */
+  /** @param {HTMLCanvasElement} canvas @param {Hands} does */
   constructor(canvas, does) {
     this.canvas = canvas;
     this.does = does;
     this.layer = document.createElement("canvas");
     this.stale = true;
     this.row = -1;
+    /** The boundary and the word that are chosen; -1 for none. */
+    this.boundary = -1;
+    this.word = -1;
+    /** Names of stages that are not drawn. @type {Set<string>} */
+    this.hidden = new Set();
     /** @type {[number, number] | null} */
     this.loop = null;
     /** @type {Line | null} */
@@ -43,6 +51,8 @@ export class Timeline {
     this.from = 0;
     this.to = 1;
     this.height = 0;
+    /** Width of the canvas in pixels of the page; asking the page for it at every point would lay it out anew each time. */
+    this.wide = canvas.clientWidth;
     this.loudest = 0;
     this.font = "sans-serif";
     /** @type {Record<string, string>} */
@@ -57,6 +67,7 @@ export class Timeline {
   show(line) {
     const first = !this.shown;
     this.shown = line;
+    this.wide = this.canvas.clientWidth;
     const { take, other } = line;
     const start = Math.min(take.start, other?.start ?? take.start), end = Math.max(take.end, other?.end ?? take.end);
     this.start = start;
@@ -103,15 +114,20 @@ export class Timeline {
 
   /** True where names stand above their rows, not beside them. */
   get narrow() {
-    return this.canvas.clientWidth < NARROW;
+    return this.wide < NARROW;
   }
 
   get plotWidth() {
-    return Math.max(50, this.canvas.clientWidth - this.left - 8);
+    return Math.max(50, this.wide - this.left - 8);
   }
 
   get top() {
     return RULER + (this.line.sound ? WAVE : 0) + 3 * BAND + GAP;
+  }
+
+  /** Top of the words; phonemes and mouths follow below. */
+  get bandTop() {
+    return this.top - GAP - 3 * BAND;
   }
 
   get rowHeight() {
@@ -131,9 +147,10 @@ export class Timeline {
   /** @param {number} seconds of the playhead */
   draw(seconds) {
     const { canvas } = this;
+    this.wide = canvas.clientWidth;
     const ratio = Math.min(3, window.devicePixelRatio || 1);
     const height = this.top + this.line.rows.length * this.rowHeight + 4;
-    const wide = Math.round(canvas.clientWidth * ratio), high = Math.round(height * ratio);
+    const wide = Math.round(this.wide * ratio), high = Math.round(height * ratio);
     if (canvas.width !== wide || canvas.height !== high) {
       canvas.style.height = `${height}px`;
       [canvas.width, canvas.height] = [wide, high];
@@ -146,7 +163,7 @@ export class Timeline {
     context.drawImage(this.layer, 0, 0);
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const x = this.x(seconds);
-    if (x < this.left - 1 || x > canvas.clientWidth) return;
+    if (x < this.left - 1 || x > this.wide) return;
     context.fillStyle = this.colours.accent;
     context.fillRect(x - 0.75, 8, 1.5, height);
     context.beginPath();
@@ -169,6 +186,7 @@ export class Timeline {
     this.#sound(context);
     this.#bands(context);
     this.line.rows.forEach((name, row) => this.#pose(context, name, row));
+    this.#chosen(context);
     this.stale = false;
   }
 
@@ -244,9 +262,9 @@ export class Timeline {
   /** @param {CanvasRenderingContext2D} context */
   #sound(context) {
     if (!this.line.sound) return;
-    const { samples, rate } = this.line.sound;
+    const { samples, rate, start = 0 } = this.line.sound;
     const columns = Math.round(this.plotWidth);
-    const shape = outline(samples, rate, this.from, this.to, columns);
+    const shape = outline(samples, rate, this.from - start, this.to - start, columns);
     this.loudest ||= Math.max(0.05, samples.reduce((top, one) => Math.max(top, Math.abs(one)), 0) / 32768);
     const most = this.loudest;
     const middle = RULER + WAVE / 2;
@@ -261,7 +279,7 @@ export class Timeline {
   /** @param {CanvasRenderingContext2D} context */
   #bands(context) {
     const { take } = this.line, { times, labels, words } = take.data.spoken, { making } = take.data;
-    const top = this.top - GAP - 3 * BAND;
+    const top = this.bandTop;
     /** @type {[string, [string, number, number][], number][]} */
     const bands = [
       ["words", words.map((/** @type {[string, number, number]} */ [text, a, b]) => [text, times[a], times[b]]), 13],
@@ -346,7 +364,7 @@ export class Timeline {
     const last = this.#path(place(curves[curves.length - 1]));
     this.#area(context, last, last.map(([x]) => [x, bottom]), this.colours.wave, 0.22);
     curves.forEach((curve, number) => {
-      if (number && curve !== curves[number - 1]) {
+      if (number && curve !== curves[number - 1] && !this.hidden.has(take.data.making.stages[number].name)) {
         this.#area(context, this.#path(place(curve)), this.#path(place(curves[number - 1])), take.data.making.stages[number].colour, 0.85);
       }
     });
@@ -389,6 +407,46 @@ export class Timeline {
     context.lineJoin = "round";
     context.stroke();
     context.setLineDash([]);
+  }
+
+  /** @param {CanvasRenderingContext2D} context */
+  #chosen(context) {
+    const { times, words, emphasis } = this.line.take.data.spoken;
+    this.#clipped(context, () => {
+      context.strokeStyle = context.fillStyle = this.colours.accent;
+      context.lineWidth = 2;
+      words.forEach((/** @type {[string, number, number]} */ [, first, stop], /** @type {number} */ n) => {
+        const low = this.x(times[first]), high = this.x(times[stop]);
+        if (emphasis?.[n]) context.fillRect(low + 2, this.bandTop + BAND - 4, Math.max(2, high - low - 4), 1 + 1.5 * emphasis[n]);
+        if (n === this.word) context.strokeRect(low + 1, this.bandTop + 1, high - low - 2, BAND - 2);
+      });
+      if (this.boundary < 0 || this.boundary >= times.length) return;
+      const x = this.x(times[this.boundary]), y = this.bandTop + BAND;
+      context.fillRect(x - 1, y, 2, this.height - y);
+      context.beginPath();
+      context.roundRect(x - 4, y + 3, 8, BAND - 6, 3);
+      context.fill();
+    });
+  }
+
+  /** @param {number} x @param {number} y @param {number} reach pixels @returns {number} the nearest boundary of phonemes there, or -1 */
+  boundaryAt(x, y, reach) {
+    const down = y - this.bandTop - BAND;
+    if (!this.shown || down < -reach / 4 || down > 2 * BAND) return -1;
+    const { times } = this.line.take.data.spoken;
+    let nearest = -1, least = reach;
+    times.forEach((/** @type {number} */ time, /** @type {number} */ n) => {
+      const apart = Math.abs(this.x(time) - x);
+      if (apart < least) [nearest, least] = [n, apart];
+    });
+    return nearest;
+  }
+
+  /** @param {number} x @param {number} y @returns {number} the word there, or -1 */
+  wordAt(x, y) {
+    if (!this.shown || y < this.bandTop || y >= this.bandTop + BAND) return -1;
+    const { times, words } = this.line.take.data.spoken, seconds = this.at(x);
+    return words.findIndex((/** @type {[string, number, number]} */ [, first, stop]) => times[first] <= seconds && seconds < times[stop]);
   }
 
   /** @param {number} y @returns {number} the row there, or -1 */

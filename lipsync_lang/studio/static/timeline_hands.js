@@ -4,6 +4,8 @@
 const TAP = 8;
 /** Pixels between two fingers, below which their distance says nothing. */
 const APART = 10;
+/** Pixels around a boundary in which it is taken: by a mouse or pen, and by a finger. */
+const REACH = 5, FINGER_REACH = 16;
 /** Pixels of a wheel for a zoom by e. */
 const WHEEL = 300;
 
@@ -15,11 +17,17 @@ export function listen(timeline) {
   const { canvas, does } = timeline;
   /** @type {number[]} */
   let pressed = [];
+  /** The boundary that is dragged; -1 for none, and the distance of the pointer from it. */
+  let dragged = -1, apart = 0;
   /** @type {Map<number, PointerEvent>} */
   const down = new Map();
   const place = (/** @type {MouseEvent} */ event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const taken = (/** @type {PointerEvent} */ event) => {
+    const [x, y] = place(event);
+    return does.drag ? timeline.boundaryAt(x, y, event.pointerType === "touch" ? FINGER_REACH : REACH) : -1;
   };
   canvas.addEventListener("pointerdown", (event) => {
     if (event.button) return;
@@ -28,8 +36,15 @@ export function listen(timeline) {
     const [x, y] = place(event);
     pressed = [x, y];
     does.hover(null);
+    dragged = down.size === 1 ? taken(event) : -1;
+    if (dragged >= 0) {
+      apart = x - timeline.x(timeline.line.take.data.spoken.times[dragged]);
+      does.drag?.(dragged, timeline.at(x - apart), false);
+      return;
+    }
     if (down.size === 1) {
       does.seek(timeline.at(x));
+      does.word?.(timeline.wordAt(x, y));
       const row = timeline.rowAt(y);
       if (row >= 0) does.pick(row);
     }
@@ -38,10 +53,12 @@ export function listen(timeline) {
     const [x, y] = place(event);
     const before = down.get(event.pointerId);
     if (!before) {
+      if (does.drag) canvas.style.cursor = taken(event) >= 0 ? "ew-resize" : "";
       if (event.pointerType === "mouse") does.hover({ seconds: timeline.at(x), row: timeline.rowAt(y), x: event.clientX, y: event.clientY });
       return;
     }
-    if (down.size === 1) does.seek(timeline.at(x));
+    if (dragged >= 0) does.drag?.(dragged, timeline.at(x - apart), false);
+    else if (down.size === 1) does.seek(timeline.at(x));
     if (down.size === 2) {
       const still = [...down.values()].find((one) => one.pointerId !== event.pointerId) ?? event;
       const [fixed] = place(still), [old] = place(before);
@@ -54,10 +71,19 @@ export function listen(timeline) {
       const { pointerId, pointerType, clientX, clientY } = /** @type {PointerEvent} */ (event);
       down.delete(pointerId);
       const [x, y] = place(/** @type {PointerEvent} */ (event)), [a, b] = pressed;
+      if (dragged >= 0) {
+        does.drag?.(dragged, timeline.at(x - apart), true);
+        dragged = -1;
+        return;
+      }
       const tap = name === "pointerup" && pointerType !== "mouse" && Math.hypot(x - a, y - b) < TAP;
       if (tap) does.hover({ seconds: timeline.at(x), row: timeline.rowAt(y), x: clientX, y: clientY });
     });
   }
+  canvas.addEventListener("dblclick", (event) => {
+    const [x, y] = place(event);
+    does.open?.(timeline.at(x), timeline.rowAt(y));
+  });
   canvas.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && does.hover(null));
   canvas.addEventListener("wheel", (event) => {
     const [x] = place(event);
