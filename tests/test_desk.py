@@ -228,6 +228,31 @@ def test_a_long_journal_is_written_anew(bank, journal, monkeypatch):
     assert value(Desk(journal), bank, BOUNDARY) == 2 / 20
 
 
+def test_a_drag_is_one_line_of_the_journal(bank, journal):
+    desk = Desk(journal)
+    desk.change("Status", [(bank, STATUS, "edited")], merge="drag")
+    for number in range(1, 9):
+        desk.change("Drag", [(bank, BOUNDARY, number / 10)], merge="drag")
+        assert value(Desk(journal), bank, BOUNDARY) == number / 10
+    desk.change("Drag", [(bank, BOUNDARY, 0.3), (bank, STATUS, "drafted")], merge="drag")
+    assert len(journal.read_text().splitlines()) == 5
+    again = Desk(journal)
+    assert again.contents == desk.contents
+    assert (again.undo_title, again.undo(), again.contents) == ("Status", "Status", {})
+
+
+def test_a_drag_goes_on_in_a_journal_written_anew(bank, journal, monkeypatch):
+    monkeypatch.setattr(desk_module, "MAX_JOURNAL_LINES", 2)
+    desk = Desk(journal)
+    for number in range(1, 9):
+        loc = BOUNDARY if number % 2 else ("bigrams", "p-yu", "boundary")
+        desk.change("Drag", [(bank, loc, number / 10)], merge="drag")
+        assert Desk(journal).contents == desk.contents
+    while desk.undo_title:
+        desk.undo()
+        assert Desk(journal).contents == desk.contents
+
+
 def test_a_journal_is_json(bank, journal):
     Desk(journal).change("One", [(bank, BOUNDARY, 0.3)], tab="a")
     lines = [json.loads(line) for line in journal.read_text().splitlines()]

@@ -9,6 +9,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import unified_diff
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +56,8 @@ from lipsync_lang.studio.sheets import (
 RESTORED = "edits found again"
 """Title of a step that a journal keeps as a whole text."""
 
-MAX_JOURNAL_LINES = 2000
-"""Lines after which a journal is written anew with the texts alone; reading takes seconds."""
+MAX_JOURNAL_LINES = 250
+"""Lines after which a journal is written anew with the texts alone; a line takes 10 ms to read."""
 
 MAX_TOUCHED = 10_000
 """Latest edits that are remembered to find conflicts between tabs."""
@@ -98,6 +99,7 @@ class Desk:
         self._journal: Path | None = None
         self._lines = 0
         self._opened: set[Path] = set()
+        self._last: tuple[Line, int] | None = None
         self._stale = self._replaying = False
         if journal is not None:
             self._restore(journal)
@@ -259,7 +261,7 @@ class Desk:
         last = self._done[-1] if self._done and not self._undone else None
         self._undone.clear()
         alike = last is not None and (last.merge, last.tab) == (step.merge, step.tab)
-        if last is None or not step.merge or not alike:
+        if last is None or not step.merge or not alike or not last.journaled:
             self._done.append(step)
             return step
         last.before = {**step.before, **last.before}
@@ -406,8 +408,10 @@ class Desk:
             base_line(sheet) for path, sheet in self._sheets.items() if path not in self._opened
         ]
         self._opened |= {*self._sheets}
-        self._lines += 1
-        append(self._journal, [*opened, line])
+        again = self._last is not None and not opened and _states_again(self._last[0], line)
+        self._lines += not again
+        at = self._last[1] if self._last is not None and again else None
+        self._last = line, append(self._journal, [*opened, line], at)
 
     def _compact(self) -> None:
         """Write the journal anew: the files with unsaved edits, without steps."""
@@ -416,7 +420,7 @@ class Desk:
         edited = [sheet for sheet in self._sheets.values() if sheet.edited]
         write_journal(self._journal, (line for sheet in edited for line in whole(sheet)))
         self._opened = {sheet.path for sheet in edited}
-        self._lines, self._stale = 2 * len(edited), False
+        self._lines, self._stale, self._last = 2 * len(edited), False, None
         for step in [*self._done, *self._undone]:
             step.journaled = False
 
@@ -491,4 +495,17 @@ def _installed() -> tuple[Path, ...]:
     found = Finder().roots
     return tuple(
         root.path.resolve() for root in found if root.origin.startswith(("built-in", "installed"))
+    )
+
+
+def _states_again(last: Line, line: Line) -> bool:
+    """Return True if a line makes the one before it needless: the next move of the same drag."""
+    drag = "merge" in line and line["merge"] and not last.get("create", True)
+    keys = ("change", "merge", "tab")
+    return bool(drag) and all(
+        [last[key] for key in keys] == [line[key] for key in keys]
+        and (one["file"], one["at"]) == (other["file"], other["at"])
+        for one, other in zip_longest(
+            last["edits"], line["edits"], fillvalue={"file": "", "at": ()}
+        )
     )

@@ -4,6 +4,7 @@ Each line is JSON. A line is appended at each edit, so a kill loses at most the 
 """
 
 import json
+import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -65,13 +66,20 @@ def write_journal(path: Path, lines: Iterable[Line]) -> None:
             stream.write(_row(line))
 
 
-def append(path: Path, lines: Iterable[Line]) -> int:
-    """Append lines to a journal, and return its size in bytes."""
+def append(path: Path, lines: Iterable[Line], at: int | None = None) -> int:
+    """Append lines to a journal, and return where the last of them starts.
+
+    Parameters
+    ----------
+    at : start of the last line so far, if the new ones take its place
+    """
     if not path.exists():
         write_journal(path, ())
-    with path.open("ab") as stream:
-        stream.write(b"".join(map(_row, lines)))
-        return stream.tell()
+    rows = [_row(line) for line in lines]
+    with path.open("r+b") as stream:
+        stream.seek(0, os.SEEK_END) if at is None else stream.truncate(stream.seek(at))
+        stream.write(b"".join(rows))
+        return stream.tell() - len(rows[-1])
 
 
 def put_aside(path: Path) -> Path:
