@@ -22,6 +22,7 @@ from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.desk import Desk
+from lipsync_lang.studio.edited_pair import EditedPair
 from lipsync_lang.studio.sheets import Edit
 from lipsync_lang.studio.spoken_line import MAX_FRAMES, SpokenLine
 
@@ -83,7 +84,7 @@ class Workshop:
         self.line: SpokenLine | None = None
         self.text = ""
         self._library: tuple[int, Library] | None = None
-        self._pair: tuple[int, OpenPair] | None = None
+        self._pair: EditedPair | None = None
         self.homes: dict[str, Path] = {}
         """Files that edits of bigrams go to, as far as they were looked up."""
         self._now: tuple[int, Performer] | None = None
@@ -98,8 +99,9 @@ class Workshop:
         """
         revision = self.desk.revision
         if self._library is None or self._library[0] != revision:
-            earlier = None if self._library is None else self._library[1]
-            made = Library(self.paths, self.project, unsaved=self.desk.contents, earlier=earlier)
+            made = Library(
+                self.paths, self.project, unsaved=self.desk.contents, earlier=self._earlier()
+            )
             self._library = revision, made
         return self._library[1]
 
@@ -131,29 +133,27 @@ class Workshop:
 
     def pair(self) -> OpenPair:
         """Return the open pair with its packs at hand and the unsaved edits."""
-        revision = self.desk.revision
-        if self._pair is None or self._pair[0] != revision:
-            self._pair = revision, self._with({})
-        return self._pair[1]
+        if self._pair is None or self._pair.revision != self.desk.revision:
+            known = None if self._pair is None else self._pair.current(self.desk)
+            self._pair = known or EditedPair.of(self._open(self.desk.contents), self.desk)
+        return self._pair.pair
 
     def _with(self, changed: Mapping[Path, SplicedText]) -> OpenPair:
-        """Return the open pair with the texts on the desk, and some of them changed.
-
-        Changed bigrams are retouched; after any other edit the pair is compiled anew.
-        """
-        known = {} if self._pair is None else self._pair[1].data
-        here = {path: text for path in known if (text := self.desk.text(path))}
-        texts = {**here, **changed}
-        same = self.desk.contents.keys() <= texts.keys() and all(
-            path in texts or path.exists() for path in known
-        )
-        if self._pair is not None and same:
-            made = self._pair[1].retouched(texts.values())
-            if made is not None:
-                return made
+        """Return the open pair with some texts changed: bigrams retouched, or compiled anew."""
         contents = {**self.desk.contents, **{path: text.content for path, text in changed.items()}}
-        library = Library(self.paths, self.project, unsaved=contents, earlier=self.library())
+        self.pair()
+        made = None if self._pair is None else self._pair.changed(contents, changed)
+        return made or self._open(contents)
+
+    def _open(self, contents: Mapping[Path, bytes]) -> OpenPair:
+        library = Library(self.paths, self.project, unsaved=contents, earlier=self._earlier())
         return OpenPair.open(library, self.language, self.character)
+
+    def _earlier(self) -> Library | None:
+        """Return the library that has read most: that of the open pair."""
+        if self._pair is not None:
+            return self._pair.pair.shelf.library
+        return None if self._library is None else self._library[1]
 
     def look_again(self) -> None:
         """Forget what was read of the disk, which may have changed."""
@@ -193,15 +193,13 @@ class Workshop:
         rehearsed: list[OpenPair] = []
         if any(self.homes.get(str(loc[1]) if loc[1:] else "") != path for path, loc, _ in edits):
             self.homes.clear()
-        if self.language:
-            self.pair()
 
         def rehearse(texts: Mapping[Path, SplicedText]) -> None:
             rehearsed.append(self._with(texts))
 
         self.desk.change(title, edits, check=rehearse if self.language else None, **more)
         for pair in rehearsed:
-            self._pair = self.desk.revision, pair
+            self._pair = EditedPair.of(pair, self.desk)
 
     def own(self, path: Path) -> bool:
         """Return True if a pack file is the user's, and so can be edited in place."""

@@ -1,0 +1,78 @@
+"""The open pair as the desk has it, kept current in milliseconds while only bigrams change."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from lipsync_lang.packs.splicing import SplicedText
+from lipsync_lang.resolver.retouch import OpenPair
+from lipsync_lang.studio.desk import Desk
+
+
+@dataclass(frozen=True, eq=False)
+class EditedPair:
+    """A compiled pair, with what it was compiled from besides the bigrams on the desk.
+
+    Parameters
+    ----------
+    pair : as it was compiled or retouched last
+    revision : of the desk
+    beside : unsaved contents of files without bigrams
+    written : nanoseconds at which files without unsaved edits were written; None for a missing one
+    """
+
+    pair: OpenPair
+    revision: int
+    beside: Mapping[Path, bytes]
+    written: Mapping[Path, int | None]
+
+    @classmethod
+    def of(cls, pair: OpenPair, desk: Desk) -> Self:
+        """Note what a pair that was just compiled depends on."""
+        return cls(pair, desk.revision, _beside(pair, desk.contents), _written(pair, desk.contents))
+
+    def current(self, desk: Desk) -> Self | None:
+        """Return the pair as the desk has it now; None if it must be compiled anew."""
+        texts = {path: text for path in self.pair.data if (text := desk.text(path)) is not None}
+        made = self.changed(desk.contents, texts)
+        return None if made is None else type(self).of(made, desk)
+
+    def changed(
+        self, contents: Mapping[Path, bytes], texts: Mapping[Path, SplicedText]
+    ) -> OpenPair | None:
+        """Return the pair with texts in place of its files; None if it must be compiled anew.
+
+        Parameters
+        ----------
+        contents : every unsaved file, the texts among them
+
+        Raises
+        ------
+        PackFaults
+            A bigram names an unknown phoneme or pose.
+        """
+        if _beside(self.pair, contents) != self.beside:
+            return None
+        for path, written in _written(self.pair, contents).items():
+            gone = written is None and path in self.pair.data
+            if gone or self.written.get(path, written) != written:
+                return None
+        return self.pair.retouched([text for path, text in texts.items() if path in self.pair.data])
+
+
+def _beside(pair: OpenPair, contents: Mapping[Path, bytes]) -> dict[Path, bytes]:
+    return {path: content for path, content in contents.items() if path not in pair.data}
+
+
+def _written(pair: OpenPair, contents: Mapping[Path, bytes]) -> dict[Path, int | None]:
+    """Return when files without unsaved edits were written."""
+    files = {*map(Path, pair.shelf.library.files), *pair.data}
+    return {path: _time(path) for path in files if path not in contents}
+
+
+def _time(path: Path) -> int | None:
+    try:
+        return path.stat().st_mtime_ns
+    except OSError:
+        return None
