@@ -69,7 +69,7 @@ def coverage(
             )
         counted_lines = [CountFigures(one, pages) for one in counts]
         reports = tuple(
-            _report(performer, counted_lines[at], minutes, packs[performer.language].title)
+            report_of(performer, counted_lines[at], minutes, packs[performer.language].title)
             for performer, at in zip(pairs, reader_of, strict=True)
         )
     shared = {p.language: _shared(p, counts[at]) for p, at in zip(pairs, reader_of, strict=True)}
@@ -212,9 +212,23 @@ class CountFigures:
         )
 
 
-def _report(
-    performer: "Performer", counted_lines: CountFigures, minutes: float, title: str
+def report_of(
+    performer: "Performer",
+    counted_lines: CountFigures,
+    minutes: float,
+    title: str,
+    *,
+    sentences: bool = True,
 ) -> CoverageReport:
+    """Return what lines that were counted need of a character.
+
+    Parameters
+    ----------
+    performer : of the language that the lines were counted in
+    minutes : to author a bigram
+    title : of the language
+    sentences : False to leave out the short list of lines, which takes the longest
+    """
     counted, phonemes = counted_lines.count, performer.compiled.counted
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
     codes = {name: code for code, name in enumerate(names)}
@@ -241,7 +255,9 @@ def _report(
         authored=Authored(bigrams=len(done), percent=_share(done, total)),
         left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
         next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_share(soon, total)),
-        sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names),
+        sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)
+        if sentences
+        else (),
         unread=counted.unread.tallies(),
         unmapped=counted.unmapped.tallies(),
         other_scripts=counted.others.tallies(),

@@ -38,6 +38,7 @@ VIEWS = (
     "bigram_routes",
     "character_routes",
     "language_routes",
+    "coverage_routes",
 )
 """Modules of `routes`."""
 

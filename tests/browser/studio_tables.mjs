@@ -55,6 +55,32 @@ const stories = {
     const unnamed = await nameless(page);
     return { rows, title, before, after, marked, first, reasons, unnamed };
   },
+
+  /** A script is dropped, a line judged; a row of the plan opens its bigram, a finding its moment. */
+  async coverage() {
+    const page = await show("#coverage");
+    await page.setInputFiles("input[type=file]", { name: "<b>script.txt", mimeType: "text/plain", buffer: Buffer.from("ma pa\nay ma\n") });
+    await page.waitForSelector(".needs button.pair");
+    const plan = await page.$$eval(".needs .pair", (all) => all.map((one) => one.textContent));
+    const script = await page.$eval("[aria-label=Script]", (one) => one.selectedOptions[0].textContent);
+    const facts = await page.textContent(".facts");
+    await page.click("text=Lines of the script");
+    const sentence = await page.textContent(".sentence p");
+    await page.fill("#text", "ma pa may");
+    await page.press("#text", "Enter");
+    await page.waitForSelector(".quality li button");
+    const at = parseFloat(await page.textContent(".quality li button"));
+    await page.click(".quality li button");
+    await page.waitForFunction((wanted) => Math.abs(parseFloat(document.querySelector("#clock").textContent) - wanted) < 0.02, at);
+    const unnamed = await nameless(page);
+    await page.click(".needs .pair");
+    await page.waitForFunction(() => document.body.dataset.view === "bigrams");
+    const opened = await page.evaluate(() => location.hash);
+    await page.goto(address + "#bigrams");
+    await page.waitForSelector(".wanted button");
+    const wanted = await page.textContent(".wanted button b");
+    return { plan, script, facts, sentence, opened, wanted, unnamed };
+  },
 };
 
 const told = await stories[story]();

@@ -61,3 +61,13 @@ def test_a_sound_is_mapped_anew_and_the_tests_of_the_pack_follow(story):
     assert told["marked"] == ["aa"]
     assert told["first"] == "ipa q"
     assert told["reasons"] == "open back vowel · only for <b>this</b> test"
+
+
+def test_a_script_shows_what_to_draw_next_and_leads_there(story):
+    told = story("coverage")
+    assert told["script"] == "<b>script.txt"
+    assert told["plan"][0] == "bmp-aa"
+    assert len(told["plan"]) == 4
+    assert "0 of 4" in told["facts"]
+    assert told["sentence"].startswith(("ma pa", "ay ma"))
+    assert (told["opened"], told["wanted"]) == ("#bigrams/bmp-aa", "bmp-aa")

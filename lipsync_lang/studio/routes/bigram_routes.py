@@ -15,6 +15,7 @@ from lipsync_lang.resolver.layers import BigramRow, PairPacks
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.routes.asking import Routes, Wish
+from lipsync_lang.studio.script_count import script_needs
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ MAX_NAME_CHARS = 40
 def matrix(workshop: Workshop, _: Wish) -> Json:
     """Return the status of every bigram, how often it is needed, and the next ones to draw."""
     compiled = workshop.performer.compiled
-    needs = _needs(workshop)
+    needs = script_needs(workshop) or _needs(workshop)
     pairs: dict[str, Json] = {}
     for i, first in enumerate(compiled.phonemes):
         for j, second in enumerate(compiled.phonemes):

@@ -18,9 +18,6 @@ from lipsync_lang.studio.workshop import Workshop
 SOUND_SECONDS = (0.25, 0.4, 0.25)
 """Silence, sound and silence of a sound on its own."""
 
-SETTLED_SECONDS = 1.0
-"""Time after which the channels of a rig have reached a target."""
-
 _memories: "WeakKeyDictionary[Workshop, SoundMemory]" = WeakKeyDictionary()
 """Results of earlier tables by workshop."""
 
@@ -85,20 +82,8 @@ def mouth(workshop: Workshop, asked: Wish) -> Json:
     if name not in targets and name != SILENCE:
         raise LipsyncError(f"{compiled.poseset} has no target for '{asked.name}'")
     held = [one.weights for one in targets[name]] if name in targets else [{}]
-    steps = [[one.get(pose, 0.0) for pose in compiled.poses] for one in held]
-    return {"phoneme": name, "steps": [_channels(workshop, step) for step in steps]}
-
-
-def _channels(workshop: Workshop, weights: Any) -> list[float]:
-    """Return the channels of a model that holds weights of poses."""
-    from lipsync_lang.animations.animation import Animation
-
-    performer, fps = workshop.performer, workshop.settings.fps
-    times = np.arange(round(SETTLED_SECONDS * fps)) / fps
-    held = np.repeat(np.asarray(weights, np.float64)[None], len(times), axis=0)
-    rest = Schedule((SILENCE,), np.array([0.0, SETTLED_SECONDS]))
-    still = Animation(times, performer.poses, held, fps, rest, channels=performer.channels)
-    return [round(float(value), 5) for value in performer.rigged(still).weights[-1]]
+    steps = np.array([[one.get(pose, 0.0) for pose in compiled.poses] for one in held])
+    return {"phoneme": name, "steps": workshop.performer.held_channels(steps).tolist()}
 
 
 ROUTES: Routes = {

@@ -1,0 +1,130 @@
+"""Routes of the coverage view: the project's script, and what it still needs."""
+
+from pathlib import Path
+
+from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Tally
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.routes.asking import Routes, Wish, sent_file
+from lipsync_lang.studio.script_count import script_of, scripts_in
+from lipsync_lang.studio.workshop import Workshop
+
+MINUTES = 5.0
+"""Minutes to author a bigram unless stated, as `coverage` has it."""
+
+MAX_PLANNED = 300
+"""Bigrams of the plan."""
+
+MAX_TALLIES = 30
+"""Words that are named as unread or unmapped."""
+
+MAX_SENTENCES = 60
+"""Lines that show what is not authored."""
+
+
+def coverage(workshop: Workshop, wish: Wish) -> Json:
+    """Return the script, the state of its count, and what is left to draw."""
+    script = script_of(workshop)
+    script.update(workshop)
+    report = script.report(workshop, _minutes(wish))
+    return {
+        "script": {"name": script.name, "sent": script.sent, "column": script.column or ""},
+        "offered": scripts_in(workshop.project),
+        "report": None if report is None else _told(report),
+    } | script.progress
+
+
+def choose(workshop: Workshop, wish: Wish) -> Json:
+    """Take a file of the project as the script; an empty name takes none."""
+    name, column = wish.text("name"), wish.body.get("column")
+    if column is not None and not isinstance(column, str):
+        raise LipsyncError("`column` is the name or the number of a column")
+    if name:
+        script_of(workshop).choose(workshop, name, column or None)
+    else:
+        script_of(workshop).clear()
+    return coverage(workshop, wish)
+
+
+def receive(workshop: Workshop, wish: Wish) -> Json:
+    """Take a file that was sent as the script."""
+    script = script_of(workshop)
+    script.receive(lambda folder: sent_file(wish, folder), wish.query.get("column") or None)
+    return coverage(workshop, wish)
+
+
+def sentences(workshop: Workshop, wish: Wish) -> Json:
+    """Return a short list of lines that together show every bigram that is not authored."""
+    report = script_of(workshop).report(workshop, _minutes(wish), sentences=True)
+    if report is None:
+        raise LipsyncError("no script is counted; choose one first")
+    found = [
+        {"text": one.text, "place": Path(one.place).name, "bigrams": list(one.bigrams)}
+        for one in report.sentences
+    ]
+    return {"sentences": found[:MAX_SENTENCES], "count": len(found)}
+
+
+def _minutes(wish: Wish) -> float:
+    try:
+        minutes = float(wish.query.get("minutes", MINUTES))
+    except ValueError:
+        minutes = 0.0
+    if not 0 < minutes <= 600:  # noqa: PLR2004 ten hours for one bigram
+        raise LipsyncError("minutes for a bigram: give a number above 0, up to 600")
+    return minutes
+
+
+def _told(report: CoverageReport) -> Json:
+    """Return a report as the view shows it."""
+    missing = [row for row in report.bigrams if not row.authored]
+    status: dict[str, list[int]] = {}
+    for row in report.bigrams:
+        own = row.status if row.authored else "drafted" if row.status else "gap"
+        kinds = status.setdefault(own, [0, 0])
+        kinds[0] += 1
+        kinds[1] += row.count
+    soon = report.next_hour
+    return {
+        "lines": report.lines,
+        "words": report.words,
+        "occurrences": report.occurrences,
+        "kinds": len(report.bigrams),
+        "status": status,
+        "authored": report.authored.model_dump(),
+        "left": report.left.model_dump(),
+        "next_hour": {"bigrams": len(soon.bigrams), "percent": soon.percent},
+        "needed": report.needed,
+        "plan": [_need(row) for row in missing[:MAX_PLANNED]],
+        "silence": [_need(row) for row in report.silence if not row.authored][:MAX_PLANNED],
+        "unread": _tallies(report.unread),
+        "unmapped": _tallies(report.unmapped),
+        "other_scripts": _tallies(report.other_scripts),
+    }
+
+
+def _need(row: BigramNeed) -> Json:
+    return {
+        "bigram": row.bigram,
+        "count": row.count,
+        "percent": row.percent,
+        "layer": row.layer,
+        "status": row.status,
+        "example": row.example,
+        "places": [Path(place).name for place in row.places],
+    }
+
+
+def _tallies(found: "tuple[Tally, ...]") -> list[Json]:
+    return [
+        {"what": one.what, "count": one.count, "place": Path(one.place).name}
+        for one in found[:MAX_TALLIES]
+    ]
+
+
+ROUTES: Routes = {
+    "GET coverage": coverage,
+    "POST coverage": choose,
+    "POST coverage/script": receive,
+    "GET coverage/sentences": sentences,
+}

@@ -1,0 +1,242 @@
+"""The script of a project: its bigrams, counted in a thread and kept until it changes.
+
+A count depends on the script and on how the language reads it; what the character has is looked up
+anew each time, so that an edit of a bank needs no count.
+"""
+
+import logging
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from hashlib import file_digest
+from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
+from threading import Thread
+from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary, finalize
+
+from lipsync_lang.coverage.corpus import Pages, count
+from lipsync_lang.coverage.matrix import CountFigures, report_of
+from lipsync_lang.coverage.report import CoverageReport
+from lipsync_lang.coverage.scripts import scripts_of
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.lines import read_lines
+from lipsync_lang.lines.line_readers import by_suffix
+from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.studio.workshop import Workshop
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines import Line
+    from lipsync_lang.performing.performer import Performer
+
+_log = logging.getLogger(__name__)
+
+MAX_SCRIPTS = 200
+"""Files of a project that are offered as scripts."""
+
+MAX_FOLDERS = 2000
+"""Folders of a project that are searched for scripts."""
+
+JOIN_SECONDS = 600.0
+"""Time that `wait` waits at most."""
+
+
+class _Dropped(Exception):  # noqa: N818 no error: another script took its place
+    """Nobody waits for this count any more."""
+
+
+@dataclass(eq=False)
+class _Run:
+    """A count under way, or its result."""
+
+    key: object
+    performer: "Performer"
+    lines: int = 0
+    figures: CountFigures | None = None
+    fault: str = ""
+    remarks: list[str] = field(default_factory=list)
+    dropped: bool = False
+    thread: Thread | None = None
+
+    def work(self, path: Path, column: str | None, scripts: Iterable[str]) -> None:
+        """Count a script; an error becomes `fault`."""
+        pages = Pages()
+        finalize(self, pages.__exit__, None, None, None)
+        try:
+            lines = read_lines(path, column=column, remark=self.remarks.append)
+            corpus, counts = count(self._seen(lines), [self.performer], [scripts], pages)
+            if corpus.lines:
+                self.figures = CountFigures(counts[0], pages)
+            else:
+                self.fault = f"{path.name} has no lines to count"
+        except _Dropped:
+            pass
+        except LipsyncError as error:
+            self.fault = str(error).replace(f"{path.parent}{os.sep}", "")
+        except Exception:  # noqa: BLE001 a thread has nobody else to tell
+            _log.exception("counting %s failed", path)
+            self.fault = f"{path.name} could not be counted; the studio's terminal tells more"
+
+    def _seen(self, lines: "Iterable[Line]") -> "Iterator[Line]":
+        for line in lines:
+            if self.dropped:
+                raise _Dropped
+            self.lines += 1
+            yield line
+
+
+class ScriptCount:
+    """The script that a workshop draws for.
+
+    Attributes
+    ----------
+    name : of the script as the user knows it; empty for none
+    column : of a table; None for the likeliest
+    sent : True for a script that the browser sent
+    """
+
+    def __init__(self) -> None:
+        self.name, self.sent = "", False
+        self.column: str | None = None
+        self._path: Path | None = None
+        self._discard: finalize[..., ScriptCount] | None = None
+        self._run: _Run | None = None
+
+    def choose(self, workshop: Workshop, name: str, column: str | None) -> None:
+        """Take a file of the project as the script.
+
+        Raises
+        ------
+        LipsyncError
+            It is outside the project, missing, or of no known format.
+        """
+        project = workshop.project.resolve()
+        path = Path(os.path.realpath(project / name)) if "\0" not in name else project
+        if not path.is_relative_to(project) or path == project:
+            raise LipsyncError(f"'{name}' is outside the project's folder; drop the file here")
+        self._take(path, path.relative_to(project).as_posix(), column)
+
+    def receive(self, put: Callable[[Path], Path], column: str | None) -> None:
+        """Take a file that was sent as the script.
+
+        Parameters
+        ----------
+        put : puts the file into a folder, and returns its path
+        """
+        folder = Path(mkdtemp())
+        discard = finalize(self, rmtree, folder, ignore_errors=True)
+        try:
+            path = put(folder)
+            self._take(path, path.name, column)
+        except LipsyncError:
+            discard()
+            raise
+        self._discard, self.sent = discard, True
+
+    def _take(self, path: Path, name: str, column: str | None) -> None:
+        if not path.is_file():
+            raise LipsyncError(f"there is no file '{name}' in the project")
+        if path.suffix.lower() not in by_suffix():
+            known = ", ".join(sorted(by_suffix()))
+            raise LipsyncError(f"nothing reads lines from '{name}'; known: {known}")
+        self.clear()
+        self._path, self.name, self.column = path, name, column
+
+    def clear(self) -> None:
+        """Have no script."""
+        if self._run is not None:
+            self._run.dropped = True
+        if self._discard is not None:
+            self._discard()
+        self.name, self.sent, self.column = "", False, None
+        self._path = self._discard = self._run = None
+
+    # The count
+
+    def update(self, workshop: Workshop) -> None:
+        """Begin to count unless the script is counted as the language now reads it."""
+        if self._path is None:
+            return
+        performer = workshop.performer
+        key = self._key(performer)
+        if self._run is not None and self._run.key == key:
+            return
+        if self._run is not None:
+            self._run.dropped = True
+        run = self._run = _Run(key, replace(performer))
+        pack = workshop.library().language(performer.compiled.language)
+        run.thread = Thread(
+            target=run.work, args=(self._path, self.column, scripts_of(pack.model)), daemon=True
+        )
+        run.thread.start()
+
+    def _key(self, performer: "Performer") -> object:
+        assert self._path is not None  # noqa: S101 only called with a script
+        try:
+            with self._path.open("rb") as stream:
+                digest = file_digest(stream, "sha256").hexdigest()
+        except OSError as error:
+            raise LipsyncError(f"{self.name} cannot be read: {error.strerror}") from None
+        compiled = performer.compiled
+        reading = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
+        return digest, self.column, reading
+
+    def wait(self) -> None:
+        """Wait until the count is done."""
+        if self._run is not None and self._run.thread is not None:
+            self._run.thread.join(JOIN_SECONDS)
+
+    @property
+    def progress(self) -> dict[str, Any]:
+        """State of the count as JSON data: none, counting, ready or failed."""
+        run = self._run
+        if run is None:
+            return {"state": "none", "lines": 0, "fault": "", "remarks": []}
+        state = "failed" if run.fault else "ready" if run.figures is not None else "counting"
+        told = {"state": state, "lines": run.lines, "fault": run.fault}
+        return told | {"remarks": run.remarks[:3]}
+
+    def report(
+        self, workshop: Workshop, minutes: float, *, sentences: bool = False
+    ) -> CoverageReport | None:
+        """Return what the script needs of the open character; None without a count."""
+        figures = None if self._run is None else self._run.figures
+        if figures is None or figures.count.size != len(workshop.performer.compiled.counted):
+            return None
+        return report_of(workshop.performer, figures, minutes, "", sentences=sentences)
+
+
+_scripts: "WeakKeyDictionary[Workshop, ScriptCount]" = WeakKeyDictionary()
+
+
+def script_of(workshop: Workshop) -> ScriptCount:
+    """Return the script of a workshop."""
+    return _scripts.setdefault(workshop, ScriptCount())
+
+
+def script_needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
+    """Return how often the script needs each bigram, with a word that has it.
+
+    Empty without a script, and until it is counted.
+    """
+    report = script_of(workshop).report(workshop, 1.0)
+    if report is None:
+        return {}
+    rows = (*report.bigrams, *report.silence)
+    return {row.bigram: (row.count, row.example) for row in rows}
+
+
+def scripts_in(project: Path) -> list[str]:
+    """List files of a project that may be scripts, without its packs."""
+    packs = {*FOLDERS.values()}
+    found: list[str] = []
+    for number, (here, folders, files) in enumerate(os.walk(project)):
+        top = Path(here) == project
+        folders[:] = sorted(f for f in folders if f[:1] != "." and not (top and f in packs))
+        names = (name for name in sorted(files) if name[:1] != ".")
+        known = (name for name in names if Path(name).suffix.lower() in by_suffix())
+        found += [(Path(here) / name).relative_to(project).as_posix() for name in known]
+        if len(found) >= MAX_SCRIPTS or number >= MAX_FOLDERS:
+            break
+    return found[:MAX_SCRIPTS]

@@ -1,0 +1,69 @@
+/** Figures of the line with their findings; a click goes to the moment. */
+
+import { made } from "./elements.js";
+
+/** Milliseconds after the last change of the curves, before they are judged. */
+const SETTLE = 300;
+/** Findings of a figure that are named. */
+const MOST = 12;
+
+/** The list of figures beside a view. */
+export class QualityList {
+  /** @param {import("./studio.js").Studio} studio @param {HTMLElement} place */
+  constructor(studio, place) {
+    this.studio = studio;
+    this.list = made("ul");
+    this.summary = made("small", { role: "status" });
+    place.append(made("h3", {}, "This line", this.summary), this.list);
+    this.visible = false;
+    /** Take that was judged. @type {unknown} */
+    this.judged = null;
+  }
+
+  show() {
+    this.visible = true;
+    this.#ask();
+  }
+
+  hide() {
+    this.visible = false;
+  }
+
+  /** The curves are new. */
+  changed() {
+    clearTimeout(this.later);
+    if (this.visible) this.later = setTimeout(() => this.#ask(), SETTLE);
+  }
+
+  async #ask() {
+    const { take, api } = this.studio;
+    if (!take) {
+      this.judged = null;
+      this.summary.textContent = "";
+      this.list.replaceChildren(made("li", {}, "Speak a line below: its contacts, limits and stillness are judged here."));
+      return;
+    }
+    if (take === this.judged) return;
+    this.judged = take;
+    await this.studio.attempt(async () => {
+      const { figures } = await api.get("figures");
+      if (this.judged !== take) return;
+      const failed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL").length;
+      this.summary.textContent = failed ? `${failed} of ${figures.length} figures fail` : "nothing fails";
+      const order = (/** @type {any} */ one) => (one.verdict === "FAIL" ? 0 : one.findings.length ? 1 : 2);
+      this.list.replaceChildren(...figures.toSorted((/** @type {any} */ a, /** @type {any} */ b) => order(a) - order(b)).map((/** @type {any} */ one) => this.#figure(one)));
+    });
+  }
+
+  /** @param {{name: string, verdict: string, told: string, findings: [number, string][]}} figure @returns {HTMLElement} */
+  #figure({ name, verdict, told, findings }) {
+    const moments = findings.slice(0, MOST).map(([seconds, what]) => {
+      const one = made("button", { type: "button", title: "Go to the moment" }, `${seconds.toFixed(2)} s ${what}`);
+      one.addEventListener("click", () => this.studio.reveal(seconds));
+      return one;
+    });
+    const rest = findings.length - moments.length;
+    const sign = verdict === "FAIL" ? "✗ " : verdict === "ok" ? "✓ " : "";
+    return made("li", { class: verdict }, made("b", {}, `${sign}${name}`), made("small", {}, told), made("div", {}, ...moments, ...(rest > 0 ? [`and ${rest} more`] : [])));
+  }
+}
