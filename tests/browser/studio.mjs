@@ -204,6 +204,54 @@ const stories = {
     return { titles, outside, left: await page.locator(".tour").count() };
   },
 
+  /** A character: its poses, its targets, its rules and its tongue. */
+  async character() {
+    const page = await show("#character/poses");
+    const face = async () => { await settle(page); return pixels(page); };
+    const rest = await face();
+    await page.click("#tongue");
+    await page.waitForFunction(() => document.querySelector("#tongue").getAttribute("aria-pressed") === "true");
+    const through = differing(await face(), rest);
+    await page.keyboard.press("x");
+    const solid = differing(await face(), rest);
+    await page.locator('[data-pose="mouthOpen"] input[type=range]').fill("1");
+    const slid = differing(await face(), rest);
+    await page.locator('[data-pose="tongueOut"] input[type=range]').fill("0.9");
+    await page.keyboard.press("k");
+    await page.locator('[data-pose="mouthOpen"] input[type=number]').fill("0.4");
+    await page.locator('[data-pose="mouthOpen"] input[type=number]').press("Enter");
+    await page.waitForFunction(() => document.querySelector('[data-pose="tongueOut"] small').textContent.includes("0.40"));
+    const rule = await text(page, '[data-pose="tongueOut"] small');
+    const pictured = await page.$$eval(".pose-sheet canvas", (all) => new Set(all.map((one) => one.toDataURL())).size);
+    await page.click('[data-sheet="targets"]');
+    const off = await page.isDisabled(".target-detail button.main").catch(() => null);
+    await page.click(".banner button");
+    await page.waitForFunction(() => document.querySelector(".banner").hidden);
+    await speak(page, "Father");
+    await picture(page, "character-targets");
+    const cell = (sound, pose) => `tr[data-phoneme="${sound}"] td[data-pose="${pose}"]`;
+    await page.click(cell("aa", "mouthOpen"));
+    const shown = await page.inputValue('[data-pose="mouthOpen"] input[type=number]');
+    await page.keyboard.type(".9");
+    await page.keyboard.press("Enter");
+    await unsaved(page);
+    await page.focus(cell("aa", "smile"));
+    await page.locator('[data-pose="smile"] input[type=range]').fill("0.3");
+    await page.evaluate(() => document.activeElement.blur());
+    await page.keyboard.press("t");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Target of aa"));
+    await page.click('[data-sheet="rules"]');
+    await page.waitForSelector(".ranks li");
+    await page.locator(".ranks li").first().focus();
+    await page.keyboard.press("ArrowDown");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Rank of smile"));
+    const ranks = await page.$$eval(".ranks li > span:nth-child(2)", (all) => all.map((one) => one.textContent));
+    await page.keyboard.press("Control+s");
+    await saved(page);
+    const nameless = await page.$$eval(".character-view :is(input, select, button)", (all) => all.filter((one) => !(one.ariaLabel || one.textContent || one.labels?.length)).length);
+    return { through, solid, slid, rule, pictured, off, shown, ranks, nameless };
+  },
+
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];
@@ -213,7 +261,7 @@ const stories = {
       await page.setViewportSize({ width, height });
       for (const colorScheme of folder ? ["light", "dark"] : ["light"]) {
         await page.emulateMedia({ colorScheme });
-        for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "words", "coverage", "language"]) {
+        for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
           await page.evaluate((name) => { location.hash = `#${name}`; }, view);
           await page.waitForTimeout(200);
           const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from lanes import full
+from shipped import LIBRARY
 from test_consumers import chromium, found
 
 from lipsync_lang.performing.resolving import resolve
@@ -153,6 +154,26 @@ def test_the_tour_of_the_crab(studio):
     told = telling(studio, "tour")
     assert len(told["titles"]) >= 5
     assert (told["outside"], told["left"]) == ([], 0)
+
+
+def test_a_character_is_posed_seen_through_and_edited(studio):
+    told = telling(studio, "character")
+    assert told["slid"] > 20
+    assert told["through"] > 20
+    assert told["solid"] == 0
+    assert "never above it" in told["rule"]
+    assert told["pictured"] == 8
+    assert told["shown"] == "0.75"
+    assert told["ranks"][:3] == ["frown", "smile", "bareTeeth"]
+    assert told["nameless"] == 0
+    poseset = studio.folder / "posesets/crab/poseset.yaml"
+    lines = poseset.read_text("utf-8").splitlines()
+    before = LIBRARY.find("poseset", "crab").read_text("utf-8").splitlines()
+    changed = [line.partition("    #")[0] for line in lines if line not in before]
+    assert changed == [
+        "priority: [frown, smile, bareTeeth, mouthOO] ",
+        "  aa:  {mouthOpen: 0.9, smile: 0.3}",
+    ]
 
 
 def test_every_view_fits_every_screen(studio):

@@ -14,6 +14,8 @@ const { sphere } = await load("ambient");
 const { Take } = await load("take");
 const { beside, editsOf, spoken } = await load("bigram_state");
 const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curve_points");
+const { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } = await load("target_forms");
+const { innerKinds, NEAR, OUTER, TONGUE } = await load("inner_mouth");
 
 const near = (a, b, most = 1e-6) => {
   assert.equal(a.length, b.length);
@@ -36,7 +38,46 @@ function face(more = {}) {
   };
 }
 
+/** A head of one quad, a tongue of one that a channel lifts, and a tooth above it. */
+function mouth(joined) {
+  const quad = (x, size, z) => [x, 0, z, x + size, 0, z, x, size, z, x + size, size, z];
+  const two = (n) => [n, n + 1, n + 2, n + 1, n + 3, n + 2];
+  const groups = Uint16Array.from({ length: 12 }, (_, n) => (joined && n === 4 ? 3 : n));
+  return {
+    ...face(), count: 12, groups, triangles: Uint16Array.of(...two(0), ...two(4), ...two(8)), normals: new Int8Array(36), moving: new Uint8Array(12).fill(1),
+    parts: [{
+      node: 0, first: 0, count: 12, middle: [0, 0, 0], scale: 1, points: [...quad(0, 10, 0), ...quad(4, 2, -1), ...quad(4.5, 1, -0.5)], skin: null,
+      shapes: [{ channels: [0], rest: 0, scale: 1, points: [4, 5, 6, 7], deltas: [0, 0, joined ? 0 : 0.5, 0, 0, 1, 0, 0, 1, 0, 0, 1] }],
+    }],
+  };
+}
+
 const units = {
+  "a target keeps its form where it is changed"() {
+    const flat = { a: 0.5, b: 0, dominance: { b: 2 } }, whole = { weights: { a: 1 }, overall: 3 };
+    assert.deepEqual(stepsOf(undefined), []);
+    assert.equal(targetOf(stepsOf(flat)), flat);
+    assert.equal(targetOf([flat, whole]).length, 2);
+    assert.deepEqual(weightsOf(flat), { a: 0.5, b: 0 });
+    assert.deepEqual(weightsOf(whole), { a: 1 });
+    assert.deepEqual(dominanceOf({ a: 1, dominance: 0.3 }), { overall: 0.3, poses: {} });
+    assert.deepEqual(dominanceOf(whole), { overall: 3, poses: {} });
+    assert.equal(JSON.stringify(withWeight(flat, "c", 0.2)), '{"a":0.5,"b":0,"c":0.2,"dominance":{"b":2}}');
+    assert.equal(JSON.stringify(withWeight(flat, "a", 0.2)), '{"a":0.2,"b":0,"dominance":{"b":2}}');
+    assert.deepEqual(withWeight(whole, "a", null), { weights: {}, overall: 3 });
+    assert.deepEqual(withWeights(flat, { a: 0, b: 0, c: 0.5, d: 0 }), { a: 0, b: 0, c: 0.5, dominance: { b: 2 } });
+    assert.deepEqual(withDominance(flat, "b", null), { a: 0.5, b: 0 });
+    assert.deepEqual(withDominance({ a: 1 }, null, 0.5), { a: 1, dominance: 0.5 });
+    assert.deepEqual(withDominance(flat, null, 0.5), { weights: { a: 0.5, b: 0 }, dominance: { b: 2 }, overall: 0.5 });
+    assert.deepEqual(withDominance(whole, null, null), { weights: { a: 1 } });
+  },
+  "the tongue is what its poses move, and the teeth are near it"() {
+    const apart = innerKinds(new FaceShape(mouth(false)), [0], [[1]]);
+    assert.deepEqual([...apart], [OUTER, OUTER, TONGUE, TONGUE, NEAR, NEAR]);
+    const joined = innerKinds(new FaceShape(mouth(true)), [0], [[1]]);
+    assert.deepEqual([...joined], [OUTER, OUTER, OUTER, TONGUE, OUTER, OUTER]);
+    assert.equal(innerKinds(new FaceShape(mouth(false)), [0], [[0]]), null);
+  },
   "ticks are round and inside"() {
     assert.deepEqual(ticks(0.05, 1.02, 5), [0.2, 0.4, 0.6, 0.8, 1]);
     assert.deepEqual(ticks(-0.25, 0.25, 6), [-0.2, -0.1, 0, 0.1, 0.2]);

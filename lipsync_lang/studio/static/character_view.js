@@ -7,6 +7,7 @@ import { PoseSheet } from "./pose_sheet.js";
 import { RuleForms } from "./rule_forms.js";
 import { tellKeys } from "./studio_keys.js";
 import { TargetTable } from "./target_table.js";
+import { kindsOf, REGION } from "./tongue_view.js";
 
 /** @typedef {Record<string, number>} Mix weights by pose */
 
@@ -70,7 +71,6 @@ export class CharacterView {
   }
 
   #buildMixer() {
-    const { studio } = this;
     const button = (/** @type {string} */ text, /** @type {string} */ title, /** @type {() => void} */ does) => {
       const one = made("button", { type: "button", title }, text);
       one.addEventListener("click", does);
@@ -81,11 +81,11 @@ export class CharacterView {
       this.#setWithin(Boolean(this.keep?.checked));
       this.pose(this.mix);
     });
-    this.whose = made("span", { class: "whose" });
+    this.whose = made("p", { class: "whose" });
     this.mixerPlace.append(made("div", { class: "row" },
       button("Rest", "All sliders to rest (R)", () => this.pose({})),
       button("From the line", "Take the face at the playhead", () => this.pose(this.#spoken())),
-      this.whose), made("label", { class: "check" }, this.keep, "Keep within constraints"));
+      made("label", { class: "check" }, this.keep, "Keep within constraints")), this.whose);
     this.mixer = new PoseMixer(this.mixerPlace, (pose, weight, done) => this.#moved(pose, weight, done));
   }
 
@@ -174,9 +174,10 @@ export class CharacterView {
   async #draw() {
     const { studio } = this, names = studio.state.poses.map((/** @type {any} */ one) => one.name);
     const told = await studio.api.post("pose", { mixes: names.map((/** @type {string} */ name) => ({ [name]: 1 })) });
-    const drawn = Boolean(studio.portrait?.face);
+    const face = studio.portrait?.face, drawn = Boolean(face), kinds = face ? await kindsOf(studio, face) : null;
+    const inner = new Set(studio.state.poses.filter((/** @type {any} */ one) => one.region === REGION).map((/** @type {any} */ one) => one.name));
     this.pictures.draw(studio, new Map(names.map((/** @type {string} */ name, /** @type {number} */ n) =>
-      [name, Float32Array.from(drawn ? told.rows[n].channels : told.rows[n].weights)])));
+      [name, Float32Array.from(drawn ? told.rows[n].channels : told.rows[n].weights)])), kinds, inner);
   }
 
   // Edits
@@ -276,7 +277,7 @@ export class CharacterView {
   }
 
   #tellWhose() {
-    const words = this.posing ? "The face shows the sliders." : this.studio.take ? "The face shows the line." : "Move a slider, or choose a picture.";
+    const words = this.posing ? "The face shows the sliders, until you play or seek." : this.studio.take ? "The face shows the line, until you move a slider." : "The face is at rest: move a slider, or choose a picture.";
     if (this.whose && this.whose.textContent !== words) this.whose.textContent = words;
   }
 }

@@ -23,6 +23,7 @@ precision highp float;
 in vec3 facing; in vec3 tint; in float reach; in vec2 spot;
 uniform vec4 ways[3]; uniform vec4 lamps[3]; uniform vec3 sky, ground;
 uniform float gloss, sharpest, behind, cutoff; uniform bool lit, textured; uniform sampler2D image;
+uniform float alpha, lift;
 out vec4 pixel;
 vec3 encoded(vec3 light) {
   light = clamp(light, 0.0, 1.0);
@@ -40,12 +41,17 @@ void main() {
     float power = 2.0 + sharpest * gloss * gloss;
     shine += lamps[k].w * gloss * pow(max(dot(n, normalize(way + vec3(0.0, 0.0, 1.0))), 0.0), power);
   }
-  float side = (gl_FrontFacing ? 1.0 : behind) * reach;
+  float side = mix((gl_FrontFacing ? 1.0 : behind) * reach, 1.0, lift);
   vec3 seen = lit ? tint * texel.rgb * light * side + shine * side : tint * texel.rgb;
-  pixel = vec4(encoded(seen), 1.0);
+  pixel = vec4(encoded(seen), 1.0) * alpha;
 }`;
 
 const MAX_PITCH = 80;
+
+/** How solid each kind of triangle is where the mouth is seen through the face, inmost first. */
+const SOLID = [1, 0.4, 0.22];
+/** Share of shade that the inside of the mouth loses then. */
+const LIFT = 0.75;
 
 /**
  * Turn a camera about its target.
@@ -88,6 +94,14 @@ export class GlFace {
     this.pitch = 0;
     this.lost = false;
     this.stale = false;
+    /** Triangles as they are drawn: material by material, and in each the inmost kind first. */
+    this.order = Uint32Array.from(face.triangles);
+    /** Kinds of the triangles while the mouth is seen through the face. @type {Uint8Array | null} */
+    this.through = null;
+    /** Number of triangles of each kind, by material. @type {number[][]} */
+    this.counts = [];
+    /** Kinds by which the triangles are in order. @type {Uint8Array | null} */
+    this.sorted = null;
     this.program = linked(gl);
     /** @type {Map<string, WebGLUniformLocation | null>} */
     this.places = new Map();
@@ -142,6 +156,24 @@ export class GlFace {
     this.stale = true;
   }
 
+  /**
+   * See the inside of the mouth through the face.
+   * @param {Uint8Array | null} kinds of the triangles, as from `innerKinds`; null for a solid face
+   */
+  seeThrough(kinds) {
+    this.through = kinds;
+    if (!kinds || this.sorted === kinds) return;
+    const { face, gl } = this, { triangles } = face;
+    this.sorted = kinds;
+    this.counts = face.materials.map((/** @type {any} */ one) => {
+      const own = Array.from({ length: one.count }, (_, n) => one.first + n);
+      const sorted = SOLID.map((_, kind) => own.filter((n) => kinds[n] === kind));
+      sorted.flat().forEach((from, n) => this.order.set(triangles.subarray(3 * from, 3 * from + 3), 3 * (one.first + n)));
+      return sorted.map((some) => some.length);
+    });
+    gl.bufferSubData(gl.ELEMENT_ARRAY_BUFFER, 0, this.order);
+  }
+
   /** Draw the face as it stands. */
   render() {
     const { gl, canvas, face } = this;
@@ -159,19 +191,45 @@ export class GlFace {
     gl.uniformMatrix3fv(this.at("turn"), false, turned(camera.turn, this.yaw, this.pitch));
     gl.uniform1f(this.at("distance"), camera.distance);
     gl.uniform1f(this.at("zoom"), 1 / Math.tan((camera.field * Math.PI) / 360));
-    face.materials.forEach((/** @type {any} */ one, /** @type {number} */ number) => this.#draw(one, number));
+    if (this.through) SOLID.forEach((alpha, kind) => this.#drawKind(alpha, kind));
+    else face.materials.forEach((/** @type {any} */ one, /** @type {number} */ number) => this.#draw(one, number, 0, one.count));
   }
 
-  /** @param {any} material @param {number} number */
-  #draw(material, number) {
+  /** Draw a kind of triangles over those within; of each pixel the nearest alone. @param {number} alpha @param {number} kind */
+  #drawKind(alpha, kind) {
+    const { gl, face } = this;
+    const all = () => face.materials.forEach((/** @type {any} */ one, /** @type {number} */ number) => {
+      const counts = this.counts[number];
+      this.#draw(one, number, counts.slice(0, kind).reduce((a, b) => a + b, 0), counts[kind]);
+    });
+    gl.uniform1f(this.at("alpha"), alpha);
+    gl.uniform1f(this.at("lift"), kind < SOLID.length - 1 ? LIFT : 0);
+    if (alpha < 1) {
+      gl.colorMask(false, false, false, false);
+      all();
+      gl.colorMask(true, true, true, true);
+      gl.depthFunc(gl.LEQUAL);
+      gl.enable(gl.BLEND);
+      gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    }
+    all();
+    gl.disable(gl.BLEND);
+    gl.depthFunc(gl.LESS);
+    gl.uniform1f(this.at("alpha"), 1);
+    gl.uniform1f(this.at("lift"), 0);
+  }
+
+  /** @param {any} material @param {number} number @param {number} first of its triangles @param {number} count */
+  #draw(material, number, first, count) {
     const { gl } = this;
+    if (!count) return;
     (material.double ? gl.disable : gl.enable).call(gl, gl.CULL_FACE);
     gl.uniform1f(this.at("gloss"), material.gloss);
     gl.uniform1f(this.at("cutoff"), material.cutoff);
     gl.uniform1i(this.at("lit"), Number(material.lit));
     gl.uniform1i(this.at("textured"), Number(Boolean(this.images[number])));
     gl.bindTexture(gl.TEXTURE_2D, this.images[number] ?? null);
-    gl.drawElements(gl.TRIANGLES, 3 * material.count, gl.UNSIGNED_INT, 12 * material.first);
+    gl.drawElements(gl.TRIANGLES, 3 * count, gl.UNSIGNED_INT, 12 * (material.first + first));
   }
 
   #build() {
@@ -187,7 +245,7 @@ export class GlFace {
     this.#fill("open", this.open, 1, gl.UNSIGNED_BYTE, true);
     if (face.places) this.#fill("place", face.places, 2, gl.FLOAT, false);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(face.triangles), gl.STATIC_DRAW);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, this.order, gl.DYNAMIC_DRAW);
     const { lamps, sky, ground, sharpest, behind } = face.light;
     gl.uniform4fv(this.at("ways"), lamps.flatMap((/** @type {number[]} */ one) => [...one.slice(0, 3), one[6]]));
     gl.uniform4fv(this.at("lamps"), lamps.flatMap((/** @type {number[]} */ one) => [...one.slice(3, 6), one[7]]));
@@ -195,6 +253,7 @@ export class GlFace {
     gl.uniform3fv(this.at("ground"), ground);
     gl.uniform1f(this.at("sharpest"), sharpest);
     gl.uniform1f(this.at("behind"), behind);
+    gl.uniform1f(this.at("alpha"), 1);
     this.stale = false;
     face.materials.forEach((/** @type {any} */ one, /** @type {number} */ number) => one.image && this.#texture(one.image, number));
   }

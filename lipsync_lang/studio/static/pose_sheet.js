@@ -8,6 +8,9 @@ const SIDE = 176;
 /** Pictures drawn before the page may answer again. */
 const AT_ONCE = 4;
 
+/** Degrees from the front, where the tongue is seen through the cheek. */
+const ASIDE = 55;
+
 /** @typedef {{name: string, title: string}} Picture */
 
 /** Pictures of mixes to choose from. */
@@ -43,14 +46,16 @@ export class PoseSheet {
    * Draw the pictures, a few in each frame; a newer call ends an older one.
    * @param {import("./studio.js").Studio} studio
    * @param {Map<string, Float32Array>} mixes channels of the model, or poses where there is none
+   * @param {Uint8Array | null} kinds of the triangles, to see what a pose moves behind the lips
+   * @param {Set<string>} inner poses that are seen through the face
    */
-  draw(studio, mixes) {
+  draw(studio, mixes, kinds, inner) {
     const own = ++this.drawing, left = [...this.items];
     const some = () => {
       if (own !== this.drawing || !studio.portrait) return;
       snapshots(studio, left.splice(0, AT_ONCE).flatMap(([name, { canvas }]) => {
         const weights = mixes.get(name);
-        return weights ? [{ canvas, weights }] : [];
+        return weights ? [{ canvas, weights, kinds: inner.has(name) ? kinds : null }] : [];
       }));
       if (left.length) requestAnimationFrame(some);
     };
@@ -61,7 +66,7 @@ export class PoseSheet {
 /**
  * Draw mouths into canvases with the face of the studio, which looks the same afterwards.
  * @param {import("./studio.js").Studio} studio
- * @param {{canvas: HTMLCanvasElement, weights: Float32Array}[]} wanted
+ * @param {{canvas: HTMLCanvasElement, weights: Float32Array, kinds: Uint8Array | null}[]} wanted
  */
 export function snapshots(studio, wanted) {
   const portrait = /** @type {import("./portrait.js").Portrait} */ (studio.portrait), { face, take } = portrait;
@@ -72,10 +77,11 @@ export function snapshots(studio, wanted) {
     }
     return;
   }
-  const { close, yaw, pitch } = face, { width, height } = face.canvas;
+  const { close, yaw, pitch, through } = face, { width, height } = face.canvas;
   [face.canvas.width, face.canvas.height] = [SIDE, SIDE];
-  face.setView({ close: true, yaw: 0, pitch: 0 });
-  for (const { canvas, weights } of wanted) {
+  for (const { canvas, weights, kinds } of wanted) {
+    face.seeThrough(kinds);
+    face.setView({ close: true, yaw: kinds ? ASIDE : 0, pitch: 0 });
     face.setWeights(weights);
     face.render();
     const context = canvas.getContext("2d");
@@ -84,5 +90,6 @@ export function snapshots(studio, wanted) {
   }
   [face.canvas.width, face.canvas.height] = [width, height];
   face.setView({ close, yaw, pitch });
+  face.seeThrough(through);
   portrait.draw(studio.player.time, studio.posed);
 }

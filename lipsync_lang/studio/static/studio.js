@@ -13,6 +13,7 @@ import { SentenceView } from "./sentence_view.js";
 import { showHelp, shellKeys } from "./studio_keys.js";
 import { Take } from "./take.js";
 import { Timeline } from "./timeline.js";
+import { toggleTongue } from "./tongue_view.js";
 import { Tour } from "./tour.js";
 import { WordsView } from "./words_view.js";
 
@@ -153,6 +154,7 @@ export class Studio {
       this.wake();
     });
     the("faces").replaceChildren(this.portrait.figure);
+    the("tongue").setAttribute("aria-pressed", "false");
     const notes = [...data.unshown, ...(trouble ? [trouble] : [])];
     the("notes").hidden = !notes.length;
     the("notes").replaceChildren(...notes.map((/** @type {string} */ one) => made("li", {}, one)));
@@ -543,7 +545,8 @@ export class Studio {
     click("out", () => this.zoomed().zoom(1 / 1.5, this.player.time));
     click("fit", () => this.zoomed().setView(this.zoomed().start, this.zoomed().end));
     for (const one of document.querySelectorAll("[data-rate]")) one.addEventListener("click", () => this.setRate(Number(one.getAttribute("data-rate"))));
-    for (const one of document.querySelectorAll("[data-view]")) one.addEventListener("click", () => this.viewFrom(one.getAttribute("data-view") ?? "front"));
+    click("tongue", () => this.attempt(() => toggleTongue(this, the("tongue"))));
+    for (const one of document.querySelectorAll("#angles [data-view]")) one.addEventListener("click", () => this.viewFrom(one.getAttribute("data-view") ?? "front"));
     the("against").addEventListener("change", () => {
       this.against = chosen("against");
       this.perform();
@@ -594,7 +597,7 @@ export class Studio {
     this.portrait?.setClose(way === "close");
     const yaw = { half: 40, side: 90 }[way] ?? 0;
     if (yaw) this.portrait?.turn(yaw, 0);
-    for (const one of document.querySelectorAll("[data-view]")) one.setAttribute("aria-pressed", String(one.getAttribute("data-view") === way));
+    for (const one of document.querySelectorAll("#angles [data-view]")) one.setAttribute("aria-pressed", String(one.getAttribute("data-view") === way));
     this.wake();
   }
 }

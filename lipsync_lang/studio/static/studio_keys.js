@@ -13,6 +13,7 @@ const KEYS = {
   "l": "loop the word at the playhead",
   "b": "the bigram at the playhead",
   "f h p m": "the face from the front, half, in profile, and its mouth",
+  "x": "the tongue through the face, or the solid face",
   "+ − 0": "less time, more time, all",
   "?": "these keys",
 };
@@ -87,7 +88,7 @@ export function shellKeys(studio, event) {
     "l": () => studio.toggleLoop(),
     "b": () => bigram(studio),
     "f": () => studio.viewFrom("front"), "h": () => studio.viewFrom("half"),
-    "p": () => studio.viewFrom("side"), "m": () => studio.viewFrom("close"),
+    "x": () => the("tongue").click(), "p": () => studio.viewFrom("side"), "m": () => studio.viewFrom("close"),
     "+": () => studio.zoomed().zoom(1.5, studio.player.time), "=": () => studio.zoomed().zoom(1.5, studio.player.time),
     "-": () => studio.zoomed().zoom(1 / 1.5, studio.player.time),
     "0": () => studio.zoomed().setView(studio.zoomed().start, studio.zoomed().end),

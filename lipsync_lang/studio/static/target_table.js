@@ -197,7 +197,10 @@ export class TargetTable {
   /** @param {number | null} weight of the cell that has the focus */
   #weigh(weight) {
     const one = this.chosen();
-    if (one && this.own) this.#put(withWeight(one.step, this.pose, weight), `${this.pose} in ${this.phoneme}`);
+    if (!one || !this.own) return;
+    const step = withWeight(one.step, this.pose, weight);
+    this.hands.face(weightsOf(step));
+    this.#put(step, `${this.pose} in ${this.phoneme}`);
   }
 
   /** @param {HTMLElement} cell @param {string | null} start what was typed; null to change what is there */
