@@ -59,6 +59,7 @@ def test_the_matrix_tells_what_the_line_needs(told, workshop):
         "word": "ma",
     }
     assert matrix["pairs"]["a-p"]["need"] == 1
+    assert matrix["source"] == "line"
     assert "word" not in matrix["pairs"]["a-p"], "between two words"
     assert matrix["wanted"][0]["pair"] == "p-a"
     assert {"pair": "a-p", "count": 1, "word": ""} in matrix["wanted"]

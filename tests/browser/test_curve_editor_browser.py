@@ -100,7 +100,7 @@ def test_the_matrix_is_walked_and_opens_bigrams(used):
         ["a-_", "gap", "×"], ["a-a", "none", ""], ["a-m", "drafted need", "·"],
         ["m-_", "none", ""], ["m-a", "approved need", "✓"], ["m-m", "edited", "●"],
     ]  # fmt: skip
-    needed = "a-m, drafted, by draft, as in am, the script needs it 2 times"
+    needed = "a-m, drafted, as in am, the script needs it 2 times"
     assert matrix["told"][0] == needed
     assert [told.split(",")[0] for told in matrix["told"]] == ["a-m", "a-a", "m-a", "m-a", "m-a"]
     assert matrix["opened"] == ["m-a", "m-m", "a-m"]

@@ -32,9 +32,13 @@ MAX_NAME_CHARS = 40
 
 
 def matrix(workshop: Workshop, _: Wish) -> Json:
-    """Return the status of every bigram, how often it is needed, and the next ones to draw."""
+    """Return the status of every bigram, how often it is needed, and the next ones to draw.
+
+    The `source` of the need is the script that was counted last, or else the line.
+    """
     compiled = workshop.performer.compiled
-    needs = script_needs(workshop) or _needs(workshop)
+    counted = script_needs(workshop)
+    needs = counted or _needs(workshop)
     pairs: dict[str, Json] = {}
     for i, first in enumerate(compiled.phonemes):
         for j, second in enumerate(compiled.phonemes):
@@ -50,7 +54,12 @@ def matrix(workshop: Workshop, _: Wish) -> Json:
         for pair, (count, _) in sorted(needs.items(), key=lambda need: -need[1][0])
         if pair in pairs and not authored(pairs[pair]["layer"], pairs[pair]["status"])
     ]
-    return {"phonemes": list(compiled.phonemes), "pairs": pairs, "wanted": wanted[:MAX_WANTED]}
+    return {
+        "phonemes": list(compiled.phonemes),
+        "pairs": pairs,
+        "wanted": wanted[:MAX_WANTED],
+        "source": "script" if counted else "line",
+    }
 
 
 def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:

@@ -10,7 +10,7 @@ const STATUSES = {
 const MOST = 40;
 
 /** @typedef {{status: string, layer?: string, need?: number, word?: string | null}} Cell */
-/** @typedef {{phonemes: string[], pairs: Record<string, Cell>, wanted: {pair: string, count: number, word?: string | null}[]}} Matrix */
+/** @typedef {{phonemes: string[], pairs: Record<string, Cell>, wanted: {pair: string, count: number, word?: string | null}[], source?: string}} Matrix `source`: script or line */
 
 /** A grid that is walked by arrows and opens a bigram by Enter or click. */
 export class BigramMatrix {
@@ -25,9 +25,9 @@ export class BigramMatrix {
     this.table = made("table", { class: "matrix", role: "grid", "aria-label": "Bigrams: the first phoneme down, the second across" });
     this.info = made("p", { class: "matrix-info", role: "status" });
     this.legend = made("ul", { class: "matrix-legend", "aria-label": "Statuses" });
-    this.only = made("button", { type: "button", "aria-pressed": "false" }, "Only what the script needs");
+    this.only = made("button", { type: "button", "aria-pressed": "false" }, "Only what is needed");
     this.wanted = made("ol", { class: "wanted" });
-    this.none = made("p", { class: "note" }, "The script needs no bigram that is still a draft.");
+    this.none = made("p", { class: "note" }, "No bigram that is needed is still a draft.");
     place.append(made("section", { class: "bigram-matrix", "aria-label": "All bigrams" },
       made("div", { class: "row matrix-head" }, this.legend, this.only), this.info, made("div", { class: "matrix-scroll" }, this.table),
       made("aside", { "aria-label": "Next most wanted" }, made("h2", {}, "Next most wanted"), this.wanted, this.none)));
@@ -71,10 +71,10 @@ export class BigramMatrix {
 
   /** @param {string} pair @returns {string} all that is known of it */
   told(pair) {
-    const { status, layer, need = 0, word } = this.#cell(pair);
-    const times = need ? `the script needs it ${need} time${need > 1 ? "s" : ""}` : "";
+    const { status, layer, need = 0, word } = this.#cell(pair), { source = "script" } = this.data;
+    const times = need ? `the ${source} needs it ${need} time${need > 1 ? "s" : ""}` : "";
     const words = STATUSES[/** @type {keyof typeof STATUSES} */ (status)]?.[1] ?? status;
-    return [pair, words, layer && layer !== status ? `by ${layer}` : "", word ? `as in ${word}` : "", times].filter(Boolean).join(", ");
+    return [pair, words, layer && layer !== status && layer !== "draft" ? `by ${layer}` : "", word ? `as in ${word}` : "", times].filter(Boolean).join(", ");
   }
 
   #build() {

@@ -12,7 +12,7 @@ const SETTLE = 120;
 const STATUSES = ["drafted", "edited", "approved"];
 
 tellKeys({
-  "n": "bigrams: the next one that the line needs",
+  "n": "bigrams: the next one that is needed",
   "w": "bigrams: all of them; Esc, too",
   "j": "bigrams: go to this one in the line, or speak its word",
   "1 2 3": "bigrams: mark as drafted, edited, approved",
@@ -105,7 +105,7 @@ export class BigramView {
     }));
     this.head.append(
       made("div", { class: "row" }, this.title, this.status, button("In the line", "Go to this bigram in the line, or speak its word (J)", () => this.#find()),
-        button("Next wanted", "Open the next bigram that the line needs (N)", () => this.next()),
+        button("Next wanted", "Open the next bigram that is needed and not drawn (N)", () => this.next()),
         button("All bigrams", "The matrix of all bigrams (W)", () => studio.go("bigrams")), this.target, this.origin),
       made("div", { class: "row" }, made("label", { class: "word" }, "Word", this.word), made("label", { class: "why" }, "Note", this.why), this.kind, this.contact, this.into),
     );
