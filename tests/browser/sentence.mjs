@@ -2,7 +2,7 @@
 //
 //   node sentence.mjs NODE_MODULES CHROMIUM ADDRESS
 //
-// A line without sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other
+// A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -13,7 +13,8 @@ const flags = [
   "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
   "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ];
-const RULER = 24, BAND = 22, ROW = 50, TOP = RULER + 3 * BAND + 8;
+// pixels of the timeline: its ruler with the sound, a band of labels, a pose, and where the poses begin
+const RULER = 24 + 52, BAND = 22, ROW = 50, TOP = RULER + 3 * BAND + 8;
 const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
 const said = [], asked = [];
 
@@ -33,8 +34,14 @@ try {
   const settle = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   const idle = async (title) => {
     await page.waitForFunction((wanted) => document.querySelector("#undo").title.startsWith(wanted), title, { timeout: 60000 });
-    await page.waitForLoadState("networkidle"); // the take, and after it the check
-    await settle();
+    await still();
+  };
+  /** Wait for the curves, and for the check that comes after them. */
+  const still = async () => {
+    for (let last = "", now = await drawn(); now !== last; now = await drawn()) {
+      last = now;
+      await page.waitForTimeout(900);
+    }
   };
   const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
   const drawn = () => page.evaluate(() => document.querySelector("#timeline").toDataURL());
@@ -42,14 +49,13 @@ try {
   const times = async () => { const { phonemes } = await timings(); return [phonemes[0].start, ...phonemes.map((one) => one.end)]; };
   const settings = () => page.evaluate(async () => (await (await fetch("api/state")).json()).settings);
   await idle("Nothing");
-  await settle();
 
   // a boundary is dragged: its curves follow, and undo puts it back
   const box = await page.locator("#timeline").boundingBox();
   const before = await times(), plain = await drawn();
   let [x, y] = [0, box.y + RULER + 1.5 * BAND];
   const cursor = () => page.evaluate(() => document.querySelector("#timeline").style.cursor);
-  for (x = box.x + box.width / 2; (await cursor()) !== "ew-resize"; x += 3) await page.mouse.move(x, y);
+  for (x = box.x + box.width / 2; x < box.x + box.width && (await cursor()) !== "ew-resize"; x += 3) await page.mouse.move(x, y);
   await page.mouse.down();
   for (const by of [4, 9, 14]) await page.mouse.move(x + by, y);
   await page.mouse.up();

@@ -13,6 +13,8 @@ const { wave } = await load("player");
 const { sphere } = await load("ambient");
 const { Take } = await load("take");
 const { beside, editsOf, spoken } = await load("bigram_state");
+const { levelAt, movedPoint, withoutPoint, withPoint, withWord } = await load("level_points");
+const { LineSteps } = await load("line_steps");
 const { asText, changedBy, everyPoint, fromText, inserted, scaled, shifted, snapped, typed, without } = await load("curve_points");
 const { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } = await load("target_forms");
 const { innerKinds, NEAR, OUTER, TONGUE } = await load("inner_mouth");
@@ -259,6 +261,38 @@ const units = {
     assert.deepEqual(spoken(take, "m-a", 0.5), { seconds: 0.4, before: "a-m", after: "a-_", word: "" });
     assert.equal(spoken(take, "m-a", 0, 0.45).seconds, 0.1);
     assert.equal(spoken(take, "o-o", 0), null);
+  },
+  "a level is straight between its points, and level around them"() {
+    assert.equal(levelAt(0.5, 3), 0.5);
+    near([0, 1, 1.5, 2, 9].map((at) => levelAt([[1, 0], [2, 1]], at)), [0, 0, 0.5, 1, 1]);
+    near([0, 1, 2].map((at) => levelAt([[1, 0.2], [1, 0.8]], at)), [0.2, 0.8, 0.8]);
+  },
+  "a word has its own level, and the rest stays"() {
+    const one = withWord(1, 1, 2, 0.5, 0, 3);
+    near([0, 0.9, 1, 1.5, 2, 2.1, 3].map((at) => levelAt(one, at)), [1, 1, 0.5, 0.5, 0.5, 1, 1]);
+    const two = withWord(one, 2, 2.5, 2, 0, 3);
+    near([0.9, 1.5, 2, 2.4, 2.6].map((at) => levelAt(two, at)), [1, 0.5, 2, 2, 1]);
+    const edge = withWord(1, 0, 3, 0, 0, 3);
+    near([0, 1, 3].map((at) => levelAt(edge, at)), [0, 0, 0]);
+    assert.ok([one, two, edge].every((points) => points.every(([at], n) => !n || at >= points[n - 1][0])));
+  },
+  "points keep their order and range"() {
+    const [points, at] = withPoint([[0, 1], [2, 1]], [1, 1.234]);
+    assert.deepEqual([points, at], [[[0, 1], [1, 1.23], [2, 1]], 1]);
+    assert.deepEqual(movedPoint(points, 1, [9, 9], 2), [[0, 1], [2, 2], [2, 1]]);
+    assert.deepEqual(movedPoint(points, 1, [-9, -9], 2), [[0, 1], [0, 0], [2, 1]]);
+    assert.deepEqual(withoutPoint(points, 1), [[0, 1], [2, 1]]);
+    assert.equal(withoutPoint([[0, 1], [2, 0.5]], 0), 0.5);
+  },
+  "steps of one kind become one, and undo goes back before the first"() {
+    const done = [], steps = new LineSteps(() => {});
+    const step = (title, merge) => steps.push({ title, merge, back: () => done.push(`-${title}`), forth: () => done.push(title) });
+    step("a", "nudge"); step("b", "nudge"); step("c", "");
+    assert.deepEqual([steps.undo, steps.redo], ["c", null]);
+    for (const way of ["undo", "undo", "undo", "redo"]) steps.go(way);
+    assert.deepEqual(done, ["-c", "-a", "b"]);
+    step("d", "nudge");
+    assert.deepEqual([steps.undo, steps.redo, steps.done.length], ["d", null, 2]);
   },
 };
 

@@ -15,6 +15,8 @@ import { TrackLanes } from "./track_lanes.js";
 
 /** Milliseconds without a change, after which the line is checked. */
 const CHECK_LATER = 350;
+/** Pixels of a pose's row, at least and at most, and what is left below the legend. */
+const ROW = 50, MOST_ROW = 96, BELOW = 14;
 /** Files that a button asks for. */
 const TIMINGS = ".json,.textgrid,.TextGrid,.csv,.tsv,.txt,.xml,.ctm,.lab,.phn,.eaf,.pho,.bml,.vtt,.par", RECORDINGS = "audio/*,.wav,.flac";
 
@@ -70,6 +72,8 @@ export class SentenceView {
     this.moved = true;
     this.dragging = false;
     this.dragTimes = [0];
+    /** Times of boundaries that were asked for, until the take with them is here. @type {Map<number, number>} */
+    this.sought = new Map();
     /** Settings before a change that goes on. @type {Record<string, any> | null} */
     this.before = null;
     this.emphasisBefore = -1;
@@ -155,6 +159,7 @@ export class SentenceView {
     this.nothing.hidden = Boolean(take);
     if (!take) return;
     if (studio.sound !== this.heard || this.player !== studio.player) this.#newLine();
+    for (const boundary of this.sought.keys()) if (!studio.wishes.has(`boundary/${boundary}`)) this.sought.delete(boundary);
     const rows = movingRows(take, other), picked = this.timeline.shown?.rows[this.timeline.row];
     this.timeline.show({ take, other, sound, rows });
     this.values.show(take, rows);
@@ -204,11 +209,23 @@ export class SentenceView {
     if (!take || !this.timeline.shown) return;
     if (player.playing) this.timeline.follow(seconds);
     if (this.timeline.loop !== player.loop) [this.timeline.loop, this.timeline.stale] = [player.loop, true];
+    if (this.moved) this.#stretch();
     this.timeline.draw(seconds);
     this.overview.draw(seconds);
     if (this.moved) this.lanes.draw();
     this.moved = false;
     this.values.draw(take.frameAt(seconds), player.playing);
+  }
+
+  /** Give the poses the room that there is. */
+  #stretch() {
+    const { timeline, at } = this, room = /** @type {HTMLElement} */ (at.canvas.parentElement);
+    if (timeline.narrow || getComputedStyle(room).overflowY !== "auto") {
+      timeline.tall = 0;
+      return;
+    }
+    const used = timeline.top + at.legend.offsetHeight + at.lanes.offsetHeight + at.overview.offsetHeight + BELOW;
+    timeline.tall = Math.max(ROW, Math.min(MOST_ROW, Math.floor((room.clientHeight - used) / Math.max(1, timeline.line.rows.length))));
   }
 
   /** @param {number} seconds to go to, and to bring into view */
@@ -305,7 +322,8 @@ export class SentenceView {
   nudge(by) {
     const { boundary } = this.timeline, { take } = this.studio;
     if (!take || boundary < 0) return;
-    const from = take.data.spoken.times[boundary];
+    const from = this.sought.get(boundary) ?? take.data.spoken.times[boundary];
+    this.sought.set(boundary, from + by);
     this.#move(boundary, from + by);
     this.#moved(boundary, from, from + by, `nudge ${boundary}`);
     this.studio.seek(from + by);

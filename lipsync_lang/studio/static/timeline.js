@@ -51,6 +51,8 @@ export class Timeline {
     this.from = 0;
     this.to = 1;
     this.height = 0;
+    /** Height of a row in pixels of the page; 0 for the usual. */
+    this.tall = 0;
     /** Width of the canvas in pixels of the page; asking the page for it at every point would lay it out anew each time. */
     this.wide = canvas.clientWidth;
     this.loudest = 0;
@@ -131,7 +133,7 @@ export class Timeline {
   }
 
   get rowHeight() {
-    return this.narrow ? 54 : 50;
+    return this.tall || (this.narrow ? 54 : 50);
   }
 
   /** @param {number} seconds @returns {number} */
@@ -338,7 +340,7 @@ export class Timeline {
     if (row === this.row) {
       context.fillStyle = this.colours.accent;
       context.globalAlpha = 0.08;
-      context.fillRect(0, bottom - tall - 4, this.canvas.clientWidth, this.rowHeight);
+      context.fillRect(0, bottom - tall - 4, this.wide, this.rowHeight);
       context.globalAlpha = 1;
     }
     if (!this.narrow) this.#name(context, name, bottom - tall / 2);
