@@ -252,6 +252,53 @@ const stories = {
     return { through, solid, slid, rule, pictured, off, shown, ranks, nameless };
   },
 
+  /** A moving picture: the line, a point that is dragged, and the line again; frames go to FOLDER. */
+  async film() {
+    const page = await show("", { viewport: { width: 1280, height: 720 } });
+    let count = 0;
+    const frame = async () => page.screenshot({ path: `${folder}/film-${String(count++).padStart(3, "0")}.png` });
+    const run = async (frames, steps) => {
+      for (let n = 0; n < frames; n++) {
+        for (let k = 0; k < steps; k++) await page.keyboard.press("ArrowRight");
+        await settle(page);
+        await frame();
+      }
+    };
+    await speak(page, "Bob bumps my blue boat.");
+    await run(24, 5);
+    await page.evaluate(() => { location.hash = "#bigrams/w-bmp"; });
+    await page.waitForSelector(".curve-plot g.front [data-index]");
+    await settle(page);
+    for (let n = 0; n < 5; n++) await frame();
+    const box = await page.locator(".curve-plot g.front [data-index='3']").boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    for (let n = 1; n <= 12; n++) {
+      await page.mouse.move(x - 2 * n, y - 7 * n);
+      await settle(page);
+      await frame();
+    }
+    await page.mouse.up();
+    await page.click("#back");
+    await run(16, 5);
+    return { frames: count };
+  },
+
+  /** A talking head, from the front; frames go to FOLDER. */
+  async head() {
+    const page = await show("", { viewport: { width: 1280, height: 900 } });
+    await speak(page, "Please buy five more maps before Bob moves away.");
+    await page.keyboard.press("m");
+    let count = 0;
+    for (; count < 60; count++) {
+      for (let k = 0; k < 4; k++) await page.keyboard.press("ArrowRight");
+      await settle(page);
+      await page.locator("#faces canvas").first().screenshot({ path: `${folder}/head-${String(count).padStart(3, "0")}.png` });
+    }
+    return { frames: count };
+  },
+
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];

@@ -45,6 +45,8 @@ export class Timeline {
     this.loop = null;
     /** @type {Line | null} */
     this.shown = null;
+    /** False until the line was fitted to a canvas that is seen. */
+    this.fitted = false;
     /** The line, and the part of it in view. */
     this.start = 0;
     this.end = 1;
@@ -74,7 +76,8 @@ export class Timeline {
     const start = Math.min(take.start, other?.start ?? take.start), end = Math.max(take.end, other?.end ?? take.end);
     this.start = start;
     this.end = Math.max(end, start + 0.1);
-    if (first) this.fit();
+    if (first) this.fitted = false;
+    if (first && this.wide) this.fit();
     this.stale = true;
   }
 
@@ -86,6 +89,7 @@ export class Timeline {
 
   /** Show the line, or as much of its beginning as can be read. */
   fit() {
+    this.fitted = true;
     this.setView(this.start, this.start + Math.min(this.end - this.start, this.plotWidth / (this.narrow ? NARROW_READABLE : READABLE)));
   }
 
@@ -150,6 +154,7 @@ export class Timeline {
   draw(seconds) {
     const { canvas } = this;
     this.wide = canvas.clientWidth;
+    if (!this.fitted) this.fit();
     const ratio = Math.min(3, window.devicePixelRatio || 1);
     const height = this.top + this.line.rows.length * this.rowHeight + 4;
     const wide = Math.round(this.wide * ratio), high = Math.round(height * ratio);
