@@ -1,5 +1,6 @@
 """The studio's server: its guard, its files, its pair and its line."""
 
+import gzip
 from importlib.resources import files
 
 import pytest
@@ -39,7 +40,7 @@ def test_the_studio_is_served_with_a_strict_policy(caller):
     assert b'src="studio.bundle.js"' in found.content
     script = caller.get("studio.bundle.js")
     assert script.status == 200
-    assert b"class Studio" in script.content
+    assert b"class Studio" in gzip.decompress(script.content)
 
 
 def test_every_module_of_the_studio_is_served(caller):

@@ -4,6 +4,7 @@ The address holds a random token. A page of another site can neither guess it no
 `Origin` is another, use it. Every answer forbids scripts, styles and requests of anywhere else.
 """
 
+import gzip
 import json
 import logging
 from collections.abc import Callable, Collection
@@ -215,16 +216,16 @@ def _file(name: str) -> Callable[[Request], Any]:
 
 
 @cache
-def _script() -> str:
-    """Return the studio's modules in one script: one request in place of one for each."""
-    return bundle("studio")
+def _script() -> bytes:
+    """Return the studio's modules in one script, compressed: one request, and a quarter of it."""
+    return gzip.compress(bundle("studio").encode(), mtime=0)
 
 
 async def _named(request: Request) -> Response:
     """Serve a file of `static`; names with folders never come here."""
     name = request.path_params["name"]
     if name == SCRIPT:
-        return Response(_script(), media_type=KINDS["js"])
+        return Response(_script(), headers={"content-encoding": "gzip"}, media_type=KINDS["js"])
     known = {one.name for one in (files("lipsync_lang.studio") / "static").iterdir()}
     if name not in known or name.rpartition(".")[2] not in KINDS:
         return _error(404, "there is no such file")

@@ -104,8 +104,8 @@ export class Studio {
     const face = this.api.packed("face").catch(() => null); // asked for at once: it takes longest
     this.project = await this.api.get("project");
     this.state = this.project.state;
-    fill(the("language"), this.project.languages, this.state.language);
-    fill(the("character"), this.project.characters, this.state.character);
+    fill(the("of-language"), this.project.languages, this.state.language);
+    fill(the("of-character"), this.project.characters, this.state.character);
     if (this.state.restored) this.tell(`${this.state.restored} unsaved edits of the last time are here again`);
     for (const one of this.state.notes ?? []) this.tell(one, "fault");
     if (this.state.language) await this.#opened(await face);
@@ -120,8 +120,8 @@ export class Studio {
   async open(language, character) {
     await this.attempt(async () => {
       this.state = await this.api.post("open", { language, character });
-      fill(the("language"), this.project.languages, this.state.language);
-      fill(the("character"), this.project.characters, this.state.character);
+      fill(the("of-language"), this.project.languages, this.state.language);
+      fill(the("of-character"), this.project.characters, this.state.character);
       await this.#opened();
     });
   }
@@ -166,7 +166,7 @@ export class Studio {
   /** Ask for a pair where none is open. */
   #choose() {
     const start = made("button", { type: "button", class: "main" }, "Open");
-    start.addEventListener("click", () => this.open(chosen("language"), chosen("character")));
+    start.addEventListener("click", () => this.open(chosen("of-language"), chosen("of-character")));
     const tours = this.project.tours.map((/** @type {string} */ name) => {
       const one = made("button", { type: "button" }, `Take the tour: ${name}`);
       one.addEventListener("click", () => this.tour(name));
@@ -551,7 +551,7 @@ export class Studio {
       this.against = chosen("against");
       this.perform();
     });
-    for (const id of ["language", "character"]) the(id).addEventListener("change", () => this.state.language && this.open(chosen("language"), chosen("character")));
+    for (const id of ["of-language", "of-character"]) the(id).addEventListener("change", () => this.state.language && this.open(chosen("of-language"), chosen("of-character")));
     the("pair").addEventListener("submit", (event) => event.preventDefault());
     the("say").addEventListener("submit", (event) => {
       event.preventDefault();
