@@ -1,6 +1,8 @@
 """Unsaved edits of packs: undo, journal, merging and saving."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -251,6 +253,34 @@ def test_a_drag_goes_on_in_a_journal_written_anew(bank, journal, monkeypatch):
     while desk.undo_title:
         desk.undo()
         assert Desk(journal).contents == desk.contents
+
+
+HOLD = """
+import fcntl, sys
+held = open(sys.argv[1], "ab")
+fcntl.lockf(held, fcntl.LOCK_EX)
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_two_studios_do_not_share_a_journal(bank, journal):
+    pytest.importorskip("fcntl", reason="Windows has no such locks")
+    Desk(journal).change("Mine", [(bank, BOUNDARY, 0.6)])
+    kept = journal.read_bytes()
+    lock = journal.with_name("journal.lock")
+    other = subprocess.Popen(
+        [sys.executable, "-c", HOLD, lock], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    with other:
+        assert other.stdout.readline() == b"held\n"
+        desk = Desk(journal)
+        assert desk.restored == 0
+        assert "another studio of this project is running" in desk.notes[0]
+        desk.change("Yours", [(bank, BOUNDARY, 0.7)])
+        assert journal.read_bytes() == kept
+        other.kill()
+    assert Desk(journal).restored == 1
 
 
 def test_a_journal_is_json(bank, journal):

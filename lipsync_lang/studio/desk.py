@@ -12,6 +12,7 @@ from difflib import unified_diff
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
+from weakref import finalize
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.files import write_all
@@ -25,6 +26,7 @@ from lipsync_lang.studio.edit_journal import (
     Line,
     append,
     base_line,
+    claim,
     edit_of,
     line_of,
     put_aside,
@@ -101,9 +103,17 @@ class Desk:
         self._opened: set[Path] = set()
         self._last: tuple[Line, int] | None = None
         self._stale = self._replaying = False
-        if journal is not None:
+        held = None if journal is None else claim(journal)
+        if held is not None:
+            finalize(self, os.close, held)
+        if journal is not None and held is None:
+            self.notes.append(
+                "another studio of this project is running, and has its unsaved edits; edits made "
+                "here are lost if this one is killed before you save"
+            )
+        elif journal is not None:
             self._restore(journal)
-        self._journal = journal
+            self._journal = journal
 
     # What there is
 
