@@ -125,7 +125,7 @@ export class CharacterView {
     else if (what === "state") this.studio.attempt(() => this.#load());
     else if (what === "face") {
       this.posing = false;
-      this.told = null;
+      this.face = null;
       this.studio.attempt(() => this.#load());
     }
   }
@@ -138,6 +138,11 @@ export class CharacterView {
     if (this.open) return;
     const before = this.told;
     this.told = told;
+    if (before && (before.model !== told.model || before.rig !== told.rig)) {
+      this.#forms();
+      await studio.loadFace(); // and comes back here for the pictures
+      return;
+    }
     const poses = studio.state.poses, face = studio.portrait;
     if (!before || before.poseset !== told.poseset || face !== this.face) {
       this.face = face;
@@ -152,9 +157,12 @@ export class CharacterView {
   #forms() {
     const { told, studio } = this, { own, stated } = told, poses = studio.state.poses;
     this.#warn();
+    const before = this.targets.weights();
     this.targets.show({ phonemes: told.phonemes, poses: poses.map((/** @type {any} */ one) => one.name), targets: stated.targets ?? {}, own });
     this.rules.show({ ...told, poses, phonemes: told.phonemes.map((/** @type {any} */ one) => one.name) });
     this.model.show(told);
+    const now = this.targets.weights();
+    if (this.posing && before && now && alike(before, this.mix) && !alike(before, now)) this.pose({ ...now });
   }
 
   #warn() {
@@ -280,6 +288,11 @@ export class CharacterView {
     const words = this.posing ? "The face shows the sliders, until you play or seek." : this.studio.take ? "The face shows the line, until you move a slider." : "The face is at rest: move a slider, or choose a picture.";
     if (this.whose && this.whose.textContent !== words) this.whose.textContent = words;
   }
+}
+
+/** @param {Mix} a @param {Mix} b @returns {boolean} true for the same weights */
+function alike(a, b) {
+  return Object.keys({ ...a, ...b }).every((name) => Math.abs((a[name] ?? 0) - (b[name] ?? 0)) < 1e-6);
 }
 
 /** Set or delete a value of a copy of what is stated. @param {any} data @param {(string | number)[]} at @param {any} value */

@@ -12,6 +12,7 @@ export class ModelPanel {
     this.studio = studio;
     /** @type {File | null} */
     this.file = null;
+    this.character = "";
     this.told = made("div", { role: "status" });
   }
 
@@ -30,7 +31,8 @@ export class ModelPanel {
       this.file = event.dataTransfer?.files[0] ?? null;
       if (this.file) this.#try(this.file);
     });
-    this.told.replaceChildren();
+    if (this.character !== character) this.told.replaceChildren();
+    this.character = character;
     this.place.replaceChildren(made("section", { class: "rule-part" }, made("h3", {}, "Model"),
       made("p", {}, model ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.` : `${character} has no model: the poses of ${poseset} are shown by a drawn mouth.`),
       area, this.told));
@@ -44,7 +46,6 @@ export class ModelPanel {
       try {
         const told = await studio.api.post(`model?name=${encodeURIComponent(file.name)}`, file);
         await studio.edit([{ file: "character", at: ["model"], value: told.name }], `Model ${told.name}`);
-        await studio.loadFace();
         const words = `${told.shown} of ${told.channels} channels have a shape in ${told.name}.`;
         this.told.replaceChildren(made("p", {}, words), ...(told.missing.length ? [made("p", { class: "note" }, `Missing: ${told.missing.join(", ")}`), this.#offer(file)] : []));
       } catch (error) {

@@ -113,6 +113,12 @@ export class TargetTable {
     return { phoneme, steps, step: steps[this.step] ?? {} };
   }
 
+  /** Weights of the chosen step, if one is chosen. @returns {Record<string, number> | null} */
+  weights() {
+    const one = this.phoneme ? this.chosen() : null;
+    return one && weightsOf(one.step);
+  }
+
   #mark() {
     for (const row of this.scroll.querySelectorAll("tbody tr")) {
       row.classList.toggle("front", row.getAttribute("data-phoneme") === this.phoneme && Number(row.getAttribute("data-step")) === this.step);
