@@ -30,7 +30,7 @@ def sources(revision: str | None) -> Iterator[tuple[str, str]]:
 
     def git(*arguments: str) -> str:
         command = ["git", "-C", str(ROOT), *arguments]
-        return subprocess.run(command, check=True, capture_output=True, encoding="utf-8").stdout  # noqa: S603
+        return subprocess.run(command, check=True, capture_output=True, encoding="utf-8").stdout  # noqa: S603 git
 
     for name in git("ls-tree", "-r", "--name-only", revision, PACKAGE).splitlines():
         if name.endswith(".py"):

@@ -563,7 +563,7 @@ def test_audio2face_counts_frames_as_slow_as_they_are():
 
 def test_words_are_marked_where_they_begin_and_end():
     animation = replace(performed("facefx"), offset=0.5)
-    text = ET.fromstring(bytes_of("smartbody", animation)).find("speech/text")  # noqa: S314
+    text = ET.fromstring(bytes_of("smartbody", animation)).find("speech/text")  # noqa: S314 our own
     marks = text.findall("sync")
     assert [mark.get("id") for mark in marks] == ["T0", "T1", "T2", "T3"]
     times = SCHEDULE.times[[0, 4, 5, 10]] + 0.5

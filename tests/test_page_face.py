@@ -1,4 +1,4 @@
-"""The face of a page: the points of the pictures, and word of what is not shown."""
+"""Faces of pages: points as in the pictures, and notes on surfaces that a page leaves out."""
 
 import json
 from dataclasses import replace
