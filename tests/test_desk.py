@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from packs_tree import BANK, plant
 
 from lipsync_lang.errors import LipsyncError, OutputError
-from lipsync_lang.packs.splicing import ABSENT
+from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import read_yaml
 from lipsync_lang.studio import desk as desk_module
@@ -494,3 +494,48 @@ def test_undo_of_everything_gives_the_bytes_and_redo_gives_them_back(tmp_path, e
     while desk.redo_title is not None:
         desk.redo()
     assert (desk.content(bank) or BANK.encode()) == last
+
+
+KEYS = ["f-a", "p-yu", "a-a", "p-p", "f-f"]
+STATES = st.dictionaries(
+    st.sampled_from(KEYS), st.sampled_from([ABSENT, ENTRY, {**ENTRY, "boundary": 0.3}])
+)
+
+
+@given(STATES, STATES, st.sampled_from(["mine", "theirs"]))
+def test_saving_merges_entry_by_entry(tmp_path, mine, theirs, side):
+    bank = tmp_path / "common.yaml"
+    bank.write_text(BANK)
+    base = read_yaml(bank).data["bigrams"]
+    desk = Desk(None)
+    for key, entry in mine.items():
+        desk.change("Mine", [(bank, ("bigrams", key), entry)])
+    edited = desk.undo_title is not None
+    other = SplicedText.read(bank, BANK.encode())
+    other = other.changed([(("bigrams", key), entry) for key, entry in theirs.items()])
+    bank.write_bytes(other.content + b"# theirs\n")
+    keep = {}
+    try:
+        desk.save()
+    except SaveConflict as error:
+        keep = {(one.path, one.loc): side for one in error.conflicts}
+        assert bank.read_bytes() == other.content + b"# theirs\n"
+        desk.save(keep=keep)
+    states = {key: {**dict.fromkeys(KEYS, ABSENT), **base} for key in ("mine", "theirs")}
+    states["mine"] |= {key: plain(entry) for key, entry in mine.items()}
+    states["theirs"] |= {key: plain(entry) for key, entry in theirs.items()}
+    expected = {}
+    for key in KEYS:
+        old, one, two = base.get(key, ABSENT), states["mine"][key], states["theirs"][key]
+        assert ((bank, ("bigrams", key)) in keep) == (old not in (one, two) and one != two)
+        chosen = two if one == old or (side == "theirs" and two != old) else one
+        if chosen is not ABSENT:
+            expected[key] = chosen
+    assert (read_yaml(bank).data["bigrams"] or {}) == expected
+    assert bank.read_text().endswith("# theirs\n") or not mine
+    assert (desk.contents, desk.unsaved()) == ({}, [])
+    while desk.undo_title is not None:
+        desk.undo()
+    kept = {key: states["theirs"][key] for key in KEYS if states["theirs"][key] is not ABSENT}
+    if edited and not keep:
+        assert read_yaml(bank, desk.content(bank)).data["bigrams"] == kept
