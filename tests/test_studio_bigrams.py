@@ -80,6 +80,12 @@ def test_a_bigram_has_its_curves_and_those_to_compare_with(told):
     assert bigram["after"]["curves"] == {"FV": [[0, 0], [1, 1]]}
 
 
+def test_neighbours_that_this_language_lacks_are_left_out(told):
+    bigram = told("bigram/p-a", before="x-p", after="a-_")
+    assert "before" not in bigram
+    assert bigram["after"]["pair"] == "a-_"
+
+
 def test_what_lies_beneath_is_shown(told):
     bigram = told("bigram/f-a")
     assert (bigram["layer"], bigram["file"]) == ("character", "characters/anna.yaml")

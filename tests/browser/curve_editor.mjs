@@ -199,6 +199,19 @@ try {
   });
   await phone.touchscreen.tap(x + 12, y - 12);
   result.tapped = await phone.evaluate(() => [...editor.chosen].map(([pose, all]) => [pose, [...all]]));
+  const touch = await phone.context().newCDPSession(phone);
+  const fingers = (type, ...points) => touch.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([px, py], id) => ({ x: px, y: py, id })) });
+  await phone.evaluate(() => changes.splice(0));
+  await fingers("touchStart", [x + 8, y + 8]);
+  await fingers("touchMove", [x + 8, y - 20]);
+  await fingers("touchMove", [x + 8, y - 42]);
+  await fingers("touchEnd");
+  result.touched = await phone.evaluate(() => changes.splice(0));
+  await fingers("touchStart", [x, y + 60], [x + 40, y + 60]);
+  await fingers("touchMove", [x - 20, y + 60], [x + 60, y + 60]);
+  await fingers("touchMove", [x - 40, y + 60], [x + 80, y + 60]);
+  await fingers("touchEnd");
+  result.pinched = await phone.evaluate(() => ({ wide: editor.drawing.view[1] - editor.drawing.view[0], changes: changes.length, chosen: editor.chosen.size, marquee: editor.marquee }));
   if (pictures) await phone.screenshot({ path: join(pictures, "phone.png") });
   console.log(JSON.stringify(result));
 } finally {

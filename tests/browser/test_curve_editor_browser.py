@@ -93,6 +93,14 @@ def test_the_plot_is_zoomed_and_fits_a_phone(used):
     assert used["tapped"] == [["open", [1]]]
 
 
+def test_a_finger_drags_a_point_and_two_zoom(used):
+    assert steps(used["touched"]) == (1, [False, False, True])
+    time, value = used["touched"][-1]["curves"]["open"][1]
+    assert (time, value > 0.5) == (0.3, True)
+    assert used["pinched"]["wide"] == pytest.approx((WHOLE[1] - WHOLE[0]) / 3, rel=0.01)
+    assert (used["pinched"]["changes"], used["pinched"]["marquee"]) == (0, None)
+
+
 def test_the_matrix_is_walked_and_opens_bigrams(used):
     matrix = used["matrix"]
     assert matrix["cells"] == [

@@ -100,8 +100,10 @@ def bigram(workshop: Workshop, asked: Wish) -> Json:
         "ghosts": list(_ghosts(shelf, row, pair)),
     }
     for side in ("before", "after"):
-        if name := asked.query.get(side):
-            told[side] = {"pair": name} | _drawn(shelf, shelf.row(_pair(shelf, name)))
+        name = asked.query.get(side, "")
+        beside = _parted(shelf, name)
+        if beside:
+            told[side] = {"pair": name} | _drawn(shelf, shelf.row(beside))
     return told
 
 
@@ -119,17 +121,23 @@ def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
     return own | {"stated": here, "file": workshop.shown(path), "locked": ""}
 
 
-def _pair(shelf: PairPacks, name: str) -> Pair:
-    """Return the two phonemes of a bigram."""
+def _parted(shelf: PairPacks, name: str) -> Pair | None:
+    """Return the two phonemes of a bigram; None if there is no such bigram."""
     first, _, second = name.partition("-")
     known = shelf.numbered
-    if first in known and second in known and {first, second} != {known[0]}:
-        return first, second
-    short = name[:MAX_NAME_CHARS]
-    hint = did_you_mean(
-        short, [f"{a}-{b}" for a in known for b in known if a != b or a != known[0]]
-    )
-    raise LipsyncError(f"no bigram '{short}' in {shelf.language.model.name}; {hint}")
+    there = first in known and second in known and {first, second} != {known[0]}
+    return (first, second) if there else None
+
+
+def _pair(shelf: PairPacks, name: str) -> Pair:
+    """Return the two phonemes of a bigram, or refuse it."""
+    found = _parted(shelf, name)
+    if found:
+        return found
+    short, known = name[:MAX_NAME_CHARS], shelf.numbered
+    every = [f"{a}-{b}" for a in known for b in known if a != b or a != known[0]]
+    language = shelf.language.model.name
+    raise LipsyncError(f"no bigram '{short}' in {language}; {did_you_mean(short, every)}")
 
 
 def _written(workshop: Workshop, shelf: PairPacks, row: BigramRow) -> Json:
