@@ -115,6 +115,27 @@ def test_settings_that_cannot_be_performed_are_not_kept(caller, workshop):
     assert caller.post("boundary/1", {"seconds": 0.2}).status == 200
 
 
+def test_another_line_has_no_levels_of_the_seconds_before(caller, workshop):
+    workshop.line.hear(Audio(np.zeros(20_000, np.int16), 20_000))
+    levels = {"jaw": [[0, 1], [0.5, 2]], "lips": 0.5}
+    asked = {"fps": 30, "dials": levels, "styles": {"happy": [[0, 0.5]]}, "intensity": 1.5}
+    assert caller.post("take", {"settings": asked}).status == 200
+    line = json.dumps({"notation": "arpabet", "phonemes": [{"label": "M", "start": 0, "end": 1}]})
+    found = caller.post("timings", line.encode(), {"name": "m.json"})
+    assert found.status == 200, "loudness waits for a line with sound"
+    told = unpacked(found)[0]["settings"]
+    assert told == {"fps": 30, "line": None, "dials": {"lips": 0.5}, "styles": {}, "intensity": 1.5}
+    workshop.settings = replace(workshop.settings, fps=60, dials={}, intensity=None)
+
+
+def test_times_are_put_back_together_or_refused(caller):
+    wanted = [0, 0.2, 0.25, 0.5, 0.7]
+    assert spoken(caller.post("times", {"times": wanted}))["times"] == wanted
+    for times in ([0, 0.3, 0.2, 0.5, 0.7], wanted[:-1], [*wanted[:-1], "1"], "all", None):
+        assert caller.post("times", {"times": times}).status == 422
+    assert spoken(caller.api("line"))["times"] == wanted
+
+
 def test_another_character_starts_with_its_own_settings(tmp_path):
     made = Workshop(tmp_path, engine="none")
     made.open("english", "crab")

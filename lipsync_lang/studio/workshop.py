@@ -5,9 +5,9 @@ one user, one call at a time.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.finding import FOLDERS, POSESET
@@ -37,7 +37,7 @@ OWN = ("path", "project")
 
 @dataclass
 class LineSettings:
-    """LineSettings of the line; the fields are those of `Performer.perform`."""
+    """How the line is performed; the fields are those of `Performer.perform`."""
 
     fps: float = 60.0
     line: str | None = None
@@ -53,6 +53,14 @@ class LineSettings:
             "dials": self.dials or None,
             "intensity": self.intensity,
         }
+
+    def steady(self) -> Self:
+        """Return the settings without levels that change over time."""
+        kept = [
+            {name: level for name, level in levels.items() if not isinstance(level, list)}
+            for levels in (self.styles, self.dials)
+        ]
+        return replace(self, styles=kept[0], dials=kept[1])
 
 
 class Workshop:
@@ -285,8 +293,12 @@ class Workshop:
 
     def speak(self, text: str) -> None:
         """Speak a text; it becomes the line."""
-        self.line = SpokenLine(self.performer.speaker.speak(text, engine=self.engine))
-        self.text = text
+        self.take_up(self.performer.speaker.speak(text, engine=self.engine), text)
+
+    def take_up(self, schedule: "Schedule", text: str) -> None:
+        """Open a line; levels over the seconds of the line before end with it."""
+        self.line, self.text = SpokenLine(schedule), text
+        self.settings = self.settings.steady()
 
     @property
     def spoken(self) -> SpokenLine:
@@ -305,7 +317,10 @@ class Workshop:
         """Perform the line, by another performer or the open one."""
         one = performer or self.performer
         schedule = self.spoken.part(self.part_seconds)
-        return one.perform(schedule, self.settings.fps, **self.settings.asked())
+        asked = self.settings.asked()
+        if schedule.audio is None:
+            del asked["intensity"]
+        return one.perform(schedule, self.settings.fps, **asked)
 
     # State
 

@@ -1,6 +1,6 @@
 """Routes of the line: what is said, its curves, its face and its figures."""
 
-from dataclasses import fields
+from dataclasses import asdict, fields
 from math import isfinite
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -13,7 +13,6 @@ from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.studio.routes.asking import Packed, Routes, Wish, listed, sent_file
-from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.take_data import curves_data, take_data
 from lipsync_lang.studio.workshop import LineSettings, Workshop
 
@@ -52,8 +51,7 @@ def timings(workshop: Workshop, asked: Wish) -> Packed:
         schedule = read_schedule(path, asked.query.get("notation"))
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
     text = " ".join(word.text for word in schedule.words)
-    workshop.line = SpokenLine(schedule)
-    workshop.text = text if len(text) <= MAX_TEXT_CHARS else ""
+    workshop.take_up(schedule, text if len(text) <= MAX_TEXT_CHARS else "")
     return whole(workshop)
 
 
@@ -65,8 +63,7 @@ def sound(workshop: Workshop, asked: Wish) -> Packed:
     with TemporaryDirectory() as folder:
         path, text = sent_file(asked, Path(folder)), asked.query.get("text", "").strip()
         if text:
-            workshop.line = SpokenLine(aligned(workshop.performer.speaker, path, text))
-            workshop.text = text
+            workshop.take_up(aligned(workshop.performer.speaker, path, text), text)
         elif workshop.line is not None:
             workshop.line.hear(read_audio(path))
         else:
@@ -123,7 +120,13 @@ def whole(workshop: Workshop) -> Packed:
     sound = None if schedule is None else _sound(schedule, packed.arrays)
     remarks = [] if schedule is None else list(schedule.remarks)
     unread = "" if schedule is None else " ".join(schedule.unread)
-    told = {"sound": sound, "remarks": remarks, "unread": unread, "text": workshop.text}
+    told = {
+        "sound": sound,
+        "remarks": remarks,
+        "unread": unread,
+        "text": workshop.text,
+        "settings": asdict(workshop.settings),
+    }
     return Packed(packed.document | told, packed.arrays)
 
 

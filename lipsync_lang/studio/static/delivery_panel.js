@@ -44,7 +44,7 @@ export class DeliveryPanel {
       this.shows.get(`line ${track.kind} ${track.name}`)?.(steady ? Number(track.level) : null, steady ? "" : "points");
       if (word) this.shows.get(`word ${track.kind} ${track.name}`)?.(levelAt(track.level, (word.from + word.to) / 2), "");
     }
-    this.shows.get("intensity")?.(settings.intensity ?? null, settings.intensity === null || settings.intensity === undefined ? "as set" : "");
+    this.shows.get("intensity")?.(settings.intensity ?? null, settings.intensity === null || settings.intensity === undefined ? "auto" : "");
     if (word) this.shows.get("emphasis")?.(word.emphasis, "");
     const title = this.word.querySelector("bdi");
     if (title && word) title.textContent = word.text;
@@ -78,7 +78,7 @@ export class DeliveryPanel {
         open.addEventListener("click", () => does.open(one));
         return this.#slider(`line ${one.kind} ${one.name}`, one.name, one.most, (value, done) => does.set(one, value, done), open);
       }),
-      loud, made("label", { class: "dial" }, made("span", {}, "frames per second"), rate));
+      loud, made("label", { class: "dial" }, made("span", { title: "frames per second" }, "fps"), rate));
   }
 
   /** @param {string} key @param {string} name @param {number} most @param {(value: number, done: boolean) => void} set @param {...HTMLElement} more */

@@ -204,6 +204,7 @@ export class Studio {
   #heard(told) {
     this.sound = told.sound;
     this.state.text = told.text;
+    this.settings = told.settings;
     /** @type {HTMLInputElement} */ (the("text")).value = told.text;
     this.#taken(told);
     const { rate } = this.player;
