@@ -384,6 +384,15 @@ def test_what_cannot_be_bundled_is_refused(text, fault, monkeypatch):
         bundle("a")
 
 
+def test_a_name_that_a_module_does_not_export_cannot_be_imported(monkeypatch):
+    modules = {"a": 'import { b, c } from "./other.js";\n', "other": "export const b = 1, c = 2;\n"}
+    monkeypatch.setattr(
+        "lipsync_lang.studio.module_bundle.static", lambda name: modules[name.removesuffix(".js")]
+    )
+    with pytest.raises(ValueError, match=r"other\.js does not export c"):
+        bundle("a")
+
+
 def test_the_writer_writes_the_page(animation, page):
     out = BytesIO()
     WRITERS["html"].write(animation, out)

@@ -29,7 +29,8 @@ def bundle(entry: str) -> str:
     Raises
     ------
     ValueError
-        A module imports or exports in another form, or modules import each other in a ring.
+        A module imports or exports in another form, or a name that is not exported, or modules
+        import each other in a ring.
     """
     done: dict[str, str] = {}
     _collect(entry, done, ())
@@ -44,12 +45,20 @@ def _collect(name: str, done: dict[str, str], path: tuple[str, ...]) -> None:
     if name in done:
         return
     source = static(f"{name}.js")
-    for _, other in _IMPORT.findall(source):
+    for names, other in _IMPORT.findall(source):
         _collect(other, done, (*path, name))
+        missing = {one.strip() for one in names.split(",")} - {"", *_exported(other)}
+        if missing:
+            raise ValueError(f"{name}.js: {other}.js does not export {', '.join(sorted(missing))}")
     text = _COMMENT.sub("", _IMPORT.sub(r"const {\1} = $\2;\n", source))
-    exported = _EXPORT.findall(text)
+    exported = _exported(name)
     text = _EXPORT.sub("", text)
     strange = _OTHER.search(text)
     if strange:
         raise ValueError(f"{name}.js: '{strange[0].strip()}' is in a form that cannot be bundled")
     done[name] = f"{text}return {{ {', '.join(exported)} }};"
+
+
+def _exported(name: str) -> list[str]:
+    """Return the names that a module exports; of ``const a = 1, b = 2`` the first alone."""
+    return _EXPORT.findall(_COMMENT.sub("", static(f"{name}.js")))

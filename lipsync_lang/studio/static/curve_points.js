@@ -5,7 +5,9 @@
 /** @typedef {Map<string, Set<number>>} Chosen numbers of the chosen points by pose */
 
 /** Steps of time and value: by hand, on the grid, and fine. */
-export const STEP = 0.01, GRID = 0.05, FINE = 0.001;
+export const STEP = 0.01;
+export const GRID = 0.05;
+export const FINE = 0.001;
 const FORM = "lipsync-lang curves";
 
 /** @param {number} value @param {number} low @param {number} high */

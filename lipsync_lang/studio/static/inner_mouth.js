@@ -13,7 +13,9 @@ const MOST = 0.5;
 const AROUND = 0.6;
 
 /** Kinds of triangles. */
-export const TONGUE = 0, NEAR = 1, OUTER = 2;
+export const TONGUE = 0;
+export const NEAR = 1;
+export const OUTER = 2;
 
 /**
  * Tell the tongue, what is near it, and all else.
