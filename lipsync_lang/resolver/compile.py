@@ -326,13 +326,14 @@ def _tops(tables: Tables, rows: list[int]) -> Floats:
     Poses that no contact raises stay at 0.
     """
     raised = sorted({pose for contact in tables.contacts for pose in contact.raised})
-    edges = [round(float(tables.boundary[row]) * RESOLUTION) for row in rows]
-    curves = tables.curves[:, :, raised][rows]
+    numbers = np.array(rows, int)
+    edges = np.array([round(float(edge) * RESOLUTION) for edge in tables.boundary[numbers]])
     tops = np.zeros((2, len(rows), len(tables.priority)))
-    for edge in set(edges):
-        some = [place for place, one in enumerate(edges) if one == edge]
+    for edge in set(edges.tolist()):
+        some = np.flatnonzero(edges == edge)
         for side, half in enumerate((slice(None, edge + 1), slice(edge, None))):
-            tops[np.ix_([side], some, raised)] = curves[some, half].max(axis=1)
+            for pose in raised:
+                tops[side, some, pose] = tables.curves[numbers[some], half, pose].max(axis=1)
     return tops
 
 
