@@ -240,3 +240,16 @@ def test_a_point_moves_the_curve_by_no_more_than_itself(points, at):
 if __name__ == "__main__":
     GOLDEN.parent.mkdir(exist_ok=True)
     GOLDEN.write_text(golden_text(), "utf-8")
+
+
+@given(st.integers(2, 9), st.integers(1, 80), st.integers(0, 2**32 - 1))
+def test_no_curve_depends_on_the_others_that_are_evaluated(count, curves, seed):
+    rng = np.random.default_rng(seed)
+    times = np.sort(rng.random((curves, count)).round(1), axis=1)
+    points = np.stack((times, rng.random((curves, count))), axis=-1)
+    at = np.linspace(0, 1, 33)
+    together = bspline(points, at)
+    some = int(rng.integers(curves))
+    alone = bspline(points[some:], at)
+    assert together[some:].tobytes() == alone.tobytes()
+    assert together[some].tobytes() == bspline(points[[some]], at).tobytes()
