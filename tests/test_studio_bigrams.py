@@ -179,3 +179,15 @@ def test_an_edit_is_of_the_bank_or_of_the_character_alone(told, workshop):
     edit(workshop, ("bank", ["a-p", "why"], "round"))
     assert homes(workshop) == {"common.yaml": True}
     assert told("bigram/a-p")["why"] == "round"
+
+
+def test_the_kind_of_curve_is_told_with_that_of_the_bank(told, workshop):
+    bank = "posesets/face/banks/common.yaml"
+    text = (workshop.project / bank).read_text() + "interpolation: linear\n"
+    put(workshop.project, bank, text)
+    workshop.open("parent", "anna")
+    kinds = ("kind", "bank_kind", "interpolation")
+    assert [told("bigram/p-yu")[kind] for kind in kinds] == ["linear", "linear", ""]
+    edit(workshop, ("bank", ["p-yu", "interpolation"], "bspline"))
+    assert [told("bigram/p-yu")[kind] for kind in kinds] == ["bspline", "linear", "bspline"]
+    assert [told("bigram/a-p")[kind] for kind in kinds] == ["bspline", "linear", ""], "a draft"

@@ -110,15 +110,22 @@ def bigram(workshop: Workshop, asked: Wish) -> Json:
 def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
     """Tell the file that edits go to; `locked` says why there is none.
 
-    `character` is the user's file of the character, where edits may go for this face alone.
+    `character` is the user's file of the character, where edits may go for this face alone, and
+    `bank_kind` the kind of curve of a bigram that names none there.
     """
     who = workshop.files().get("character")
     own = {"character": workshop.shown(who) if who and workshop.own(who) else ""}
     try:
         path, here = bigram_home(shelf, pair, workshop.project, workshop.own)
     except LipsyncError as error:
-        return own | {"stated": False, "file": "", "locked": str(error)}
-    return own | {"stated": here, "file": workshop.shown(path), "locked": ""}
+        return own | {"stated": False, "file": "", "bank_kind": "bspline", "locked": str(error)}
+    kinds = {pack.path: pack.model.interpolation for pack in (*shelf.own_banks, *shelf.banks)}
+    return own | {
+        "stated": here,
+        "file": workshop.shown(path),
+        "bank_kind": kinds.get(path, "bspline"),
+        "locked": "",
+    }
 
 
 def _parted(shelf: PairPacks, name: str) -> Pair | None:
@@ -160,7 +167,7 @@ def _fields(row: BigramRow, own: Json) -> Json:
         "why": own.get("why") or "",
         "contact": "free" if row.free else "hold",
         "interpolation": own.get("interpolation") or "",
-        "bank_interpolation": "linear" if row.linear else "bspline",
+        "kind": "linear" if row.linear else "bspline",
     }
 
 

@@ -161,7 +161,13 @@ export class BigramView {
   /** Take what the file of the edits says of the bigram: all, or nothing. */
   #base() {
     const here = this.told.stated && this.into.value === "bank";
+    if (!here && !this.now.interpolation && this.told.kind !== this.#kind()) this.now.interpolation = this.told.kind;
     this.known = here ? [this.now, this.now] : [null, null];
+  }
+
+  /** The kind of curve of a bigram that names none, where edits go. @returns {string} */
+  #kind() {
+    return this.into.value === "character" ? "bspline" : this.told.bank_kind;
   }
 
   #draw() {
@@ -178,7 +184,7 @@ export class BigramView {
       return one ? [{ name: one.pair, kind: "neighbour", curves: beside(one.curves, one.boundary, now.boundary, /** @type {"before" | "after"} */ (side)) }] : [];
     })];
     this.editor.show({
-      poses: this.studio.state.poses, curves: now.curves, boundary: now.boundary, pair: [first, second], ghosts, interpolation: now.interpolation || told.bank_interpolation,
+      poses: this.studio.state.poses, curves: now.curves, boundary: now.boundary, pair: [first, second], ghosts, interpolation: now.interpolation || this.#kind(),
     });
     this.#time();
   }
