@@ -1,7 +1,6 @@
 """The studio's server: its guard, its files, its pair and its line."""
 
 import gzip
-import socket
 from importlib.resources import files
 
 import pytest
@@ -11,7 +10,6 @@ pytest.importorskip("starlette", reason="the studio needs Starlette")
 from studio_calls import HOST, TOKEN, Caller, unpacked
 
 from lipsync_lang.cli import main
-from lipsync_lang.commands.studio import host_names
 from lipsync_lang.studio.routes import line_routes
 from lipsync_lang.studio.routes.asking import Wish
 from lipsync_lang.studio.server import MAX_REQUEST_BYTES
@@ -203,14 +201,3 @@ def test_options_that_cannot_be_are_told(capsys, tmp_path, monkeypatch, argument
     monkeypatch.chdir(tmp_path)
     assert main(["studio", *arguments]) != 0
     assert told in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("host", "some"),
-    [("127.0.0.1", ["127.0.0.1", "localhost"]), ("192.168.7.9", ["192.168.7.9"]),
-     ("fd00::9", ["[fd00::9]"]), ("::", [socket.gethostname(), "localhost"])],
-)  # fmt: skip
-def test_the_names_of_an_address_are_answered(host, some):
-    names = host_names(host)
-    assert {*some} <= {*names}
-    assert names[0] == some[0]

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 LOCAL = "127.0.0.1"
 """The address of this machine for itself alone."""
 
-EVERY = ("0.0.0.0", "::")  # noqa: S104 the user names it
-"""Addresses that stand for all of a machine."""
-
 TOKEN_BYTES = 18
 """Bytes of a random token."""
 
@@ -58,38 +55,21 @@ def studio(options: Namespace) -> int:
         workshop.open(options.language, options.character)
     with _listening(options.host, options.port) as listener:
         port = listener.getsockname()[1]
-        names = host_names(options.host)
-        address = f"http://{names[0]}:{port}/{token}/"
+        names = {options.host, *((LOCAL, "localhost") if options.host == LOCAL else ())}
+        hosts = [f"{name}:{port}" for name in names]
+        address = f"http://{options.host}:{port}/{token}/"
         print(f"the studio is at {address}", flush=True)
         print("close it with Ctrl-C; unsaved edits are kept", file=sys.stderr)
         if options.browser:
             threading.Timer(0.3, webbrowser.open, (address,)).start()
         config = uvicorn.Config(
-            app(workshop, token, [f"{name}:{port}" for name in names]),
-            log_level=logging.WARNING, access_log=False,
+            app(workshop, token, hosts), log_level=logging.WARNING, access_log=False,
             lifespan="off", ws="none", server_header=False,
             timeout_graceful_shutdown=SHUTDOWN_SECONDS,
         )  # fmt: skip
         with suppress(KeyboardInterrupt):  # the usual end of a studio
             uvicorn.Server(config).run(sockets=[listener])
     return SOUND
-
-
-def host_names(host: str) -> list[str]:
-    """Return the names that reach an address, as browsers write them; the first is printed."""
-    import socket
-
-    if host == LOCAL:
-        return [LOCAL, "localhost"]
-    if host not in EVERY:
-        return [f"[{host}]" if ":" in host else host]
-    own = socket.gethostname()
-    try:
-        found = {str(row[4][0]) for row in socket.getaddrinfo(own, None)}
-    except OSError:
-        found = set()
-    addresses = [f"[{one}]" if ":" in one else one for one in sorted(found)]
-    return [*dict.fromkeys((own, socket.getfqdn(), *addresses, LOCAL, "localhost"))]
 
 
 def _token(options: Namespace) -> str:
@@ -137,8 +117,7 @@ def _listening(host: str, port: int) -> "socket.socket":
             f"--port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free one"
         )
     try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        return socket.create_server((host, port), family=family)
+        return socket.create_server((host, port))
     except OSError as error:
         raise LipsyncError(
             f"--host {host} --port {port}: cannot be used: {error}; port 0 takes a free one"

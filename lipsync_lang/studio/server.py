@@ -40,6 +40,7 @@ VIEWS = (
     "character_routes",
     "language_routes",
     "coverage_routes",
+    "words_routes",
 )
 """Modules of `routes`."""
 

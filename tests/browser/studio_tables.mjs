@@ -81,6 +81,40 @@ const stories = {
     const wanted = await page.textContent(".wanted button b");
     return { plan, script, facts, sentence, opened, wanted, unnamed };
   },
+
+  /** The word at the playhead gets curves of its own, a line its delivery; both are saved. */
+  async words() {
+    const page = await show("#words");
+    await page.fill("#text", "ma pa may");
+    await page.press("#text", "Enter");
+    await page.waitForFunction(() => document.querySelector("#clock").textContent !== "");
+    await page.evaluate(() => document.activeElement.blur());
+    for (let n = 0; n < 4; n++) await page.keyboard.press(".");
+    await page.keyboard.press("n");
+    await page.waitForSelector(".curves-place .point");
+    await page.waitForFunction(() => document.querySelector(".grid text.sound"));
+    const opened = await page.evaluate(() => location.hash);
+    const sounds = await page.$$eval(".grid text.sound", (all) => all.map((one) => one.textContent));
+    const before = await page.getAttribute(".curves-place .front .point:nth-child(3)", "aria-label");
+    await page.focus(".curves-place .front .point:nth-child(3)");
+    await page.keyboard.press("Shift+ArrowUp");
+    await page.waitForFunction((was) => document.querySelector(".curves-place .front .point:nth-child(3)").getAttribute("aria-label") !== was, before);
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("of pa"));
+    await page.click("text=＋ new");
+    await page.waitForFunction(() => location.hash.includes("line"));
+    await page.fill("[data-field=jaw]", "0.5");
+    await page.press("[data-field=jaw]", "Enter");
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("jaw"));
+    const unnamed = await nameless(page);
+    await page.fill("[data-field=jaw]", "three");
+    await page.press("[data-field=jaw]", "Enter");
+    const refused = await page.$eval("[data-field=jaw]", (one) => one.validationMessage);
+    await page.evaluate(() => document.activeElement.blur());
+    await page.click("#save");
+    await page.waitForFunction(() => document.querySelector("#save").textContent === "Saved");
+    const items = await page.$$eval(".own li a", (all) => all.map((one) => one.firstChild.textContent));
+    return { opened, sounds, refused, items, unnamed };
+  },
 };
 
 const told = await stories[story]();

@@ -15,6 +15,7 @@ import uvicorn
 from studio_calls import TOKEN
 from test_studio_language import PACK
 
+from lipsync_lang.packs.yaml.source import read_yaml
 from lipsync_lang.studio.server import app
 from lipsync_lang.studio.workshop import Workshop
 
@@ -71,3 +72,14 @@ def test_a_script_shows_what_to_draw_next_and_leads_there(story):
     assert "0 of 4" in told["facts"]
     assert told["sentence"].startswith(("ma pa", "ay ma"))
     assert (told["opened"], told["wanted"]) == ("#bigrams/bmp-aa", "bmp-aa")
+
+
+def test_a_word_and_a_line_of_the_character_are_edited_and_saved(story, tmp_path):
+    told = story("words")
+    assert told["opened"] == "#words/word%3Apa"
+    assert told["sounds"] == ["p", "a"]
+    assert told["items"] == ["pa", "ma-pa-may"]
+    assert "from 0 to 2" in told["refused"]
+    saved = read_yaml(tmp_path / "characters" / "crab.yaml").data
+    assert set(saved["words"]) == {"pa"}
+    assert saved["lines"] == {"ma-pa-may": {"edits": (), "dials": {"jaw": 0.5}}}

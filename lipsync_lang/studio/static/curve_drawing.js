@@ -165,9 +165,14 @@ export class CurveDrawing {
       parts.push(drawn("line", { x1: left, x2: right, y1: this.y(value), y2: this.y(value), class: value === 0 ? "zero" : "" }));
       label(left - 6, this.y(value) + 4, String(value), "end");
     }
-    const [first, second] = editor.pair, middle = clamp(this.x(editor.boundary), left, right);
-    if (middle - left > 40) label((left + middle) / 2, 16, first, "middle", "sound");
-    if (right - middle > 40) label((right + middle) / 2, 16, second, "middle", "sound");
+    for (const [n, { time, label: sound }] of editor.sounds.entries()) {
+      const [from, to] = [time, editor.sounds[n + 1]?.time ?? 1].map((one) => clamp(this.x(one), left, right));
+      if (time > view[0] && time < view[1]) parts.push(drawn("line", { x1: this.x(time), x2: this.x(time), y1: top - 8, y2: base, class: "sound" }));
+      if (to - from > 14) label((from + to) / 2, 16, sound, "middle", "sound");
+    }
+    const [first, second] = editor.sounds.length ? ["", ""] : editor.pair, middle = clamp(this.x(editor.boundary), left, right);
+    if (first && middle - left > 40) label((left + middle) / 2, 16, first, "middle", "sound");
+    if (second && right - middle > 40) label((right + middle) / 2, 16, second, "middle", "sound");
     this.grid.replaceChildren(...parts);
   }
 

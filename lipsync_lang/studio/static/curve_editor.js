@@ -21,7 +21,8 @@ const NEW = [0, 0.25, 0.5, 0.75, 1];
 /** @typedef {{merge: string, done: boolean, title: string}} Step changes with one `merge` are one step of undo; the last is `done` */
 /**
  * @typedef {{poses: Omit<Pose, "index">[], curves: Curves, boundary?: number, interpolation?: string, ghosts?: Ghost[],
- *   pair?: [string, string], fixed?: boolean}} Shown `fixed` hides the boundary
+ *   pair?: [string, string], fixed?: boolean, sounds?: {time: number, label: string}[]}} Shown `fixed` hides the boundary; `sounds`
+ *   are lines where sounds of a word begin, with their labels, in place of those of the pair
  */
 /**
  * @typedef {{changed: (what: {curves?: Curves, boundary?: number}, step: Step) => void,
@@ -49,6 +50,8 @@ export class CurveEditor {
     /** Names of the ghosts that are seen. */
     this.haunting = new Set(["draft"]);
     this.pair = ["", ""];
+    /** @type {{time: number, label: string}[]} */
+    this.sounds = [];
     this.focus = "";
     this.solo = "";
     /** @type {Set<string>} */
@@ -79,11 +82,11 @@ export class CurveEditor {
   }
 
   /** @param {Shown} shown */
-  show({ poses, curves, boundary = 0.5, interpolation = "bspline", ghosts = [], pair = ["", ""], fixed = false }) {
+  show({ poses, curves, boundary = 0.5, interpolation = "bspline", ghosts = [], pair = ["", ""], fixed = false, sounds = [] }) {
     if (poses.map(({ name }) => name).join("\n") !== [...this.poses.keys()].join("\n")) this.list.rows.clear();
     this.poses = new Map(poses.map((pose, index) => [pose.name, { ...pose, index }]));
     if (String(pair) !== String(this.pair)) [this.chosen, this.repeated.what, this.focus] = [new Map(), "", ""];
-    [this.ghosts, this.interpolation, this.pair] = [ghosts, interpolation, pair];
+    [this.ghosts, this.interpolation, this.pair, this.sounds] = [ghosts, interpolation, pair, sounds];
     if (!this.held) [this.curves, this.boundary] = [curves, boundary];
     if (!this.poses.has(this.focus) || (!this.curves[this.focus] && !this.chosen.size)) this.focus = this.#highest();
     this.root.classList.toggle("fixed", fixed);

@@ -18,19 +18,19 @@ const KEYS = {
   "?": "these keys",
 };
 
-/** Keys that views add, each once: two views may use one key. @type {Map<string, [string, string]>} */
-const added = new Map();
+/** Keys that views add: key to what it does. @type {Record<string, string>} */
+const added = {};
 
 /** @param {Record<string, string>} keys of a view, for the list of keys */
 export function tellKeys(keys) {
-  for (const [key, does] of Object.entries(keys)) added.set(`${key} ${does}`, [key, does]);
+  Object.assign(added, keys);
 }
 
 /** Open the list of keys, or close it. */
 export function showHelp() {
   const help = /** @type {HTMLDialogElement} */ (the("help"));
   const list = /** @type {HTMLElement} */ (help.querySelector("dl"));
-  list.replaceChildren(...[...Object.entries(KEYS), ...added.values()].flatMap(([key, does]) => [made("dt", {}, key), made("dd", {}, does)]));
+  list.replaceChildren(...Object.entries({ ...KEYS, ...added }).flatMap(([key, does]) => [made("dt", {}, key), made("dd", {}, does)]));
   if (help.open) help.close();
   else help.showModal();
 }

@@ -1,0 +1,75 @@
+"""Control points of curves that a character performs, as a start for curves of its own."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.curve import bspline
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+POINTS_A_SOUND = 3
+"""Control points for each sound of a span."""
+
+MOST_POINTS, LEAST_POINTS = 32, 5
+"""Bounds on the control points of a curve."""
+
+LEAST_WEIGHT = 0.02
+"""A pose that never weighs more is left out."""
+
+ROUNDS = 6
+"""Corrections of the control points: a smooth curve stays below its polygon."""
+
+
+def performed_curves(
+    performer: "Performer", schedule: "Schedule", first: int, stop: int, fps: float
+) -> dict[str, list[list[float]]]:
+    """Return the curves that a character performs over some sounds, without its own edits.
+
+    Parameters
+    ----------
+    first, stop : sounds of the schedule
+
+    Returns
+    -------
+    Control points (time, weight) by pose, in the normalised time of the span.
+
+    Examples
+    --------
+    >>> performer = ll.resolve("english", "facefx")
+    >>> schedule = ll.Schedule(("M", "AA"), [0, 0.1, 0.3])
+    >>> curves = performed_curves(performer, schedule, 0, 2, 60)
+    >>> curves["open"][0][0], curves["open"][-1][0]
+    (0.0, 1.0)
+    """
+    compiled = replace(performer.compiled, word_edits={}, line_edits={})
+    animation = replace(performer, compiled=compiled).perform(schedule, fps)
+    start, end = float(schedule.times[first]), float(schedule.times[stop])
+    count = min(MOST_POINTS, max(LEAST_POINTS, POINTS_A_SOUND * (stop - first)))
+    at = np.linspace(0, 1, count)
+    seconds = start + at * (end - start)
+    weights = animation.weights
+    moving = {
+        pose: np.interp(seconds, animation.times, weights[:, number])
+        for number, pose in enumerate(animation.poses)
+        if weights[(animation.times >= start) & (animation.times <= end), number].max(initial=0)
+        > LEAST_WEIGHT
+    }
+    return _control_points(at, moving)
+
+
+def _control_points(at: Floats, performed: Mapping[str, Floats]) -> dict[str, list[list[float]]]:
+    """Return control points whose smooth curves pass close to values at times."""
+    found = {}
+    for pose, values in performed.items():
+        points = np.column_stack((at, values))
+        for _ in range(ROUNDS):
+            missing = values - bspline(points[None], at)[0]
+            points[:, 1] = np.clip(points[:, 1] + missing, 0, 1)
+        found[pose] = [[round(float(t), 3), round(float(v), 3)] for t, v in points]
+    return found

@@ -1,0 +1,107 @@
+"""Routes of the words and lines of a character: its own curves, pronunciations and deliveries."""
+
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.rigs.container import Json
+from lipsync_lang.studio.performed_curves import performed_curves
+from lipsync_lang.studio.routes.asking import Routes, Wish
+from lipsync_lang.studio.workshop import Workshop
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Character
+
+
+def words(workshop: Workshop, _: Wish) -> Json:
+    """Return the words, pronunciations and lines of the character, and the spoken line's sounds."""
+    library, compiled = workshop.library(), workshop.performer.compiled
+    pack = library.character(compiled.character)
+    model: Character = pack.model
+    language = library.language(compiled.language)
+    path = workshop.files().get("character")
+    return {
+        "character": compiled.character,
+        "file": workshop.shown(path) if path is not None else "",
+        "words": [{"word": word, "curves": _curves(one)} for word, one in model.words.items()],
+        "pronunciations": [
+            {"language": name, "word": word, "phonemes": list(sounds)}
+            for name, said in model.pronunciations.items()
+            for word, sounds in said.items()
+        ],
+        "lineage": list(language.lineage),
+        "lines": [
+            {
+                "name": name,
+                "edits": [
+                    {"word": edit.word, "phoneme": edit.phoneme, "curves": _curves(edit)}
+                    for edit in line.edits
+                ],
+                "styles": _levels(line.styles),
+                "dials": _levels(line.dials),
+            }
+            for name, line in model.lines.items()
+        ],
+        "phonemes": [
+            *compiled.phonemes,
+            *(s for s in compiled.shades if s not in compiled.phonemes),
+        ],
+        "sounds": _sounds(workshop),
+    }
+
+
+def _curves(stated: Any) -> dict[str, list[list[float]]]:
+    return {pose: [list(point) for point in points] for pose, points in stated.curves.items()}
+
+
+def _levels(stated: Any) -> dict[str, list[list[float]]]:
+    return {name: [list(point) for point in points] for name, points in stated.items()}
+
+
+def _sounds(workshop: Workshop) -> list[list[str]]:
+    """Return the common phonemes of each label of the line; silence is empty."""
+    schedule = workshop.schedule
+    if schedule is None:
+        return []
+    performer = workshop.performer
+    ids, _, source = performer.common_phonemes(schedule)
+    sounds: list[list[str]] = [[] for _ in schedule.labels]
+    for number, label in zip(ids.tolist(), source.tolist(), strict=True):
+        if number != performer.compiled.tables.silence:
+            sounds[label].append(performer.compiled.phonemes[number])
+    return sounds
+
+
+def start(workshop: Workshop, wish: Wish) -> Json:
+    """Return curves to start from: those that the character performs without its own edits.
+
+    The query names a word of the line, a phoneme of that word or of the line, or neither for all.
+    """
+    schedule = workshop.schedule
+    if schedule is None:
+        raise LipsyncError("there is no line; type one that has the word")
+    word, phoneme = (_number(wish, name) for name in ("word", "phoneme"))
+    first, stop = 0, len(schedule)
+    if word is not None:
+        if word >= len(schedule.words):
+            raise LipsyncError(f"the line has {len(schedule.words)} words; there is no {word}")
+        first, stop = schedule.words[word].first, schedule.words[word].stop
+    if phoneme is not None:
+        spoken = [n for n, said in enumerate(_sounds(workshop)) if said and first <= n < stop]
+        if phoneme >= len(spoken):
+            raise LipsyncError(f"there are {len(spoken)} phonemes; there is no {phoneme}")
+        first, stop = spoken[phoneme], spoken[phoneme] + 1
+    fps = workshop.settings.fps
+    return {"curves": performed_curves(workshop.performer, schedule, first, stop, fps)}
+
+
+def _number(wish: Wish, name: str) -> int | None:
+    text = wish.query.get(name, "")
+    if text and not (text.isdecimal() and len(text) < 7):  # noqa: PLR2004 longer lines are refused
+        raise LipsyncError(f"`{name}` is a number from 0")
+    return int(text) if text else None
+
+
+ROUTES: Routes = {
+    "GET words": words,
+    "GET words/start": start,
+}
