@@ -90,7 +90,7 @@ def test_what_lies_beneath_is_shown(told):
     bigram = told("bigram/f-a")
     assert (bigram["layer"], bigram["file"]) == ("character", "characters/anna.yaml")
     beneath = next(ghost for ghost in bigram["ghosts"] if ghost["kind"] == "beneath")
-    assert (beneath["name"], beneath["boundary"]) == ("beneath: shared", 0.4)
+    assert (beneath["name"], beneath["boundary"]) == ("beneath", 0.4)
     assert beneath["curves"]["open"] == [[0.2, 0], [1, 0]]
 
 

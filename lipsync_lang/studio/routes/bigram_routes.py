@@ -190,7 +190,7 @@ def _ghosts(shelf: PairPacks, row: BigramRow, pair: Pair) -> Iterator[Json]:
         yield {"name": "draft", "kind": "draft"} | _drawn(shelf, draft)
     under = beneath(shelf, row)
     if under is not None and under.place is not None:
-        yield {"name": f"beneath: {under.origin.layer}", "kind": "beneath"} | _drawn(shelf, under)
+        yield {"name": "beneath", "kind": "beneath"} | _drawn(shelf, under)
     targets = target_curves(shelf, pair, row.boundary)
     if targets:
         curves = _curves(shelf, targets)
