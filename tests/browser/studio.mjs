@@ -246,10 +246,24 @@ const stories = {
     await page.keyboard.press("ArrowDown");
     await page.waitForFunction(() => document.querySelector("#undo").title.includes("Rank of smile"));
     const ranks = await page.$$eval(".ranks li > span:nth-child(2)", (all) => all.map((one) => one.textContent));
+    const threshold = page.locator('.rule input[type=range]').first(), undo = () => page.getAttribute("#undo", "title");
+    const thresholds = [];
+    for (const values of [["0.9", "1"], ["1.2", "1.1"]]) {
+      for (const value of values) await threshold.evaluate((one, now) => { one.value = now; one.dispatchEvent(new Event("input")); }, value);
+      await threshold.evaluate((one) => one.dispatchEvent(new Event("change")));
+    }
+    await page.waitForFunction(() => document.querySelector("#undo").title.includes("Threshold"));
+    await page.waitForFunction(() => document.querySelector(".rule input[type=number]").value === "1.1");
+    for (let n = 0; n < 2; n++) {
+      await page.click("#undo");
+      await page.waitForFunction((before) => document.querySelector(".rule input[type=number]").value !== before, thresholds[n - 1] ?? "1.1");
+      thresholds.push(await page.inputValue(".rule input[type=number]"));
+    }
+    const title = await undo();
     await page.keyboard.press("Control+s");
     await saved(page);
     const nameless = await page.$$eval(".character-view :is(input, select, button)", (all) => all.filter((one) => !(one.ariaLabel || one.textContent || one.labels?.length)).length);
-    return { through, solid, slid, rule, pictured, off, shown, ranks, nameless };
+    return { through, solid, slid, rule, pictured, off, shown, ranks, thresholds, title, nameless };
   },
 
   /** A moving picture: the line, a point that is dragged, and the line again; frames go to FOLDER. */

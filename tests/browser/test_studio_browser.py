@@ -165,6 +165,8 @@ def test_a_character_is_posed_seen_through_and_edited(studio):
     assert told["pictured"] == 8
     assert told["shown"] == "0.75"
     assert told["ranks"][:3] == ["frown", "smile", "bareTeeth"]
+    assert told["thresholds"] == ["1", "0.8"], "a drag is one step of undo"
+    assert "Rank of smile" in told["title"]
     assert told["nameless"] == 0
     poseset = studio.folder / "posesets/crab/poseset.yaml"
     lines = poseset.read_text("utf-8").splitlines()

@@ -35,6 +35,8 @@ export class CharacterView {
     this.face = null;
     /** Edits that are not answered yet. */
     this.open = 0;
+    /** Edits that ended, for the keys that join those of one drag. */
+    this.steps = 0;
     this.asking = false;
     this.stale = false;
     this.visible = false;
@@ -51,12 +53,12 @@ export class CharacterView {
     }
     this.pictures = new PoseSheet(this.#place("poses"), (name, add) => this.#picked(name, add));
     this.targets = new TargetTable(this.#place("targets"), {
-      edit: (phoneme, target, title, merge) => this.#edit(["targets", phoneme], target, title, merge),
+      edit: (phoneme, target, title, done) => this.#edit(["targets", phoneme], target, title, done),
       face: (weights) => this.pose({ ...weights }),
       mix: () => this.mix,
     });
     this.rules = new RuleForms(this.#place("rules"), {
-      edit: (at, value, title, done = true) => this.#edit(at, value, title, done ? "" : JSON.stringify(at)),
+      edit: (at, value, title, done) => this.#edit(at, value, title, done),
       attempt: (mix) => {
         this.#setWithin(true);
         this.pose(mix);
@@ -190,11 +192,15 @@ export class CharacterView {
 
   // Edits
 
-  /** @param {(string | number)[]} at @param {any} value @param {string} title @param {string} [merge] */
-  async #edit(at, value, title, merge = "") {
+  /** @param {(string | number)[]} at @param {any} value @param {string} title @param {boolean} [done] false while a slider moves */
+  async #edit(at, value, title, done = true) {
     const edit = value === undefined ? { file: "poseset", at } : { file: "poseset", at, value };
     put(this.told.stated, at, value);
-    if (!merge) this.#forms();
+    const merge = `${JSON.stringify(at)} ${this.steps}`; // one drag is one step of undo
+    if (done) {
+      this.steps += 1;
+      this.#forms();
+    }
     this.open += 1;
     await this.studio.edit([edit], title, merge);
     this.open -= 1;

@@ -92,6 +92,8 @@ export class Studio {
     /** Edits that wait for the one in flight. @type {{edits: Edit[], title: string, merge: string, done: (() => void)[]}[]} */
     this.waiting = [];
     this.sending = false;
+    /** Ends when no edit waits; undo and saving come after the edits before them. @type {Promise<void>} */
+    this.sent = Promise.resolve();
     this.performing = false;
     /** Wishes for another take: the newest of each path. @type {Map<string, any>} */
     this.wishes = new Map();
@@ -283,12 +285,11 @@ export class Studio {
         last.edits = [...last.edits.filter((one) => !places.has(JSON.stringify([one.file, one.at]))), ...edits];
         last.done.push(done);
       } else this.waiting.push({ edits, title, merge, done: [done] });
-      this.#send();
+      if (!this.sending) this.sent = this.#send();
     });
   }
 
   async #send() {
-    if (this.sending) return;
     this.sending = true;
     for (let next = this.waiting.shift(); next; next = this.waiting.shift()) {
       const { edits, title, merge, done } = next;
@@ -324,6 +325,7 @@ export class Studio {
       this.view.history?.(way);
       return;
     }
+    await this.sent;
     await this.attempt(async () => {
       const title = this.state[way];
       if (!title) return;
@@ -334,6 +336,7 @@ export class Studio {
   }
 
   async save() {
+    await this.sent;
     try {
       const told = await this.api.post("save");
       this.#stated(told.state);

@@ -7,7 +7,7 @@ import { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, w
 /** @typedef {{name: string, title: string, example: string, like: string, contact: string}} Phoneme */
 /**
  * @typedef {object} Hands
- * @property {(phoneme: string, target: any, title: string, merge?: string) => void} edit undefined deletes it
+ * @property {(phoneme: string, target: any, title: string, done?: boolean) => void} edit undefined deletes it; not done while a slider moves
  * @property {(weights: Record<string, number>) => void} face show a target
  * @property {() => Record<string, number>} mix weights of the sliders
  */
@@ -125,12 +125,12 @@ export class TargetTable {
     }
   }
 
-  /** @param {any} step the chosen one, changed @param {string} title @param {string} [merge] */
-  #put(step, title, merge = "") {
+  /** @param {any} step the chosen one, changed @param {string} title @param {boolean} [done] */
+  #put(step, title, done = true) {
     const one = this.chosen();
     if (!one) return;
     const steps = one.steps.length ? one.steps.map((old, n) => (n === this.step ? step : old)) : [step];
-    this.hands.edit(this.phoneme, targetOf(steps), title, merge);
+    this.hands.edit(this.phoneme, targetOf(steps), title, done);
   }
 
   /** Make the mix of the sliders the chosen target. @param {boolean} [done] false while a slider moves */
@@ -138,7 +138,7 @@ export class TargetTable {
     const one = this.chosen();
     if (!one || !this.own) return;
     const mix = Object.fromEntries(Object.entries(this.hands.mix()).map(([pose, weight]) => [pose, Math.round(weight * 100) / 100]));
-    this.#put(withWeights(one.step, mix), `Target of ${this.phoneme}`, done ? "" : `target ${this.phoneme} ${this.step}`);
+    this.#put(withWeights(one.step, mix), `Target of ${this.phoneme}`, done);
   }
 
   // One target
