@@ -37,7 +37,7 @@ OWN = ("path", "project")
 
 @dataclass
 class LineSettings:
-    """How the line is performed; the fields are those of `Performer.perform`."""
+    """Settings of the performed line; the fields are those of `Performer.perform`."""
 
     fps: float = 60.0
     line: str | None = None
