@@ -18,19 +18,19 @@ const KEYS = {
   "?": "these keys",
 };
 
-/** Keys that views add: key to what it does. @type {Record<string, string>} */
-const added = {};
+/** Keys that views add, and what they do; two views may share a key. @type {[string, string][]} */
+const added = [];
 
 /** @param {Record<string, string>} keys of a view, for the list of keys */
 export function tellKeys(keys) {
-  Object.assign(added, keys);
+  added.push(...Object.entries(keys));
 }
 
 /** Open the list of keys, or close it. */
 export function showHelp() {
   const help = /** @type {HTMLDialogElement} */ (the("help"));
   const list = /** @type {HTMLElement} */ (help.querySelector("dl"));
-  list.replaceChildren(...Object.entries({ ...KEYS, ...added }).flatMap(([key, does]) => [made("dt", {}, key), made("dd", {}, does)]));
+  list.replaceChildren(...[...Object.entries(KEYS), ...added].flatMap(([key, does]) => [made("dt", {}, key), made("dd", {}, does)]));
   if (help.open) help.close();
   else help.showModal();
 }
