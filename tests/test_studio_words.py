@@ -60,6 +60,15 @@ def test_edits_make_a_pack_of_the_project(workshop, caller):
     assert "<script>" in (workshop.project / "characters" / "crab.yaml").read_text("utf-8")
 
 
+def test_a_language_without_a_pack_has_its_words_and_tells_how_it_is_edited(workshop, caller):
+    workshop.open("ipa:sw", "crab")
+    assert caller.api("words").json["lineage"] == ["ipa:sw"]
+    assert edit(caller, ["words", "a"], {"curves": {"mouthOpen": CURVE}}).status == 200
+    change = {"file": "language", "at": ["notations", "ipa", "a"], "value": "aa"}
+    refused = caller.post("edit", {"edits": [change], "title": "Map a"})
+    assert (refused.status, "extends: ipa:sw" in refused.json["error"]) == (422, True)
+
+
 def test_an_edit_of_a_line_is_changed_in_place_and_heard(workshop, caller):
     caller.post("line", {"text": "ma pa"})
     line = {"edits": [{"word": 1, "curves": {"mouthOpen": CURVE}}]}

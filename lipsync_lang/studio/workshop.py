@@ -231,6 +231,11 @@ class Workshop:
         path = files.get(name)
         if path is not None and self.own(path):
             return path, None
+        if name == "language" and path is None:
+            raise LipsyncError(
+                f"{compiled.language} is no pack; make one that states `extends: "
+                f"{compiled.language}` in {FOLDERS['language']}/NAME.yaml, and open NAME"
+            )
         if name == "language":
             own = self.project / FOLDERS["language"] / f"{compiled.language}.yaml"
             tag = self.library().language(compiled.language).model.tag
@@ -268,10 +273,10 @@ class Workshop:
     def files(self) -> dict[str, Path]:
         """Return the packs of the open pair by the identifiers that the browser names them by."""
         compiled, library = self.performer.compiled, self.library()
-        found = {
-            "language": library.find("language", compiled.language),
-            "poseset": library.find("poseset", compiled.poseset),
-        }
+        found = {"poseset": library.find("poseset", compiled.poseset)}
+        language = library.finder.lookup("language", compiled.language)
+        if language:  # one that an engine reads alone has no file
+            found["language"] = Path(language[0])
         own = library.finder.lookup("character", compiled.character)
         if own:
             found["character"] = Path(own[0])

@@ -50,8 +50,11 @@ export class QualityList {
       if (this.judged !== take) return;
       const failed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL").length;
       this.summary.textContent = failed ? `${failed} of ${figures.length} figures fail` : "nothing fails";
-      const order = (/** @type {any} */ one) => (one.verdict === "FAIL" ? 0 : one.findings.length ? 1 : 2);
-      this.list.replaceChildren(...figures.toSorted((/** @type {any} */ a, /** @type {any} */ b) => order(a) - order(b)).map((/** @type {any} */ one) => this.#figure(one)));
+      const order = (/** @type {any} */ one) => (one.verdict === "FAIL" ? 0 : one.findings.length ? 1 : one.verdict === "ok" ? 2 : 3);
+      const sorted = figures.toSorted((/** @type {any} */ a, /** @type {any} */ b) => order(a) - order(b));
+      const first = sorted.filter((/** @type {any} */ one) => order(one) < 3), rest = sorted.slice(first.length);
+      const others = made("details", {}, made("summary", {}, `${rest.length} more, without a limit or not judged`), made("ul", {}, ...rest.map((/** @type {any} */ one) => this.#figure(one))));
+      this.list.replaceChildren(...first.map((/** @type {any} */ one) => this.#figure(one)), ...(rest.length ? [made("li", {}, others)] : []));
     });
   }
 
