@@ -6,6 +6,7 @@ import { CharacterView } from "./character_view.js";
 import { CoverageView } from "./coverage_view.js";
 import { made, the } from "./elements.js";
 import { LanguageView } from "./language_view.js";
+import { Edits } from "./studio_edits.js";
 import { Player } from "./player.js";
 import { Portrait } from "./portrait.js";
 import { clock } from "./scales.js";
@@ -89,11 +90,7 @@ export class Studio {
     this.viewName = "";
     /** @type {number | undefined} */
     this.asked = undefined;
-    /** Edits that wait for the one in flight. @type {{edits: Edit[], title: string, merge: string, done: (() => void)[]}[]} */
-    this.waiting = [];
-    this.sending = false;
-    /** Ends when no edit waits; undo and saving come after the edits before them. @type {Promise<void>} */
-    this.sent = Promise.resolve();
+    this.edits = new Edits(this);
     this.performing = false;
     /** Wishes for another take: the newest of each path. @type {Map<string, any>} */
     this.wishes = new Map();
@@ -278,103 +275,20 @@ export class Studio {
    * @returns {Promise<void>}
    */
   edit(edits, title, merge = "") {
-    return new Promise((done) => {
-      const last = this.waiting.at(-1);
-      if (last && merge && last.merge === merge) {
-        const places = new Set(edits.map((one) => JSON.stringify([one.file, one.at])));
-        last.edits = [...last.edits.filter((one) => !places.has(JSON.stringify([one.file, one.at]))), ...edits];
-        last.done.push(done);
-      } else this.waiting.push({ edits, title, merge, done: [done] });
-      if (!this.sending) this.sent = this.#send();
-    });
-  }
-
-  async #send() {
-    this.sending = true;
-    for (let next = this.waiting.shift(); next; next = this.waiting.shift()) {
-      const { edits, title, merge, done } = next;
-      try {
-        this.#stated(await this.api.post("edit", { edits, title, merge, seen: this.state.revision, tab: this.tab }));
-        await this.perform();
-      } catch (error) {
-        this.#refused(error);
-      }
-      done.forEach((one) => one());
-    }
-    this.sending = false;
-  }
-
-  /** @param {unknown} error of an edit: the state is asked for anew, so that views show what is true */
-  async #refused(error) {
-    const faults = error instanceof Refusal ? error.told.faults ?? [] : [];
-    const told = faults.map((/** @type {any} */ one) => `${one.what}${one.hint ? `: ${one.hint}` : ""}`);
-    this.tell(told.length ? told.slice(0, 3).join("\n") : String(error instanceof Error ? error.message : error), "fault");
-    await this.look();
-  }
-
-  /** @param {any} state */
-  #stated(state) {
-    this.state = { ...state, text: this.state.text };
-    this.#told();
-    this.notify("state");
+    return this.edits.make(edits, title, merge);
   }
 
   /** @param {"undo" | "redo"} way */
   async history(way) {
-    if (this.view?.steps?.[way]) {
-      this.view.history?.(way);
-      return;
-    }
-    await this.sent;
-    await this.attempt(async () => {
-      const title = this.state[way];
-      if (!title) return;
-      this.#stated(await this.api.post(way, { tab: this.tab }));
-      this.tell(`${way === "undo" ? "Undone" : "Done again"}: ${title}`);
-      await this.perform();
-    });
+    if (this.view?.steps?.[way]) this.view.history?.(way);
+    else await this.edits.history(way);
   }
 
-  async save() {
-    await this.sent;
-    try {
-      const told = await this.api.post("save");
-      this.#stated(told.state);
-      this.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing is unsaved");
-    } catch (error) {
-      if (error instanceof Refusal && error.told.conflict) await this.settle(error.told.conflict);
-      else this.#refused(error);
-    }
-  }
-
-  /**
-   * Ask whose values to keep, where a file was changed on the disk as well.
-   * @param {{key: string, what: string, mine: string, theirs: string}[]} conflict
-   */
-  async settle(conflict) {
-    const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { "aria-label": "Conflict" }));
-    const rows = conflict.map(({ key, what, mine, theirs }) => {
-      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Keep of ${what}`, "data-key": key },
-        made("option", { value: "mine" }, "keep mine"), made("option", { value: "theirs" }, "keep the file's")));
-      return made("li", {}, made("b", {}, what), " ", pick, made("details", {}, made("summary", {}, "Compare"), made("pre", {}, `mine:\n${mine}\n\nthe file's:\n${theirs}`)));
-    });
-    const go = made("button", { type: "button", class: "main" }, "Save so"), no = made("button", { type: "button" }, "Not now");
-    dialog.append(made("h2", {}, "These were changed on the disk, too"), made("ul", {}, ...rows), made("p", { class: "row" }, go, no));
-    document.body.append(dialog);
-    dialog.showModal();
-    const keep = await new Promise((done) => {
-      go.addEventListener("click", () => done(Object.fromEntries([...dialog.querySelectorAll("select")].map((one) => [one.dataset.key, one.value]))));
-      no.addEventListener("click", () => done(null));
-      dialog.addEventListener("close", () => done(null));
-    });
-    dialog.remove();
-    if (!keep) return;
-    await this.attempt(async () => {
-      const told = await this.api.post("save", { keep });
-      this.#stated(told.state);
-      this.tell(`Saved ${told.saved.join(", ")}`);
-      await this.perform();
-    });
+  /** Take a new state of the server over. @param {any} state */
+  stated(state) {
+    this.state = { ...state, text: this.state.text };
+    this.#told();
+    this.notify("state");
   }
 
   /** Ask for the state, and perform anew if another tab changed it. */
@@ -387,7 +301,7 @@ export class Studio {
         this.state = state;
         await this.#opened();
       } else if (moved) {
-        this.#stated(state);
+        this.stated(state);
         await this.perform();
       }
     });
@@ -542,7 +456,7 @@ export class Studio {
     click("on", () => this.step(1));
     click("undo", () => this.history("undo"));
     click("redo", () => this.history("redo"));
-    click("save", () => this.save());
+    click("save", () => this.edits.save());
     click("keys", showHelp);
     click("loop", () => this.toggleLoop());
     click("in", () => this.zoomed().zoom(1.5, this.player.time));
@@ -568,7 +482,7 @@ export class Studio {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.strip.stale = true; this.notify("theme"); this.wake(); });
     document.addEventListener("keydown", (event) => shellKeys(this, event));
     addEventListener("focus", () => this.state.language && this.look());
-    setInterval(() => { if (this.state.language && !document.hidden && !this.sending) this.look(); }, LOOK);
+    setInterval(() => { if (this.state.language && !document.hidden && !this.edits.sending) this.look(); }, LOOK);
   }
 
   /** The timeline that the zoom buttons move. @returns {Timeline} */

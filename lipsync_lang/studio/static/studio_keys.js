@@ -53,7 +53,7 @@ export function shellKeys(studio, event) {
   const always = {
     z: () => studio.history(event.shiftKey ? "redo" : "undo"),
     y: () => studio.history("redo"),
-    s: () => studio.save(),
+    s: () => studio.edits.save(),
   };
   const within = typing(event.target);
   if (control && always[key] && !(within && key !== "s")) {

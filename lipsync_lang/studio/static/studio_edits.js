@@ -1,0 +1,115 @@
+/** Edits of the studio: sent one after the other, undone, saved, and settled where a file changed too. */
+
+import { Refusal } from "./api.js";
+import { made } from "./elements.js";
+
+/** @typedef {import("./studio.js").Edit} Edit */
+
+/** The edits of a studio on their way to its server. */
+export class Edits {
+  /** @param {import("./studio.js").Studio} studio */
+  constructor(studio) {
+    this.studio = studio;
+    /** Edits that wait for the one in flight. @type {{edits: Edit[], title: string, merge: string, done: (() => void)[]}[]} */
+    this.waiting = [];
+    this.sending = false;
+    /** Ends when no edit waits; undo and saving come after the edits before them. @type {Promise<void>} */
+    this.sent = Promise.resolve();
+  }
+
+  /**
+   * Change packs; resolves when the curves are new. The newest edits of one drag win.
+   * @param {Edit[]} edits
+   * @param {string} title of the step in undo
+   * @param {string} [merge] edits with one key are one step
+   * @returns {Promise<void>}
+   */
+  make(edits, title, merge = "") {
+    return new Promise((done) => {
+      const last = this.waiting.at(-1);
+      if (last && merge && last.merge === merge) {
+        const places = new Set(edits.map((one) => JSON.stringify([one.file, one.at])));
+        last.edits = [...last.edits.filter((one) => !places.has(JSON.stringify([one.file, one.at]))), ...edits];
+        last.done.push(done);
+      } else this.waiting.push({ edits, title, merge, done: [done] });
+      if (!this.sending) this.sent = this.#send();
+    });
+  }
+
+  async #send() {
+    this.sending = true;
+    for (let next = this.waiting.shift(); next; next = this.waiting.shift()) {
+      const { edits, title, merge, done } = next;
+      try {
+        this.studio.stated(await this.studio.api.post("edit", { edits, title, merge, seen: this.studio.state.revision, tab: this.studio.tab }));
+        await this.studio.perform();
+      } catch (error) {
+        this.#refused(error);
+      }
+      done.forEach((one) => one());
+    }
+    this.sending = false;
+  }
+
+  /** @param {unknown} error of an edit: the state is asked for anew, so that views show what is true */
+  async #refused(error) {
+    const faults = error instanceof Refusal ? error.told.faults ?? [] : [];
+    const told = faults.map((/** @type {any} */ one) => `${one.what}${one.hint ? `: ${one.hint}` : ""}`);
+    this.studio.tell(told.length ? told.slice(0, 3).join("\n") : String(error instanceof Error ? error.message : error), "fault");
+    await this.studio.look();
+  }
+
+  /** @param {"undo" | "redo"} way */
+  async history(way) {
+    await this.sent;
+    await this.studio.attempt(async () => {
+      const title = this.studio.state[way];
+      if (!title) return;
+      this.studio.stated(await this.studio.api.post(way, { tab: this.studio.tab }));
+      this.studio.tell(`${way === "undo" ? "Undone" : "Done again"}: ${title}`);
+      await this.studio.perform();
+    });
+  }
+
+  async save() {
+    await this.sent;
+    try {
+      const told = await this.studio.api.post("save");
+      this.studio.stated(told.state);
+      this.studio.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing is unsaved");
+    } catch (error) {
+      if (error instanceof Refusal && error.told.conflict) await this.settle(error.told.conflict);
+      else this.#refused(error);
+    }
+  }
+
+  /**
+   * Ask whose values to keep, where a file was changed on the disk as well.
+   * @param {{key: string, what: string, mine: string, theirs: string}[]} conflict
+   */
+  async settle(conflict) {
+    const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { "aria-label": "Conflict" }));
+    const rows = conflict.map(({ key, what, mine, theirs }) => {
+      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Keep of ${what}`, "data-key": key },
+        made("option", { value: "mine" }, "keep mine"), made("option", { value: "theirs" }, "keep the file's")));
+      return made("li", {}, made("b", {}, what), " ", pick, made("details", {}, made("summary", {}, "Compare"), made("pre", {}, `mine:\n${mine}\n\nthe file's:\n${theirs}`)));
+    });
+    const go = made("button", { type: "button", class: "main" }, "Save so"), no = made("button", { type: "button" }, "Not now");
+    dialog.append(made("h2", {}, "These were changed on the disk, too"), made("ul", {}, ...rows), made("p", { class: "row" }, go, no));
+    document.body.append(dialog);
+    dialog.showModal();
+    const keep = await new Promise((done) => {
+      go.addEventListener("click", () => done(Object.fromEntries([...dialog.querySelectorAll("select")].map((one) => [one.dataset.key, one.value]))));
+      no.addEventListener("click", () => done(null));
+      dialog.addEventListener("close", () => done(null));
+    });
+    dialog.remove();
+    if (!keep) return;
+    await this.studio.attempt(async () => {
+      const told = await this.studio.api.post("save", { keep });
+      this.studio.stated(told.state);
+      this.studio.tell(`Saved ${told.saved.join(", ")}`);
+      await this.studio.perform();
+    });
+  }
+}
