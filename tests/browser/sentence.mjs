@@ -53,7 +53,8 @@ try {
   // a boundary is dragged: its curves follow, and undo puts it back
   const box = await page.locator("#timeline").boundingBox();
   const before = await times(), plain = await drawn();
-  let [x, y] = [0, box.y + RULER + 1.5 * BAND];
+  const y = box.y + RULER + 1.5 * BAND;
+  let x = 0;
   const cursor = () => page.evaluate(() => document.querySelector("#timeline").style.cursor);
   for (x = box.x + box.width / 2; x < box.x + box.width && (await cursor()) !== "ew-resize"; x += 3) await page.mouse.move(x, y);
   await page.mouse.down();
@@ -149,7 +150,7 @@ try {
   result.opened = await times();
   result.steps = await page.getAttribute("#undo", "title");
   result.nameless = await page.$$eval("button, input:not([hidden]), select, canvas:not([aria-hidden]), [tabindex='0']", (all) => all
-    .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim())).map((one) => one.outerHTML));
+    .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim())).map((one) => `${one.localName} ${one.id} ${one.className}`));
   await page.close();
 
   const phone = await open("#sentence", { viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true });
