@@ -56,6 +56,7 @@ def test_edits_make_a_pack_of_the_project(workshop, caller):
         "name": "hello", "styles": {}, "dials": {"jaw": [[0, 0.5]]},
         "edits": [{"word": 1, "phoneme": None, "curves": {"mouthOpen": CURVE}}],
     }  # fmt: skip
+    assert caller.api("state").json["lines"] == ["hello"]
     assert caller.post("save").json["saved"] == ["characters/crab.yaml"]
     assert "<script>" in (workshop.project / "characters" / "crab.yaml").read_text("utf-8")
 

@@ -358,6 +358,7 @@ class Workshop:
             "measures": compiled.measures,
             "regions": compiled.regions,
             "styles": list(dict.fromkeys((*compiled.style_names, *compiled.style_drafts))),
+            "lines": list(compiled.line_edits),
             "warnings": list(compiled.report.warnings),
             "text": self.text,
             "settings": asdict(self.settings),

@@ -102,6 +102,10 @@ const stories = {
     await page.waitForFunction(() => document.querySelector("#undo").title.includes("of pa"));
     await page.click("text=＋ new");
     await page.waitForFunction(() => location.hash.includes("line"));
+    await page.click("#undo");
+    await page.waitForFunction(() => document.querySelectorAll(".own li").length === 1);
+    await page.click("text=＋ new");
+    await page.waitForFunction(() => document.querySelectorAll(".own li").length === 2);
     await page.fill("[data-field=jaw]", "0.5");
     await page.press("[data-field=jaw]", "Enter");
     await page.waitForFunction(() => document.querySelector("#undo").title.includes("jaw"));

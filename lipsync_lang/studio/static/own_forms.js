@@ -24,12 +24,12 @@ export class OwnForms {
 
   /** @param {string} text @param {string} value @param {string} hint @param {(value: string, input: HTMLInputElement) => void} does @returns {HTMLElement} */
   #field(text, value, hint, does) {
-    const input = /** @type {HTMLInputElement} */ (made("input", { type: "text", value, "data-field": text, autocomplete: "off", spellcheck: "false", maxlength: "400" }));
+    const input = /** @type {HTMLInputElement} */ (made("input", { type: "text", value, placeholder: hint, "data-field": text, autocomplete: "off", spellcheck: "false", maxlength: "400" }));
     input.addEventListener("change", () => {
       input.setCustomValidity("");
       does(input.value.trim(), input);
     });
-    return made("label", {}, made("span", {}, text), input, made("small", {}, hint));
+    return made("label", {}, made("span", {}, text), input);
   }
 
   /** @param {Told} told @param {Told["pronunciations"][number]} said @returns {HTMLElement[]} */

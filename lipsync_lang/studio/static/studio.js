@@ -287,6 +287,7 @@ export class Studio {
   /** Take a new state of the server over. @param {any} state */
   stated(state) {
     this.state = { ...state, text: this.state.text };
+    if (this.settings.line && !state.lines?.includes(this.settings.line)) this.settings = { ...this.settings, line: null };
     this.#told();
     this.notify("state");
   }
