@@ -8,6 +8,7 @@ pytest.importorskip("starlette", reason="the studio needs Starlette")
 
 from studio_calls import Caller, unpacked
 
+from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.workshop import Workshop
@@ -163,6 +164,23 @@ def test_unsaved_edits_survive_a_kill(tmp_path):
     assert state["restored"] == 1
     assert state["unsaved"]
     assert list(folder.iterdir()) == []
+
+
+def test_restored_edits_that_no_longer_fit_are_undone_and_told(tmp_path):
+    journal, folder = tmp_path / "journal.jsonl", tmp_path / "project"
+    folder.mkdir()
+    edit(opened(folder, journal), {"curves": CURVES})
+    text = journal.read_text("utf-8")
+    journal.write_text(text.replace("mouthOpen", "noSuchPose"), "utf-8")
+    workshop = Workshop(folder, desk=Desk(journal), engine="none")
+    with pytest.raises(LipsyncError, match="noSuchPose"):
+        workshop.open("english", "crab")
+    workshop.open_restored("english", "crab")
+    state = workshop.state()
+    assert (state["unsaved"], state["redo"]) == ([], "Draw")
+    assert "noSuchPose" in state["notes"][-1]
+    with pytest.raises(LipsyncError, match="klingon"):
+        Workshop(folder).open_restored("klingon", "crab")
 
 
 def test_every_tour_has_steps_and_a_line(caller):

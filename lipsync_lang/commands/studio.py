@@ -52,7 +52,7 @@ def studio(options: Namespace) -> int:
     )  # fmt: skip
     workshop.settings.fps = options.fps
     if options.language and options.character:
-        workshop.open(options.language, options.character)
+        workshop.open_restored(options.language, options.character)
     with _listening(options.host, options.port) as listener:
         port = listener.getsockname()[1]
         names = {options.host, *((LOCAL, "localhost") if options.host == LOCAL else ())}

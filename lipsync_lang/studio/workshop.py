@@ -6,6 +6,7 @@ one user, one call at a time.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -128,6 +129,28 @@ class Workshop:
             self.line = None
         if (self.language, self.character) != before:  # styles and regions are a character's own
             self.settings = LineSettings(fps=self.settings.fps)
+
+    def open_restored(self, language: str, character: str) -> None:
+        """Open a pair after a start; edits of the last time that no longer fit are undone.
+
+        They can be done again: `Desk.notes` says so.
+        """
+        first = ""
+        for undone in count():
+            try:
+                self.open(language, character)
+            except LipsyncError as error:
+                if self.desk.undo_title is None:
+                    raise
+                first = first or str(error)
+                self.desk.undo()
+                continue
+            if undone:
+                self.desk.notes.append(
+                    f"{undone} unsaved steps of the last time were undone (redo brings them back), "
+                    f"because with them {language} cannot be performed on {character}: {first}"
+                )
+            return
 
     @property
     def performer(self) -> Performer:
