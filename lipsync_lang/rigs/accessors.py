@@ -1,19 +1,31 @@
 """Reader for accessors, buffer views and sparse data of glTF 2.0.
 
-Arrays have the shape (count, width), with one row per element.
+Arrays have the shape (count, width), with one row per element. Compressed buffer views and Draco
+meshes are decoded when they are read.
 
 Model files are untrusted. Each index, offset, stride and count is checked against the available
 bytes before an array is allocated. `MAX_VALUES` limits the total size of all arrays, because a
 small file can name the same bytes many times.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from math import prod
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.rigs.compression import (
+    DRACO,
+    INSTALL,
+    MESHOPT,
+    MissingDecoderError,
+    draco_mesh,
+    meshopt_rows,
+    meshopt_size,
+)
 from lipsync_lang.rigs.container import Json, binary_of, fail
 from lipsync_lang.rigs.model import Model, is_index
 
@@ -34,8 +46,14 @@ LARGEST_STRIDE = 252
 MAX_VALUES = 2**26
 """Maximum values read from one model; a head of 100,000 points with 52 shapes has 16 million."""
 
-COMPRESSIONS = {"EXT_meshopt_compression", "KHR_meshopt_compression"}
-"""Buffer view extensions with compressed content, which has no plain numbers."""
+
+class ViewBytes(NamedTuple):
+    """Place of a buffer view: its bytes are `data[start : start + length]`."""
+
+    data: bytes | memoryview
+    start: int
+    length: int
+    stride: object
 
 
 class Accessors:
@@ -64,6 +82,9 @@ class Accessors:
         self._views = model.document.get("bufferViews", [])
         self._binary = binary_of(model.path, model.document, model.chunks)
         self._left = MAX_VALUES
+        self._stored = len(self._binary)
+        self._decoded: dict[int, memoryview] = {}
+        self._unpacked: dict[int, Array] = {}
 
     def __getitem__(self, number: object) -> Array:
         """Read an accessor as (count, width) values; normalised integers become fractions.
@@ -73,13 +94,14 @@ class Accessors:
         ModelError
             The accessor is absent, of an unknown type, or exceeds the data.
         """
-        if not is_index(number, len(self._rows)):
-            fail(self.path, f"names accessor {_shown(number)}, but has {len(self._rows)}")
-        what = f"accessor {number}"
-        row = self._rows[number]
+        row, what = self._row(number), f"accessor {_shown(number)}"
+        if "bufferView" in row:
+            self._span(what, row["bufferView"])  # what is decoded counts as stored
         shape, dtype = self._form(what, row)
         if "bufferView" in row:
             values = self._values(what, row, shape, dtype)
+        elif number in self._unpacked:
+            values = self._draco_values(what, self._unpacked[number], shape, dtype)
         else:
             values = np.zeros(shape, dtype)
         if "sparse" in row:
@@ -90,8 +112,58 @@ class Accessors:
 
     def view(self, number: object) -> bytes:
         """Read the bytes of a buffer view."""
-        start, length, _ = self._span(f"buffer view {_shown(number)}", number)
-        return self._binary[start : start + length]
+        data, start, length, _ = self._span(f"buffer view {_shown(number)}", number)
+        return bytes(data[start : start + length])
+
+    def unpack(self, primitive: Json) -> None:
+        """Decode the Draco data of a primitive, so that its accessors can be read.
+
+        A primitive with plain data beside the Draco data keeps to the plain data.
+
+        Raises
+        ------
+        ModelError
+            The data are damaged, or there is no decoder.
+        """
+        packed = _extensions(primitive).get(DRACO)
+        places = {"indices": primitive.get("indices"), **primitive["attributes"]}
+        if packed is None or "bufferView" in self._row(places["POSITION"]):
+            return
+        corners, points = (self._count(places[name]) for name in ("indices", "POSITION"))
+        self.spend(corners + points)
+        data = self.view(packed.get("bufferView"))
+        what = f"buffer view {packed['bufferView']}"
+        with self._decoding(what, DRACO):
+            mesh = draco_mesh(data, corners, points)
+        found = {"indices": mesh.corners[:, None]}
+        for name, own in packed["attributes"].items():
+            if own not in mesh.attributes:
+                self._fail(what, f"has no {str(name)[:20]}")
+            found[name] = mesh.attributes[own]
+        self._unpacked |= {places[name]: values for name, values in found.items()}
+        self._stored += sum(values.nbytes for values in found.values())
+
+    def _row(self, number: object) -> Json:
+        if not is_index(number, len(self._rows)):
+            fail(self.path, f"names accessor {_shown(number)}, but has {len(self._rows)}")
+        row: Json = self._rows[number]
+        return row
+
+    def _count(self, number: object) -> int:
+        count = self._row(number).get("count")
+        if not is_index(count, MAX_VALUES + 1):
+            self._fail(f"accessor {number}", f"states {_shown(count)} values")
+        return count
+
+    @contextmanager
+    def _decoding(self, what: str, extension: str) -> Iterator[None]:
+        """Tell the errors of a decoder with the place."""
+        try:
+            yield
+        except MissingDecoderError:
+            fail(self.path, f"is compressed ({extension})", INSTALL)
+        except (ValueError, MemoryError) as error:
+            self._fail(what, str(error)[:120] or "needs too much memory")
 
     def spend(self, values: int) -> None:
         """Add the size of an array to the model's total; fail past `MAX_VALUES`."""
@@ -107,15 +179,15 @@ class Accessors:
             self._fail(what, "holds numbers of an unknown kind")
         # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.
         count = row.get("count")
-        if not is_index(count, len(self._binary) + 1) or count == 0:
-            self._fail(what, f"states {_shown(count)} values in {len(self._binary)} bytes of data")
+        if not is_index(count, self._stored + 1) or count == 0:
+            self._fail(what, f"states {_shown(count)} values in {self._stored} bytes of data")
         shape = (int(count), width)
         self.spend(prod(shape))
         return shape, np.dtype(COMPONENT_TYPES[kind])
 
     def _values(self, what: str, row: Json, shape: tuple[int, int], dtype: np.dtype[Any]) -> Array:
         """View values in place, without a copy."""
-        start, length, stride = self._span(what, row.get("bufferView"))
+        data, start, length, stride = self._span(what, row.get("bufferView"))
         offset, size = row.get("byteOffset", 0), shape[1] * dtype.itemsize
         step = size if stride is None else stride
         if not is_index(step, LARGEST_STRIDE + 1) or step < size:
@@ -123,23 +195,52 @@ class Accessors:
         reach = (shape[0] - 1) * step + size
         if not is_index(offset, length) or offset + reach > length:
             self._fail(what, "lies past the end of its data")
-        return np.ndarray(shape, dtype, self._binary, start + offset, (step, dtype.itemsize))
+        return np.ndarray(shape, dtype, data, start + offset, (step, dtype.itemsize))
 
-    def _span(self, what: str, number: object) -> tuple[int, int, object]:
-        """Compute the offset, length and stride of a view in bytes."""
+    def _draco_values(
+        self, what: str, values: Array, shape: tuple[int, int], dtype: np.dtype[Any]
+    ) -> Array:
+        """Convert decoded values to the type of their accessor."""
+        if values.shape != shape:
+            self._fail(what, f"states {shape[0]} values, and has {len(values)}")
+        return values.astype(dtype)
+
+    def _span(self, what: str, number: object) -> ViewBytes:
+        """Locate a view, and decode it where it is compressed."""
         if not is_index(number, len(self._views)):
             self._fail(what, "lies in no buffer view")
         view = self._views[number]
+        packed = next((name for name in MESHOPT if name in _extensions(view)), None)
+        if packed is None:
+            start, length = self._place(what, view)
+            return ViewBytes(self._binary, start, length, view.get("byteStride"))
+        if number not in self._decoded:
+            where = f"buffer view {number}"
+            self._decoded[number] = self._decode(where, packed, view["extensions"][packed])
+        data = self._decoded[number]
+        return ViewBytes(data, 0, len(data), view.get("byteStride"))
+
+    def _decode(self, what: str, extension: str, row: object) -> memoryview:
+        """Decode a view of meshoptimizer."""
+        if not isinstance(row, dict):
+            self._fail(what, f"has an {extension} that is no object")
+        start, length = self._place(what, row)
+        with self._decoding(what, extension):
+            size = meshopt_size(row, length)
+            self.spend(size // 4)
+            data = meshopt_rows(self._binary[start : start + length], row)
+        self._stored += size
+        return data
+
+    def _place(self, what: str, view: Json) -> tuple[int, int]:
+        """Return the checked offset and length in bytes of a view."""
         if view.get("buffer", 0) != 0:
             fail(self.path, "keeps its data in several places", "export the model as GLB")
-        packed = COMPRESSIONS.intersection(_keys(view.get("extensions")))
-        if packed:
-            fail(self.path, f"is compressed ({min(packed)})", "export it without compression")
         start, length = view.get("byteOffset", 0), view.get("byteLength")
         total = len(self._binary)
         if not is_index(start, total + 1) or not is_index(length, total - start + 1):
             self._fail(what, "lies past the end of its data")
-        return start, int(length), view.get("byteStride")
+        return start, int(length)
 
     def _changed(self, what: str, sparse: object, values: Array) -> Array:
         """Copy values and apply sparse replacements."""
@@ -168,5 +269,6 @@ def _shown(value: object) -> str:
     return repr(value)[:20]
 
 
-def _keys(value: object) -> set[str]:
-    return set(value) if isinstance(value, dict) else set()
+def _extensions(row: Json) -> Json:
+    found = row.get("extensions")
+    return found if isinstance(found, dict) else {}

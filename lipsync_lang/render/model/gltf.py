@@ -10,15 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import OutputError
-from lipsync_lang.rigs.accessors import COMPRESSIONS, Accessors
-from lipsync_lang.rigs.container import fail
+from lipsync_lang.rigs.accessors import Accessors
 from lipsync_lang.rigs.model import Model
 
 Floats = npt.NDArray[np.float64]
 Texels = npt.NDArray[np.uint8]
-
-PACKED = {"KHR_draco_mesh_compression", *COMPRESSIONS}
-"""Compression extensions that make a file impossible to draw without a decoder."""
 
 LARGEST = 2048
 """Maximum pixels of a texture's longer side; a picture would not show more detail."""
@@ -42,12 +38,6 @@ class Gltf:
     def __init__(self, model: Model, path: Path) -> None:
         self.path, self.document = path, model.document
         self.arrays = Accessors(model, path)
-        required = self.document.get("extensionsRequired", [])
-        if not isinstance(required, list):
-            fail(path, "its required extensions are no list")
-        packed = PACKED.intersection(filter(lambda name: isinstance(name, str), required))
-        if packed:
-            fail(path, f"is compressed ({min(packed)})", "export the model without compression")
 
     def image(self, number: int) -> bytes | None:
         """Read a texture's image file; None if it is outside the model."""

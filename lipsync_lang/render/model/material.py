@@ -22,6 +22,7 @@ class Material:
     double : true for surfaces visible from behind
     gloss : in [0, 1]
     lit : false for surfaces that ignore light
+    scale, offset : (2,) place of the texture: coordinates times scale, plus offset
     """
 
     colour: Floats
@@ -30,6 +31,8 @@ class Material:
     double: bool
     gloss: float
     lit: bool
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset: tuple[float, float] = (0.0, 0.0)
 
     @cached_property
     def texture(self) -> Texels | None:
@@ -52,6 +55,8 @@ def material(gltf: Gltf, row: Json) -> Material:
     surface = row.get("pbrMetallicRoughness", {})
     mode = row.get("alphaMode", "OPAQUE")
     texture = surface.get("baseColorTexture")
+    extensions = (texture or {}).get("extensions", {})
+    placed = extensions.get("KHR_texture_transform", {})  # undoes what quantising did, as a rule
     cutoff = {"OPAQUE": 0.0, "MASK": float(row.get("alphaCutoff", 0.5))}.get(mode, 0.5)
     return Material(
         np.array(surface.get("baseColorFactor", [1.0] * 4), float),
@@ -60,4 +65,11 @@ def material(gltf: Gltf, row: Json) -> Material:
         bool(row.get("doubleSided")),
         1.0 - surface.get("roughnessFactor", 1.0),
         "KHR_materials_unlit" not in row.get("extensions", {}),
+        _pair(placed.get("scale", (1, 1))),
+        _pair(placed.get("offset", (0, 0))),
     )
+
+
+def _pair(values: Array) -> tuple[float, float]:
+    first, second = map(float, values)
+    return first, second

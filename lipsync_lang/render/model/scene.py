@@ -88,7 +88,7 @@ class Scene:
     Raises
     ------
     ModelError
-        The file is compressed or damaged, or has nothing to draw.
+        The file is damaged, or has nothing to draw; or it is compressed, without a decoder.
     """
 
     def __init__(self, path: Path, name: Path) -> None:
@@ -144,6 +144,7 @@ class Scene:
         mode = primitive.get("mode", TRIANGLES)
         if mode not in {TRIANGLES, STRIP, FAN} or "POSITION" not in attributes:
             return
+        gltf.arrays.unpack(primitive)
         base = gltf.arrays[attributes["POSITION"]].astype(float)
         count, first = len(base), self.count
         if base.shape[1] != 3:  # noqa: PLR2004 of space
@@ -224,7 +225,7 @@ class Scene:
             given = arrays["COLOR_0"]
             colours[:, : given.shape[1]] = given
         places = arrays.get("TEXCOORD_0", np.zeros((count, 2))).astype(float)
-        return normals, colours * material.colour, places
+        return normals, colours * material.colour, places * material.scale + material.offset
 
     # In time
 

@@ -1,0 +1,157 @@
+"""Decoders of compressed models: Draco meshes, and buffer views of meshoptimizer.
+
+Both libraries are an extra, loaded only for a model that needs them. Neither limits its output, so
+the stated counts are compared with the compressed bytes before anything is decoded. Errors are
+`ValueError`s; the caller knows the file.
+"""
+
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.rigs.container import LARGEST, Json
+
+DRACO = "KHR_draco_mesh_compression"
+
+MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+"""Both names of one format; the later one adds a filter for colours."""
+
+INSTALL = "to read it: pip install 'lipsync-lang[models]'; or export it without compression"
+
+BYTES_PER_BYTE = 1024
+"""Decoded bytes per compressed byte at most: meshoptimizer keeps 256 rows of a word in a byte."""
+
+NUMBERS_PER_BYTE = 64
+"""Corners and points per compressed byte at most; heads have 2, and a flat grid has 10."""
+
+DRACO_START = (b"DRACO\x02\x02\x01", 11)
+"""Signature of a mesh in bitstream 2.2, which glTF requires, and the size of the header."""
+
+EDGEBREAKER = 1
+"""Draco's encoding method with a further byte before the counts; the other is sequential."""
+
+
+class MissingDecoderError(Exception):
+    """The library for a compression is not installed."""
+
+
+class DracoMesh(NamedTuple):
+    """A decoded mesh of N points.
+
+    Parameters
+    ----------
+    corners : (F * 3,) point numbers
+    attributes : number of an attribute in the data -> (N, n) values
+    """
+
+    corners: npt.NDArray[np.uint32]
+    attributes: dict[int, npt.NDArray[Any]]
+
+
+def meshopt_size(row: Json, compressed: int) -> int:
+    """Return the decoded size in bytes of a buffer view.
+
+    Parameters
+    ----------
+    row : the extension of the view
+    compressed : size of its data in bytes
+
+    Raises
+    ------
+    ValueError
+        The counts are absent, or larger than the data can hold.
+    """
+    count, stride = (_whole(row.get(name)) for name in ("count", "byteStride"))
+    if not 0 < count * stride <= BYTES_PER_BYTE * compressed:
+        raise ValueError(f"states {count} rows of {stride} bytes in {compressed} bytes")
+    return count * stride
+
+
+def meshopt_rows(data: bytes, row: Json) -> memoryview:
+    """Decode a buffer view of `meshopt_size` bytes, with its filter undone.
+
+    Raises
+    ------
+    MissingDecoderError
+        The library is not installed.
+    ValueError
+        The data are damaged, or of an unknown mode or filter.
+    """
+    library = _library("meshopt")
+    mode, kind = row.get("mode"), row.get("filter", "NONE")
+    if kind != "NONE" and mode in ("TRIANGLES", "INDICES"):
+        raise ValueError("has a filter for indices")
+    found = library.decode_gltf_buffer(data, row["count"], row["byteStride"], mode, kind)
+    return np.ascontiguousarray(found).view(np.uint8).reshape(-1).data
+
+
+def draco_mesh(data: bytes, corners: int, points: int) -> DracoMesh:
+    """Decode a Draco mesh.
+
+    Parameters
+    ----------
+    corners, points : the counts that the document states; the data may not hold more
+
+    Raises
+    ------
+    MissingDecoderError
+        The library is not installed.
+    ValueError
+        The data are damaged, or have other counts than stated.
+    """
+    library = _library("DracoPy")
+    faces, own = _draco_counts(data)
+    if 3 * faces > corners or own > points:
+        raise ValueError(
+            f"holds {3 * faces} corners of {own} points, and states {corners} of {points}"
+        )
+    if corners + points > NUMBERS_PER_BYTE * len(data):
+        raise ValueError(f"states {corners} corners of {points} points in {len(data)} bytes")
+    try:
+        mesh = library.decode(data)
+    except (MemoryError, RuntimeError, ValueError, library.FileTypeException):
+        raise ValueError("has Draco data that cannot be decoded") from None
+    found = {one["unique_id"]: np.asarray(one["data"]) for one in mesh.attributes}
+    return DracoMesh(np.asarray(mesh.faces, np.uint32).reshape(-1), found)
+
+
+def _draco_counts(data: bytes) -> tuple[int, int]:
+    """Read the numbers of faces and points from the start of a mesh."""
+    signature, size = DRACO_START
+    if len(data) < size or not data.startswith(signature) or data[10] & 0x80:
+        raise ValueError("is no Draco mesh of bitstream 2.2 without metadata")
+    if data[8] == EDGEBREAKER:
+        numbers = _varints(data, size + 1)
+        points, faces = next(numbers), next(numbers)
+    else:
+        numbers = _varints(data, size)
+        faces, points = next(numbers), next(numbers)
+    return faces, points
+
+
+def _library(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        raise MissingDecoderError(name) from None
+
+
+def _whole(value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= LARGEST:
+        raise ValueError(f"states {str(value)[:20]} for a count")
+    return value
+
+
+def _varints(data: bytes, start: int) -> Iterator[int]:
+    """Yield numbers of 7 bits per byte, the lowest first."""
+    value = shift = 0
+    for byte in data[start : start + 20]:
+        value |= (byte & 0x7F) << shift
+        shift += 7
+        if byte < 0x80:  # noqa: PLR2004 the last byte of a number
+            yield value
+            value = shift = 0
+    raise ValueError("has Draco data that end within their header")
