@@ -20,16 +20,8 @@ from PIL import Image
 ROOT = Path(__file__).parent
 STORIES = ROOT.parent / "tests" / "browser" / "studio.mjs"
 
-STILLS = {
-    "sentence-1366-light": "studio-sentence",
-    "bigrams-1366-light": "studio-matrix",
-    "bigrams-aa-bmp-1366-dark": "studio-bigram",
-    "character-1366-light": "studio-character",
-    "words-1366-light": "studio-words",
-    "coverage-1366-light": "studio-coverage",
-    "language-1366-light": "studio-language",
-}
-"""Pictures of the story of views, and their names here."""
+STILLS = ("sentence", "matrix", "bigram", "character", "words", "coverage", "language")
+"""Pictures of the story `album`."""
 
 COLOURS = 192
 """Colours of a picture; more make it larger, and look the same."""
@@ -76,10 +68,10 @@ def main() -> None:
     folder = parser.parse_args().folder
     with TemporaryDirectory() as made:
         drawn = Path(made)
-        tell("views", "crab", drawn)
-        for name, own in STILLS.items():
+        tell("album", "crab", drawn)
+        for name in STILLS:
             picture = Image.open(drawn / f"{name}.png").convert("RGB")
-            picture.quantize(COLOURS).save(folder / f"{own}.png", optimize=True)
+            picture.quantize(COLOURS).save(folder / f"studio-{name}.png", optimize=True)
         tell("film", "crab", drawn)
         moving(sorted(drawn.glob("film-*.png")), folder / "studio.webp", FILM_PIXELS, FILM_MS)
         tell("head", "facefx", drawn)

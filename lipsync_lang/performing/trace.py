@@ -216,7 +216,7 @@ def _scaled(performance: Performance, pose: int, frame: int) -> str:
 
 
 def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
-    """Return the contacts that limit a pose at a frame, as text."""
+    """Return the contacts that limit a pose at a frame, its own and those it outranks, as text."""
     names = performer.compiled.contact_names
     reasons = []
     for name, contact, (_, frames) in zip(
@@ -226,6 +226,9 @@ def held_reason(performer: "Performer", performance: Performance, pose: int, fra
             reasons.append(f"contact '{name}' holds it at {contact.floor[pose]:g} or more")
         if frames[frame] and contact.ceiling[pose] < 1:
             reasons.append(f"contact '{name}' keeps it at {contact.ceiling[pose]:g} or less")
+    top = float(performance.prepared.tops[pose])
+    if not reasons and top < 1:
+        reasons.append(f"it leaves room for the contacts that it outranks: at most {top:.2f}")
     return ", ".join(reasons)
 
 

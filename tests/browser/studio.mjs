@@ -73,6 +73,12 @@ async function drag(page, index, right, down) {
 const told = () => new Promise((done) => createInterface({ input: process.stdin }).once("line", done));
 const tell = (word) => process.stdout.write(`${word}\n`);
 
+const SCRIPT = `Please buy five more maps before Bob moves away.
+The crab walks sideways along the beach, and nobody minds.
+My blue boat goes home when the wind comes up.
+Would you bring me the big red bucket, please?
+`;
+
 const stories = {
   /** The walk of two minutes: hear the line, see why, shape a bigram, undo, save. */
   async walk() {
@@ -271,6 +277,45 @@ const stories = {
     return { through, solid, slid, rule, pictured, off, shown, ranks, thresholds, title, nameless };
   },
 
+  /** An album for the documentation: each view with something in it; FOLDER gets the pictures. */
+  async album() {
+    const page = await show();
+    await speak(page, "Bob bumps my blue boat.");
+    for (let n = 0; n < 3; n++) await page.keyboard.press("Shift+ArrowRight");
+    await page.keyboard.press("ArrowDown");
+    await settle(page);
+    await picture(page, "sentence");
+    const to = async (hash, selector) => {
+      await page.evaluate((wanted) => { location.hash = wanted; }, hash);
+      await page.waitForSelector(selector);
+      await page.waitForTimeout(500);
+    };
+    await to("#bigrams", ".wanted button");
+    await picture(page, "matrix");
+    await to("#character", ".pose-sheet canvas");
+    await page.waitForTimeout(1500);
+    await picture(page, "character");
+    await to("#words", ".words, .empty");
+    for (let n = 0; n < 3; n++) await page.keyboard.press(".");
+    await page.keyboard.press("n");
+    await page.waitForSelector(".curves-place .point");
+    await settle(page);
+    await picture(page, "words");
+    await to("#coverage", "[aria-label=Script]");
+    await page.setInputFiles("input[type=file]", { name: "script.txt", mimeType: "text/plain", buffer: Buffer.from(SCRIPT) });
+    await page.waitForSelector(".needs button.pair");
+    await settle(page);
+    await picture(page, "coverage");
+    await to("#language", ".sounds li");
+    await page.fill("[aria-label='Word to try']", "boat");
+    await page.waitForSelector(".tried button");
+    await picture(page, "language");
+    await page.emulateMedia({ colorScheme: "dark" });
+    await to("#bigrams/w-bmp", ".curve-plot g.front [data-index]");
+    await picture(page, "bigram");
+    return {};
+  },
+
   /** A moving picture: the line, a point that is dragged, and the line again; frames go to FOLDER. */
   async film() {
     const page = await show("", { viewport: { width: 1280, height: 720 } });
@@ -323,17 +368,14 @@ const stories = {
     const overflow = [];
     const page = await show();
     await speak(page, "Bob bumps my blue boat.");
-    for (const [width, height] of [[1366, 768], [2560, 1440], [390, 844]]) {
+    for (const [width, height] of [[1366, 768], [3840, 2160], [390, 844]]) {
       await page.setViewportSize({ width, height });
-      for (const colorScheme of folder ? ["light", "dark"] : ["light"]) {
-        await page.emulateMedia({ colorScheme });
-        for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
-          await page.evaluate((name) => { location.hash = `#${name}`; }, view);
-          await page.waitForTimeout(200);
-          const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-          if (wide > 0) overflow.push([view, width, wide]);
-          await picture(page, `${view.replace("/", "-")}-${width}-${colorScheme}`);
-        }
+      for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
+        await page.evaluate((name) => { location.hash = `#${name}`; }, view);
+        await page.waitForTimeout(200);
+        const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+        if (wide > 0) overflow.push([view, width, wide]);
+        await picture(page, `${view.replace("/", "-")}-${width}`);
       }
     }
     return { overflow };
