@@ -24,6 +24,7 @@ from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.edited_pair import EditedPair
+from lipsync_lang.studio.merging import Choices
 from lipsync_lang.studio.sheets import Edit
 from lipsync_lang.studio.spoken_line import MAX_FRAMES, SpokenLine
 
@@ -97,7 +98,7 @@ class Workshop:
         self.homes: dict[str, Path] = {}
         """Files that edits of bigrams go to, as far as they were looked up."""
         self._now: tuple[int, Performer] | None = None
-        self._saved: tuple[int, Performer] | None = None
+        self._saved: Performer | None = None
 
     # Packs
 
@@ -193,14 +194,23 @@ class Workshop:
 
     @property
     def saved(self) -> Performer:
-        """Performer of the open pair as it is on the disk."""
+        """Performer of the open pair as it was on the disk when it was opened or saved last."""
         if not self.desk.contents:
             return self.performer
-        if self._saved is None or self._saved[0] != self.desk.revision:
-            library = Library(self.paths, self.project, earlier=self.library())
+        if self._saved is None:
+            library = Library(self.paths, self.project, earlier=self._earlier())
             compiled = compile_pair(library, self.language, self.character)
-            self._saved = self.desk.revision, self._performer(compiled)
-        return self._saved[1]
+            self._saved = self._performer(compiled)
+        return self._saved
+
+    def save(self, keep: Choices | None = None) -> list[Path]:
+        """Save every edit, and return the files written; see `Desk.save`."""
+        before = self.desk.contents
+        written = self.desk.save(keep=keep)
+        self._saved = None
+        if any(self.desk.content(path) != content for path, content in before.items()):
+            self.look_again()  # the disk had changed as well
+        return written
 
     def _cached(self) -> Performer | None:
         """Return the performer as the command line has it, which compiles a pair only once."""

@@ -139,15 +139,11 @@ def save(workshop: Workshop, wish: Wish) -> Json:
             choices[known[file], tuple(loc)] = side
         except (ValueError, KeyError, TypeError):
             raise LipsyncError(f"nothing unsaved is called {text}") from None
-    desk = workshop.desk
-    before = desk.contents
     try:
-        written = desk.save(keep=choices)
+        written = workshop.save(choices)
     except SaveConflict as error:
         rows = [_row(workshop, one) for one in error.conflicts]
         raise Refused(str(error), rows) from None
-    if any(desk.content(path) != content for path, content in before.items()):
-        workshop.look_again()  # the disk had changed as well
     return {"saved": [workshop.shown(path) for path in written], "state": workshop.state()}
 
 
