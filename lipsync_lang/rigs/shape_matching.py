@@ -25,7 +25,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import lru_cache
-from itertools import groupby
+from itertools import groupby, islice
 from typing import NamedTuple
 
 from lipsync_lang.rigs.channel import Channel
@@ -243,11 +243,15 @@ def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
             yield shape, len(start), shape[len(start) :]
 
 
+MAX_PREFIX_WORDS = 32
+"""Words of a prefix that names may share; a name of thousands would cost their square."""
+
+
 def _shared(names: Sequence[str]) -> list[str]:
     """Find the prefix common to most of a model's names, up to a word boundary."""
     rests: dict[str, list[str]] = defaultdict(list)
     for name in names:
-        for word in [*_WORD.finditer(name)][1:]:
+        for word in islice(_WORD.finditer(name), 1, MAX_PREFIX_WORDS + 1):
             rests[name[: word.start()]].append(name[word.start() :])
     most = {start: own for start, own in rests.items() if 2 * len(own) > len(names) > 1}
     return [start for start, own in most.items() if any(map(_says, own))]

@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -184,5 +185,7 @@ def test_every_view_fits_every_screen(studio):
 
 def test_ctrl_c_closes_the_studio(studio):
     process = studio.process
+    with urllib.request.urlopen(studio.address) as answer:  # noqa: S310 it listens to signals now
+        assert answer.status == 200
     studio.kill(signal.SIGINT)
     assert process.returncode == 0
