@@ -12,7 +12,7 @@ from functools import cache
 from importlib import import_module
 from importlib.resources import files
 from secrets import compare_digest
-from threading import Lock
+from threading import Lock, Thread
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -81,6 +81,7 @@ def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
     hosts : values of the `Host` header that are answered, such as ``127.0.0.1:8765``
     """
     lock = Lock()
+    Thread(target=_script, daemon=True).start()  # ready by the time a browser asks
     routes = [WebRoute("/", _file("studio.html")), WebRoute("/{name}", _named)]
     for view in VIEWS:
         table = import_module(f"lipsync_lang.studio.routes.{view}").ROUTES

@@ -45,7 +45,7 @@ const TOLD = 6000;
 /** Milliseconds between looks for edits of another tab. */
 const LOOK = 3000;
 /** Milliseconds after which a face is shaded. */
-const SHADE_LATER = 50;
+const SHADE_LATER = 600;
 /** Milliseconds after which the server prepares for edits: the first picture does not wait for it. */
 const WARM_LATER = 800;
 /** Degrees of the view for a pixel of a drag. */
