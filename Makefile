@@ -25,7 +25,7 @@ $(BIN)/python:
 
 # Bytecode of 2,000 modules, most of which the demo never imports, takes 10 s and 40 MB.
 $(VENV)/demo: pyproject.toml | $(BIN)/python
-	$(PIP) --no-compile --editable '.[speech,plot]'
+	$(PIP) --no-compile --editable '.[speech,plot,studio]'
 	touch $@
 
 $(VENV)/ready: pyproject.toml | $(BIN)/python
@@ -41,6 +41,8 @@ demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 	@echo "Open out/demo.html in a browser: the head speaks, and every curve gives its reasons."
 	@echo "out/demo.wav is the sound, and out/demo.png every curve, stage by stage."
 	@echo "out/demo.csv and out/demo.json are the animation, 60 frames a second."
+	@echo "Shape it in the studio:"
+	@echo "  $(BIN)/lipsync-lang studio -l english -c crab"
 	@echo "Next, try a sentence of your own, or ask why the mouth stands as it does:"
 	@echo "  $(BIN)/lipsync-lang run \"Hello, world\" -l english -c facefx -o out/hello.csv --plot out/hello.png"
 	@echo "  $(BIN)/lipsync-lang explain \"Hello, world\" -l english -c facefx --at 0.42"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 MAX_COPY_BYTES = 256 * 2**20
-"""Size limit in bytes of what is copied; a folder with more holds other things than a pose set."""
+"""Size limit of a copy in bytes; a larger folder holds more than a pose set."""
 
 
 def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:

@@ -143,7 +143,7 @@ class Tables:
         pairs: Ints,
         styles: tuple[Bank, ...],
     ) -> Self:
-        """Return tables with other bigrams; what is derived from the rest is kept."""
+        """Return tables with other bigrams; values derived from all else are kept."""
         made = replace(
             self, curves=curves, boundary=boundary, free=free, pairs=pairs, styles=styles
         )

@@ -12,7 +12,7 @@ from lipsync_lang.studio.desk import Desk
 
 @dataclass(frozen=True, eq=False)
 class EditedPair:
-    """A compiled pair, with what it was compiled from besides the bigrams on the desk.
+    """A compiled pair, with the files and unsaved texts that it depends on besides bigrams.
 
     Parameters
     ----------

@@ -399,7 +399,7 @@ class Workshop:
         }
 
     def _unsaved(self) -> Iterator[Json]:
-        """Yield what is unsaved, without the heads of new files."""
+        """Yield every unsaved entry, except the heads of new files."""
         rows = self.desk.unsaved()
         new = {path for path, loc, what in rows if (loc, what) == (("kind",), "added")}
         for path, loc, what in rows:

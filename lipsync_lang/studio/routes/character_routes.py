@@ -43,7 +43,7 @@ _NOT_IN_A_NAME = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def character(workshop: Workshop, _: Wish) -> Json:
-    """Return what the pose set states, as it is stated, and what is in force."""
+    """Return the pose set as its file states it, and the values in force."""
     performer, library = workshop.performer, workshop.library()
     compiled = performer.compiled
     poseset = library.poseset(compiled.poseset)
@@ -218,7 +218,7 @@ def _glb(wish: Wish, folder: Path) -> Path:
 
 @contextmanager
 def _told_without(folder: str) -> Iterator[None]:
-    """Leave a temporary folder out of what is told of a model."""
+    """Leave a temporary folder out of messages about a model."""
     try:
         yield
     except LipsyncError as error:

@@ -1,4 +1,4 @@
-"""Routes of the coverage view: the project's script, and what it still needs."""
+"""Routes of the coverage view: the project's script, and the bigrams that it still needs."""
 
 from pathlib import Path
 
@@ -19,11 +19,11 @@ MAX_TALLIES = 30
 """Words that are named as unread or unmapped."""
 
 MAX_SENTENCES = 60
-"""Lines that show what is not authored."""
+"""Lines of a script that together hold the bigrams nobody has drawn."""
 
 
 def coverage(workshop: Workshop, wish: Wish) -> Json:
-    """Return the script, the state of its count, and what is left to draw."""
+    """Return the script, the state of its count, and the bigrams left to draw."""
     script = script_of(workshop)
     script.update(workshop)
     report = script.report(workshop, _minutes(wish))

@@ -1,4 +1,4 @@
-"""Routes of the line: what is said, its curves, its face and its figures."""
+"""Routes of the line: its text, timings and sound, its curves, its face and its figures."""
 
 from dataclasses import asdict, fields
 from math import isfinite
