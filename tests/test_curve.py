@@ -211,6 +211,11 @@ def test_a_curve_begins_and_ends_with_its_first_and_last_point(points):
         assert last == pytest.approx(points[0, -1, 1], abs=SAME)
 
 
+def test_no_times_give_no_values():
+    points = np.array([[[0.0, 0.2], [0.5, 0.6], [1.0, 0.1]]])
+    assert bspline(points, np.zeros(0)).shape == (1, 0)
+
+
 @given(curves())
 def test_rising_points_make_a_rising_curve(points):
     points[..., 1].sort(axis=1)

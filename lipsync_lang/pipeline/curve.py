@@ -135,7 +135,7 @@ def _invert(t: Floats, x: Floats) -> Floats:
     """Solve t(w) = x for w in [0, 1], t rising: Newton's step where it stays in the bracket."""
     shape, found = x.shape, np.empty(x.size)
     left = np.arange(x.size)
-    t, x = t.reshape(x.size, -1), x.reshape(-1)
+    t, x = t.reshape(x.size, t.shape[-1]), x.reshape(-1)
     low, high, w = np.zeros(x.size), np.ones(x.size), np.full(x.size, 0.5)
     for _ in range(STEPS):
         error = _horner(t, w) - x
