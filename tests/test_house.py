@@ -37,7 +37,7 @@ FLOORS = (
     {"performing"},
     {"coverage", "quality", "render"},
     {"authoring"},
-    {"studio"},
+    {"build", "studio"},
     {"commands"},
     {"cli"},
 )
