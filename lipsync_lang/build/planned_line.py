@@ -1,0 +1,90 @@
+"""Lines of a build, before and after they are made."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+Outcome = Literal["built", "failed"]
+"""`built`: its outputs are whole. `failed`: nothing of it was written."""
+
+
+@dataclass(frozen=True)
+class PlannedLine:
+    """A line of the script in one language, on one character.
+
+    Parameters
+    ----------
+    name : the line's id in its table
+    language : name of the language pack
+    character : name of the character
+    text : the text as the table has it, with its marks of emphasis; empty for timings alone
+    speaker : name of the speaker in the table; may be empty
+    place : `file:line` of the text
+    timings : file of its timed phonemes, or None
+    audio : file of its recording, or None
+    outputs : files to write, as (writer, path from the project's folder)
+    """
+
+    name: str
+    language: str
+    character: str
+    text: str
+    speaker: str
+    place: str
+    timings: Path | None
+    audio: Path | None
+    outputs: tuple[tuple[str, str], ...]
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """Language, character and name: no two lines of a build share them."""
+        return self.language, self.character, self.name
+
+
+class JudgedFigure(NamedTuple):
+    """Figure of a built line, as the report shows it."""
+
+    name: str
+    value: float | None
+    """None if it could not be judged."""
+    unit: str
+    limit: float | None
+    at: tuple[float, ...] = ()
+    """Seconds of its findings, the first few."""
+    words: str = ""
+    """The first finding in words, or the reason why nothing was judged."""
+
+    @property
+    def passed(self) -> bool:
+        """False if the value exceeds its limit."""
+        return self.value is None or self.limit is None or self.value <= self.limit * 1.001 + 1e-9
+
+
+@dataclass(frozen=True)
+class BuiltLine:
+    """Planned line with its outcome.
+
+    Parameters
+    ----------
+    line : the plan
+    outcome : `built` or `failed`
+    message : why it failed, located and mendable; else remarks, may be empty
+    seconds : length of the animation
+    confidence : fit of the timings to the recording, in [0, 1]; None if nothing was aligned
+    figures : figures of quality, for the report
+    """
+
+    line: PlannedLine
+    outcome: Outcome
+    message: str = ""
+    seconds: float = 0.0
+    confidence: float | None = None
+    figures: tuple[JudgedFigure, ...] = ()
+    written: Mapping[str, str] = field(default_factory=dict)
+    """Digest of the content of each output, by its path from the project's folder."""
+
+    @property
+    def failed(self) -> tuple[JudgedFigure, ...]:
+        """The figures that exceed their limits."""
+        return tuple(figure for figure in self.figures if not figure.passed)
