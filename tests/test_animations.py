@@ -10,6 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from lanes import full
 from test_engine_files import READ_BACK as ENGINES
 from test_glb import document_of, mesh, model_of, tracks
@@ -22,6 +25,7 @@ from test_video import READ_BACK as PICTURES
 from test_word_files import READ_BACK as SUBTITLES
 
 import lipsync_lang as ll
+from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import LipsyncError, OutputError
 
@@ -100,6 +104,32 @@ def as_csv(content, animation):
     assert (first, poses) == ("time_s", animation.poses)
     np.testing.assert_allclose(times, animation.times, atol=1e-6)
     np.testing.assert_allclose(weights, animation.weights, atol=1e-5)
+
+
+IN_DOUBT = st.integers(-300_000, 300_000).map(lambda n: (n + 0.5) / 1e5)
+"""Weights half way between two numbers of five digits, as near as floats come."""
+
+
+@given(arrays(float, (3, 2), elements=st.floats(-360, 360) | IN_DOUBT))
+def test_json_holds_weights_as_python_rounds_them(weights):
+    animation = Animation(np.arange(3) / 30, ("a", "b"), weights, 30, SCHEDULE)
+    frames = json.loads(written(WRITERS["json"], animation))["frames"]
+    rounded = [[round(weight, 5) for weight in row] for row in weights.tolist()]
+    assert str(frames) == str(rounded)
+
+
+def test_json_has_a_row_per_frame():
+    animation = Animation(np.arange(2) / 30, ("a", "b"), np.eye(2), 30, SCHEDULE)
+    text = written(WRITERS["json"], animation).decode()
+    assert text.endswith(' "frames": [\n  [1.0, 0.0],\n  [0.0, 1.0]\n ]\n}\n')
+
+
+def test_csv_is_the_same_however_many_rows_are_formatted_at_once(monkeypatch):
+    animation = ll.resolve("english", "facefx").perform(SCHEDULE)
+    whole = written(WRITERS["csv"], animation)
+    monkeypatch.setattr("lipsync_lang.animations.csv.MAX_ROWS", 7)
+    assert written(WRITERS["csv"], animation) == whole
+    assert whole.count(b"\n") == len(animation) + 1
 
 
 def as_json(content, animation):

@@ -19,6 +19,7 @@ from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.glb import write_glb
 from lipsync_lang.errors import ModelError, OutputError
+from lipsync_lang.rigs import model as rigs_model
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import read_model
 
@@ -162,6 +163,30 @@ def save(animation):
     out = BytesIO()
     write_glb(animation, out)
     return out.getvalue()
+
+
+def test_a_model_that_many_lines_are_written_into_is_read_once(put, animate, monkeypatch):
+    monkeypatch.setattr(rigs_model, "SETTLED_SECONDS", 0)
+    path, reads = put(rich()), []
+    monkeypatch.setattr(
+        rigs_model, "read_model", lambda path, **k: reads.append(path) or read_model(path, **k)
+    )
+    contents = {save(animate(path)) for _ in range(5)}
+    assert len(contents) == len(reads) == 1
+    put(FACE)  # another size: the file is another one
+    document, _ = parts(save(animate(path)))
+    assert len(reads) == 2
+    assert "vendor" not in document
+
+
+def test_a_model_changed_a_moment_ago_is_read_again(put, animate):
+    before = put(FACE)
+    save(animate(before))
+    after = deepcopy(FACE)
+    after["asset"]["generator"] = "b test"  # of the same size, perhaps in the same tick
+    put(after)
+    document, _ = parts(save(animate(before)))
+    assert document["asset"]["generator"] == "b test"
 
 
 def values(document, binary, number):

@@ -5,6 +5,9 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from lipsync_lang import Schedule, resolve
 from lipsync_lang.animations.animation import Animation
@@ -260,3 +263,26 @@ def test_poses_shown_one_at_a_time_are_not_judged():
     quality = check(performer("rhubarb").perform(line("nobody")))
     assert all(quality[name].value is None for name in MOTION)
     assert quality["jerk"].why == "poses are shown one at a time"
+
+
+# Cost: counted, never timed
+
+
+@given(arrays(float, st.integers(1, 60), elements=st.floats(-2, 2)), st.sampled_from([50, 95, 99]))
+def test_percentiles_are_those_of_numpy_to_the_last_bit(values, per_cent):
+    assert statistics.percentile(values, per_cent) == float(np.percentile(values, per_cent))
+
+
+def test_columns_are_derived_once_for_all_lines_of_a_performer():
+    first = scene_of(performer().perform(line("nobody")), performer())
+    second = scene_of(performer().perform(line("peter"), fps=24), performer())
+    assert first.face is second.face
+    other = resolve("english", "facefx", cache=False)
+    assert scene_of(other.perform(line("nobody")), other).face is not first.face
+
+
+def test_a_line_is_performed_for_no_figure(monkeypatch):
+    animation = performer().perform(line("nobody"))
+    expected = check(animation)
+    monkeypatch.setattr(type(performer()), "performance", None)
+    assert check(animation) == expected

@@ -513,3 +513,17 @@ def test_more_than_memory_should_hold_waits_on_the_disk(folder, monkeypatch):
     with listening("pipe") as heard:
         put("pipe", bytes(range(256)))
     assert heard == [bytes(range(256))]
+
+
+def test_a_folder_of_many_outputs_is_listed_once_a_minute(folder, monkeypatch):
+    listed, now = [], [1000.0]
+    scan = os.scandir
+    monkeypatch.setattr(temporary.os, "scandir", lambda path: listed.append(path) or scan(path))
+    monkeypatch.setattr(temporary.time, "monotonic", lambda: now[0])
+    for number in range(20):
+        put(f"{number}.csv")
+    assert len(listed) == 1
+    now[0] += temporary.SWEEP_SECONDS
+    put("late.csv")
+    assert len(listed) == 2
+    assert set(listed) == {Path(os.path.realpath(folder))}

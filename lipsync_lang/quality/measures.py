@@ -7,11 +7,13 @@ within a frame.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cache, wraps
 from importlib import import_module
+from typing import TypeVar
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Ints
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.take import Take
 
@@ -81,6 +83,24 @@ def measure(name: str, unit: str, limit: float | None = None) -> Callable[[Find]
     return register
 
 
+Found = TypeVar("Found")
+
+
+def once(find: Callable[[Take], Found]) -> Callable[[Take], Found]:
+    """Let a function of a scene be computed once, however many measures need it."""
+
+    @wraps(find)
+    def remembered(scene: Take) -> Found:
+        known = scene.remembered
+        if find not in known:
+            known[find] = find(scene)
+        found: Found = known[find]
+        return found
+
+    return remembered
+
+
+@cache
 def load_measures() -> dict[str, Measure]:
     """Return every measure by name, in the order of reports, whichever was imported first."""
     modules = [f"lipsync_lang.quality.{name}" for name in ("closures", "movement", "likeness")]
@@ -110,7 +130,9 @@ def share(part: Bools) -> float:
 
 def runs(mask: Bools) -> tuple[Ints, Ints]:
     """Return the first frame of each run of True, and the frame past its last."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
+    padded = np.zeros(len(mask) + 2, bool)
+    padded[1:-1] = mask
+    edges = np.flatnonzero(padded[1:] != padded[:-1])
     return edges[::2], edges[1::2]
 
 
@@ -121,7 +143,8 @@ def places(scene: Take, told: Mapping[int, str]) -> Iterator[Finding]:
         yield Finding(at, f"{scene.labels[number]} {what}")
 
 
-def named(names: Iterable[str], values: Iterable[float], least: float = 0.0) -> dict[str, float]:
+def named(names: Iterable[str], values: Floats, least: float = 0.0) -> dict[str, float]:
     """Return the values above a least by name, the greatest first."""
-    pairs = [(n, round(float(v), 6)) for n, v in zip(names, values, strict=True) if v > least]
+    listed = np.asarray(values).tolist()
+    pairs = [(n, round(v, 6)) for n, v in zip(names, listed, strict=True) if v > least]
     return dict(sorted(pairs, key=lambda pair: -pair[1]))

@@ -16,6 +16,7 @@ from lipsync_lang.quality.measures import (
     Measured,
     measure,
     named,
+    once,
     one,
     runs,
     share,
@@ -35,29 +36,37 @@ def constraints(scene: Take) -> Iterable[Measured]:
         broken(t) = b(t) - max(0, C(a, b) - a(t)) > 0.01   or   b(t) - a(t) > 0.01 for `at_most`
         value = frames with any broken / frames
     """
-    broken = np.zeros(len(scene.times), bool)
-    parts: dict[str, float] = {}
-    findings: list[Finding] = []
-    for name, over in _over(scene):
-        broken |= over > CONSTRAINT_TOLERANCE
-        worst = int(over.argmax())
-        if over[worst] > CONSTRAINT_TOLERANCE:
-            parts[name] = round(float(over[worst]), 6)
-            at = round(float(scene.times[worst]), 4)
-            findings.append(Finding(at, f"{name} by {over[worst]:.2f}"))
     if not scene.face.caps and not scene.face.at_most:
         return unjudged("nothing is constrained")
-    return one(share(broken), parts, findings)
+    over = _over(scene)
+    highest = over.max(axis=1)
+    if highest.max() <= CONSTRAINT_TOLERANCE:
+        return one(0.0)
+    parts: dict[str, float] = {}
+    findings: list[Finding] = []
+    names = tuple(_constrained(scene))
+    for number in np.flatnonzero(highest > CONSTRAINT_TOLERANCE).tolist():
+        name, by = names[number], float(highest[number])
+        parts[name] = round(by, 6)
+        at = round(float(scene.times[over[number].argmax()]), 4)
+        findings.append(Finding(at, f"{name} by {by:.2f}"))
+    return one(share(np.asarray((over > CONSTRAINT_TOLERANCE).any(axis=0))), parts, findings)
 
 
-def _over(scene: Take) -> Iterator[tuple[str, Floats]]:
-    """Yield name and excess, (T,), of each constraint."""
-    names, curves = scene.face.names, scene.curves
-    for low, high, threshold in scene.face.caps:
-        over = curves[low] - np.maximum(0, threshold - curves[high])
-        yield f"{names[low]} + {names[high]}", over
-    for pose, other in scene.face.at_most:
-        yield f"{names[pose]} above {names[other]}", curves[pose] - curves[other]
+def _over(scene: Take) -> Floats:
+    """Return the excess over each constraint: (K, T)."""
+    curves = scene.curves
+    low, high, threshold = scene.face.capped
+    capped = curves[low] - np.maximum(0, threshold[:, None] - curves[high])
+    pose, other = np.array(scene.face.at_most, np.intp).reshape(-1, 2).T
+    return np.concatenate((capped, curves[pose] - curves[other]))
+
+
+def _constrained(scene: Take) -> Iterator[str]:
+    """Yield the name of each constraint, in the order of `_over`."""
+    names = scene.face.names
+    yield from (f"{names[low]} + {names[high]}" for low, high, _ in scene.face.caps)
+    yield from (f"{names[pose]} above {names[other]}" for pose, other in scene.face.at_most)
 
 
 @measure("speed", "per second")
@@ -89,29 +98,38 @@ def jitter(scene: Take) -> Iterable[Measured]:
     """
     if not scene.seconds:
         return unjudged(SILENT)
-    counts, findings = [], []
-    for name, curve in zip(scene.face.names, scene.share, strict=True):
-        at = _flickers(curve, scene.times)
-        counts.append(len(at) / scene.seconds)
-        findings += [Finding(round(float(t), 4), f"{name} flickers") for t in scene.times[at]]
-    return one(max(counts), named(scene.face.names, counts), findings)
+    names = scene.face.names
+    pose, frame = _flickers(scene)
+    counts = np.bincount(pose, minlength=len(names)) / scene.seconds
+    at = scene.times[frame].tolist()
+    findings = [
+        Finding(round(t, 4), f"{names[number]} flickers")
+        for number, t in zip(pose.tolist(), at, strict=True)
+    ]
+    return one(counts.max(), named(names, counts), findings)
 
 
-def _flickers(curve: Floats, times: Floats) -> Ints:
-    """Return the frames at which a curve turns within a flicker."""
-    change = np.diff(curve)
-    moving = np.flatnonzero(np.abs(change) > 1e-6)  # noqa: PLR2004 rounding
-    if not moving.size:
-        return moving
-    turned = np.flatnonzero(np.diff(np.sign(change[moving])))
-    begin = moving[np.concatenate(([0], turned + 1))]
-    end = moving[np.append(turned, -1)] + 1
-    seen = np.abs(curve[end] - curve[begin]) >= VISIBLE_SHARE
+def _flickers(scene: Take) -> tuple[Ints, Ints]:
+    """Return the poses and frames at which a curve turns within a flicker.
+
+    A stroke is a move in one direction; a flicker is two in a row that are quick and visible.
+    """
+    change, curves, times = scene.changes, scene.share, scene.times
+    pose, frame = np.nonzero(np.abs(change) > 1e-6)  # noqa: PLR2004 rounding
+    if not pose.size:
+        return pose, frame
+    rising = change[pose, frame] > 0
+    last = np.flatnonzero((rising[1:] != rising[:-1]) | (pose[1:] != pose[:-1]))
+    begin = frame[np.concatenate(([0], last + 1))]
+    last = np.concatenate((last, [len(pose) - 1]))
+    end, pose = frame[last] + 1, pose[last]
+    seen = np.abs(curves[pose, end] - curves[pose, begin]) >= VISIBLE_SHARE
     quick = times[end[1:]] - times[begin[:-1]] <= FLICKER_SECONDS + 1e-9
-    found: Ints = end[:-1][seen[:-1] & seen[1:] & quick]
-    return found
+    found = seen[:-1] & seen[1:] & quick & (pose[1:] == pose[:-1])
+    return pose[:-1][found], end[:-1][found]
 
 
+@once
 def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
     """Return the runs of the strongest pose while a line is said: pose, first frame, past last.
 
@@ -121,8 +139,9 @@ def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
     begin, stop = int(said[0]), int(said[-1]) + 1
     part = scene.share[:, begin:stop]
     strongest = np.where(part.max(axis=0) >= VISIBLE_SHARE, part.argmax(axis=0), -1)
-    first = np.concatenate(([0], np.flatnonzero(np.diff(strongest)) + 1))
-    return strongest[first], first + begin, np.append(first[1:], stop - begin) + begin
+    first = np.concatenate(([0], np.flatnonzero(strongest[1:] != strongest[:-1]) + 1))
+    past = np.concatenate((first[1:], [stop - begin]))
+    return strongest[first], first + begin, past + begin
 
 
 @measure("changes", "per second")

@@ -6,190 +6,22 @@ rise. The n phonemes are those of the track, silence first and last, with n + 1 
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
-from lipsync_lang.pipeline.constrain import Cap
+from lipsync_lang.quality.face_columns import Face, face_of
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.track import Track
-    from lipsync_lang.resolver.compiled import Compiled
-
-FLOOR_SHARE = 0.9
-"""Share of a floor that makes a visible contact."""
 
 CEILING_TOLERANCE = 0.05
 """Share of a column's range by which nobody sees that a ceiling is exceeded."""
-
-
-OPENS_SHARE = 0.4
-"""Phonemes that open the mouth by this share of the widest one should be seen to open it."""
-
-BLOCK_SHARE = 0.25
-"""Phonemes that show this share of a pose's highest, or of an opponent's, keep it from looking
-ahead."""
-
-
-class Touch(NamedTuple):
-    """A contact as bounds of columns; infinite bounds demand nothing."""
-
-    name: str
-    phonemes: Bools
-    """(N,) True for common phonemes that demand the contact."""
-    low: Floats
-    """(C,) lower bound of each column."""
-    high: Floats
-    """(C,) upper bound of each column."""
-
-    @property
-    def raised(self) -> bool:
-        """True if the contact raises a column; a face at rest makes all other contacts."""
-        return bool(np.isfinite(self.low).any())
-
-
-class Roles(NamedTuple):
-    """The pose set's facts about its poses and phonemes, for measures of motion."""
-
-    opening: Bools
-    """(C,) True for the columns that loudness opens (`intensity`); none is unknown."""
-    ahead: Floats
-    """(C,) seconds by which a column looks ahead (`anticipate`)."""
-    opens: Bools
-    """(N,) True for common phonemes that open the mouth wide when said alone."""
-    begins: Floats
-    """(N, C) peak of each column in the first half of a phoneme said alone, of its highest."""
-    blocks: Bools
-    """(N, C) True for phonemes that keep a column from looking ahead."""
-
-
-@dataclass(frozen=True, eq=False)
-class Face:
-    """The columns of an animation, with their ranges, contacts and constraints."""
-
-    names: tuple[str, ...]
-    touches: tuple[Touch, ...]
-    caps: tuple[Cap, ...]
-    at_most: tuple[tuple[int, int], ...]
-    low: Floats
-    high: Floats
-    """(C,) the range of each column; infinite for bones."""
-    span: Floats
-    """(C,) width of each range."""
-    measures: dict[str, Floats]
-    """By name, (C,) gains."""
-    roles: Roles | None = None
-    """None for the channels of a rig."""
-
-
-def face_of(animation: "Animation", performer: "Performer") -> Face:
-    """Return the face of an animation: a performer's poses, or its rig's channels.
-
-    Raises
-    ------
-    LipsyncError
-        The columns are neither.
-    """
-    compiled = performer.compiled
-    if animation.poses == performer.poses:
-        return _posed(performer)
-    if compiled.rig is not None:
-        names = tuple(one["name"] for one in compiled.rig["channels"])
-        if animation.poses == names:
-            return _rigged(performer, names)
-    raise LipsyncError(
-        f"the animation has other columns than {performer.character} has poses; read its file for "
-        f"this character (quality.fitting.read_for), or name the character it was made for"
-    )
-
-
-def _posed(performer: "Performer") -> Face:
-    compiled = performer.compiled
-    tables, count = compiled.tables, len(performer.poses)
-    touches = [
-        Touch(
-            name,
-            contact.phonemes,
-            np.where(contact.floor > 0, contact.floor, -np.inf),
-            np.where(contact.ceiling < 1, contact.ceiling, np.inf),
-        )
-        for name, contact in zip(compiled.contact_names, tables.contacts, strict=True)
-    ]
-    measures = {
-        name: np.array([gains.get(pose, 0.0) for pose in performer.poses])
-        for name, gains in compiled.measures.items()
-    }
-    unit = np.ones(count)
-    zero = np.zeros(count)
-    return Face(
-        performer.poses,
-        tuple(touches),
-        tables.caps,
-        tables.at_most,
-        zero,
-        unit,
-        unit,
-        measures,
-        _roles(compiled),
-    )
-
-
-def _roles(compiled: "Compiled") -> Roles:
-    """Read roles off the bank: each phoneme is looked at in its own part of silence-phoneme."""
-    tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
-    own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]
-    opening = np.isin(np.arange(len(compiled.poses)), own)
-    rows = tables.pairs[tables.silence]
-    curves = tables.curves[rows].astype(float)
-    start = tables.boundary[rows][:, None]
-    at = np.linspace(0, 1, curves.shape[1])[None]
-    said = at >= start
-    early = said & (at <= (1 + start) / 2)
-    widest = (curves[:, :, opening].sum(axis=2) * said).max(axis=1)
-    begins = (curves * early[:, :, None]).max(axis=1) / tables.highest
-    shown = (curves * said[:, :, None]).max(axis=1)
-    blocks = tables.opposed | (shown @ tables.blockers > BLOCK_SHARE) | (begins > BLOCK_SHARE)
-    for contact in tables.contacts:
-        blocks |= contact.phonemes[:, None] & (contact.ceiling < 1)
-    opens = widest > OPENS_SHARE * widest.max(initial=0.0)
-    return Roles(opening, tables.anticipate, opens, begins, blocks)
-
-
-def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
-    """Return the face of a rig's channels; gains carry the bounds of contacts over to channels."""
-    from lipsync_lang.rigs.driver import Driver
-
-    compiled = performer.compiled
-    rig = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors).rig
-    yielding = np.isin(np.arange(len(names)), [channel for channel, _ in rig.at_most])
-    free = _bounds(rig, np.zeros(len(performer.poses)), np.ones(len(performer.poses)))
-    touches = []
-    for name, contact in zip(compiled.contact_names, compiled.tables.contacts, strict=True):
-        low, high = _bounds(rig, contact.floor, contact.ceiling)
-        asks = (low > free[0] + 1e-9) & ~yielding
-        touches.append(
-            Touch(
-                name,
-                contact.phonemes,
-                np.where(asks, low, -np.inf),
-                np.where(high < free[1] - 1e-9, high, np.inf),
-            )
-        )
-    span = np.where(rig.span > 0, rig.span, 1.0)
-    return Face(names, tuple(touches), (), rig.at_most, rig.low, rig.high, span, {})
-
-
-def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
-    """Return lower and upper bound of every channel while poses keep to floors and ceilings."""
-    up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
-    low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)
-    high = np.clip(up @ ceiling + down @ floor, rig.low, rig.high)
-    return low, high
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,13 +39,21 @@ class Take:
     silence: int
     motion: "Motion"
     rules: dict[str, dict[str, Any]]
-    phonemes: tuple[frozenset[str], ...]
-    """Names of the common phonemes, by number; a shade also has the name of its parent."""
 
-    @property
+    @cached_property
+    def remembered(self) -> dict[Any, Any]:
+        """Values that several measures need, by the function that finds them."""
+        return {}
+
+    @cached_property
+    def steps(self) -> Floats:
+        """(T - 1,) seconds from frame to frame."""
+        return np.diff(self.times)
+
+    @cached_property
     def frame(self) -> float:
         """Seconds between frames."""
-        return float(np.median(np.diff(self.times))) if len(self.times) > 1 else 1.0
+        return float(np.median(self.steps)) if self.steps.size else 1.0
 
     @cached_property
     def sounds(self) -> Bools:
@@ -244,46 +84,58 @@ class Take:
         return self.curves / self.face.span[:, None]
 
     @cached_property
+    def changes(self) -> Floats:
+        """(C, T - 1) shares from frame to frame."""
+        return np.diff(self.share, axis=1)
+
+    @cached_property
     def speeds(self) -> Floats:
         """(C, T - 1) shares per second from frame to frame."""
-        return np.abs(np.diff(self.share, axis=1)) / np.diff(self.times)
+        return np.abs(self.changes) / self.steps
 
-    def frames(self, start: Floats, end: Floats) -> tuple[Ints, Ints]:
-        """Return the first frame of each span and the frame past its last, half a frame wider."""
-        half = self.frame / 2 + 1e-9
-        first = np.searchsorted(self.times, start - half, side="left")
-        stop = np.searchsorted(self.times, end + half, side="right")
-        return first, np.maximum(first, stop)
+    @cached_property
+    def cuts(self) -> Ints:
+        """(n, 2) first frame of each phoneme and the frame past its last, half a frame wider."""
+        half, bounds = self.frame / 2 + 1e-9, self.track.bounds
+        first = self.times.searchsorted(bounds[:-1] - half)
+        stop = self.times.searchsorted(bounds[1:] + half, side="right")
+        return np.stack((first, np.maximum(first, stop)), axis=1)
 
-    def over(self, which: Ints, values: Floats, how: np.ufunc) -> Floats:
-        """Reduce (T,) values over the frames of each phoneme; nan for phonemes without frames."""
-        first, stop = self.frames(self.track.bounds[which], self.track.bounds[which + 1])
-        if not which.size:
-            return np.zeros(0)
-        padded = np.append(values, values[-1])
-        cuts = np.column_stack((first, stop)).ravel()
-        reduced: Floats = how.reduceat(padded, np.minimum(cuts, len(values)))[::2]
-        return np.where(stop > first, reduced, np.nan)
+    def highest(self, values: Floats) -> Floats:
+        """Return the highest of (..., T) values in the frames of each phoneme: (..., n).
 
-    def margin(self, touch: Touch) -> Floats:
-        """Return the margin by which each frame makes a contact: (T,), below 0 if it does not."""
-        margin: Floats = self.margins(touch).min(axis=0, initial=np.inf)
-        return margin
+        It is nan for phonemes without frames.
+        """
+        cuts = self.cuts
+        padded = np.concatenate((values, values[..., -1:]), axis=-1)
+        highest = np.maximum.reduceat(padded, cuts.ravel(), axis=-1)[..., ::2]
+        return np.where(cuts[:, 1] > cuts[:, 0], highest, np.nan)
 
-    def margins(self, touch: Touch) -> Floats:
-        """Return the margin of every column, in shares of its range: (C, T)."""
-        asked = np.isfinite(touch.low)
-        low = np.where(asked, touch.low, 0.0)
-        floor = np.where(asked, low - (1 - FLOOR_SHARE) * np.abs(low), -np.inf)
-        span = self.face.span
-        above = (self.curves - floor[:, None]) / span[:, None]
-        below = (touch.high[:, None] - self.curves) / span[:, None] + CEILING_TOLERANCE
-        margins: Floats = np.minimum(above, below) + 1e-9
+    @cached_property
+    def margins(self) -> Floats:
+        """(B, T) margin of each column that a contact bounds, in shares of its range."""
+        columns, floor, high, _ = self.face.bounded
+        span, curves = self.face.span[columns, None], self.curves[columns]
+        below = (high - curves) / span + CEILING_TOLERANCE
+        margins: Floats = np.minimum((curves - floor) / span, below) + 1e-9
         return margins
 
-    def demanded(self, touch: Touch) -> Bools:
-        """Return True for phonemes that demand a contact: (n,)."""
-        return touch.phonemes[self.track.ids] & ~self.track.waived
+    @cached_property
+    def margin(self) -> Floats:
+        """(contacts, T) margin by which each frame makes a contact; below 0 if it does not."""
+        if not self.face.touches:
+            return np.zeros((0, len(self.times)))
+        margin: Floats = np.minimum.reduceat(self.margins, self.face.bounded.starts, axis=0)
+        return margin
+
+    @cached_property
+    def demanded(self) -> Bools:
+        """(contacts, n) True for phonemes that demand a contact."""
+        if not self.face.touches:
+            return np.zeros((0, len(self.track.ids)), bool)
+        every = np.stack([touch.phonemes for touch in self.face.touches])
+        demanded: Bools = every[:, self.track.ids] & ~self.track.waived
+        return demanded
 
 
 def scene_of(animation: "Animation", performer: "Performer") -> Take:
@@ -302,7 +154,7 @@ def scene_of(animation: "Animation", performer: "Performer") -> Take:
     if not np.isfinite(weights).all() or (np.diff(times) <= 0).any():
         raise LipsyncError("the animation has times that do not rise, or weights that are none")
     asked = animation.asked if animation.performer is not None else {}
-    track = performer.performance(animation.schedule, 60, **asked).track
+    track = performer.track(animation.schedule, line=asked.get("line"), styles=asked.get("styles"))
     labels = animation.schedule.labels
     compiled = performer.compiled
     return Take(
@@ -317,5 +169,4 @@ def scene_of(animation: "Animation", performer: "Performer") -> Take:
         compiled.tables.silence,
         performer.motion,
         compiled.checks["rules"],
-        tuple(frozenset({name, compiled.shades.get(name, name)}) for name in compiled.phonemes),
     )

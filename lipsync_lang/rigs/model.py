@@ -4,9 +4,11 @@ Models are glTF 2.0. The JSON holds all names and rest weights, so the binary da
 """
 
 import json
+import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from math import isfinite
 from pathlib import Path
 from typing import NoReturn, TypeGuard
@@ -15,6 +17,12 @@ from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
 
 LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
 """Document lists that are read or extended."""
+
+MAX_KNOWN_BYTES = 32 * 2**20
+"""Larger models are read again for each animation, and take no memory in between."""
+
+SETTLED_SECONDS = 2.0
+"""A file that did not change for so long shows its next change by its times."""
 
 FEW = 12
 """Maximum number of names in a message."""
@@ -61,6 +69,24 @@ class Model:
     document: Json
     chunks: tuple[Chunk, ...]
 
+    @cached_property
+    def texts(self) -> dict[str, str]:
+        """The values of the document as JSON, by name.
+
+        Raises
+        ------
+        ModelError
+            The document is nested too deep.
+        """
+        return {name: self.text(value) for name, value in self.document.items()}
+
+    def text(self, value: object) -> str:
+        """Return a value for the document as JSON."""
+        try:
+            return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+        except RecursionError:
+            fail(self.path, "its JSON is nested too deep for a model")
+
 
 def read_model(path: Path, *, bones: bool = False) -> Model:
     """Read the metadata of a model.
@@ -88,6 +114,28 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
         document,
         chunks,
     )
+
+
+def known_model(path: Path, *, bones: bool = False) -> Model:
+    """Read the metadata of a model; a file that many lines are written into is read once.
+
+    A file is known by its times, size and number. One changed a moment ago is read again, because
+    clocks of file systems are coarse. Errors are those of `read_model`.
+    """
+    try:
+        there = path.stat()
+    except (OSError, ValueError):
+        return read_model(path, bones=bones)
+    changed = max(there.st_mtime, there.st_ctime)
+    if there.st_size > MAX_KNOWN_BYTES or abs(time.time() - changed) < SETTLED_SECONDS:
+        return read_model(path, bones=bones)
+    state = (there.st_mtime_ns, there.st_ctime_ns, there.st_size, there.st_ino, there.st_dev)
+    return _known(path, bones, state)
+
+
+@lru_cache(maxsize=8)
+def _known(path: Path, bones: bool, _state: tuple[int, ...]) -> Model:  # noqa: FBT001
+    return read_model(path, bones=bones)
 
 
 def some(names: Iterable[str]) -> str:

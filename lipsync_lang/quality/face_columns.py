@@ -1,0 +1,248 @@
+"""Columns of an animation, with their ranges, contacts, constraints and roles.
+
+Conventions: a column is a pose or a channel of a rig, C in all; N common phonemes. A performer's
+columns are the same for all its animations, so they are derived once.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.constrain import Cap
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.resolver.compiled import Compiled
+
+FLOOR_SHARE = 0.9
+"""Share of a floor that makes a visible contact."""
+
+OPENS_SHARE = 0.4
+"""Phonemes that open the mouth by this share of the widest one should be seen to open it."""
+
+BLOCK_SHARE = 0.25
+"""Phonemes that show this share of a pose's highest, or of an opponent's, keep it from looking
+ahead."""
+
+
+class Touch(NamedTuple):
+    """A contact as bounds of columns; infinite bounds demand nothing."""
+
+    name: str
+    phonemes: Bools
+    """(N,) True for common phonemes that demand the contact."""
+    low: Floats
+    """(C,) lower bound of each column."""
+    high: Floats
+    """(C,) upper bound of each column."""
+
+    @property
+    def raised(self) -> bool:
+        """True if the contact raises a column; a face at rest makes all other contacts."""
+        return bool(np.isfinite(self.low).any())
+
+
+class Roles(NamedTuple):
+    """The pose set's facts about its poses and phonemes, for measures of motion."""
+
+    opening: Bools
+    """(C,) True for the columns that loudness opens (`intensity`); none is unknown."""
+    ahead: Floats
+    """(C,) seconds by which a column looks ahead (`anticipate`)."""
+    opens: Bools
+    """(N,) True for common phonemes that open the mouth wide when said alone."""
+    begins: Floats
+    """(N, C) peak of each column in the first half of a phoneme said alone, of its highest."""
+    blocks: Bools
+    """(N, C) True for phonemes that keep a column from looking ahead."""
+
+
+class Bounded(NamedTuple):
+    """The columns that contacts bound, contact by contact: B in all."""
+
+    columns: Ints
+    """(B,)"""
+    floor: Floats
+    """(B, 1) least that makes the contact visible."""
+    high: Floats
+    """(B, 1)"""
+    starts: Ints
+    """(contacts,) first of each contact."""
+
+    def part(self, number: int) -> slice:
+        """Return the columns of a contact."""
+        ends = [*self.starts[1:].tolist(), len(self.columns)]
+        return slice(int(self.starts[number]), ends[number])
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """The columns of an animation, with their ranges, contacts and constraints."""
+
+    names: tuple[str, ...]
+    touches: tuple[Touch, ...]
+    caps: tuple[Cap, ...]
+    at_most: tuple[tuple[int, int], ...]
+    low: Floats
+    high: Floats
+    """(C,) the range of each column; infinite for bones."""
+    span: Floats
+    """(C,) width of each range."""
+    measures: dict[str, Floats]
+    """By name, (C,) gains."""
+    meant: dict[str, Bools]
+    """By rule, (N,) True for its common phonemes and their shades."""
+    roles: Roles | None = None
+    """None for the channels of a rig."""
+
+    @cached_property
+    def bounded(self) -> "Bounded":
+        """The columns that contacts bound, contact by contact."""
+        finite = [np.isfinite(t.low) | np.isfinite(t.high) for t in self.touches]
+        columns = [np.flatnonzero(one) if one.any() else np.zeros(1, int) for one in finite]
+        counts = [len(one) for one in columns]
+        low = np.concatenate([t.low[c] for t, c in zip(self.touches, columns, strict=True)])
+        high = np.concatenate([t.high[c] for t, c in zip(self.touches, columns, strict=True)])
+        asked = np.isfinite(low)
+        low = np.where(asked, low, 0.0)
+        floor = np.where(asked, low - (1 - FLOOR_SHARE) * np.abs(low), -np.inf)
+        starts = np.cumsum([0, *counts[:-1]])
+        return Bounded(np.concatenate(columns), floor[:, None], high[:, None], starts)
+
+    @cached_property
+    def capped(self) -> tuple[Ints, Ints, Floats]:
+        """(K,) yielding column, its opponent, and their threshold."""
+        low, high, threshold = np.array(self.caps, float).reshape(-1, 3).T
+        return low.astype(np.intp), high.astype(np.intp), threshold
+
+
+def face_of(animation: "Animation", performer: "Performer") -> Face:
+    """Return the face of an animation: a performer's poses, or its rig's channels.
+
+    Raises
+    ------
+    LipsyncError
+        The columns are neither.
+    """
+    known = _FACES.setdefault(performer, {})
+    columns = animation.poses
+    if columns not in known:
+        known[columns] = _seen(columns, performer)
+    return known[columns]
+
+
+_FACES: "WeakKeyDictionary[Performer, dict[tuple[str, ...], Face]]" = WeakKeyDictionary()
+"""Faces by their columns: the same for every animation of a performer."""
+
+
+def _seen(columns: tuple[str, ...], performer: "Performer") -> Face:
+    if columns == performer.poses:
+        return _posed(performer)
+    rig = performer.compiled.rig
+    if rig is not None and columns == tuple(one["name"] for one in rig["channels"]):
+        return _rigged(performer, columns)
+    raise LipsyncError(
+        f"the animation has other columns than {performer.character} has poses; read its file for "
+        f"this character (quality.fitting.read_for), or name the character it was made for"
+    )
+
+
+def _posed(performer: "Performer") -> Face:
+    compiled = performer.compiled
+    tables, count = compiled.tables, len(performer.poses)
+    touches = [
+        Touch(
+            name,
+            contact.phonemes,
+            np.where(contact.floor > 0, contact.floor, -np.inf),
+            np.where(contact.ceiling < 1, contact.ceiling, np.inf),
+        )
+        for name, contact in zip(compiled.contact_names, tables.contacts, strict=True)
+    ]
+    measures = {
+        name: np.array([gains.get(pose, 0.0) for pose in performer.poses])
+        for name, gains in compiled.measures.items()
+    }
+    unit = np.ones(count)
+    zero = np.zeros(count)
+    return Face(
+        performer.poses,
+        tuple(touches),
+        tables.caps,
+        tables.at_most,
+        zero,
+        unit,
+        unit,
+        measures,
+        _meant(compiled),
+        _roles(compiled),
+    )
+
+
+def _meant(compiled: "Compiled") -> dict[str, Bools]:
+    named = [{name, compiled.shades.get(name, name)} for name in compiled.phonemes]
+    return {
+        rule: np.array([bool(names & {*stated["phonemes"]}) for names in named])
+        for rule, stated in compiled.checks["rules"].items()
+    }
+
+
+def _roles(compiled: "Compiled") -> Roles:
+    """Read roles off the bank: each phoneme is looked at in its own part of silence-phoneme."""
+    tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
+    own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]
+    opening = np.isin(np.arange(len(compiled.poses)), own)
+    rows = tables.pairs[tables.silence]
+    curves = tables.curves[rows].astype(float)
+    start = tables.boundary[rows][:, None]
+    at = np.linspace(0, 1, curves.shape[1])[None]
+    said = at >= start
+    early = said & (at <= (1 + start) / 2)
+    widest = (curves[:, :, opening].sum(axis=2) * said).max(axis=1)
+    begins = (curves * early[:, :, None]).max(axis=1) / tables.highest
+    shown = (curves * said[:, :, None]).max(axis=1)
+    blocks = tables.opposed | (shown @ tables.blockers > BLOCK_SHARE) | (begins > BLOCK_SHARE)
+    for contact in tables.contacts:
+        blocks |= contact.phonemes[:, None] & (contact.ceiling < 1)
+    opens = widest > OPENS_SHARE * widest.max(initial=0.0)
+    return Roles(opening, tables.anticipate, opens, begins, blocks)
+
+
+def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
+    """Return the face of a rig's channels; gains carry the bounds of contacts over to channels."""
+    from lipsync_lang.rigs.driver import Driver
+
+    compiled = performer.compiled
+    rig = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors).rig
+    yielding = np.isin(np.arange(len(names)), [channel for channel, _ in rig.at_most])
+    free = _bounds(rig, np.zeros(len(performer.poses)), np.ones(len(performer.poses)))
+    touches = []
+    for name, contact in zip(compiled.contact_names, compiled.tables.contacts, strict=True):
+        low, high = _bounds(rig, contact.floor, contact.ceiling)
+        asks = (low > free[0] + 1e-9) & ~yielding
+        touches.append(
+            Touch(
+                name,
+                contact.phonemes,
+                np.where(asks, low, -np.inf),
+                np.where(high < free[1] - 1e-9, high, np.inf),
+            )
+        )
+    span = np.where(rig.span > 0, rig.span, 1.0)
+    return Face(
+        names, tuple(touches), (), rig.at_most, rig.low, rig.high, span, {}, _meant(compiled)
+    )
+
+
+def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
+    """Return lower and upper bound of every channel while poses keep to floors and ceilings."""
+    up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
+    low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)
+    high = np.clip(up @ ceiling + down @ floor, rig.low, rig.high)
+    return low, high
