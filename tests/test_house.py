@@ -213,6 +213,8 @@ EXEMPT = {
     ("phonology/g2p/g2p_engines.py", "kana"): "the name of a respeller, after the script it writes",
     ("phonology/espeak/espeak_worker.py", "id"): "a field of the library's events",
     ("lines/table.py", "id"): "what tables call the column of a line's name",
+    ("packs/models/project_models.py", "id"): "a placeholder",
+    ("commands/defaults.py", "id"): "a placeholder",
     ("animations/azure.py", "azure"): "the name of the format",
     ("animations/rhubarb.py", "rhubarb"): "the program's name, and that of the set of its shapes",
     ("animations/smartbody.py", "smartbody"): "the name of the format",

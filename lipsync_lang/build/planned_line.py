@@ -9,7 +9,7 @@ Outcome = Literal["built", "failed"]
 """`built`: its outputs are whole. `failed`: nothing of it was written."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class PlannedLine:
     """A line of the script in one language, on one character.
 

@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.packs.project import FILE, find_project, load_project
+from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
 
 USUAL_FPS = 60.0
 """Default frame rate in frames per second."""
+
+PAIR = ("language", "character")
 
 MAX_SLUG_CHARS = 40
 
@@ -62,21 +64,23 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
     if getattr(options, "shades", True) is None:
         options.shades = project.shades
     if getattr(options, "output", None) == []:
-        options.output = [_output(one, folder, _line(options)) for one in project.outputs]
+        named = {"id": _line(options), "line": _line(options), "speaker": NARRATOR}
+        named |= {name: _slug(getattr(options, name, None) or "") for name in PAIR}
+        options.output = [_output(one, folder, named) for one in project.outputs]
 
 
 def _setting(name: str, value: object) -> str:
     return f"motion={value}" if name == "preset" else f"motion.{name}={value}"
 
 
-def _output(stated: str, folder: Path, line: str) -> str:
+def _output(stated: str, folder: Path, named: dict[str, str]) -> str:
     """Return an output path relative to the command line's working folder."""
     from lipsync_lang.animations.animation_writers import WRITERS
 
     name, colon, rest = stated.partition(":")
     if not (colon and name in WRITERS):
         name, colon, rest = "", "", stated
-    path = folder / rest.replace("{line}", line)
+    path = folder / re.sub(r"\{(\w+)\}", lambda found: named.get(found[1], found[0]), rest)
     if not path.resolve().is_relative_to(folder.resolve()):
         raise LipsyncError(f"{FILE}: {stated} leads outside {folder}; name it with -o instead")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -87,5 +91,8 @@ def _line(options: Namespace) -> str:
     """Return the line's name: the requested name, its file name, or its text."""
     file = options.schedule or options.audio
     said = options.line or (file.stem if file else options.text) or ""
-    slug = re.sub(r"[^\w]+", "-", said).strip("-")[:MAX_SLUG_CHARS].strip("-")
-    return slug or "line"
+    return _slug(said) or "line"
+
+
+def _slug(text: str) -> str:
+    return re.sub(r"[^\w]+", "-", text).strip("-")[:MAX_SLUG_CHARS].strip("-")

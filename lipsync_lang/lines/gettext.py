@@ -51,7 +51,8 @@ def read(source: LineFile) -> Iterator[Line]:
         texts = list(entry.translations() if translated else entry.originals())
         left += not texts
         for number, text in texts:
-            yield source.line(number, text, name=entry.texts.get("msgctxt", ""))
+            name, original = entry.texts.get("msgctxt", ""), entry.texts["msgid"]
+            yield source.line(number, text, name=name, original=original)
     if left:
         source.remark(f"{source.path}: left out {left} entries that are fuzzy or not translated")
 

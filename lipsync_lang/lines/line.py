@@ -20,6 +20,7 @@ class Line:
     schedule : its timed phonemes, if the file has some
     dropped : markup and placeholders that are not spoken, in order
     gaps : offsets in the text, in order, of speech that the file does not contain
+    original : the text that this one translates; empty if the file does not have it
     """
 
     text: str
@@ -29,6 +30,7 @@ class Line:
     schedule: "Schedule | None" = None
     dropped: tuple[str, ...] = ()
     gaps: tuple[int, ...] = ()
+    original: str = ""
 
     @property
     def file(self) -> str:

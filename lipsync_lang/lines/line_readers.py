@@ -59,10 +59,13 @@ class LineFile:
         """Yield the lines of its text with their numbers."""
         return numbered(self.path, self.open, self.encoding)
 
-    def line(self, number: int, text: str, *, name: str = "", speaker: str = "") -> Line:
+    def line(
+        self, number: int, text: str, *, name: str = "", speaker: str = "", original: str = ""
+    ) -> Line:
         """Return the spoken text, markup removed."""
         said, dropped, gaps = spoken(text)
-        return Line(said, f"{self.path}:{number}", name, speaker, dropped=dropped, gaps=gaps)
+        place = f"{self.path}:{number}"
+        return Line(said, place, name, speaker, dropped=dropped, gaps=gaps, original=original)
 
     def fault(self, number: int, what: str) -> LipsyncError:
         """Return an error that says where."""
@@ -77,16 +80,19 @@ class LineReader(Format):
     """A script format and its reader."""
 
     read: Read
+    columns: bool = False
+    """True if a file is a table, of which `column` names the text."""
 
 
 READERS: Formats[LineReader] = Formats("line_readers", "format", room=__package__)
 
 
-def reader(name: str, *, suffixes: Sequence[str]) -> Callable[[Read], Read]:
+def reader(name: str, *, suffixes: Sequence[str], columns: bool = False) -> Callable[[Read], Read]:
     """Register a function ``(source) -> lines`` as the reader of a format."""
 
     def register(read: Read) -> Read:
-        READERS.add(name, LineReader(name, tuple(suffixes), summary(read), read), read.__module__)
+        made = LineReader(name, tuple(suffixes), summary(read), read, columns)
+        READERS.add(name, made, read.__module__)
         return read
 
     return register
@@ -131,14 +137,28 @@ def read_lines(
         A path is missing or of no known format (at once), or a file cannot be read (when it is
         its turn). Files of a folder that are of no known format are left out with a remark.
     """
+    found = line_files(paths, remark)
+    if column is not None and not any(_has_columns(file) for file, _ in found):
+        remark(f"`column={column!r}`: not used, for none of the files is a table")
+    return _read(found, column, encoding, remark)
+
+
+def line_files(
+    paths: str | Path | Iterable[str | Path], remark: Remark = _warn
+) -> list[tuple[Path, bool]]:
+    """List the files that lines are read from, each once, with True for those found in a folder.
+
+    Raises
+    ------
+    LipsyncError
+        A path is missing or of no known format.
+    """
     found: dict[str, tuple[Path, bool]] = {}
     for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
         files = _below(path, remark) if path.is_dir() else [_known(path)]
         for file in files:
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
-    if column is not None and not any(_has_columns(file) for file, _ in found.values()):
-        remark(f"`column={column!r}`: not used, for none of the files is a table")
-    return _read(found.values(), column, encoding, remark)
+    return list(found.values())
 
 
 def _known(path: Path) -> Path:
@@ -155,7 +175,7 @@ def _known(path: Path) -> Path:
 
 
 def _has_columns(path: Path) -> bool:
-    return path == STANDARD_STREAM or by_suffix()[path.suffix.lower()].name == "table"
+    return path == STANDARD_STREAM or by_suffix()[path.suffix.lower()].columns
 
 
 def _below(folder: Path, remark: Remark) -> Iterator[Path]:

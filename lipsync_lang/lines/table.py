@@ -5,7 +5,8 @@ gives this row the most cells.
 """
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from typing import NamedTuple
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line import Line
@@ -22,27 +23,46 @@ MAX_CELL_LINES = 100
 """Most lines of the file in one cell; a longer cell has lost its closing quote."""
 
 
-@reader("table", suffixes=[".csv", ".tsv"])
+class Table(NamedTuple):
+    """A table: the names of its columns, and each row with its line in the file."""
+
+    head: list[str]
+    rows: Iterator[tuple[int, Sequence[str]]]
+
+
+@reader("table", suffixes=[".csv", ".tsv"], columns=True)
 def read(source: LineFile) -> Iterator[Line]:
     """Tables, whose first row names the columns; `--column` says which of them is the text."""
+    return lines_of(source, open_table(source))
+
+
+def open_table(source: LineFile) -> Table:
+    """Read the head of a table; its rows follow one by one."""
     lines = source.numbered()
     _, first = next(lines, (1, ""))
     if not first.strip():
         raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
     delimiter = max(DELIMITERS, key=lambda d: len(_cells(first, d)))
     head = [name.strip() for name in _cells(first, delimiter)]
-    text = _text_column(source, head)
-    name, speaker = (_first(head, known, text) for known in (NAMES, SPEAKERS))
-    for number, row in _rows(source, lines, delimiter):
+    return Table(head, _rows(source, lines, delimiter))
+
+
+def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
+    """Yield the rows that have a text as lines."""
+    head = table.head
+    text = _likeliest(source, head) if source.column is None else column(source, head)
+    name, speaker = (first_column(head, known, [text]) for known in (NAMES, SPEAKERS))
+    for number, row in table.rows:
         if text < len(row) and row[text].strip():
-            yield source.line(number, row[text], name=_cell(row, name), speaker=_cell(row, speaker))
+            yield source.line(number, row[text], name=cell(row, name), speaker=cell(row, speaker))
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
     return next(csv.reader([line], delimiter=delimiter), [])
 
 
-def _cell(row: Sequence[str], at: int) -> str:
+def cell(row: Sequence[str], at: int) -> str:
+    """Return a cell of a row; empty for a short row, and for the column -1."""
     return row[at].strip() if 0 <= at < len(row) else ""
 
 
@@ -71,11 +91,9 @@ def _rows(
         raise source.fault(start + 1, f'{error}; is a " left open?') from None
 
 
-def _text_column(source: LineFile, head: Sequence[str]) -> int:
-    """Return the index of the text column: the one asked for, or the most likely."""
-    asked = source.column
-    if asked is None:
-        return _likeliest(source, head)
+def column(source: LineFile, head: Sequence[str]) -> int:
+    """Return the index of the column that is asked for, by name or by number from 1."""
+    asked = source.column or ""
     folded = [name.casefold() for name in head]
     if asked in head:
         return head.index(asked)
@@ -83,24 +101,32 @@ def _text_column(source: LineFile, head: Sequence[str]) -> int:
         return folded.index(asked.casefold())
     if asked.isdecimal() and 1 <= int(asked) <= len(head):
         return int(asked) - 1
-    raise _lacking(source, head, f"has no column '{asked}'; {did_you_mean(asked, head)}")
+    raise lacking(source, head, f"has no column '{asked}'; {did_you_mean(asked, head)}")
 
 
 def _likeliest(source: LineFile, head: Sequence[str]) -> int:
-    known = _first(head, TEXTS)
+    found = text_column(head)
+    if found < 0:
+        raise lacking(source, head, "which column is the text? Say `column='NAME'`")
+    return found
+
+
+def text_column(head: Sequence[str]) -> int:
+    """Return the index of the column that is most likely the text, or -1."""
+    known = first_column(head, TEXTS)
     if known >= 0:
         return known
     other = [i for i, name in enumerate(head) if name.casefold() not in (*NAMES, *SPEAKERS)]
-    if len(other) == 1:
-        return other[0]
-    raise _lacking(source, head, "which column is the text? Say `column='NAME'`")
+    return other[0] if len(other) == 1 else -1
 
 
-def _lacking(source: LineFile, head: Sequence[str], what: str) -> LipsyncError:
+def lacking(source: LineFile, head: Sequence[str], what: str) -> LipsyncError:
+    """Return an error that lists the columns."""
     return source.fault(1, f"{what}. Its columns: {', '.join(head)}")
 
 
-def _first(head: Sequence[str], known: Sequence[str], taken: int = -1) -> int:
+def first_column(head: Sequence[str], known: Sequence[str], taken: Collection[int] = ()) -> int:
     """Return the index of the column with the first known name, or -1."""
-    folded = {name.casefold(): at for at, name in reversed(list(enumerate(head))) if at != taken}
+    found = [(name, at) for at, name in enumerate(head) if at not in taken]
+    folded = {name.casefold(): at for name, at in reversed(found)}
     return next((folded[name] for name in known if name in folded), -1)

@@ -17,6 +17,9 @@ FILE = "lipsync.yaml"
 
 KIND = "project"
 
+NARRATOR = "narrator"
+"""Value of `{speaker}` in paths where a line has no speaker."""
+
 ROOTS = (".git", ".hg", ".svn", ".jj")
 """Entries of a folder that make it the root of a repository."""
 

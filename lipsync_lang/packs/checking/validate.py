@@ -204,17 +204,29 @@ class _Validation:
                 self.check_file(File(path, "bank", path.stem))
 
     def _project(self, pack: "Pack[models.Project]") -> None:
-        stated, finder = pack.model, self.library.finder
-        language, face = stated.language, stated.character
-        if language and ":" not in language and not finder.lookup("language", language):
+        stated = pack.model
+        if stated.language:
+            self._project_language(pack, ("language",), stated.language)
+        if stated.character:
+            self._project_character(pack, ("character",), stated.character)
+        for language in stated.languages:
+            self._project_language(pack, ("languages", language), language)
+        for speaker, names in stated.cast.items():
+            for index, name in enumerate(names):
+                self._project_character(pack, ("cast", speaker, index), name)
+
+    def _project_language(self, pack: "Pack[models.Project]", loc: Loc, language: str) -> None:
+        if ":" not in language and not self.library.finder.lookup("language", language):
             known = {found.name for found in self.library.names("language")}
             what, hint = f"unknown language '{language}'", did_you_mean(language, known)
-            self._note(pack.fault(("language",), "P210", what, hint))
+            self._note(pack.fault(loc, "P210", what, hint))
+
+    def _project_character(self, pack: "Pack[models.Project]", loc: Loc, face: str) -> None:
         kinds: tuple[Kind, ...] = ("character", "poseset")
-        if face and not any(finder.lookup(kind, face) for kind in kinds):
+        if not any(self.library.finder.lookup(kind, face) for kind in kinds):
             known = {found.name for kind in kinds for found in self.library.names(kind)}
             what, hint = f"unknown character '{face}'", did_you_mean(face, known)
-            self._note(pack.fault(("character",), "P203", what, hint))
+            self._note(pack.fault(loc, "P203", what, hint))
 
     def _banks(self, pack: "Pack[models.PoseSet]") -> "list[models.BankPack] | None":
         """Return the banks beside a pose set and those of other folders; None if one is faulty."""

@@ -7,20 +7,70 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from lipsync_lang.packs.models.fields import Data, Name, OrOne, PackModel, Parent, Short, Text
+from lipsync_lang.files.names import fault_of_name
+from lipsync_lang.packs.models.fields import (
+    Data,
+    Name,
+    NotNegative,
+    OrNames,
+    OrOne,
+    PackModel,
+    Parent,
+    Short,
+    Strict,
+    Text,
+)
 from lipsync_lang.packs.models.pose_models import MotionFields
 
 _RATE = r"^\d+(\.\d+)?(/\d+)?$"
 
 
+_PLACEHOLDER = re.compile(r"\{([^{}]*)\}")
+
+PLACEHOLDERS = ("id", "line", "language", "character", "speaker")
+"""Placeholders of outputs; `line` is `id`."""
+
+
+def _outside(path: str) -> bool:
+    above = ".." in re.split(r"[/\\]", path)
+    return above or PurePosixPath(path).is_absolute() or PureWindowsPath(path).is_absolute()
+
+
 def _within(output: str) -> str:
     """Refuse outputs elsewhere: a stranger's project writes into its own folder alone."""
     path = re.sub(r"^[a-z0-9-]{2,}:", "", output)
-    outside = ".." in re.split(r"[/\\]", path)
-    if outside or PurePosixPath(path).is_absolute() or PureWindowsPath(path).is_absolute():
+    if _outside(path):
         what = "'{path}' is outside the project's folder; name it with -o instead"
         raise PydanticCustomError("P106", what, {"path": path})
     return output
+
+
+def _inside(path: str) -> str:
+    """Refuse files elsewhere: a stranger's project reads its own folder alone."""
+    if _outside(path):
+        what = "'{path}' is outside the project's folder; move or link it into the folder"
+        raise PydanticCustomError("P106", what, {"path": path})
+    return path
+
+
+def _holding(*known: str) -> AfterValidator:
+    """Return a check that text holds no placeholders but the known ones."""
+
+    def check(text: str) -> str:
+        for name in _PLACEHOLDER.findall(text):
+            if name not in known:
+                what = "unknown placeholder '{name}'; known: {known}"
+                listed = ", ".join(f"{{{one}}}" for one in known)
+                raise PydanticCustomError("P107", what, {"name": f"{{{name}}}", "known": listed})
+        return text
+
+    return AfterValidator(check)
+
+
+def _word(text: str) -> str:
+    if wrong := fault_of_name(text):
+        raise PydanticCustomError("P106", "'{text}' {wrong}", {"text": text, "wrong": wrong})
+    return text
 
 
 def _rate(value: Data) -> Data:
@@ -36,8 +86,31 @@ def _or(form: dict[str, Any]) -> Any:
     return lambda full: [full, form]
 
 
-Output = Annotated[Text, AfterValidator(_within)]
+Output = Annotated[Text, AfterValidator(_within), _holding(*PLACEHOLDERS)]
 """A file, or FORMAT:FILE."""
+
+Script = Annotated[Text, AfterValidator(_inside), _holding("language")]
+"""A file with the lines of a game, or a folder of them."""
+
+Recording = Annotated[Text, AfterValidator(_inside), _holding("id", "line", "language", "speaker")]
+"""The file of a line's recording, or of its timings."""
+
+Word = Annotated[Text, AfterValidator(_word)]
+"""Part of the name of a file."""
+
+ReportFile = Annotated[Text, AfterValidator(_within), _holding()]
+"""A file for the report of a build."""
+
+
+class ScriptColumns(Strict):
+    """Columns of the tables of a script, by name or by number from 1."""
+
+    text: Annotated[Text, _holding("language")] | None = None
+    """The spoken text. By default the column named like the language, or the only text."""
+    id: Text | None = None
+    """The line's own name, which names its files. By default the first of `id`, `key` and such."""
+    speaker: Text | None = None
+    """The speaker. By default the first of `speaker`, `character` and such."""
 
 
 class Project(PackModel):
@@ -63,6 +136,30 @@ class Project(PackModel):
     shades: bool | None = None
     """False to perform each shade as its parent; unless stated, only the paper's thresholds do."""
     outputs: Annotated[tuple[Output, ...], OrOne] = ()
-    """Outputs of `run`, from this folder: FILE or FORMAT:FILE; `{line}` stands for the line."""
+    """Outputs of `run` and `build`, from this folder: FILE or FORMAT:FILE.
+
+    `{id}` and `{line}` stand for the line, and `{language}`, `{character}` and `{speaker}` for its
+    own.
+    """
     paths: Annotated[tuple[Text, ...], OrOne] = ()
     """Folders of packs to search first, from this folder."""
+    lines: Annotated[tuple[Script, ...], OrOne] = ()
+    """The script that `build` makes, from this folder; `{language}` stands for the language."""
+    languages: Annotated[dict[Parent, Word | None], OrNames] = Field(default_factory=dict)
+    """The languages that `build` makes, each with what `{language}` stands for: a list of names,
+    or a mapping from names. By default `language`."""
+    columns: ScriptColumns = ScriptColumns()
+    """Columns of tables, where their names do not tell."""
+    audio: Recording | None = None
+    """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
+    timings: Recording | None = None
+    """The timed phonemes of a line. By default the file beside the recording."""
+    cast: dict[Text, Annotated[tuple[Name, ...], OrOne, Field(min_length=1)]] = Field(
+        default_factory=dict
+    )
+    """The characters that each speaker is made on; `*` stands for all other speakers. By default
+    `character`."""
+    limits: dict[Text, NotNegative] = Field(default_factory=dict)
+    """Limits that fail a build: by measure of `check`, and the least `confidence` of alignment."""
+    reports: Annotated[tuple[ReportFile, ...], OrOne] = ()
+    """Reports of `build`, from this folder: `.html`, `.xml` (JUnit) or `.json`."""

@@ -1,0 +1,105 @@
+"""Packs that a project names: its languages, and the characters of its speakers."""
+
+from pathlib import Path
+
+from lipsync_lang.build.script_faults import ScriptFaults
+from lipsync_lang.build.script_files import ScriptLanguage
+from lipsync_lang.errors import PackError
+from lipsync_lang.packs.answers import answers_of, folded
+from lipsync_lang.packs.finding import POSESET, Finder
+from lipsync_lang.packs.models import Project
+from lipsync_lang.packs.project import FILE
+
+OTHERS = "*"
+"""The speaker of `cast` that stands for all others."""
+
+
+def languages_of(
+    project: Project, finder: Finder, faults: ScriptFaults
+) -> dict[int, ScriptLanguage]:
+    """Return the languages of a build by their index."""
+    stated = project.languages or ({project.language: None} if project.language else {})
+    if not stated:
+        faults.add(FILE, "names no language; state `languages: [NAME, ...]` or `language: NAME`")
+    found: dict[int, ScriptLanguage] = {}
+    for own, word in stated.items():
+        path = None if ":" in own else _language(finder, own, faults)
+        name = own if path is None else path.stem
+        same = [one for one in found.values() if one.name == name]
+        if same:
+            faults.add(FILE, f"languages: {own} and {same[0].word} are one language, {name}")
+            continue
+        also = [] if path is None else [name, *answers_of(path)]
+        answers = dict.fromkeys(map(folded, [word or own, own, *also]))
+        found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), tuple(answers))
+    return found
+
+
+class Cast:
+    """The characters of each speaker."""
+
+    def __init__(self, project: Project, finder: Finder, faults: ScriptFaults) -> None:
+        stated = dict(project.cast)
+        if project.character and OTHERS not in stated:
+            stated[OTHERS] = (project.character,)
+        if not stated:
+            faults.add(FILE, "names no character; state `character: NAME` or `cast: {...}`")
+        self._characters = {
+            speaker: tuple(dict.fromkeys(_character(finder, name, faults) for name in names))
+            for speaker, names in stated.items()
+        }
+        self._folded = {speaker.casefold(): found for speaker, found in self._characters.items()}
+        self.characters = tuple(
+            dict.fromkeys(c for some in self._characters.values() for c in some)
+        )
+        """Every character once."""
+        self.faults = faults
+        self._unknown: set[str] = set()
+        self.met: set[str] = set()
+        """Speakers of `cast` that a line has, folded."""
+
+    @property
+    def most(self) -> int:
+        """Number of characters that one line is made on, at most."""
+        return max(map(len, self._characters.values()), default=0)
+
+    def of(self, speaker: str, where: str) -> tuple[str, ...]:
+        """Return the characters of a speaker; an unknown one is a fault, once."""
+        found = self._characters.get(speaker) or self._folded.get(speaker.casefold())
+        if found is not None:
+            self.met.add(speaker.casefold())
+            return found
+        if OTHERS in self._characters:
+            return self._characters[OTHERS]
+        if speaker not in self._unknown and self._characters:
+            self._unknown.add(speaker)
+            who = f"'{speaker}'" if speaker else "no speaker"
+            self.faults.add(
+                where, f"no character for {who}; add the speaker or '{OTHERS}' to `cast`"
+            )
+        return ()
+
+    def unmet(self) -> list[str]:
+        """Return the speakers of `cast` that no line has."""
+        return sorted(
+            speaker
+            for speaker in self._characters
+            if speaker != OTHERS and speaker.casefold() not in self.met
+        )
+
+
+def _character(finder: Finder, name: str, faults: ScriptFaults) -> str:
+    found = finder.lookup("character", name) or finder.lookup("poseset", name)
+    if not found:
+        faults.add_error(f"{FILE}: {finder.unknown(name, 'character', 'poseset')}")
+        return name
+    path = Path(found[0])
+    return path.parent.name if path.name == POSESET else path.stem
+
+
+def _language(finder: Finder, name: str, faults: ScriptFaults) -> Path | None:
+    try:
+        return finder.find("language", name)
+    except PackError as error:
+        faults.add_error(f"{FILE}: {error}")
+        return None

@@ -1,0 +1,96 @@
+"""Recordings and timings of lines: each folder is listed once, however many lines it holds."""
+
+import os
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+from lipsync_lang.files.names import folded_name
+from lipsync_lang.lines.line_readers import LineFile
+from lipsync_lang.lines.timings import is_timed
+from lipsync_lang.schedules.timing_readers import READERS
+
+COMMON_SUFFIXES = {".csv", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
+"""Suffixes of timings that other files have too; the content tells."""
+
+RARE_SUFFIXES = tuple(sorted({*READERS.suffixes()} - COMMON_SUFFIXES))
+"""Suffixes that only timings have."""
+
+
+class Listing(NamedTuple):
+    """The files of a folder: by folded name, and those that may be timings by folded stem."""
+
+    names: dict[str, str]
+    timings: dict[str, list[str]]
+    used: set[str]
+
+
+class Recordings:
+    """Files beside the lines of a script, below a project's folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._suffixes = tuple(READERS.suffixes())
+        self._listings: dict[str, Listing] = {}
+
+    def find(self, path: str) -> Path | None:
+        """Return the file of a path from the folder; other case or normal form counts as well."""
+        at, _, name = path.rpartition("/")
+        listing = self._listing(at)
+        found = listing.names.get(folded_name(name)) if listing.names else None
+        if found is None:
+            return None
+        listing.used.add(found)
+        return Path(self._folder, at, found)
+
+    def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> Path | None:
+        """Return the file of timings that has the stem of a recording, but none of `taken`.
+
+        Suffixes that only timings have come first.
+        """
+        at, _, name = path.rpartition("/")
+        listing = self._listing(at)
+        stem = folded_name(name.rpartition(".")[0] or name) if listing.timings else ""
+        for candidate in listing.timings.get(stem, ()):
+            own = f"{at}/{candidate}".lstrip("/")
+            found = Path(self._folder, own)
+            if own not in taken() and (
+                candidate.lower().endswith(RARE_SUFFIXES) or is_timed(LineFile(found, _ignore))
+            ):
+                listing.used.add(candidate)
+                return found
+        return None
+
+    def used(self) -> Iterator[str]:
+        """Yield the files that were returned, as paths from the folder."""
+        for at, listing in self._listings.items():
+            for name in listing.used:
+                yield f"{at}/{name}".lstrip("/")
+
+    def unused(self, suffix: str) -> Iterator[str]:
+        """Yield the files with a suffix that `find` never returned, as paths from the folder."""
+        for at, listing in sorted(self._listings.items()):
+            for name in sorted(set(listing.names.values()) - listing.used):
+                if name.lower().endswith(suffix.lower()):
+                    yield f"{at}/{name}".lstrip("/")
+
+    def _listing(self, at: str) -> Listing:
+        if at not in self._listings:
+            try:
+                names = sorted(os.listdir(self._folder / at))  # noqa: PTH208 names are enough
+            except OSError:
+                names = []
+            timings: dict[str, list[str]] = {}
+            for name in names:
+                stem, suffix = os.path.splitext(name)  # noqa: PTH122
+                if suffix.lower() in self._suffixes:
+                    timings.setdefault(folded_name(stem), []).append(name)
+            for some in timings.values():
+                some.sort(key=lambda name: (not name.lower().endswith(RARE_SUFFIXES), name))
+            known = {folded_name(name): name for name in reversed(names)}
+            self._listings[at] = Listing(known, timings, set())
+        return self._listings[at]
+
+
+def _ignore(_: str) -> None:
+    """Say nothing: the reading of the timings will."""

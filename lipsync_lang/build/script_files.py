@@ -1,0 +1,234 @@
+"""Rows of a script: its tables and other files of lines, in all languages of a build."""
+
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+from unicodedata import normalize
+
+from lipsync_lang.build.script_faults import ScriptFaults
+from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.files.names import fault_of_name
+from lipsync_lang.lines import Line, read_lines
+from lipsync_lang.lines.line_readers import LineFile, by_suffix
+from lipsync_lang.lines.markup import spoken
+from lipsync_lang.lines.table import (
+    NAMES,
+    SPEAKERS,
+    Table,
+    cell,
+    column,
+    first_column,
+    lacking,
+    open_table,
+    text_column,
+)
+from lipsync_lang.packs.answers import folded
+from lipsync_lang.packs.models.project_models import ScriptColumns
+
+MAX_SLUG_CHARS = 32
+DIGEST_CHARS = 8
+
+
+class ScriptLanguage(NamedTuple):
+    """A language of a build.
+
+    Parameters
+    ----------
+    name : of its pack, or ENGINE:CODE
+    word : what ``{language}`` stands for
+    answers : names that a column may have, folded, likeliest first
+    """
+
+    name: str
+    word: str
+    answers: tuple[str, ...]
+
+
+class ScriptRow(NamedTuple):
+    """A line of the script in some languages.
+
+    Parameters
+    ----------
+    number : of its line in the file
+    name : its id
+    texts : by index of the language; empty where it is not translated
+    timings : file of its timed phonemes, if it is a line by itself
+    """
+
+    number: int
+    name: str
+    speaker: str
+    texts: tuple[tuple[int, str], ...]
+    timings: Path | None = None
+
+
+@dataclass(frozen=True)
+class ScriptFile:
+    """A file of lines.
+
+    Parameters
+    ----------
+    path : the file, as messages show it
+    languages : the languages that it holds, by their index
+    among_others : True if it was found in a folder, which may hold other files too
+    """
+
+    path: Path
+    languages: dict[int, ScriptLanguage]
+    among_others: bool = False
+
+    @property
+    def is_table(self) -> bool:
+        """True if its columns are named."""
+        known = by_suffix().get(self.path.suffix.lower())
+        return known is not None and known.columns
+
+
+Remark = Callable[[str], None]
+
+
+def read_rows(
+    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: Remark
+) -> Iterator[ScriptRow]:
+    """Yield the rows of a file; its faults are collected, and end its reading."""
+    try:
+        if file.is_table:
+            yield from _table_rows(file, columns, faults, remark)
+        else:
+            yield from _other_rows(file, remark)
+    except ScheduleError as error:
+        if not file.among_others:
+            faults.add_error(error)
+        else:
+            remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
+    except LipsyncError as error:
+        faults.add_error(error)
+
+
+# Tables
+
+
+def _table_rows(
+    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: Remark
+) -> Iterator[ScriptRow]:
+    source = LineFile.of(file.path, remark, None, None)
+    table = open_table(source)
+    texts = _text_columns(source, table, file, columns.text)
+    taken = [at for _, at in texts]
+    name = _own_column(source, table, columns.id, NAMES, taken)
+    speaker = _own_column(source, table, columns.speaker, SPEAKERS, [*taken, name])
+    if name < 0:
+        raise lacking(
+            source,
+            table.head,
+            "has no column of ids, which name the files; add one, or state `columns: {id: NAME}`",
+        )
+    for number, row in table.rows:
+        said = tuple([(index, spoken(cell(row, at)).text) for index, at in texts])
+        own = cell(row, name)
+        if own:
+            yield ScriptRow(number, own, cell(row, speaker), said)
+        elif any(text for _, text in said):
+            faults.add(f"{file.path}:{number}", "this line has no id, which names its files")
+
+
+def _own_column(
+    source: LineFile, table: Table, asked: str | None, known: Sequence[str], taken: Sequence[int]
+) -> int:
+    if asked is None:
+        return first_column(table.head, known, taken)
+    return column(replace(source, column=asked), table.head)
+
+
+def _text_columns(
+    source: LineFile, table: Table, file: ScriptFile, asked: str | None
+) -> list[tuple[int, int]]:
+    """Return (index of the language, column) for each language."""
+    found: dict[int, str] = {}
+    texts: list[tuple[int, int]] = []
+    for index, language in file.languages.items():
+        if asked is None:
+            at = _named_column(source, table.head, language, alone=len(file.languages) == 1)
+        else:
+            at = column(
+                replace(source, column=asked.replace("{language}", language.word)), table.head
+            )
+        if at in found:
+            what = f"one column for {found[at]} and {language.word}"
+            raise lacking(
+                source, table.head, f"{what}: state `columns: {{text: ...}}` with {{language}}"
+            )
+        found[at] = language.word
+        texts.append((index, at))
+    return texts
+
+
+def _named_column(
+    source: LineFile, head: Sequence[str], language: ScriptLanguage, *, alone: bool
+) -> int:
+    names = [folded(name) for name in head]
+    for answer in language.answers:
+        if answer in names:
+            return names.index(answer)
+    for answer in language.answers:
+        regional = [at for at, name in enumerate(names) if name.startswith(f"{answer}-")]
+        if len(regional) == 1:
+            return regional[0]
+    at = text_column(head) if alone else -1
+    if at < 0:
+        what = f"which column is the text in {language.word}? State `columns: {{text: NAME}}`"
+        also = "" if alone else ", or what the column calls the language: `languages: {NAME: CODE}`"
+        raise lacking(source, head, what + also)
+    return at
+
+
+# Other files
+
+
+def _other_rows(file: ScriptFile, remark: Remark) -> Iterator[ScriptRow]:
+    """Yield the lines of a file without columns, which is in one language."""
+    if len(file.languages) > 1:
+        raise LipsyncError(
+            f"{file.path}: is in one language, and the build has {len(file.languages)}; put "
+            "{language} into its path"
+        )
+    index = next(iter(file.languages))
+    lines = list(read_lines(file.path, remark=remark))
+    for line, name in zip(lines, _identifiers(lines), strict=True):
+        number = line.place.rpartition(":")[2]
+        timings = file.path if line.schedule is not None else None
+        yield ScriptRow(int(number), name, line.speaker, ((index, line.text),), timings)
+
+
+def _identifiers(lines: Sequence[Line]) -> Iterator[str]:
+    """Yield an id for each line: its own name, or else a slug of its text and a digest.
+
+    The order of lines does not count, except among lines of equal name and text.
+    """
+    named = Counter(line.name for line in lines)
+    used: Counter[str] = Counter()
+    for line in lines:
+        text = line.original or line.text
+        if not line.name:
+            name = _slug(text, text)
+        elif fault_of_name(line.name):
+            name = _slug(line.name, line.name + (text if named[line.name] > 1 else ""))
+        elif named[line.name] > 1:
+            name = f"{line.name}-{_digest(text)}"
+        else:
+            name = line.name
+        used[name] += 1
+        yield name if used[name] == 1 else f"{name}-{used[name]}"
+
+
+def _slug(text: str, whole: str) -> str:
+    words = re.sub(r"[^\w]+", "-", normalize("NFC", text))[:MAX_SLUG_CHARS].strip("-")
+    return f"{words}-{_digest(whole)}".lstrip("-")
+
+
+def _digest(text: str) -> str:
+    return sha256(normalize("NFC", text).encode("utf-8", "replace")).hexdigest()[:DIGEST_CHARS]
