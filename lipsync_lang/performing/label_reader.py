@@ -12,6 +12,7 @@ import numpy as np
 
 from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
+from lipsync_lang.performing.stress import StressMarks
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
 from lipsync_lang.phonology.notations import ready
@@ -21,9 +22,6 @@ from lipsync_lang.schedules.schedule import Schedule
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import Nearest, NearestPhonemes
     from lipsync_lang.resolver.compiled import Compiled
-
-VOWEL = "vowel"
-"""Sound class of the sounds that carry stress."""
 
 Unknown = Literal["error", "rest", "nearest"]
 """Treatments of unmapped labels; `nearest` maps IPA by phonetic features."""
@@ -54,7 +52,7 @@ class LabelReader:
         (m,) common phoneme numbers, (m + 1,) boundaries in seconds, and (m,) indices of the source
         phonemes in the schedule
         """
-        values, numbers = self._values(schedule), self._numbers
+        values, numbers = self.values(schedule), self._numbers
         single = [numbers[value[0][0]] for value in values if len(value) == 1]
         if len(single) == len(values):
             return np.array(single), schedule.times, np.arange(len(single))
@@ -89,7 +87,7 @@ class LabelReader:
         found = {label: near.nearest(notation.text(label) or label) for label in unmapped}
         return {label: nearest for label, nearest in found.items() if not nearest.unknown}
 
-    def _values(self, schedule: Schedule) -> list[Value]:
+    def values(self, schedule: Schedule) -> list[Value]:
         """Return the value of each label; whole-word entries of the language take precedence."""
         notation = self.notation(schedule)
         values = self._found(schedule, notation)
@@ -120,6 +118,14 @@ class LabelReader:
         kinds = self._classes
         return [kinds[number] for number in firsts.tolist()]
 
+    def kind(self, number: int) -> str:
+        """Return the sound class of a common phoneme; empty for silence."""
+        return self._classes[number]
+
+    def number(self, name: str) -> int:
+        """Return the number of a common phoneme."""
+        return self._numbers[name]
+
     def stresses(self, schedule: Schedule, classes: Sequence[str]) -> list[int | None]:
         """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.
 
@@ -130,16 +136,8 @@ class LabelReader:
         marks = schedule.stress or tuple(map(notation.stress, schedule.labels))
         if not any(mark is not None for mark in marks):
             return []
-        found: list[int | None] = []
-        before = None
-        for mark, kind in zip(marks, classes, strict=True):
-            if kind == VOWEL:
-                found.append(mark if mark is not None else before or 0)
-                before = None
-            else:
-                found.append(None)
-                before = (mark or before) if kind else None
-        return found
+        reading = StressMarks()
+        return [reading.of(mark, kind) for mark, kind in zip(marks, classes, strict=True)]
 
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
         """Look up each label in a notation, with the requested treatment of unknown IPA."""

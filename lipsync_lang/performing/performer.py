@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.performing.delivery import Levels
+    from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.phonology.nearest import Nearest
     from lipsync_lang.pipeline.levels import Blend, Dial
     from lipsync_lang.pipeline.overlay import Overlay
@@ -170,6 +171,54 @@ class Performer:
             contacts=dict(self._contacts),
         )
 
+    def stream(  # noqa: PLR0913 how things are said, as in `perform`
+        self,
+        fps: float = 60,
+        *,
+        notation: str | None = None,
+        styles: "Levels | None" = None,
+        dials: "Levels | None" = None,
+        stress: bool | None = None,
+        emphasis: bool = False,
+        late: "Late" = "refuse",
+    ) -> "Stream":
+        """Open a stream: phonemes go in as they become known, final frames come out.
+
+        The frames equal those of `perform` for the whole schedule. Loudness, lines and the rig of
+        a model need the whole, and are left out.
+
+        Parameters
+        ----------
+        fps : output frames per second, as in `perform`
+        notation : of single labels; None for the one that the language's texts are read in. A
+            stream cannot recognise it by labels that are yet to come
+        styles, dials : as in `perform`
+        stress : True if vowels without a mark are unstressed, as where some of a line have marks;
+            False if no mark counts, which spares looking ahead to the next vowel; None if marks
+            count from the first one on
+        emphasis : True if words with emphasis may come
+        late : `refuse` a phoneme that starts before what is known, or `shorten` it
+
+        Raises
+        ------
+        LipsyncError
+            A setting of motion looks at the whole line, or an argument is out of range.
+
+        Examples
+        --------
+        >>> stream = ll.resolve("english", "facefx").stream(60, notation="arpabet")
+        >>> round(stream.delay, 3)
+        0.617
+        """
+        from lipsync_lang.performing.stream import Stream
+
+        if not 1 <= fps <= FASTEST:
+            raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
+        return Stream(
+            self, exact(fps), notation=notation, styles=styles, dials=dials, stress=stress,
+            emphasis=emphasis, late=late,
+        )  # fmt: skip
+
     def rigged(self, animation: Animation) -> Animation:
         """Convert an animation of poses to an animation of the model's rig channels.
 
@@ -258,7 +307,7 @@ class Performer:
         compiled = self.compiled
         blends, scaled = delivery(compiled, schedule, line, styles, dials)
         scaled += self._effort(schedule, self.labels.classes(ids, source, len(schedule)), intensity)
-        tables = self._tables(blends)
+        tables = self.tables(blends)
         track = lay_track(ids, times, source, tables, self.motion, blends)
         own: tuple[Overlay, ...] = ()
         if line is not None or compiled.word_edits:
@@ -277,9 +326,9 @@ class Performer:
         """Lay out the phonemes of a schedule as `perform` does, without a frame of it."""
         ids, times, source = self.labels.common_phonemes(schedule)
         blends, _ = delivery(self.compiled, schedule, line, styles, None)
-        return lay_track(ids, times, source, self._tables(blends), self.motion, blends)
+        return lay_track(ids, times, source, self.tables(blends), self.motion, blends)
 
-    def _tables(self, blends: "Sequence[Blend]") -> "Tables":
+    def tables(self, blends: "Sequence[Blend]") -> "Tables":
         """Return the tables with the banks of the drafted styles that are heard."""
         names, drafts = self.compiled.style_names, self.compiled.style_drafts
         heard = frozenset(names[one.style] for one in blends if names[one.style] in drafts)
@@ -293,7 +342,7 @@ class Performer:
         self, schedule: Schedule, classes: "Sequence[str]", intensity: float | None
     ) -> "tuple[Dial, ...]":
         """Return the dials of stress, emphasis and loudness; none where there is no effect."""
-        stated, poses, motion = self.compiled.intensity, self._opening, self.motion
+        stated, poses, motion = self.compiled.intensity, self.opening_poses, self.motion
         stresses = self.labels.stresses(schedule, classes) if motion.stress and stated else []
         dials = (
             stress_dial(stated, schedule, stresses, motion.stress, poses),
@@ -348,7 +397,7 @@ class Performer:
         return {pose: floor for pose, floor in floors if floor > 0}
 
     @cached_property
-    def _opening(self) -> Bools:
+    def opening_poses(self) -> Bools:
         """(P,) True for the poses that stress, emphasis and loudness move."""
         regions = self.compiled.intensity["regions"] if self.compiled.intensity else ()
         poses = [pose for one in regions for pose in self.compiled.regions.get(one, [])]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools
+from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
@@ -21,8 +21,68 @@ if TYPE_CHECKING:
 
 UNSTRESSED, PRIMARY, SECONDARY = 0, 1, 2
 
+VOWEL = "vowel"
+"""Sound class of the sounds that carry stress."""
+
 RAMP_SECONDS = 0.08
 """Time over which an emphasised word begins, and ends, to open the mouth wider."""
+
+STRESS_REACH_SECONDS = 0.15
+"""Time from the middle of a vowel after which its stress has no effect, if no other is as near."""
+
+
+def stress_levels(stated: Mapping[str, Any], factor: float) -> dict[int, float]:
+    """Return the level of a vowel for each stress; see `stress_dial`."""
+    return {
+        PRIMARY: max(1 + factor * (stated["stressed"] - 1), 0.0),
+        SECONDARY: 1.0,
+        UNSTRESSED: max(1 + factor * (stated["unstressed"] - 1), 0.0),
+    }
+
+
+def vowel_level(middles: Floats, values: Floats) -> Level:
+    """Return the level of vowels over time: straight lines, back to 1 far from every vowel.
+
+    So a level depends on vowels within twice `STRESS_REACH_SECONDS` alone, and a stream need not
+    wait for the vowel after a pause.
+
+    Parameters
+    ----------
+    middles, values : (V,) seconds and level of each vowel
+    """
+    apart = np.flatnonzero(np.diff(middles) > 2 * STRESS_REACH_SECONDS)
+    after = np.concatenate((middles[apart], middles[-1:])) + STRESS_REACH_SECONDS
+    before = np.concatenate((middles[:1], middles[apart + 1])) - STRESS_REACH_SECONDS
+    times = np.concatenate((middles, after, before))
+    order = np.argsort(times, kind="stable")
+    ones = np.ones(len(after) + len(before))
+    return Level(times[order], np.concatenate((values, ones))[order])
+
+
+class StressMarks:
+    """Reads marks of stress label by label.
+
+    A mark before a consonant belongs to the vowel after it, as the IPA writes stress. Silence ends
+    it.
+    """
+
+    def __init__(self, before: int | None = None) -> None:
+        self.before = before
+
+    def of(self, mark: int | None, kind: str) -> int | None:
+        """Return the stress of the next label; None if it is no vowel.
+
+        Parameters
+        ----------
+        mark : its own mark, if any
+        kind : its sound class; empty for silence
+        """
+        if kind == VOWEL:
+            stress = mark if mark is not None else self.before or UNSTRESSED
+            self.before = None
+            return stress
+        self.before = (mark or self.before) if kind else None
+        return None
 
 
 def stress_dial(
@@ -43,18 +103,13 @@ def stress_dial(
     """
     if stated is None or not factor or not stresses:
         return None
-    levels = {
-        PRIMARY: max(1 + factor * (stated["stressed"] - 1), 0.0),
-        SECONDARY: 1.0,
-        UNSTRESSED: max(1 + factor * (stated["unstressed"] - 1), 0.0),
-    }
+    levels = stress_levels(stated, factor)
     vowels = [number for number, stress in enumerate(stresses) if stress is not None]
     if not vowels:
         return None
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     values = [levels[stress] for stress in stresses if stress is not None]
-    level = Level(middles[vowels], np.array(values))
-    return Dial(poses, level, "stress")
+    return Dial(poses, vowel_level(middles[vowels], np.array(values)), "stress")
 
 
 def emphasis_dial(
@@ -72,9 +127,20 @@ def emphasis_dial(
          schedule.times[word.stop], schedule.times[word.stop] + RAMP_SECONDS)
         for word in words
     ]  # fmt: skip
-    times = np.unique(np.array(ramps))
     highs = [word.emphasis * (stated["emphasised"] - 1) for word in words]
+    return Dial(poses, ramped_level(ramps, highs), "emphasis")
+
+
+def ramped_level(ramps: Sequence[Sequence[float]], highs: Sequence[float]) -> Level:
+    """Return the level of emphasised words.
+
+    Parameters
+    ----------
+    ramps : four seconds of each word: its rise, start, end, and where it is over
+    highs : by how much each raises the level
+    """
+    times = np.unique(np.array(ramps))
     rises = [
         np.interp(times, ramp, (0, high, high, 0)) for ramp, high in zip(ramps, highs, strict=True)
     ]
-    return Dial(poses, Level(times, 1 + np.max(rises, axis=0)), "emphasis")
+    return Level(times, 1 + np.max(rises, axis=0))

@@ -75,13 +75,13 @@ class Performance:
     def weights(self) -> Floats:
         """Run every stage: (T, P)."""
         if self.frames.count <= BLOCK or self.far:
-            return np.ascontiguousarray(self._last(0, self.frames.count).T)
+            return np.ascontiguousarray(self.last(0, self.frames.count).T)
         out = np.empty((self.frames.count, len(self.tables.priority)))
         halo = self.halo()
         for begin in range(0, self.frames.count, BLOCK):
             stop = min(begin + BLOCK, self.frames.count)
             low, high = max(0, begin - halo), min(self.frames.count, stop + halo)
-            curves = self._last(low, high)
+            curves = self.last(low, high)
             out[begin:stop] = curves[:, begin - low : stop - low].T
         return out
 
@@ -102,7 +102,7 @@ class Performance:
             for name, curves in self._run(begin, stop)
         ]
 
-    def _last(self, begin: int, stop: int) -> Floats:
+    def last(self, begin: int, stop: int) -> Floats:
         """Run the stages on frames `begin` to `stop`; return the curves after the last: (P, T)."""
         for stage in self._run(begin, stop):
             curves = stage.curves
@@ -266,12 +266,12 @@ def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
     if track.source[-1] >= 0:
         closing_ = track.end - float(track.bounds[-2])
     length = track.end - track.start
-    first = -_frames_until(0, -opening, motion.silence_reach, lead, fps)
-    last = _frames_until(length, length - closing_, motion.silence_reach, lead, fps)
+    first = -frames_until(0, -opening, motion.silence_reach, lead, fps)
+    last = frames_until(length, length - closing_, motion.silence_reach, lead, fps)
     return Frames(track.start, first, last - first + 1, fps)
 
 
-def _frames_until(edge: float, sound: float, reach: float, lead: int, fps: float) -> int:
+def frames_until(edge: float, sound: float, reach: float, lead: int, fps: float) -> int:
     """Count the frames up to a schedule's edge, and past its outermost sound as far as needed."""
     reached = math.floor((sound + reach) * fps + 1e-6)
     held = math.floor((sound + max(SHORTEST, 1 / fps) / 2) * fps + 1e-6)
@@ -287,11 +287,18 @@ def perform(  # noqa: PLR0913 what is said, and how
     overlays: tuple[Overlay, ...] = (),
     blends: tuple[Blend, ...] = (),
     dials: tuple[Dial, ...] = (),
+    frames: Frames | None = None,
 ) -> Performance:
-    """Prepare a track's performance: its frames, and where its contacts are held."""
+    """Prepare a track's performance: its frames, and where its contacts are held.
+
+    Parameters
+    ----------
+    frames : of the animation; None for all those of the track
+    """
     tables = tables.papers if motion.thresholds == "paper" else tables
     prepared = prepare(tables, motion, fps)
-    frames = lay_frames(track, motion, fps, prepared.lead)
+    if frames is None:
+        frames = lay_frames(track, motion, fps, prepared.lead)
     first = frames.start + frames.first / fps
     held = []
     for contact in tables.contacts:

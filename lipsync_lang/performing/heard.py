@@ -1,0 +1,287 @@
+"""Heard: the phonemes of a stream that frames may still depend on.
+
+Times are seconds. Labels are numbered from the first one heard; those that no frame needs any more
+are forgotten, so that hours need no more room than seconds.
+"""
+
+from bisect import bisect_right
+from copy import copy
+from dataclasses import dataclass, field
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, StressMarks
+from lipsync_lang.pipeline.arrays import Floats, Ints
+from lipsync_lang.pipeline.overlay import Overlay
+
+UNSURE_SECONDS = 0.1
+"""Length that the last phoneme is taken to have until its end is known; no final frame sees it."""
+
+
+class HeardLabel(NamedTuple):
+    """A label in time, and the common phonemes that it stands for."""
+
+    start: float
+    end: float | None
+    """None while it lasts."""
+    sounds: tuple[tuple[int, float], ...]
+    """Numbers of common phonemes, each with its share of the time; empty for a mute label."""
+    kind: str = ""
+    """Sound class of the first; empty for silence."""
+    mark: int | None = None
+    """Stress that it is marked with."""
+    whole: float | None = None
+    """Start of the word that it cannot be parted from."""
+
+
+class HeardWord(NamedTuple):
+    """Curves and emphasis of a word."""
+
+    number: int
+    """Of its first label."""
+    ramp: tuple[float, float, float, float]
+    high: float
+    """By how much it raises the level of emphasis."""
+    overlays: tuple[Overlay, ...]
+
+
+class Vowel(NamedTuple):
+    """The level of stress at the middle of a vowel."""
+
+    number: int
+    """Of its label."""
+    middle: float
+    level: float
+
+
+@dataclass
+class Heard:
+    """Labels as they were heard, and what follows from them.
+
+    Parameters
+    ----------
+    silence : number of the common phoneme for silence
+    levels : level of a vowel for each stress; None for no effect
+    marked : True if stress counts; while False, it begins with the first mark
+    """
+
+    silence: int
+    levels: dict[int, float] | None = None
+    marked: bool = False
+    start: float = 0.0
+    """Start of the first label."""
+    until: float = 0.0
+    """Time until which everything is known; what lasts at that time may last longer."""
+    first: int = 0
+    """Number of the first label that is kept."""
+    labels: list[HeardLabel] = field(default_factory=list)
+    sounds: list[int] = field(default_factory=list)
+    """Common phonemes; silences in a row are one."""
+    starts: list[float] = field(default_factory=list)
+    sources: list[int] = field(default_factory=list)
+    """Number of the label of each."""
+    words: list[HeardWord] = field(default_factory=list)
+    vowels: list[Vowel] = field(default_factory=list)
+    befores: list[tuple[int | None, bool]] = field(default_factory=list)
+    """State of stress before each label."""
+    opening: float | None = None
+    """Seconds of silence before the first sound; None until there is one."""
+    forgotten: bool = False
+    """True if some of what was heard is forgotten."""
+    stress: tuple[int | None, bool] = (None, False)
+
+    def __post_init__(self) -> None:
+        self.stress = (None, self.marked)
+
+    def apart(self) -> Self:
+        """Return a copy that changes on its own."""
+        other = copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, list):
+                setattr(other, name, value[:])
+        return other
+
+    @property
+    def number(self) -> int:
+        """Number of the next label."""
+        return self.first + len(self.labels)
+
+    @property
+    def silent(self) -> bool:
+        """True if the last common phoneme is silence."""
+        return bool(self.sounds) and self.sounds[-1] == self.silence
+
+    def add(self, label: HeardLabel) -> None:
+        """Add the label that follows the last; it starts where that ends."""
+        if not self.labels:
+            self.start = label.start
+        elif self.labels[-1].end is None:
+            self.end(label.start)
+        self._lay(label)
+
+    def lasts(self, seconds: float) -> None:
+        """Let what was heard last go on until a time, or be followed by silence."""
+        last = self.labels[-1]
+        quiet = ((self.silence, 1.0),)
+        if last.end is not None and last.sounds == quiet:
+            self.labels[-1] = last._replace(end=seconds)
+        elif last.end is not None:
+            self._lay(HeardLabel(self.until, seconds, quiet))
+        self.until = seconds
+
+    def end(self, seconds: float) -> None:
+        """Close the last label."""
+        label = self._drop()
+        self._lay(label._replace(end=seconds))
+
+    def _drop(self) -> HeardLabel:
+        """Take the last label back."""
+        label, number = self.labels.pop(), self.number
+        self.stress = self.befores.pop()
+        while self.sources and self.sources[-1] == number:
+            self.sounds.pop()
+            self.starts.pop()
+            self.sources.pop()
+        while self.vowels and self.vowels[-1].number == number:
+            self.vowels.pop()
+        while self.words and self.words[-1].number >= number:
+            self.words.pop()
+        self.until = label.start
+        if not self.forgotten and all(sound == self.silence for sound in self.sounds):
+            self.opening = None
+        return label
+
+    def _lay(self, label: HeardLabel) -> None:
+        number, at = self.number, label.start
+        length = None if label.end is None else label.end - label.start
+        self.labels.append(label)
+        self.befores.append(self.stress)
+        for sound, share in label.sounds if length is not None else label.sounds[:1]:
+            if not self.silent or sound != self.silence:
+                self._sound(sound, at, number)
+            at += share * (length or 0.0)
+        self.until = label.start if label.end is None else label.end
+        self._stress(label, number)
+
+    def _sound(self, sound: int, at: float, number: int) -> None:
+        start = at if self.sounds else self.start
+        self.sounds.append(sound)
+        self.starts.append(start)
+        self.sources.append(number)
+        if self.opening is None and sound != self.silence:
+            self.opening = start - self.start
+
+    def _stress(self, label: HeardLabel, number: int) -> None:
+        before, marked = self.stress
+        reading = StressMarks(before)
+        stress = reading.of(label.mark, label.kind)
+        marked = marked or label.mark is not None
+        self.stress = reading.before, marked
+        if stress is None or label.end is None or self.levels is None:
+            return
+        level = self.levels[stress] if marked else 1.0
+        self.vowels.append(Vowel(number, (label.start + label.end) / 2, level))
+
+    def take_back(self, seconds: float) -> None:
+        """Forget all labels from a time on, and cut the one that lasts at that time."""
+        while self.labels and (self.labels[-1].start >= seconds or self.until > seconds):
+            label = self._drop()
+            if label.start < seconds:
+                self._lay(label._replace(end=seconds))
+        self.until = min(self.until, seconds) if self.labels else self.until
+
+    def parted(self, seconds: float) -> float | None:
+        """Return the start of the word that taking back from a time would part, or None."""
+        inside = [
+            label.whole
+            for label in self.labels
+            if label.whole is not None and label.whole < seconds
+            and (label.end is None or label.end > seconds)
+        ]  # fmt: skip
+        return inside[0] if inside else None
+
+    def forget(self, seconds: float) -> None:
+        """Forget what no frame from a time on depends on."""
+        kept = max(bisect_right(self.starts, seconds) - 3, 0)
+        if kept:
+            del self.sounds[:kept], self.starts[:kept], self.sources[:kept]
+            self.forgotten = True
+        gone = 0
+        while gone + 1 < len(self.labels) and self.labels[gone + 1].start <= seconds:
+            gone += 1
+        del self.labels[:gone], self.befores[:gone]
+        self.first += gone
+        while len(self.vowels) > 1 and self.vowels[1].middle <= seconds:
+            del self.vowels[0]
+        while self.words and self.words[0].ramp[-1] < seconds:
+            del self.words[0]
+
+    # What is known for sure
+
+    def clear(self, silence_reach: float, *, linear: bool, emphasis: bool) -> float:
+        """Return the time before which bigrams and dials are known.
+
+        Parameters
+        ----------
+        silence_reach : seconds of a silence that a bigram uses
+        linear : True if bigrams are stretched evenly, so that the length of the next sound counts
+        emphasis : True if words yet to come may have emphasis
+        """
+        time = self._bigrams(silence_reach, linear=linear)
+        if self.levels is not None:
+            time = min(time, self._stressed())
+        return min(time, self.until - RAMP_SECONDS) if emphasis else time
+
+    def _bigrams(self, silence_reach: float, *, linear: bool) -> float:
+        start = self.starts[-1]
+        if self.silent:
+            far = self.until - silence_reach
+            if far >= start or not linear or len(self.starts) == 1:
+                return max(start, far)
+        return self.starts[-2] if linear and len(self.starts) > 1 else start
+
+    def _stressed(self) -> float:
+        """Return the time before which no vowel yet to come changes the level of stress."""
+        last = self.labels[-1]
+        unknown = self.until if last.end is not None else last.start
+        if self.vowels:
+            middle = self.vowels[-1].middle
+            if unknown < middle + 2 * STRESS_REACH_SECONDS:
+                return middle
+        return unknown - STRESS_REACH_SECONDS
+
+    def held(self, margin: float, widened: float) -> float:
+        """Return the time before which held contacts are known.
+
+        Parameters
+        ----------
+        margin : seconds at each side of a phoneme in which a contact may still open
+        widened : seconds before its start in which a short phoneme may hold its contact
+        """
+        if self.silent:
+            return self.until - widened
+        return self.starts[-1] - max(margin, widened)
+
+    def closing(self, silence_reach: float) -> float:
+        """Return the seconds of silence at the end, as a line has them that ends here."""
+        if not self.silent:
+            return 0.0
+        alone = len(self.starts) == 1 and self.opening is None
+        far = max(silence_reach, 1e-9)
+        return max(self.until - self.starts[-1], far) if alone else self.until - self.starts[-1]
+
+    def between(self, begin: float, end: float) -> tuple[Ints, Floats]:
+        """Return the common phonemes around a stretch of time, and their (m + 1,) boundaries."""
+        first = max(bisect_right(self.starts, begin) - 3, 0)
+        stop = min(bisect_right(self.starts, end) + 2, len(self.starts))
+        edge = self.starts[stop : stop + 1] or [self._until()]
+        return np.array(self.sounds[first:stop]), np.array(self.starts[first:stop] + edge)
+
+    def _until(self) -> float:
+        last = self.starts[-1]
+        return self.until if self.until > last else last + UNSURE_SECONDS
+
+    def overlays(self) -> tuple[Overlay, ...]:
+        """Return the curves that words lay over their phonemes."""
+        return tuple(one for word in self.words for one in word.overlays)

@@ -1,0 +1,339 @@
+"""Stream: frames of a performance while its phonemes become known.
+
+Times are seconds. The frames equal those of the whole schedule, however it comes in parts; see
+`pipeline.look_ahead` for when a frame is final.
+
+Order
+    Phonemes come in the order of time. A gap between two is silence.
+Late
+    A phoneme that starts before the time until which everything is known is late. It is refused,
+    or, with `late="shorten"`, begins at that time; what is over by then is dropped.
+Revised
+    `revise` takes back what was known from a time on. Frames that were given stay as they are:
+    taking back what they depend on is refused.
+"""
+
+from collections.abc import Mapping
+from math import floor
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError, ScheduleError, refuse_other
+from lipsync_lang.performing.delivery import delivery
+from lipsync_lang.performing.heard import Heard
+from lipsync_lang.performing.intake import Intake, refuse_jump, second
+from lipsync_lang.performing.stream_frames import StreamFrames
+from lipsync_lang.performing.stress import RAMP_SECONDS, STRESS_REACH_SECONDS, stress_levels
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.perform import BLOCK
+from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Schedule
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.delivery import Levels
+    from lipsync_lang.performing.performer import Performer
+
+Late = Literal["refuse", "shorten"]
+"""Treatments of a phoneme that starts before the time until which everything is known."""
+
+MAX_FRAMES = 2.0**60
+"""Frames that no stream reaches."""
+
+ROUNDED_FRAMES = 1e-6
+"""Share of a frame within which it is at a time."""
+
+
+class FinalFrames(NamedTuple):
+    """Frames that nothing yet to come changes."""
+
+    times: Floats
+    """(k,) seconds."""
+    weights: Floats
+    """(k, P) in [0, 1]."""
+
+
+class Stream:
+    """A performance of phonemes that become known one by one; see `Performer.stream`.
+
+    Examples
+    --------
+    >>> stream = ll.resolve("english", "facefx").stream(fps=60, notation="arpabet")
+    >>> for label, start, end in [("HH", 0, 0.1), ("AY", 0.1, 0.6), ("_", 0.6, 1.5)]:
+    ...     stream.feed(label, start, end)
+    >>> stream.frames().weights.shape
+    (63, 9)
+    >>> stream.finish()
+    >>> len(stream.frames().times)
+    28
+    """
+
+    def __init__(  # noqa: PLR0913 how things are said, as in `perform`
+        self,
+        performer: "Performer",
+        fps: float,
+        *,
+        notation: str | None = None,
+        styles: "Levels | None" = None,
+        dials: "Levels | None" = None,
+        stress: bool | None = None,
+        emphasis: bool = False,
+        late: Late = "refuse",
+    ) -> None:
+        refuse_other("late", late, Late)
+        self.performer, self.fps, self.late = performer, fps, late
+        compiled, motion = performer.compiled, performer.motion
+        self._intake = Intake(performer, notation, emphasis=emphasis)
+        _refuse_words(compiled.delivery)
+        nothing = Schedule((SILENCE,), np.array([0.0, 1.0]))
+        blends, scaled = delivery(compiled, nothing, None, styles, dials)
+        self._frames = StreamFrames(performer, fps, blends, scaled, emphasis=emphasis)
+        levels = None
+        if compiled.intensity is not None and motion.stress and stress is not False:
+            levels = stress_levels(compiled.intensity, motion.stress)
+        self._heard = Heard(compiled.tables.silence, levels, bool(stress))
+        self._given = 0
+        self._made = np.zeros((0, len(performer.poses)))
+
+    @property
+    def poses(self) -> tuple[str, ...]:
+        """Pose names, in column order of the weights."""
+        return self.performer.poses
+
+    @property
+    def delays(self) -> dict[str, float]:
+        """Seconds that each stage looks ahead, by its name; stages that do not are left out."""
+        found = {}
+        if self._heard.levels is not None:
+            found["stress"] = 2 * STRESS_REACH_SECONDS
+        elif self._intake.emphasis:
+            found["emphasis"] = RAMP_SECONDS
+        return found | self._frames.ahead.stages
+
+    @property
+    def delay(self) -> float:
+        """Seconds that all stages together look ahead, at most.
+
+        A frame is final as soon as a phoneme is known that starts by so much later, or a silence
+        that lasts by `motion.silence_reach` longer than that.
+        """
+        return sum(self.delays.values())
+
+    @property
+    def known(self) -> float | None:
+        """Seconds until which everything is known; None before the first phoneme."""
+        return self._heard.until if self._heard.labels else None
+
+    @property
+    def finished(self) -> bool:
+        """True after `finish`."""
+        return self._frames.count is not None
+
+    @property
+    def held(self) -> int:
+        """Number of labels, sounds, levels and frames in memory; hours do not raise it."""
+        heard, made = self._heard, self._made
+        kept = len(heard.labels) + len(heard.sounds) + len(heard.words) + len(heard.vowels)
+        return kept + len(self._intake.known) + len(made)
+
+    def feed(
+        self, phoneme: str | Schedule, start: float | None = None, end: float | None = None
+    ) -> None:
+        """Add the phoneme that follows, or timed phonemes with their words.
+
+        Parameters
+        ----------
+        phoneme : a label in the stream's notation, or a schedule in any
+        start : seconds at which the label starts, or by which the times of the schedule are moved
+        end : seconds at which the label ends; None while that is not known: it lasts until the
+            next one
+
+        Raises
+        ------
+        ScheduleError
+            A label is unknown, a time is no finite number, or the phoneme is late.
+        LipsyncError
+            The stream is finished.
+        """
+        self._refuse_finished()
+        if isinstance(phoneme, Schedule):
+            self._feed_part(phoneme, second("the schedule", 0.0 if start is None else start))
+            return
+        here = f"phoneme {phoneme!r}"
+        at = second(here, start)
+        stop = None if end is None else second(here, end)
+        if stop is not None and stop <= at:
+            raise ScheduleError(
+                f"{here} from {at:g} s ends at {stop:g} s, before it starts; put them in order"
+            )
+        refuse_jump(here, at, at if stop is None else stop)
+        label = self._intake.label(phoneme, at, stop)
+        begun = self._begin(here, at, stop)
+        if begun is not None:
+            self._heard.add(label._replace(start=begun))
+
+    def known_until(self, seconds: float) -> None:
+        """Say that no phoneme starts before a time: the last one lasts, or silence follows it.
+
+        Raises
+        ------
+        ScheduleError
+            The time is before what is known, or nothing was fed yet.
+        """
+        self._refuse_finished()
+        at = second("known_until", seconds)
+        if not self._heard.labels:
+            raise ScheduleError(
+                f"nothing is known before {at:g} s; feed a phoneme first, or silence ({SILENCE!r})"
+            )
+        until = self._heard.until
+        if at < until - SNAP_SECONDS:
+            raise ScheduleError(
+                f"all is known until {until:g} s already, past {at:g} s; `revise` takes it back"
+            )
+        refuse_jump("known_until", until, at)
+        if at > until:
+            self._heard.lasts(at)
+
+    def revise(self, seconds: float) -> None:
+        """Take back what is known from a time on, to feed it anew.
+
+        A phoneme that lasts at that time ends there.
+
+        Raises
+        ------
+        LipsyncError
+            Frames that were given depend on it, or the time parts a word.
+        """
+        self._refuse_finished()
+        at = second("revise", seconds)
+        word = self._heard.parted(at)
+        if word is not None:
+            raise LipsyncError(
+                f"{at:g} s is within a word that has curves or a pronunciation of its own; "
+                f"take it back whole, from {word:g} s"
+            )
+        other = self._heard.apart()
+        other.take_back(at)
+        if self._given and self._frames.settled(other) < self._given:
+            shown = self._frames.seconds(self._heard, self._given - 1)
+            raise LipsyncError(
+                f"frames until {shown:.3f} s were given, and depend on what is known from {at:g} s "
+                f"on; what starts {self.delay:.3f} s later than they can be taken back"
+            )
+        if not self._given:
+            self._frames.lead = None
+        self._heard, self._made = other, self._made[:0]
+
+    def finish(self) -> None:
+        """Say that nothing follows: the mouth comes to rest, and all frames are final.
+
+        Raises
+        ------
+        LipsyncError
+            Nothing was fed, or the end of the last phoneme is not known.
+        """
+        if self.finished:
+            return
+        heard = self._heard
+        if not heard.labels or not heard.sounds:
+            raise LipsyncError("the stream has no phonemes; feed at least one before its end")
+        last = heard.labels[-1]
+        if last.end is None:
+            if heard.until <= last.start:
+                raise LipsyncError(
+                    f"the end of the phoneme from {last.start:g} s is not known; "
+                    "say how long it lasts (`known_until`)"
+                )
+            heard.end(heard.until)
+        self._frames.finish(heard)
+
+    def frames(self, until: float | None = None) -> FinalFrames:
+        """Return the frames that are final and were not returned before.
+
+        Parameters
+        ----------
+        until : seconds; later frames come with a later call. None for all of them
+        """
+        begin, stop, heard, frames = self._given, self.final, self._heard, self._frames
+        if until is not None:
+            stop = min(stop, max(self._shown(second("until", until)), begin))
+        parts = [self._made]
+        at = begin + len(self._made)
+        while at < stop:
+            parts.append(frames.weights(heard, at, min(at + BLOCK, self.final)))
+            at += len(parts[-1])
+        made = parts[0] if len(parts) == 1 else np.concatenate(parts)
+        if stop > begin:
+            self._given, self._made = stop, made[stop - begin :]
+            heard.forget(frames.seconds(heard, frames.needed(stop)))
+        return FinalFrames(frames.laid(heard, begin, stop).times(), made[: stop - begin])
+
+    @property
+    def final(self) -> int:
+        """Number of frames, from the first, that are final; some may have been returned."""
+        return max(self._frames.settled(self._heard), self._given)
+
+    def _shown(self, seconds: float) -> int:
+        """Return the number of frames until a time."""
+        passed = min((seconds - self._heard.start) * self.fps, MAX_FRAMES)
+        return floor(passed + ROUNDED_FRAMES) + (self._frames.lead or 0) + 1
+
+    def _feed_part(self, part: Schedule, moved: float) -> None:
+        labels, words = self._intake.part(part, moved)
+        whole = any(label.whole is not None for label in labels)
+        begun = self._begin(part.source, labels[0].start, labels[-1].end, whole=whole)
+        if begun is None:
+            return
+        number = self._heard.number
+        for label in labels:
+            if label.end is None or label.end > begun:
+                self._heard.add(label._replace(start=max(label.start, begun)))
+        self._heard.words += [word._replace(number=number + word.number) for word in words]
+
+    def _begin(
+        self, here: str, start: float, end: float | None, *, whole: bool = False
+    ) -> float | None:
+        """Return where a phoneme starts that follows what is known; None where it is dropped.
+
+        Parameters
+        ----------
+        whole : True if it cannot be shortened
+        """
+        heard = self._heard
+        if not heard.labels:
+            return start
+        last, until = heard.labels[-1], heard.until
+        refuse_jump(here, until, start)
+        lasting = last.end is None
+        early = start < until - SNAP_SECONDS or (lasting and start <= last.start)
+        if early and (self.late == "refuse" or whole or (lasting and until <= last.start)):
+            raise ScheduleError(
+                f"{here} starts at {start:g} s, but all is known until {until:g} s: it comes late, "
+                "or times run backwards. Take back what is not final (`revise`), or open the "
+                "stream with `late='shorten'`"
+            )
+        if lasting and not early:
+            return start
+        if start > until + SNAP_SECONDS:
+            heard.lasts(start)
+            return start
+        if end is not None and end <= until:
+            return None
+        if lasting:
+            heard.end(until)
+        return until
+
+    def _refuse_finished(self) -> None:
+        if self.finished:
+            raise LipsyncError("the stream is finished; open another one")
+
+
+def _refuse_words(stated: Mapping[str, Mapping[str, object]]) -> None:
+    """Refuse a character whose delivery counts the words of a line."""
+    for what, levels in stated.items():
+        for name, points in levels.items():
+            if len(points) > 1:  # type: ignore[arg-type]  # points of words
+                raise LipsyncError(
+                    f"the character's {what}: {name} has points at words of a line, and a stream "
+                    "has no lines; give it one level"
+                )

@@ -1,0 +1,150 @@
+"""Stream frames: which frames of a stream are final, and their weights.
+
+Times are seconds; frames are counted from the first of the stream. The stages run on a window
+around the frames, as far as they look back and ahead.
+"""
+
+from math import isinf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.heard import Heard
+from lipsync_lang.performing.stress import ramped_level, vowel_level
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.hold import MARGIN
+from lipsync_lang.pipeline.levels import Blend, Dial
+from lipsync_lang.pipeline.look_ahead import LookAhead, widened
+from lipsync_lang.pipeline.perform import Frames, perform
+from lipsync_lang.pipeline.prepare import Prepared, prepare
+from lipsync_lang.pipeline.track import lay_track
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+
+
+class StreamFrames:
+    """The frames of one stream.
+
+    Parameters
+    ----------
+    blends, dials : the same for all of the stream
+    emphasis : True if words with emphasis are expected
+    """
+
+    def __init__(
+        self,
+        performer: "Performer",
+        fps: float,
+        blends: tuple[Blend, ...],
+        dials: tuple[Dial, ...],
+        *,
+        emphasis: bool,
+    ) -> None:
+        self.performer, self.motion, self.fps = performer, performer.motion, fps
+        self.blends, self.dials, self.emphasis = blends, dials, emphasis
+        self.tables = performer.tables(blends)
+        shown = self.tables.papers if self.motion.thresholds == "paper" else self.tables
+        self.ahead = LookAhead.of(_bounded(prepare(shown, self.motion, fps)), self.motion, fps)
+        self.lead: int | None = None
+        """Frames before the start of the schedule; None until that is known."""
+        self.count: int | None = None
+        """Frames of the whole stream; None until its end is known."""
+
+    def settled(self, heard: Heard) -> int:
+        """Return the number of frames that are final with what was heard."""
+        if self.count is not None:
+            return self.count
+        if not heard.sounds:
+            return 0
+        if self.lead is None:
+            lead = self._lead_in(heard)
+            if lead and heard.opening is None:
+                return 0
+            self.lead = lead
+        reach, linear = self.motion.silence_reach, self.motion.warp == "linear"
+        clear = held = heard.clear(reach, linear=linear, emphasis=self.emphasis)
+        if self.motion.contacts == "hold":
+            held = heard.held(MARGIN, widened(self.fps))
+        least = self.ahead.stop(heard.until - heard.start, heard.closing(reach))
+        final = self.ahead.settled(clear - heard.start, held - heard.start, least)
+        return max(final + self.lead, 0)
+
+    def finish(self, heard: Heard) -> None:
+        """Count all frames of a stream that ends with what was heard."""
+        if self.lead is None:
+            self.lead = self._lead_in(heard)
+        closing = heard.closing(self.motion.silence_reach)
+        self.count = self.lead + self.ahead.stop(heard.until - heard.start, closing)
+
+    def _lead_in(self, heard: Heard) -> int:
+        opening = heard.opening
+        return self.ahead.lead_in(heard.until - heard.start if opening is None else opening)
+
+    def needed(self, begin: int) -> int:
+        """Return the first frame of the window for frames from `begin` on."""
+        low = begin - self.ahead.before
+        return low if low >= self.ahead.ramp else 0
+
+    def weights(self, heard: Heard, begin: int, stop: int) -> Floats:
+        """Return the weights of some final frames: (k, P)."""
+        low, high = self.needed(begin), stop + self.ahead.ahead
+        if self.count is not None:
+            high = min(high, self.count)
+        # a frame more on a side keeps the stages from bringing the mouth to rest there
+        more, end = bool(low), high != self.count
+        frames = self.laid(heard, low - more, high + end)
+        times = self.seconds(heard, low), self.seconds(heard, high)
+        ids, bounds = heard.between(*times)
+        source = np.arange(len(ids))
+        track = lay_track(ids, bounds, source, self.tables, self.motion, self.blends)
+        performance = perform(
+            self.tables,
+            track,
+            self.motion,
+            self.fps,
+            overlays=heard.overlays(),
+            blends=self.blends,
+            dials=(*self.dials, *self._effort(heard)),
+            frames=frames,
+        )
+        curves = performance.last(int(more), frames.count - end)
+        return np.ascontiguousarray(curves[:, begin - low : stop - low].T)
+
+    def _effort(self, heard: Heard) -> tuple[Dial, ...]:
+        """Return the dials of stress and emphasis around a window."""
+        out = []
+        poses = self.performer.opening_poses
+        if heard.vowels:
+            _, middles, levels = zip(*heard.vowels, strict=True)
+            out.append(Dial(poses, vowel_level(np.array(middles), np.array(levels)), "stress"))
+        words = [word for word in heard.words if word.high]
+        if words:
+            level = ramped_level([word.ramp for word in words], [word.high for word in words])
+            out.append(Dial(poses, level, "emphasis"))
+        return tuple(out)
+
+    def laid(self, heard: Heard, begin: int, stop: int) -> Frames:
+        """Return frames `begin` to `stop`."""
+        return Frames(heard.start, begin - (self.lead or 0), stop - begin, self.fps)
+
+    def seconds(self, heard: Heard, frame: int) -> float:
+        """Return the time of a frame."""
+        return heard.start + (frame - (self.lead or 0)) / self.fps
+
+
+ENDLESS = {"smooth": "smooth=none", "switch": "hold=0"}
+"""Settings that bound the stages that may look at any distance."""
+
+
+def _bounded(prepared: Prepared) -> Prepared:
+    """Refuse settings with which a stage looks at all of a line."""
+    endless = [ENDLESS[name] for name, look in prepared.reach.items() if isinf(look.ahead)]
+    if endless:
+        name = endless[0].partition("=")[0]
+        raise LipsyncError(
+            f"the motion's `{name}` looks at all of a line, so no frame of a stream is ever final; "
+            f"perform whole lines, or set motion.{endless[0]}"
+        )
+    return prepared
