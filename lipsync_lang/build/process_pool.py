@@ -1,0 +1,169 @@
+"""Batches in processes of this machine, some of which may die.
+
+A process that dies (killed for lack of memory, say) takes the whole pool along, and nobody knows
+which batch was to blame. So a new pool runs each batch that was on its way alone. A batch that
+ends its process again then is lost; the others go on.
+"""
+
+import os
+import signal
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
+from multiprocessing.connection import wait as wait_for
+from threading import Thread
+from typing import Any, Self
+
+from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, Missing, run_job
+from lipsync_lang.errors import LipsyncError
+
+MAX_DEATHS = 2
+"""Processes that a batch may end while it runs alone."""
+
+END = (
+    "worker processes end as soon as they start: build in one process (workers=1), and in a script "
+    'of your own, put the call under `if __name__ == "__main__":`'
+)
+
+
+def run_in_processes(jobs: Iterator[Job], count: int) -> Iterator[Any]:
+    """Run jobs in `count` processes and yield their results; see `run_batches`."""
+    alone = deque[Job]()
+    while True:
+        with _Pool(count) as pool:
+            yield from pool.run(jobs, count * BATCHES_PER_WORKER)
+            alone += pool.unfinished
+        if not alone:
+            return
+        yield from _run_alone(alone)
+
+
+def _run_alone(jobs: deque[Job]) -> Iterator[Any]:
+    """Run jobs one at a time, so that a death tells whose it is."""
+    deaths = 0
+    while jobs:
+        with _Pool(1) as pool:
+            _check_start(pool)
+            while jobs:
+                yield from pool.run(iter((jobs[0],)), 1)
+                if pool.unfinished:
+                    break
+                jobs.popleft()
+                deaths = 0
+        if pool.unfinished:
+            deaths += 1
+            if deaths >= MAX_DEATHS:
+                message = (
+                    "its worker process died, and died again with these lines alone (out of "
+                    "memory?); build them by themselves with --workers 1"
+                )
+                yield LostBatch(jobs.popleft().batch, message)
+                deaths = 0
+
+
+def _check_start(pool: "_Pool") -> None:
+    """Raise an error if not even an empty task ends well."""
+    try:
+        pool.executor.submit(os.getpid).result()
+    except BrokenProcessPool:
+        raise LipsyncError(END) from None
+
+
+class _Pool:
+    """Processes that end with the block, with their parent, or with a signal to it."""
+
+    def __init__(self, count: int) -> None:
+        context = get_context("spawn")
+        self.executor = ProcessPoolExecutor(count, context, initializer=_begin)
+        self.unfinished: list[Job] = []
+        """Jobs on their way when a process died."""
+        self._sent: dict[tuple[str, ...], int] = {}
+        self._count = count
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        if kind is not None:
+            for process in list((self.executor._processes or {}).values()):  # noqa: SLF001 public from 3.14 on
+                process.kill()
+        self.executor.shutdown(cancel_futures=True)
+
+    def run(self, jobs: Iterator[Job], room: int) -> Iterator[Any]:
+        """Yield results until the jobs are done or a process has died."""
+        running: dict[Future[Any], Job] = {}
+        again = deque[Job]()
+        broken = False
+        while not broken:
+            while len(running) < room and (job := again.popleft() if again else next(jobs, None)):
+                future = self._submit(job)
+                if future is None:
+                    again.appendleft(job)
+                    broken = True
+                    break
+                running[future] = job
+            if not running:
+                break
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                job = running.pop(future)
+                try:
+                    result = future.result()
+                except BrokenProcessPool:
+                    self.unfinished.append(job)
+                    broken = True
+                    continue
+                if isinstance(result, Missing):
+                    self._sent.pop(job.key, None)
+                    again.append(job)
+                else:
+                    yield result
+        self.unfinished += again
+        for future, job in running.items():  # all of them end with the pool
+            if future.exception() is None and not isinstance(future.result(), Missing):
+                yield future.result()
+            else:
+                self.unfinished.append(job)
+
+    def _submit(self, job: Job) -> "Future[Any] | None":
+        """Submit a job; its values go along until every process should have them."""
+        sent = self._sent.get(job.key, 0)
+        self._sent[job.key] = sent + 1
+        try:
+            with _deaf():
+                return self.executor.submit(run_job, job if sent < self._count else job.bare)
+        except BrokenProcessPool:
+            return None
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Hold back Ctrl-C while a process starts: it inherits this, and leaves Ctrl-C to its parent.
+
+    Otherwise a process that is importing modules would print a traceback.
+    """
+    mask = getattr(signal, "pthread_sigmask", None)
+    if mask is None:
+        yield
+        return
+    before = mask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        mask(signal.SIG_SETMASK, before)
+
+
+def _begin() -> None:
+    """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+    if parent is not None:
+        Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    wait_for([sentinel])
+    os._exit(1)

@@ -1,0 +1,325 @@
+"""Batches here, in processes and on a cluster: all results, once, and the same bytes."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+import toy_work
+from lanes import full
+
+import lipsync_lang as ll
+from lipsync_lang.build import dask_cluster, workers
+from lipsync_lang.build.workers import Job, LostBatch, Missing, parcel_of, run_batches, run_job
+from lipsync_lang.errors import LipsyncError
+
+TESTS = Path(__file__).parent
+OURS = {**os.environ, "PYTHONPATH": os.pathsep.join([str(TESTS.parent), str(TESTS)])}
+HEAVY = [{"name": name, "weight": b"x" * 100_000} for name in "abc"]
+
+
+def heavy(batch):
+    """What a batch of `named` shares with its neighbours."""
+    return HEAVY[batch // 20]
+
+
+def lines():
+    sounds = ("M", "AA", "S", "UW", "F", "IY")
+    return [
+        (n, ll.Schedule((sounds[n % 6], "AA", sounds[(n + 1) % 6]), [0, 0.1, 0.3, 0.4]))
+        for n in range(24)
+    ]
+
+
+# In this process
+
+
+def test_results_come_in_order_and_batches_are_read_as_they_are_needed():
+    read = []
+
+    def batches():
+        for number in range(3):
+            read.append(number)
+            yield (number,)
+
+    results = run_batches(toy_work.doubled, batches(), workers=1)
+    assert read == []
+    assert next(results) == [0]
+    assert read == [0]
+    assert list(results) == [[2], [4]]
+
+
+def test_what_batches_share_is_given_with_them():
+    found = list(run_batches(toy_work.named, range(60), shared=heavy, workers=1))
+    assert found == [(n, "abc"[n // 20], 100_000) for n in range(60)]
+
+
+@pytest.mark.parametrize("count", [0, -1])
+def test_fewer_than_one_worker_is_refused(count):
+    with pytest.raises(LipsyncError, match="give 1 or more"):
+        run_batches(toy_work.doubled, [], workers=count)
+
+
+def test_a_scheduler_and_a_number_of_workers_exclude_each_other():
+    with pytest.raises(LipsyncError, match="either a scheduler or a number"):
+        run_batches(toy_work.doubled, [], workers=2, scheduler="tcp://127.0.0.1:1")
+
+
+# On the way
+
+
+def test_equal_content_has_one_name_and_other_content_another():
+    assert parcel_of({"a": 1}).key == parcel_of({"a": 1}).key != parcel_of({"a": 2}).key
+
+
+def test_a_worker_asks_for_what_it_has_not_got_and_keeps_what_it_got(monkeypatch):
+    monkeypatch.setattr(workers, "opened", type(workers.opened)())
+    job = Job(parcel_of(toy_work.named), parcel_of(HEAVY[0]), 7)
+    assert run_job(job.bare) == Missing(job.key)
+    assert run_job(job) == run_job(job.bare) == (7, "a", 100_000)
+
+
+def test_a_worker_keeps_a_few_values_only(monkeypatch):
+    monkeypatch.setattr(workers, "opened", type(workers.opened)())
+    for number in range(50):
+        run_job(Job(parcel_of(toy_work.named), parcel_of(HEAVY[0] | {"name": number}), 0))
+    assert len(workers.opened) == workers.MAX_OPENED
+
+
+def test_what_batches_share_is_pickled_once(monkeypatch):
+    pickled = []
+    monkeypatch.setattr(
+        workers, "parcel_of", lambda value: pickled.append(value) or parcel_of(value)
+    )
+    jobs = list(workers.pack_jobs(toy_work.named, range(60), heavy))
+    assert len(pickled) == 1 + len(HEAVY)
+    assert len({job.key for job in jobs}) == len(HEAVY)
+
+
+# A cluster's answers, without one
+
+
+class Told:
+    """Client of a cluster with stated versions."""
+
+    def __init__(self, worker=(), scheduler=(), count=1):
+        self.worker, self.scheduler, self.count = dict(worker), dict(scheduler), count
+
+    def wait_for_workers(self, count, timeout):
+        if self.count < count:
+            raise TimeoutError(timeout)
+
+    def get_versions(self, packages):
+        own = {"python": "3.11.7.final.0", "distributed": "2025.1.0", "numpy": "2.1.0"}
+        own |= dict.fromkeys(packages, "0.1.0")
+        return {
+            "client": {"packages": own},
+            "scheduler": {"packages": own | self.scheduler},
+            "workers": {"tcp://far:1": {"packages": own | self.worker}},
+        }
+
+
+@pytest.mark.parametrize(
+    ("client", "words"),
+    [
+        (Told({"python": "3.12.1.final.0"}), "tcp://far:1 has Python 3.12, this machine 3.11"),
+        (Told({"numpy": "1.26.0"}), "numpy 1.26.0, this machine 2.1.0; install the same"),
+        (Told({"lipsync-lang": None}), r"lipsync-lang \(none\), this machine 0.1.0"),
+        (Told(scheduler={"distributed": "2024.8.0"}), "the scheduler has distributed 2024.8.0"),
+        (Told(count=0), "has no workers; start one with `dask worker tcp://s:1 --nthreads 1`"),
+    ],
+)
+def test_a_cluster_of_other_versions_or_without_workers_is_named(client, words):
+    with pytest.raises(LipsyncError, match=words):
+        dask_cluster.check_versions(client, "tcp://s:1")
+
+
+@pytest.mark.parametrize(
+    "client", [Told(), Told({"python": "3.11.2.final.0"}), Told(scheduler={"numpy": None})]
+)
+def test_small_differences_of_a_cluster_are_none(client):
+    dask_cluster.check_versions(client, "tcp://s:1")
+
+
+def test_a_worker_that_does_not_see_the_folder_is_named(tmp_path):
+    class Blind:
+        def run(self, function, *arguments):
+            return {"tcp://far:1": False, "tcp://near:1": function(*arguments)}
+
+    words = "tcp://far:1 does not see this folder; share it"
+    with dask_cluster.sight_mark(tmp_path) as mark, pytest.raises(LipsyncError, match=words):
+        dask_cluster.check_sight(Blind(), tmp_path, mark)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(LipsyncError, match="does not see this folder"):
+        dask_cluster.run_there(mark, b"")
+
+
+# In processes
+
+
+@full
+def test_processes_find_what_this_process_finds():
+    performer = ll.resolve("english", "facefx")
+    known = list(run_batches(toy_work.written, lines(), shared=lambda _: performer, workers=1))
+    found = run_batches(toy_work.written, lines(), shared=lambda _: performer, workers=2)
+    assert sorted(found) == known
+
+
+@full
+def test_a_process_that_dies_loses_nothing(tmp_path):
+    batches = [(n, tmp_path / "died" if n == 5 else None) for n in range(20)]
+    assert sorted(run_batches(toy_work.deadly_once, batches, workers=2)) == list(range(20))
+
+
+@full
+def test_a_batch_that_ends_every_process_is_reported_and_the_others_go_on():
+    batches = ["a", "b", toy_work.FATAL, *"cdefgh"]
+    found = list(run_batches(toy_work.deadly, batches, workers=2))
+    lost = [one for one in found if isinstance(one, LostBatch)]
+    assert [one.batch for one in lost] == [toy_work.FATAL]
+    assert "--workers 1" in lost[0].message
+    assert sorted(one for one in found if isinstance(one, str)) == [*"abcdefgh"]
+
+
+@full
+def test_an_error_of_the_work_is_raised_here():
+    with pytest.raises(ValueError, match="no 0"):
+        list(run_batches(toy_work.refused, [0], workers=2))
+
+
+@full
+def test_who_stops_early_leaves_no_process():
+    with closing(run_batches(toy_work.leisurely, range(10**9), workers=2)) as results:
+        process, _ = next(results)
+    assert not alive(process)
+
+
+def alive(process):
+    """Return True for a process that runs; one that nobody has waited for does not."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state != "Z"
+
+
+ENDLESS = """
+import toy_work
+from lipsync_lang.build.workers import run_batches
+from lipsync_lang.files.signals import Terminated, terminating
+if __name__ == "__main__":
+    try:
+        with terminating():
+            for process, _ in run_batches(toy_work.leisurely, range(10**9), workers=2):
+                print(process, flush=True)
+    except KeyboardInterrupt:
+        raise SystemExit(130)
+    except Terminated as ended:
+        raise SystemExit(ended.code)
+"""
+
+
+@full
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
+)
+def test_a_signal_ends_every_process_without_a_traceback(tmp_path, number, code):
+    script = tmp_path / "endless.py"
+    script.write_text(ENDLESS)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    run = [sys.executable, script]
+    with subprocess.Popen(run, env=OURS, start_new_session=True, **pipes) as started:
+        seen = {int(started.stdout.readline()) for _ in range(20)}
+        if number == signal.SIGINT:
+            os.killpg(started.pid, number)  # as Ctrl-C in a terminal does
+        else:
+            started.send_signal(number)
+        _, told = started.communicate(timeout=60)
+    assert started.returncode == code
+    assert "Traceback" not in told
+    until = time.monotonic() + 30
+    while any(map(alive, seen)) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not any(map(alive, seen))
+
+
+# On a cluster
+
+
+@contextmanager
+def dask(*arguments, says):
+    """Run a program of Dask; yield it and the first group of what it says."""
+    run = [sys.executable, "-m", "dask", *arguments]
+    with subprocess.Popen(run, env=OURS, stderr=subprocess.PIPE, text=True) as started:
+        try:
+            found = next(m for line in started.stderr if (m := re.search(says, line)))
+            threading.Thread(target=started.stderr.read, daemon=True).start()
+            yield started, found[1]
+        finally:
+            started.kill()
+
+
+@contextmanager
+def cluster(count):
+    """Run a scheduler and workers; yield its address and the workers' processes."""
+    from contextlib import ExitStack
+
+    with ExitStack() as stack:
+        host = ("--host", "127.0.0.1", "--port", "0", "--no-dashboard")
+        _, address = stack.enter_context(
+            dask("scheduler", *host, says=r"Scheduler at:\s+(tcp://\S+)")
+        )
+        single = ("--nthreads", "1", "--no-nanny", "--no-dashboard")
+        started = [
+            stack.enter_context(dask("worker", address, *single, says="(Registered to)"))[0]
+            for _ in range(count)
+        ]
+        yield address, started
+
+
+@full
+def test_a_cluster_that_loses_a_worker_finds_the_same_bytes(tmp_path):
+    performer = ll.resolve("english", "facefx")
+    known = list(run_batches(toy_work.written, lines(), shared=lambda _: performer, workers=1))
+    with cluster(2) as (address, started):
+        found = run_batches(
+            toy_work.written, lines(), shared=lambda _: performer, scheduler=address,
+            folder=tmp_path,
+        )  # fmt: skip
+        assert sorted(found) == known
+        results = run_batches(toy_work.leisurely, range(60), scheduler=address)
+        seen = [next(results) for _ in range(20)]
+        assert len({process for process, _ in seen}) == 2
+        started[0].kill()
+        seen += results
+        assert sorted(number for _, number in seen) == list(range(60))
+
+
+@full
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("nowhere", "'nowhere' is no address of a Dask scheduler .missing port"),
+        ("http://127.0.0.1:80", "unknown address scheme"),
+        ("tcp://127.0.0.1:1", "tcp://127.0.0.1:1: no Dask scheduler answers within 1 s"),
+    ],
+)
+def test_a_scheduler_that_is_absent_is_named(monkeypatch, address, words):
+    monkeypatch.setattr(dask_cluster, "LIMIT_SECONDS", 1)
+    with pytest.raises(LipsyncError, match=words):
+        list(run_batches(toy_work.doubled, [(1,)], scheduler=address))
+
+
+@full
+def test_a_scheduler_that_ends_is_named():
+    with cluster(1) as (address, _):
+        results = run_batches(toy_work.leisurely, range(10**6), scheduler=address)
+        next(results)
+    with pytest.raises(LipsyncError, match="the scheduler is gone; what was made stands"):
+        list(results)

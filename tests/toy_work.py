@@ -1,0 +1,52 @@
+"""Work for batches: of a module, because processes and clusters import it by name."""
+
+import os
+import signal
+import time
+from io import BytesIO
+from pathlib import Path
+
+from lipsync_lang.animations.animation_writers import WRITERS
+
+FATAL = "fatal"
+
+
+def doubled(batch):
+    return [2 * number for number in batch]
+
+
+def named(batch, shared):
+    return batch, shared["name"], len(shared["weight"])
+
+
+def refused(batch):
+    raise ValueError(f"no {batch}")
+
+
+def deadly(batch):
+    """End the process on one batch, however often it is run."""
+    if batch == FATAL:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return batch
+
+
+def deadly_once(batch):
+    """End the process of the batch that finds no file, and leave the file."""
+    number, file = batch
+    if file is not None and not Path(file).exists():
+        Path(file).touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def leisurely(batch):
+    time.sleep(0.05)
+    return os.getpid(), batch
+
+
+def written(batch, performer):
+    """Return the number of a line and its CSV."""
+    number, schedule = batch
+    out = BytesIO()
+    WRITERS["csv"].write(performer.perform(schedule, 30), out)
+    return number, out.getvalue()
