@@ -23,12 +23,15 @@ $(BIN)/python:
 	$(PYTHON) -m venv --without-pip $(VENV)
 	@$(PYTHON) -m pip --quiet --python $@ install --no-compile pip 2> /dev/null || $(PYTHON) -m venv $(VENV)
 
+# Where a C compiler is, an editable install builds the compiled kernel in place.
+KERNEL := hatch_build.py lipsync_lang/pipeline/kernel.c
+
 # Bytecode of 2,000 modules, most of which the demo never imports, takes 10 s and 40 MB.
-$(VENV)/demo: pyproject.toml | $(BIN)/python
+$(VENV)/demo: pyproject.toml $(KERNEL) | $(BIN)/python
 	$(PIP) --no-compile --editable '.[speech,plot,studio]'
 	touch $@
 
-$(VENV)/ready: pyproject.toml | $(BIN)/python
+$(VENV)/ready: pyproject.toml $(KERNEL) | $(BIN)/python
 	$(PIP) --editable '.[all,dev]'
 	touch $(VENV)/demo $@
 

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from lanes import costly, full, swept
 
 from lipsync_lang.cli import main, parser
+from lipsync_lang.pipeline import kernel
 from lipsync_lang.version import __version__
 
 try:
@@ -134,7 +135,7 @@ def test_every_option_is_in_the_reference(words, root):
 
 
 def test_the_version_is_printed(cli):
-    assert cli("--version").out == f"lipsync-lang {__version__}\n"
+    assert cli("--version").out == f"lipsync-lang {__version__} ({kernel.summary()})\n"
 
 
 @pytest.mark.parametrize("arguments", [[], ["dance"], ["bank"], ["run", "--fps"]])

@@ -15,7 +15,7 @@ from lanes import full, swept
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.performing.resolving import resolve
-from lipsync_lang.pipeline import PRESETS
+from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.render.plot import FORMATS, STAGES, plot
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 

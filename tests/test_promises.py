@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from lanes import full
+from lanes import full, swept
 from strategies import RATES, Line, any_lines, lines, motions, random_curves, real
 
 from lipsync_lang import Schedule, resolve
+from lipsync_lang.pipeline import kernel, kernel_plan
 from lipsync_lang.pipeline.limit import envelope, lower_envelope, upper_envelope
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.prepare import GIVEN, prepare
@@ -21,6 +22,27 @@ from lipsync_lang.pipeline.smooth import chord, closing, closing_within
 EXACT = 1e-9
 MOVED = 1e-6
 LEAD = 0.25
+
+
+IN_BOTH = {
+    "test_weights_stay_between_0_and_1",
+    "test_no_pose_passes_its_speed_limit_between_any_two_frames",
+    "test_every_contact_is_seen_however_short_the_phoneme",
+    "test_blocks_agree_with_the_whole",
+}
+"""Tests that stay quick with either arithmetic; the others are quick with the compiled one."""
+
+
+def pytest_generate_tests(metafunc):
+    quick = 2 if metafunc.function.__name__ in IN_BOTH else 1
+    metafunc.parametrize("arithmetic", swept(("compiled", "numpy"), quick), indirect=True)
+
+
+@pytest.fixture(autouse=True)
+def arithmetic(request, monkeypatch):
+    """Run the stages in the compiled kernel, where there is one, or in numpy."""
+    if request.param == "numpy":
+        monkeypatch.setattr(kernel, "compiled", None)
 
 
 def weights_of(line, motion, fps):
@@ -304,15 +326,23 @@ def test_rounding_never_chooses_the_phoneme_of_a_frame_on_a_boundary(fps):
 module = import_module("lipsync_lang.pipeline.perform")
 
 
+def weights_in_blocks(performance, block):
+    """Return the weights of a performance that is worked on so many frames at once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "BLOCK", block)
+        patch.setattr(kernel_plan, "block_of", lambda _: block)
+        vars(performance.prepared).pop("_plan", None)
+        weights = performance.weights()
+        vars(performance.prepared).pop("_plan", None)
+        return weights
+
+
 @given(any_lines(longest=40), motions(), RATES, st.integers(1, 200))
 def test_blocks_agree_with_the_whole(line, motion, fps, block):
     performance = line.perform(motion, fps)
     block = max(block, performance.frames.count // 40)
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "BLOCK", performance.frames.count)
-        whole = performance.weights()
-        patch.setattr(module, "BLOCK", block)
-        parts = performance.weights()
+    whole = weights_in_blocks(performance, performance.frames.count)
+    parts = weights_in_blocks(performance, block)
     assert np.abs(whole - parts).max() <= MOVED
 
 
@@ -325,9 +355,8 @@ def test_blocks_agree_with_the_whole_over_ten_minutes(smooth):
     performance = Line(tables, ids, times).perform(Motion(smooth=smooth), 60)
     assert performance.frames.count > 3 * module.BLOCK
     usual = performance.weights()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "BLOCK", performance.frames.count)
-        assert np.abs(performance.weights() - usual).max() <= MOVED
+    whole = weights_in_blocks(performance, performance.frames.count)
+    assert np.abs(whole - usual).max() <= MOVED
     step = performance.motion.speed_limit / 60
     assert np.abs(np.diff(usual, axis=0)).max() <= step + EXACT
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import runpy
 import subprocess
 import sys
 import tarfile
@@ -15,6 +16,9 @@ from lanes import full
 import lipsync_lang as ll
 
 SCHEDULE = [{"label": "HH", "start": 0, "end": 0.1}, {"label": "AY1", "start": 0.1, "end": 0.3}]
+LIBRARIES = {".so", ".pyd"}
+"""Suffixes of compiled modules."""
+
 UNREACHABLE = (
     "Temporary failure in name resolution",
     "Failed to establish a new connection",
@@ -71,6 +75,11 @@ def start(installed, tmp_path, monkeypatch):
     return lambda *arguments: run(installed / "lipsync-lang", *arguments)
 
 
+def hatch_build():
+    """Return what the build hook defines."""
+    return runpy.run_path(str(Path(__file__).parents[1] / "hatch_build.py"))
+
+
 def members(archive):
     """List the files of a wheel or a source archive, without the folder around the latter."""
     if archive.suffix == ".whl":
@@ -88,26 +97,59 @@ def tracked(root, *folders):
 def test_the_wheel_holds_the_code_and_the_packs_and_nothing_else(dist, root):
     (wheel,) = dist.glob("*.whl")
     packs = {f"lipsync_lang/data/{name}" for name in tracked(root, "languages", "posesets")}
-    code = tracked(root, "lipsync_lang")
+    code = {name for name in tracked(root, "lipsync_lang") if Path(name).suffix not in LIBRARIES}
     assert "lipsync_lang/py.typed" in code
     assert "lipsync_lang/data/languages/common.yaml" in packs
     found = members(wheel)
     about = {name for name in found if ".dist-info/" in name}
-    assert found - about == packs | code
+    compiled = {name for name in found if Path(name).suffix in LIBRARIES}
+    assert found - about - compiled == packs | code
     assert any(name.endswith("/licenses/LICENSE") for name in about)
+
+
+def test_the_wheel_holds_the_kernel_where_there_is_a_compiler(dist, tmp_path):
+    (wheel,) = dist.glob("*.whl")
+    compiled = {name for name in members(wheel) if Path(name).suffix in LIBRARIES}
+    if isinstance(hatch_build()["compiled_or_reason"](tmp_path), str):
+        assert not compiled
+        assert wheel.name.endswith("-py3-none-any.whl")
+        return
+    (library,) = compiled
+    assert library.startswith("lipsync_lang/pipeline/_kernel.")
+    assert "-cp311-abi3-" in wheel.name
+
+
+def test_a_failing_compiler_costs_only_speed(root, tmp_path):
+    built = run(
+        sys.executable, "-m", "build", "--no-isolation", "--wheel", "--outdir", tmp_path,
+        cwd=root, env={**os.environ, "CC": "no-such-compiler", "LIPSYNC_LANG_KERNEL": "off"},
+    )  # fmt: skip
+    assert built.returncode == 0, built.stdout + built.stderr
+    assert "no compiled kernel, which costs only speed" in built.stdout + built.stderr
+    (wheel,) = tmp_path.glob("*.whl")
+    assert wheel.name.endswith("-py3-none-any.whl")
+    assert not {name for name in members(wheel) if Path(name).suffix in LIBRARIES}
 
 
 def test_the_source_archive_holds_what_is_needed_to_build_and_test(dist, root):
     (archive,) = dist.glob("*.tar.gz")
     found = members(archive)
-    assert found >= tracked(root, "lipsync_lang", "languages", "posesets")
+    needed = tracked(root, "lipsync_lang", "languages", "posesets")
+    assert found >= {name for name in needed if Path(name).suffix not in LIBRARIES}
     assert found >= {path for path in tracked(root, "tests") if path.endswith(".py")}
-    assert found >= {"LICENSE", "README.md", "pyproject.toml", "Makefile", "PKG-INFO"}
+    assert found >= {
+        "LICENSE",
+        "README.md",
+        "pyproject.toml",
+        "hatch_build.py",
+        "Makefile",
+        "PKG-INFO",
+    }
 
 
 def test_the_installed_program_runs_without_the_checkout(start, root):
     done = start("--version")
-    assert done.stdout == f"lipsync-lang {ll.__version__}\n"
+    assert done.stdout.startswith(f"lipsync-lang {ll.__version__} (")
     done = start("languages", "list", "--json")
     rows = json.loads(done.stdout)
     assert {path.stem for path in (root / "languages").glob("*.yaml")} - {"common", "ipa"} == {

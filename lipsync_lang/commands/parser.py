@@ -28,6 +28,7 @@ from lipsync_lang.commands.shared_options import (
 )
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.files import argument_path
+from lipsync_lang.pipeline import kernel
 from lipsync_lang.version import __version__
 
 Command = Callable[[argparse.Namespace], int]
@@ -46,7 +47,8 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     top.color = False  # type: ignore[attr-defined] # Python 3.14 would colour what is spelled out
-    top.add_argument("--version", action="version", version=f"lipsync-lang {__version__}")
+    version = f"lipsync-lang {__version__} ({kernel.summary()})"
+    top.add_argument("--version", action="version", version=version)
     known = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
     def add(name: str, command: Command, title: str, example: str) -> argparse.ArgumentParser:

@@ -7,21 +7,5 @@ Arrays in, arrays out: no files, no clock, no names. Throughout:
 - row 0 of the tables is rest, which stands in for a bigram that no layer has.
 
 Order: surround and pair, warp, stitch, lay over, smooth, hold contacts, limit speed, constrain.
-Each module states its conventions and where it leaves the paper.
+Each module states its conventions and where it leaves the paper. `kernel.c` repeats them, compiled.
 """
-
-from lipsync_lang.pipeline.motion import PRESETS, Motion
-from lipsync_lang.pipeline.perform import Performance, perform
-from lipsync_lang.pipeline.tables import Contact, Tables
-from lipsync_lang.pipeline.track import Track, lay_track
-
-__all__ = [
-    "PRESETS",
-    "Contact",
-    "Motion",
-    "Performance",
-    "Tables",
-    "Track",
-    "lay_track",
-    "perform",
-]

@@ -8,10 +8,12 @@ are stitch, smooth, constrain and limit.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang.pipeline import kernel_plan
 from lipsync_lang.pipeline.anticipate import anticipate
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import constrain
@@ -66,14 +68,26 @@ class Performance:
     frames: Frames
     prepared: Prepared
     """The settings at this frame rate."""
-    held: tuple[tuple[Bools, Bools], ...]
-    """For each contact: (n,) the phonemes that demand it and (T,) the frames that hold it."""
     overlays: tuple[Overlay, ...]
     blends: tuple[Blend, ...] = ()
     dials: tuple[Dial, ...] = ()
 
+    @cached_property
+    def held(self) -> tuple[tuple[Bools, Bools], ...]:
+        """For each contact: (n,) the phonemes that demand it and (T,) the frames that hold it."""
+        track, frames = self.track, self.frames
+        first = frames.start + frames.first / frames.fps
+        wanted = [demands(contact, track) for contact in self.tables.contacts]
+        return tuple(
+            (one, held_frames(one, track, first, frames.fps, frames.count)) for one in wanted
+        )
+
     def weights(self) -> Floats:
-        """Run every stage: (T, P)."""
+        """Run every stage: (T, P); in the compiled kernel, where it serves."""
+        tables, motion = self.tables, self.motion
+        if kernel_plan.serves(motion) and not (self.overlays or self.blends):
+            plan = kernel_plan.plan_of(tables, motion, self.prepared, self.frames.fps)
+            return kernel_plan.weigh(tables, self.track, self.frames, plan, self.dials)
         if self.frames.count <= BLOCK or self.far:
             return np.ascontiguousarray(self.last(0, self.frames.count).T)
         out = np.empty((self.frames.count, len(self.tables.priority)))
@@ -289,7 +303,7 @@ def perform(  # noqa: PLR0913 what is said, and how
     dials: tuple[Dial, ...] = (),
     frames: Frames | None = None,
 ) -> Performance:
-    """Prepare a track's performance: its frames, and where its contacts are held.
+    """Prepare a track's performance, and choose its frames.
 
     Parameters
     ----------
@@ -299,11 +313,4 @@ def perform(  # noqa: PLR0913 what is said, and how
     prepared = prepare(tables, motion, fps)
     if frames is None:
         frames = lay_frames(track, motion, fps, prepared.lead)
-    first = frames.start + frames.first / fps
-    held = []
-    for contact in tables.contacts:
-        wanted = demands(contact, track)
-        held.append((wanted, held_frames(wanted, track, first, fps, frames.count)))
-    return Performance(
-        tables, track, motion, frames, prepared, tuple(held), overlays, blends, dials
-    )
+    return Performance(tables, track, motion, frames, prepared, overlays, blends, dials)

@@ -1,0 +1,1008 @@
+/* The stages of a performance, compiled.
+
+The numpy modules beside this file are its specification: every function here names the one that it
+repeats, in the same order of operations wherever a comparison follows. The result agrees with theirs
+to 1e-12. `kernel.py` prepares what is passed in, and says which settings are served.
+
+Conventions: times are seconds; curves are (P, width), one row of frames per pose, as in the modules;
+the tables and the result are (T, P). Sums run over frames or taps in a fixed order, so the same input
+gives the same bytes, alone or in a batch, on every machine with IEEE doubles.
+
+Safety: sizes are checked against the buffers, and numbers that become indices against their range,
+before any is used. There is no static state; the GIL is released while the stages run. */
+
+#define PY_SSIZE_T_CLEAN
+#define Py_LIMITED_API 0x030B0000
+#include <Python.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__)
+#define WIDE_VECTORS __attribute__((target_clones("avx2", "default"))) /* the loader chooses one */
+#else
+#define WIDE_VECTORS
+#endif
+
+#if defined(_MSC_VER)
+#define RESTRICT __restrict
+#define INLINE static __forceinline
+#else
+#define RESTRICT restrict
+#define INLINE static inline __attribute__((always_inline))
+#endif
+
+typedef Py_ssize_t Size;
+typedef unsigned char Byte;
+
+#define INTERFACE 1         /* kernel.py: another number wherever calls or arguments change */
+#define RESOLUTION 128      /* tables.py */
+#define TOUCH 1e-7          /* warp.py */
+#define MARGIN 0.030        /* hold.py */
+#define SHORTEST 0.042      /* hold.py */
+#define TAPS 3              /* of a kernel, on each side, in one pass over a row */
+#define LANES 4             /* poses read at once */
+#define CHAINS 8            /* rows whose running minima are computed at once */
+#define LATEST 1e9          /* seconds; beyond it frames have no place */
+#define MAX_VIEWS 20
+
+INLINE double least(double a, double b) { return a < b ? a : b; }
+INLINE double most(double a, double b) { return a > b ? a : b; }
+INLINE Size least_size(Size a, Size b) { return a < b ? a : b; }
+INLINE Size most_size(Size a, Size b) { return a > b ? a : b; }
+
+/* ---------------------------------------------------------------- what is prepared once */
+
+typedef struct {
+    Py_buffer view[MAX_VIEWS];
+    int views;
+} Views;
+
+typedef struct {
+    Views views;
+    Size rows, poses, phonemes, silence;
+    const float *curves;    /* (rows, RESOLUTION + 1, poses) */
+    const double *boundary; /* (rows,) */
+    const Byte *free;       /* (rows,) */
+    const Size *pairs;      /* (phonemes, phonemes) */
+} Bank;
+
+enum { CROSSFADE, LINEAR, HOLD, BEFORE, CLIP_HELD, CLIP_SLOW, TOPPED, AGAIN, FLAGS };
+enum { POSES, PHONEMES, CONTACTS, EARLY, AHEAD, BINDING, PAIRS, RAMP, WIDE, SHARED, HALO, BLOCK, LEAD, SIZES };
+enum { FPS, STEP, SILENCE_REACH, SOUND_REACH, NUMBERS };
+
+typedef struct {
+    Views views;
+    PyObject *empty;             /* numpy.empty */
+    const Byte *flag;            /* (FLAGS,) */
+    const Size *size;            /* (SIZES,) */
+    const double *number;        /* (NUMBERS,) */
+    const double *ramps;         /* (P, RAMP) */
+    const Size *early;           /* (EARLY,) poses */
+    const double *left;          /* (EARLY, AHEAD + 1) */
+    const double *blocked;       /* (EARLY, P) */
+    const Byte *opposed;         /* (EARLY, PHONEMES) */
+    const Byte *demands;         /* (CONTACTS, PHONEMES) */
+    const double *levels;        /* (CONTACTS, 2, P) */
+    const double *tops;          /* (P,) */
+    const Byte *upper;           /* (P,) */
+    const Size *low;             /* (BINDING,) */
+    const double *threshold;     /* (BINDING,) */
+    const Byte *high;            /* (BINDING, P) */
+    const Size *at_most;         /* (PAIRS, 2) */
+    const double *wide;          /* (P, WIDE + 1) half kernels; 0 in the middle where there is none */
+    const double *shared;        /* (P, SHARED + 1) */
+} Plan;
+
+typedef struct {
+    Size count;             /* n */
+    const Size *ids;        /* (n,) */
+    const double *bounds;   /* (n + 1,) */
+    const double *reach;    /* (n,) */
+    const double *moving;   /* (n,) */
+    const Size *rows;       /* (n - 1,) */
+    const Byte *waived;     /* (n,) */
+} Track;
+
+typedef struct {
+    double start;
+    Size first, count;
+} Frames;
+
+typedef struct {
+    Py_buffer view[3];
+    const Byte *poses;
+    const double *times, *values;
+    Size count;
+} Dial;
+
+typedef struct {
+    double *curves;  /* (P, stride) */
+    double *joined;  /* (stride, P) */
+    double *fresh;   /* (EARLY, stride) */
+    double *room;    /* (stride,) */
+    double *row;     /* (stride + 2 reach,) */
+    Size *phoneme;   /* (stride,) */
+    Size stride;
+} Scratch;
+
+/* ---------------------------------------------------------------- track.py, perform.py */
+
+/* `lay_track`, without blends; fills arrays of n + 2 phonemes. */
+static void lay_track(const Bank *bank, const Plan *plan, const Size *given, const double *times, Size count,
+                      Track *track, Size *ids, double *bounds, double *reach, double *moving, Size *rows,
+                      Byte *waived, int *head, int *tail)
+{
+    const Size silence = bank->silence;
+    const double far = most(plan->number[SILENCE_REACH], 1e-9);
+    Size n = 0;
+    *head = given[0] != silence;
+    *tail = given[count - 1] != silence;
+    if (*head) {
+        ids[n] = silence;
+        bounds[n++] = times[0] - far;
+    }
+    for (Size i = 0; i < count; i++) {
+        if (i && given[i] == silence && given[i - 1] == silence)
+            continue;
+        ids[n] = given[i];
+        bounds[n++] = times[i];
+    }
+    bounds[n] = times[count];
+    if (*tail) {
+        ids[n++] = silence;
+        bounds[n] = times[count] + far;
+    }
+    if (!*head)
+        bounds[0] = least(bounds[0], bounds[1] - far);
+    if (!*tail)
+        bounds[n] = most(bounds[n], bounds[n - 1] + far);
+    memset(waived, 0, (size_t)n);
+    for (Size i = 0; i < n; i++) {
+        const int quiet = ids[i] == silence;
+        const double length = bounds[i + 1] - bounds[i];
+        moving[i] = least(length, quiet ? far : plan->number[SOUND_REACH]);
+        reach[i] = quiet ? moving[i] : length;
+        if (i + 1 < n) {
+            rows[i] = bank->pairs[ids[i] * bank->phonemes + ids[i + 1]];
+            waived[i] |= bank->free[rows[i]];
+            waived[i + 1] |= bank->free[rows[i]];
+        }
+    }
+    *track = (Track){n, ids, bounds, reach, moving, rows, waived};
+}
+
+/* `_frames_until` */
+static double frames_until(const Plan *plan, double edge, double sound)
+{
+    const double fps = plan->number[FPS];
+    const double reached = floor((sound + plan->number[SILENCE_REACH]) * fps + 1e-6);
+    const double held = floor((sound + most(SHORTEST, 1 / fps) / 2) * fps + 1e-6);
+    const double until = most(ceil(edge * fps - 1e-6), reached);
+    return plan->size[LEAD] ? most(until, held + (double)plan->size[LEAD]) : until;
+}
+
+/* `lay_frames` */
+static Frames lay_frames(const Plan *plan, const Track *track, double start, double end, int head, int tail)
+{
+    const double opening = head ? 0 : track->bounds[1] - start;
+    const double closing = tail ? 0 : end - track->bounds[track->count - 1];
+    const double length = end - start;
+    const Size first = -(Size)frames_until(plan, 0, -opening);
+    const Size last = (Size)frames_until(plan, length, length - closing);
+    return (Frames){start, first, last - first + 1};
+}
+
+INLINE double seconds(const Plan *plan, const Frames *frames, Size frame)
+{
+    return frames->start + (double)(frames->first + frame) / plan->number[FPS];
+}
+
+/* ---------------------------------------------------------------- warp.py, stitch.py */
+
+typedef struct {
+    const float *under; /* (2, P): the table's row at the step before, and after */
+    double part;
+} Read;
+
+/* `_read` */
+INLINE Read read_at(const Bank *bank, Size row, double position)
+{
+    const double steps = least(most(position * RESOLUTION, 0), RESOLUTION - 1e-9);
+    Size low = (Size)steps;
+    if ((size_t)low >= RESOLUTION)
+        low = RESOLUTION - 1;
+    return (Read){bank->curves + (row * (RESOLUTION + 1) + low) * bank->poses, steps - (double)low};
+}
+
+INLINE double value_at(Read read, Size poses, Size pose)
+{
+    const float under = read.under[pose], difference = read.under[poses + pose] - under;
+    return (double)difference * read.part + (double)under;
+}
+
+/* `stitch` of one frame, for poses `from` to `to` */
+INLINE void join(Read ending, Read beginning, Size poses, Size from, Size to, double *RESTRICT out)
+{
+    for (Size p = from; p < to; p++)
+        out[p] = most(value_at(ending, poses, p), value_at(beginning, poses, p));
+}
+
+/* The number of a frame's phoneme: as many inner bounds as are not after it. */
+static Size phoneme_at(const Track *track, double time)
+{
+    Size low = 1, high = track->count; /* of bounds[1:-1] */
+    while (low < high) {
+        const Size middle = (low + high) / 2;
+        if (track->bounds[middle] <= time)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low - 1;
+}
+
+/* `locate`, `warp` and `stitch` */
+INLINE void stitch(const Bank *bank, const Plan *plan, const Track *track, const Frames *frames, Size low,
+                   Size width, Scratch *s)
+{
+    const Size poses = bank->poses, last = track->count - 1, stride = s->stride;
+    const int crossfade = plan->flag[CROSSFADE], linear = plan->flag[LINEAR];
+    Size at = phoneme_at(track, seconds(plan, frames, low) + TOUCH), known = -1;
+    double boundary[2] = {0, 0};
+    Size rows[2] = {0, 0};
+    for (Size t = 0; t < width; t++) {
+        const double time = seconds(plan, frames, low + t);
+        while (at < last && track->bounds[at + 1] <= time + TOUCH)
+            at++;
+        if (at != known) {
+            for (int side = 0; side < 2; side++) { /* rest before the first phoneme and after the last */
+                const Size bigram = at - 1 + side;
+                const int inside = bigram >= 0 && bigram < last;
+                rows[side] = inside ? track->rows[bigram] : 0;
+                boundary[side] = !inside ? 0
+                                 : linear ? track->moving[bigram] / (track->moving[bigram] + track->moving[bigram + 1])
+                                          : bank->boundary[rows[side]];
+            }
+            known = at;
+        }
+        s->phoneme[t] = at;
+        const double moving = track->moving[at];
+        double passed = time - track->bounds[at], left = track->bounds[at + 1] - time;
+        if (moving < track->reach[at]) {
+            passed = least(passed, most(moving / 2, moving - left));
+            left = moving - passed;
+        }
+        const double coming = fabs(passed - moving) <= TOUCH ? 1.0 : most(passed, 0) / moving;
+        const double going = fabs(left - moving) <= TOUCH ? 0.0 : 1 - left / moving;
+        double *RESTRICT out = s->joined + t * poses;
+        const Read ending = read_at(bank, coming <= 1 ? rows[0] : 0, boundary[0] + (1 - boundary[0]) * coming);
+        const Read beginning = read_at(bank, going >= 0 ? rows[1] : 0, boundary[1] * going);
+        if (crossfade) {
+            const double share = least(most(going, 0), 1);
+            for (Size p = 0; p < poses; p++)
+                out[p] = value_at(ending, poses, p) * (1 - share) + value_at(beginning, poses, p) * share;
+        } else {
+            Size p = 0;
+            for (; p + LANES <= poses; p += LANES) /* a fixed length, so that it becomes vectors */
+                join(ending, beginning, poses, p, p + LANES, out);
+            join(ending, beginning, poses, p, poses, out);
+        }
+    }
+    if (last == 0) /* nothing but silence */
+        memset(s->joined, 0, (size_t)(width * poses) * sizeof(double));
+    for (Size p = 0; p < poses; p++) {
+        const double *RESTRICT from = s->joined + p;
+        double *RESTRICT row = s->curves + p * stride;
+        for (Size t = 0; t < width; t++)
+            row[t] = from[t * poses];
+    }
+}
+
+/* ---------------------------------------------------------------- levels.py */
+
+/* `scale`: numpy.interp of each level, walked along the frames */
+INLINE void scale(const Plan *plan, const Dial *dials, Size dial_count, const Frames *frames, Size low, Size width,
+                  Scratch *s)
+{
+    const Size poses = plan->size[POSES];
+    double *RESTRICT level = s->row;
+    for (Size d = 0; d < dial_count; d++) {
+        const Dial *dial = dials + d;
+        const double *at = dial->times, *value = dial->values;
+        const Size last = dial->count - 1;
+        Size k = -1; /* the last point that is not after the frame */
+        for (Size t = 0; t < width; t++) {
+            const double time = seconds(plan, frames, low + t);
+            while (k < last && at[k + 1] <= time)
+                k++;
+            if (k < 0)
+                level[t] = value[0];
+            else if (k == last)
+                level[t] = value[last];
+            else
+                level[t] = (value[k + 1] - value[k]) / (at[k + 1] - at[k]) * (time - at[k]) + value[k];
+        }
+        for (Size p = 0; p < poses; p++) {
+            double *RESTRICT row = s->curves + p * s->stride;
+            if (dial->poses[p])
+                for (Size t = 0; t < width; t++)
+                    row[t] *= level[t];
+        }
+    }
+    for (Size p = 0; p < poses; p++) {
+        double *RESTRICT row = s->curves + p * s->stride;
+        int scaled = 0;
+        for (Size d = 0; d < dial_count; d++)
+            scaled |= dials[d].poses[p];
+        if (scaled)
+            for (Size t = 0; t < width; t++)
+                row[t] = least(row[t], 1);
+    }
+}
+
+/* ---------------------------------------------------------------- anticipate.py */
+
+/* `_room` and `anticipate` */
+INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch *s)
+{
+    const Size poses = plan->size[POSES], phonemes = plan->size[PHONEMES], ahead = plan->size[AHEAD];
+    for (Size r = 0; r < plan->size[EARLY]; r++) {
+        double *RESTRICT room = s->room, *RESTRICT out = s->fresh + r * s->stride;
+        const double *RESTRICT own = s->curves + plan->early[r] * s->stride;
+        const double *left = plan->left + r * (ahead + 1), *blocked = plan->blocked + r * poses;
+        const Byte *opposed = plan->opposed + r * phonemes;
+        for (Size t = 0; t < width; t++)
+            room[t] = 1;
+        for (Size p = 0; p < poses; p++) {
+            const double *RESTRICT row = s->curves + p * s->stride;
+            const double much = blocked[p];
+            if (much != 0)
+                for (Size t = 0; t < width; t++)
+                    room[t] -= much * row[t];
+        }
+        for (Size t = 0; t < width; t++)
+            room[t] = opposed[track->ids[s->phoneme[t]]] ? 0 : most(room[t], 0);
+        double *RESTRICT narrowest = s->row;
+        memcpy(out, own, (size_t)width * sizeof(double));
+        memcpy(narrowest, room, (size_t)width * sizeof(double));
+        for (Size far = 1; far <= ahead && far < width && left[far] > 0; far++) {
+            const double *RESTRICT later = own + far, *RESTRICT between = room + far;
+            const double share = left[far];
+            for (Size t = 0; t < width - far; t++) {
+                out[t] = most(out[t], least(share * later[t], narrowest[t]));
+                narrowest[t] = least(narrowest[t], between[t]);
+            }
+        }
+    }
+    for (Size r = 0; r < plan->size[EARLY]; r++)
+        memcpy(s->curves + plan->early[r] * s->stride, s->fresh + r * s->stride, (size_t)width * sizeof(double));
+}
+
+/* ---------------------------------------------------------------- soften.py */
+
+/* `_round`: `reach` is a multiple of TAPS, the half kernel being filled up with zeros */
+INLINE void round_off(double *RESTRICT row, Size width, const double *half, Size reach, double *RESTRICT padded)
+{
+    memset(padded, 0, (size_t)reach * sizeof(double));
+    memcpy(padded + reach, row, (size_t)width * sizeof(double));
+    memset(padded + reach + width, 0, (size_t)reach * sizeof(double));
+    const double *RESTRICT c = padded + reach;
+    const double middle = half[0];
+    for (Size j = 1; j <= reach; j += TAPS) {
+        const double one = half[j], two = half[j + 1], three = half[j + 2];
+        if (j == 1)
+            for (Size t = 0; t < width; t++)
+                row[t] = middle * c[t] + one * (c[t - 1] + c[t + 1]) + two * (c[t - 2] + c[t + 2]) +
+                         three * (c[t - 3] + c[t + 3]);
+        else
+            for (Size t = 0; t < width; t++)
+                row[t] += one * (c[t - j] + c[t + j]) + two * (c[t - j - 1] + c[t + j + 1]) +
+                          three * (c[t - j - 2] + c[t + j + 2]);
+    }
+}
+
+/* `soften` */
+INLINE void soften(const Plan *plan, const double *kernels, Size reach, Size width, Scratch *s)
+{
+    for (Size p = 0; reach && p < plan->size[POSES]; p++) {
+        const double *half = kernels + p * (reach + 1);
+        Size own = reach;
+        while (own && half[own] == 0 && half[own - 1] == 0 && half[own - 2] == 0)
+            own -= TAPS;
+        if (half[0] > 0)
+            round_off(s->curves + p * s->stride, width, half, most_size(own, TAPS), s->row);
+    }
+}
+
+/* ---------------------------------------------------------------- hold.py */
+
+/* `held_frames` and `hold`, over the phonemes near the frames */
+INLINE void hold(const Plan *plan, const Track *track, const Frames *frames, Size low, Size width, Scratch *s)
+{
+    const Size poses = plan->size[POSES], n = track->count;
+    const double fps = plan->number[FPS], reach = most(SHORTEST, 1 / fps) / 2;
+    const double origin = frames->start + (double)frames->first / fps;
+    const Size begin = phoneme_at(track, seconds(plan, frames, low) - reach - 2 / fps);
+    const Size stop = phoneme_at(track, seconds(plan, frames, low + width) + reach + 2 / fps) + 1;
+    for (Size c = 0; c < plan->size[CONTACTS]; c++) {
+        const Byte *demanding = plan->demands + c * plan->size[PHONEMES];
+        const double *floors = plan->levels + c * 2 * poses, *ceilings = floors + poses;
+        for (Size at = begin; at < stop; at++) {
+            if (!demanding[track->ids[at]] || track->waived[at])
+                continue;
+            const Size before = at ? at - 1 : n - 1, after = at + 1 < n ? at + 1 : at;
+            const int since = demanding[track->ids[before]] && !track->waived[before];
+            const int on = after != at && demanding[track->ids[after]] && !track->waived[after];
+            const double start = track->bounds[at], end = track->bounds[at + 1], middle = (start + end) / 2;
+            const double from = least(since ? start : start + MARGIN, middle - reach);
+            const double to = most(on ? end : end - MARGIN, middle + reach);
+            const Size one = most_size((Size)ceil((from - origin) * fps - 1e-6) - low, 0);
+            const Size past = least_size((Size)floor((to - origin) * fps + 1e-6) + 1 - low, width);
+            for (Size p = 0; p < poses; p++) {
+                double *RESTRICT row = s->curves + p * s->stride;
+                for (Size t = one; t < past; t++)
+                    row[t] = least(most(row[t], floors[p]), ceilings[p]);
+            }
+        }
+    }
+}
+
+/* ---------------------------------------------------------------- limit.py, constrain.py */
+
+/* `rest_at_ends` */
+INLINE void rest_at_ends(const Plan *plan, Size width, int head, int tail, Scratch *s)
+{
+    const Size count = least_size(width, plan->size[RAMP]);
+    for (Size p = 0; p < plan->size[POSES]; p++) {
+        double *row = s->curves + p * s->stride;
+        const double *ramp = plan->ramps + p * plan->size[RAMP];
+        for (Size t = 0; head && t < count; t++)
+            row[t] = least(row[t], ramp[t]);
+        for (Size t = 0; tail && t < count; t++)
+            row[width - 1 - t] = least(row[width - 1 - t], ramp[t]);
+    }
+}
+
+/* `lower_envelope` of some rows at once: each minimum waits for the one before it, not for its neighbours */
+INLINE void lower_rows(double *const *rows, Size width, double step, const int count)
+{
+    double slow[CHAINS];
+    for (int i = 0; i < count; i++)
+        slow[i] = rows[i][0];
+    for (Size t = 1; t < width; t++)
+        for (int i = 0; i < count; i++) {
+            slow[i] = least(rows[i][t], slow[i] + step);
+            rows[i][t] = slow[i];
+        }
+    for (Size t = width - 2; t >= 0; t--)
+        for (int i = 0; i < count; i++) {
+            slow[i] = least(rows[i][t], slow[i] + step);
+            rows[i][t] = slow[i];
+        }
+}
+
+INLINE void flip(double *RESTRICT row, Size width)
+{
+    for (Size t = 0; t < width; t++)
+        row[t] = -row[t];
+}
+
+/* `envelope`: an upper one is the lower one of the negative, negated */
+INLINE void limit(const Plan *plan, Size width, Scratch *s)
+{
+    const Size poses = plan->size[POSES];
+    const double step = plan->number[STEP];
+    const Size groups = (poses + CHAINS - 1) / CHAINS;
+    for (Size p = 0; p < poses; p++)
+        if (plan->upper[p])
+            flip(s->curves + p * s->stride, width);
+    for (Size g = 0; g < groups; g++) {
+        double *rows[CHAINS];
+        const Size begin = g * poses / groups;
+        const int count = (int)((g + 1) * poses / groups - begin);
+        for (int i = 0; i < count; i++)
+            rows[i] = s->curves + (begin + i) * s->stride;
+        switch (count) { /* each its own loop, with its minima in registers */
+        case 1: lower_rows(rows, width, step, 1); break;
+        case 2: lower_rows(rows, width, step, 2); break;
+        case 3: lower_rows(rows, width, step, 3); break;
+        case 4: lower_rows(rows, width, step, 4); break;
+        case 5: lower_rows(rows, width, step, 5); break;
+        case 6: lower_rows(rows, width, step, 6); break;
+        case 7: lower_rows(rows, width, step, 7); break;
+        default: lower_rows(rows, width, step, CHAINS); break;
+        }
+    }
+    for (Size p = 0; p < poses; p++) {
+        double *RESTRICT row = s->curves + p * s->stride;
+        const double top = plan->tops[p];
+        if (plan->upper[p])
+            flip(row, width);
+        if (plan->flag[CLIP_SLOW])
+            for (Size t = 0; t < width; t++)
+                row[t] = least(most(row[t], 0), top);
+    }
+}
+
+/* `constrain` */
+INLINE void constrain(const Plan *plan, Size width, Scratch *s)
+{
+    const Size poses = plan->size[POSES];
+    for (Size k = 0; k < plan->size[BINDING]; k++) {
+        double *RESTRICT row = s->curves + plan->low[k] * s->stride;
+        const double threshold = plan->threshold[k];
+        for (Size p = 0; p < poses; p++) {
+            const double *RESTRICT other = s->curves + p * s->stride;
+            if (plan->high[k * poses + p])
+                for (Size t = 0; t < width; t++)
+                    row[t] = least(row[t], most(threshold - other[t], 0));
+        }
+    }
+    for (Size k = 0; k < plan->size[PAIRS]; k++) {
+        double *RESTRICT row = s->curves + plan->at_most[2 * k] * s->stride;
+        const double *RESTRICT other = s->curves + plan->at_most[2 * k + 1] * s->stride;
+        for (Size t = 0; t < width; t++)
+            row[t] = least(row[t], other[t]);
+    }
+}
+
+INLINE void clip(const Plan *plan, const double *tops, int below, Size width, Scratch *s)
+{
+    for (Size p = 0; p < plan->size[POSES]; p++) {
+        double *RESTRICT row = s->curves + p * s->stride;
+        const double top = tops ? tops[p] : 1;
+        for (Size t = 0; t < width; t++)
+            row[t] = least(below ? most(row[t], 0) : row[t], top);
+    }
+}
+
+/* ---------------------------------------------------------------- perform.py */
+
+/* `Performance._run` on frames `begin` to `stop` and those that they depend on */
+WIDE_VECTORS
+static void run_block(const Bank *bank, const Plan *plan, const Track *track, const Dial *dials, Size dial_count,
+                      const Frames *frames, Size begin, Size stop, Scratch *s, double *RESTRICT out)
+{
+    const Size poses = plan->size[POSES], halo = plan->size[HALO];
+    const Size low = most_size(0, begin - halo), high = least_size(frames->count, stop + halo);
+    const Size width = high - low;
+    stitch(bank, plan, track, frames, low, width, s);
+    if (dial_count)
+        scale(plan, dials, dial_count, frames, low, width, s);
+    if (plan->size[EARLY])
+        anticipate(plan, track, width, s);
+    soften(plan, plan->wide, plan->size[WIDE], width, s);
+    rest_at_ends(plan, width, low == 0, high == frames->count, s);
+    if (plan->flag[TOPPED])
+        clip(plan, plan->tops, 0, width, s);
+    if (plan->flag[HOLD])
+        hold(plan, track, frames, low, width, s);
+    if (plan->flag[CLIP_HELD])
+        clip(plan, NULL, 1, width, s);
+    if (plan->flag[BEFORE]) {
+        limit(plan, width, s);
+        constrain(plan, width, s);
+    } else {
+        constrain(plan, width, s);
+        limit(plan, width, s);
+    }
+    soften(plan, plan->shared, plan->size[SHARED], width, s);
+    if (plan->flag[AGAIN])
+        constrain(plan, width, s);
+    for (Size t = begin; t < stop; t++)
+        for (Size p = 0; p < poses; p++)
+            out[(t - begin) * poses + p] = s->curves[p * s->stride + t - low];
+}
+
+/* `Performance.weights`; returns -1 where there is no memory */
+static int run_all(const Bank *bank, const Plan *plan, const Track *track, const Dial *dials, Size dial_count,
+                   const Frames *frames, double *out)
+{
+    const Size poses = plan->size[POSES], block = plan->size[BLOCK], early = plan->size[EARLY];
+    const Size stride = least_size(frames->count, block + 2 * plan->size[HALO]) + 8;
+    const Size reach = most_size(plan->size[WIDE], plan->size[SHARED]);
+    const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 2) + 2 * (size_t)reach;
+    double *memory = malloc(doubles * sizeof(double) + (size_t)stride * sizeof(Size));
+    if (!memory)
+        return -1;
+    Scratch s = {.curves = memory, .stride = stride};
+    s.joined = s.curves + poses * stride;
+    s.fresh = s.joined + poses * stride;
+    s.room = s.fresh + early * stride;
+    s.row = s.room + stride;
+    s.phoneme = (Size *)(memory + doubles);
+    for (Size begin = 0; begin < frames->count; begin += block) {
+        const Size stop = least_size(begin + block, frames->count);
+        run_block(bank, plan, track, dials, dial_count, frames, begin, stop, &s, out + begin * poses);
+    }
+    free(memory);
+    return 0;
+}
+
+/* ---------------------------------------------------------------- Python's side */
+
+static void release_views(Views *views)
+{
+    while (views->views)
+        PyBuffer_Release(&views->view[--views->views]);
+}
+
+/* Keep a view of an array's bytes; NULL, with an exception, unless it has so many items. */
+static const void *keep(Views *views, PyObject *array, size_t item, Size items, const char *name)
+{
+    Py_buffer *view = &views->view[views->views];
+    if (PyObject_GetBuffer(array, view, PyBUF_SIMPLE) < 0)
+        return NULL;
+    views->views++;
+    if (items < 0 || view->len != (Size)item * items) {
+        PyErr_Format(PyExc_ValueError, "%s: %zd bytes for %zd items", name, view->len, items);
+        return NULL;
+    }
+    return view->buf;
+}
+
+static int within(const Size *numbers, Size count, Size stop, const char *name)
+{
+    for (Size i = 0; i < count; i++)
+        if (numbers[i] < 0 || numbers[i] >= stop) {
+            PyErr_Format(PyExc_ValueError, "%s: %zd is not below %zd", name, numbers[i], stop);
+            return 0;
+        }
+    return 1;
+}
+
+static void free_bank(PyObject *capsule)
+{
+    Bank *bank = PyCapsule_GetPointer(capsule, "lipsync_lang.bank");
+    release_views(&bank->views);
+    PyMem_Free(bank);
+}
+
+static PyObject *make_bank(PyObject *module, PyObject *args)
+{
+    PyObject *curves, *boundary, *waives, *pairs;
+    Bank *bank = PyMem_Calloc(1, sizeof(Bank));
+    (void)module;
+    if (!bank)
+        return PyErr_NoMemory();
+    if (!PyArg_ParseTuple(args, "nnnnOOOO", &bank->rows, &bank->poses, &bank->phonemes, &bank->silence, &curves,
+                          &boundary, &waives, &pairs))
+        goto fail;
+    const Size limit = PY_SSIZE_T_MAX / 1024;
+    if (bank->rows < 1 || bank->poses < 1 || bank->phonemes < 1 || bank->phonemes > 0xffff ||
+        bank->poses > 0xffff || bank->rows > limit / bank->poses ||
+        !within(&bank->silence, 1, bank->phonemes, "silence")) {
+        if (!PyErr_Occurred())
+            PyErr_SetString(PyExc_ValueError, "a bank without rows, poses or phonemes");
+        goto fail;
+    }
+    const Size values = bank->rows * (RESOLUTION + 1) * bank->poses, squared = bank->phonemes * bank->phonemes;
+    if (!(bank->curves = keep(&bank->views, curves, sizeof(float), values, "curves")) ||
+        !(bank->boundary = keep(&bank->views, boundary, sizeof(double), bank->rows, "boundary")) ||
+        !(bank->free = keep(&bank->views, waives, 1, bank->rows, "free")) ||
+        !(bank->pairs = keep(&bank->views, pairs, sizeof(Size), squared, "pairs")) ||
+        !within(bank->pairs, squared, bank->rows, "pairs"))
+        goto fail;
+    PyObject *capsule = PyCapsule_New(bank, "lipsync_lang.bank", free_bank);
+    if (capsule)
+        return capsule;
+fail:
+    release_views(&bank->views);
+    PyMem_Free(bank);
+    return NULL;
+}
+
+static void discard_plan(Plan *plan)
+{
+    release_views(&plan->views);
+    Py_XDECREF(plan->empty);
+    PyMem_Free(plan);
+}
+
+static void free_plan(PyObject *capsule)
+{
+    discard_plan(PyCapsule_GetPointer(capsule, "lipsync_lang.plan"));
+}
+
+static int sound_plan(const Plan *plan)
+{
+    const Size *size = plan->size;
+    for (int i = 0; i < SIZES; i++)
+        if (size[i] < 0 || size[i] > 0xffffff) {
+            PyErr_Format(PyExc_ValueError, "size %d: %zd", i, size[i]);
+            return 0;
+        }
+    if (!size[POSES] || !size[PHONEMES] || !size[RAMP] || !size[BLOCK] || size[WIDE] % TAPS || size[SHARED] % TAPS ||
+        !(plan->number[FPS] > 1e-3 && plan->number[FPS] < 1e6)) {
+        PyErr_SetString(PyExc_ValueError, "a plan without poses, phonemes or frames");
+        return 0;
+    }
+    return 1;
+}
+
+static PyObject *make_plan(PyObject *module, PyObject *args)
+{
+    PyObject *a[18];
+    Plan *plan = PyMem_Calloc(1, sizeof(Plan));
+    (void)module;
+    if (!plan)
+        return PyErr_NoMemory();
+    if (!PyArg_ParseTuple(args, "OOOOOOOOOOOOOOOOOO", &plan->empty, &a[0], &a[1], &a[2], &a[3], &a[4], &a[5], &a[6],
+                          &a[7], &a[8], &a[9], &a[10], &a[11], &a[12], &a[13], &a[14], &a[15], &a[16])) {
+        plan->empty = NULL;
+        goto fail;
+    }
+    Py_INCREF(plan->empty);
+    Views *v = &plan->views;
+    if (!(plan->flag = keep(v, a[0], 1, FLAGS, "flags")) ||
+        !(plan->size = keep(v, a[1], sizeof(Size), SIZES, "sizes")) ||
+        !(plan->number = keep(v, a[2], sizeof(double), NUMBERS, "numbers")) || !sound_plan(plan))
+        goto fail;
+    const Size *n = plan->size, poses = n[POSES];
+    if (!(plan->ramps = keep(v, a[3], sizeof(double), poses * n[RAMP], "ramps")) ||
+        !(plan->early = keep(v, a[4], sizeof(Size), n[EARLY], "early")) ||
+        !(plan->left = keep(v, a[5], sizeof(double), n[EARLY] * (n[AHEAD] + 1), "left")) ||
+        !(plan->blocked = keep(v, a[6], sizeof(double), n[EARLY] * poses, "blocked")) ||
+        !(plan->opposed = keep(v, a[7], 1, n[EARLY] * n[PHONEMES], "opposed")) ||
+        !(plan->demands = keep(v, a[8], 1, n[CONTACTS] * n[PHONEMES], "demands")) ||
+        !(plan->levels = keep(v, a[9], sizeof(double), n[CONTACTS] * 2 * poses, "levels")) ||
+        !(plan->tops = keep(v, a[10], sizeof(double), poses, "tops")) ||
+        !(plan->upper = keep(v, a[11], 1, poses, "upper")) ||
+        !(plan->low = keep(v, a[12], sizeof(Size), n[BINDING], "low")) ||
+        !(plan->threshold = keep(v, a[13], sizeof(double), n[BINDING], "threshold")) ||
+        !(plan->high = keep(v, a[14], 1, n[BINDING] * poses, "high")) ||
+        !(plan->at_most = keep(v, a[15], sizeof(Size), 2 * n[PAIRS], "at_most")) ||
+        !(plan->wide = keep(v, a[16], sizeof(double), poses * (n[WIDE] + n[SHARED] + 2), "kernels")))
+        goto fail;
+    plan->shared = plan->wide + poses * (n[WIDE] + 1);
+    if (!within(plan->early, n[EARLY], poses, "early") || !within(plan->low, n[BINDING], poses, "low") ||
+        !within(plan->at_most, 2 * n[PAIRS], poses, "at_most"))
+        goto fail;
+    PyObject *capsule = PyCapsule_New(plan, "lipsync_lang.plan", free_plan);
+    if (capsule)
+        return capsule;
+fail:
+    discard_plan(plan);
+    return NULL;
+}
+
+static int fits(const Bank *bank, const Plan *plan)
+{
+    if (bank->poses == plan->size[POSES] && bank->phonemes == plan->size[PHONEMES])
+        return 1;
+    PyErr_SetString(PyExc_ValueError, "a plan of other poses or phonemes than the bank's");
+    return 0;
+}
+
+/* Times never fall, and none is so far away that frames could not be counted; NaN is neither. */
+static int rising(const double *times, Size count)
+{
+    int sound = times[0] > -LATEST && times[count - 1] < LATEST;
+    for (Size i = 0; i + 1 < count; i++)
+        sound &= times[i + 1] >= times[i];
+    if (!sound)
+        PyErr_SetString(PyExc_ValueError, "times fall, or are out of range");
+    return sound;
+}
+
+static void release_dials(Dial *dials, Size count)
+{
+    for (Size d = 0; d < count; d++)
+        for (int i = 0; i < 3; i++)
+            PyBuffer_Release(&dials[d].view[i]);
+    PyMem_Free(dials);
+}
+
+/* Read a tuple of (poses, times, values); -1 with an exception where one is faulty. */
+static Size read_dials(PyObject *given, const Plan *plan, Dial **dials)
+{
+    *dials = NULL;
+    const Size count = PyTuple_Size(given);
+    if (count <= 0)
+        return count;
+    Dial *made = PyMem_Calloc((size_t)count, sizeof(Dial));
+    if (!made) {
+        PyErr_NoMemory();
+        return -1;
+    }
+    for (Size d = 0; d < count; d++) {
+        Dial *dial = made + d;
+        PyObject *parts = PyTuple_GetItem(given, d);
+        for (int i = 0; i < 3; i++) {
+            PyObject *part = parts ? PyTuple_GetItem(parts, i) : NULL;
+            if (!part || PyObject_GetBuffer(part, &dial->view[i], PyBUF_SIMPLE) < 0) {
+                while (i--)
+                    PyBuffer_Release(&dial->view[i]);
+                release_dials(made, d);
+                return -1;
+            }
+        }
+        dial->poses = dial->view[0].buf;
+        dial->times = dial->view[1].buf;
+        dial->values = dial->view[2].buf;
+        dial->count = dial->view[1].len / (Size)sizeof(double);
+        if (dial->view[0].len != plan->size[POSES] || dial->count < 1 || dial->view[2].len != dial->view[1].len) {
+            PyErr_SetString(PyExc_ValueError, "a dial of other poses, or without points");
+            release_dials(made, d + 1);
+            return -1;
+        }
+    }
+    *dials = made;
+    return count;
+}
+
+/* Call numpy.empty(shape) and give its memory. */
+static PyObject *new_array(const Plan *plan, Py_buffer *view, Size rows, Size columns)
+{
+    PyObject *array = columns ? PyObject_CallFunction(plan->empty, "((nn))", rows, columns)
+                              : PyObject_CallFunction(plan->empty, "n", rows);
+    if (!array)
+        return NULL;
+    if (PyObject_GetBuffer(array, view, PyBUF_WRITABLE) < 0) {
+        Py_DECREF(array);
+        return NULL;
+    }
+    if (view->len != rows * (columns ? columns : 1) * (Size)sizeof(double)) {
+        PyErr_SetString(PyExc_ValueError, "an array of another size");
+        PyBuffer_Release(view);
+        Py_DECREF(array);
+        return NULL;
+    }
+    return array;
+}
+
+/* Perform a track: (T, P) as a new array. */
+static PyObject *performed(const Bank *bank, const Plan *plan, const Track *track, const Dial *dials,
+                           Size dial_count, const Frames *frames)
+{
+    Py_buffer out;
+    int done;
+    PyObject *weights = new_array(plan, &out, frames->count, plan->size[POSES]);
+    if (!weights)
+        return NULL;
+    Py_BEGIN_ALLOW_THREADS
+    done = run_all(bank, plan, track, dials, dial_count, frames, out.buf);
+    Py_END_ALLOW_THREADS
+    PyBuffer_Release(&out);
+    if (done < 0) {
+        Py_DECREF(weights);
+        return PyErr_NoMemory();
+    }
+    return weights;
+}
+
+static PyObject *frame_times(const Plan *plan, const Frames *frames)
+{
+    Py_buffer out;
+    PyObject *times = new_array(plan, &out, frames->count, 0);
+    if (!times)
+        return NULL;
+    double *at = out.buf;
+    for (Size t = 0; t < frames->count; t++)
+        at[t] = seconds(plan, frames, t);
+    PyBuffer_Release(&out);
+    return times;
+}
+
+/* Lay a track in new memory, and perform it. */
+static PyObject *lay_and_perform(const Bank *bank, const Plan *plan, const Size *ids, const double *times, Size count,
+                                 const Dial *dials, Size dial_count)
+{
+    const size_t n = (size_t)count + 2;
+    double *memory = malloc((3 * n + 1) * sizeof(double) + 2 * n * sizeof(Size) + n);
+    if (!memory)
+        return PyErr_NoMemory();
+    double *bounds = memory, *reach = bounds + n + 1, *moving = reach + n;
+    Size *own = (Size *)(moving + n), *rows = own + n;
+    Track track;
+    int head, tail;
+    lay_track(bank, plan, ids, times, count, &track, own, bounds, reach, moving, rows, (Byte *)(rows + n), &head,
+              &tail);
+    const Frames frames = lay_frames(plan, &track, times[0], times[count], head, tail);
+    PyObject *weights = performed(bank, plan, &track, dials, dial_count, &frames);
+    free(memory);
+    PyObject *at = weights ? frame_times(plan, &frames) : NULL;
+    PyObject *both = at ? PyTuple_Pack(2, at, weights) : NULL;
+    Py_XDECREF(at);
+    Py_XDECREF(weights);
+    return both;
+}
+
+/* utter(bank, plan, ids, times, dials) -> (T,) seconds, (T, P) weights */
+static PyObject *utter(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    if (nargs != 5) {
+        PyErr_SetString(PyExc_TypeError, "utter(bank, plan, ids, times, dials)");
+        return NULL;
+    }
+    const Bank *bank = PyCapsule_GetPointer(args[0], "lipsync_lang.bank");
+    const Plan *plan = bank ? PyCapsule_GetPointer(args[1], "lipsync_lang.plan") : NULL;
+    if (!plan || !fits(bank, plan))
+        return NULL;
+    Views views = {.views = 0};
+    PyObject *made = NULL;
+    if (PyObject_GetBuffer(args[2], &views.view[0], PyBUF_SIMPLE) < 0)
+        return NULL;
+    views.views = 1;
+    const Size *ids = views.view[0].buf;
+    const Size count = views.view[0].len / (Size)sizeof(Size);
+    const double *times = keep(&views, args[3], sizeof(double), count + 1, "times");
+    if (times && count < 1)
+        PyErr_SetString(PyExc_ValueError, "no phonemes");
+    else if (times && within(ids, count, bank->phonemes, "ids") && rising(times, count + 1)) {
+        Dial *dials;
+        const Size dial_count = read_dials(args[4], plan, &dials);
+        if (dial_count >= 0) {
+            made = lay_and_perform(bank, plan, ids, times, count, dials, dial_count);
+            release_dials(dials, dial_count);
+        }
+    }
+    release_views(&views);
+    return made;
+}
+
+/* weigh(bank, plan, ids, bounds, reach, moving, rows, waived, start, first, count, dials) -> (T, P) weights */
+static PyObject *weigh(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
+{
+    (void)module;
+    if (nargs != 12) {
+        PyErr_SetString(PyExc_TypeError, "weigh takes 12 arguments");
+        return NULL;
+    }
+    const Bank *bank = PyCapsule_GetPointer(args[0], "lipsync_lang.bank");
+    const Plan *plan = bank ? PyCapsule_GetPointer(args[1], "lipsync_lang.plan") : NULL;
+    if (!plan || !fits(bank, plan))
+        return NULL;
+    Frames frames = {PyFloat_AsDouble(args[8]), PyLong_AsSsize_t(args[9]), PyLong_AsSsize_t(args[10])};
+    if (PyErr_Occurred())
+        return NULL;
+    if (!(frames.start > -LATEST && frames.start < LATEST) || frames.count < 1 ||
+        fabs((double)frames.first) > LATEST * 1e3 || frames.count > (Size)(LATEST * 1e3)) {
+        PyErr_SetString(PyExc_ValueError, "frames out of range");
+        return NULL;
+    }
+    Views views = {.views = 0};
+    Track track = {0};
+    Dial *dials;
+    PyObject *made = NULL;
+    if (PyObject_GetBuffer(args[2], &views.view[0], PyBUF_SIMPLE) < 0)
+        return NULL;
+    views.views = 1;
+    track.ids = views.view[0].buf;
+    const Size n = track.count = views.view[0].len / (Size)sizeof(Size);
+    if ((track.bounds = keep(&views, args[3], sizeof(double), n + 1, "bounds")) &&
+        (track.reach = keep(&views, args[4], sizeof(double), n, "reach")) &&
+        (track.moving = keep(&views, args[5], sizeof(double), n, "moving")) &&
+        (track.rows = keep(&views, args[6], sizeof(Size), n - 1, "rows")) &&
+        (track.waived = keep(&views, args[7], 1, n, "waived")) && within(track.ids, n, bank->phonemes, "ids") &&
+        within(track.rows, n - 1, bank->rows, "rows") && rising(track.bounds, n + 1)) {
+        const Size dial_count = read_dials(args[11], plan, &dials);
+        if (dial_count >= 0) {
+            made = performed(bank, plan, &track, dials, dial_count, &frames);
+            release_dials(dials, dial_count);
+        }
+    }
+    release_views(&views);
+    return made;
+}
+
+static PyMethodDef methods[] = {
+    {"bank", make_bank, METH_VARARGS, "Keep the curves of a language and a character."},
+    {"plan", make_plan, METH_VARARGS, "Keep what a motion at a frame rate needs."},
+    {"utter", (PyCFunction)(void (*)(void))utter, METH_FASTCALL, "Perform phonemes in time."},
+    {"weigh", (PyCFunction)(void (*)(void))weigh, METH_FASTCALL, "Perform a track that is laid."},
+    {NULL, NULL, 0, NULL},
+};
+
+static int tell_interface(PyObject *module) { return PyModule_AddIntConstant(module, "INTERFACE", INTERFACE); }
+
+static PyModuleDef_Slot slots[] = {{Py_mod_exec, tell_interface}, {0, NULL}};
+
+static struct PyModuleDef definition = {
+    PyModuleDef_HEAD_INIT, "_kernel", "The stages of a performance, compiled.", 0, methods, slots, NULL, NULL, NULL,
+};
+
+PyMODINIT_FUNC PyInit__kernel(void) { return PyModuleDef_Init(&definition); }

@@ -1,0 +1,191 @@
+"""Pass performances to the compiled kernel: what it keeps of tables and settings, and its calls.
+
+Conventions: N common phonemes, P poses, T frames; times are seconds. The kernel checks the sizes of
+arrays and the range of indices; their types are seen to here.
+"""
+
+from collections.abc import Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.pipeline import kernel
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.levels import Dial
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.prepare import Prepared
+from lipsync_lang.pipeline.soften import Blur
+from lipsync_lang.pipeline.tables import Tables
+
+if TYPE_CHECKING:
+    from lipsync_lang.pipeline.perform import Frames
+    from lipsync_lang.pipeline.track import Track
+
+BLOCK = 512
+"""Frames worked on at once, or more at high frame rates; a block stays in the processor's cache."""
+
+TAPS = 3
+"""The kernel of a blur is filled up to a multiple of so many weights on each side."""
+
+UNBOUNDED = 1e300
+"""Stands for infinity, so that no product of it is undefined."""
+
+
+def serves(motion: Motion) -> bool:
+    """Return True if there is a compiled kernel, and it knows the settings.
+
+    It neither fills valleys nor shows single poses.
+    """
+    return kernel.compiled is not None and motion.smooth == "none" and not motion.hold
+
+
+def bank_of(tables: Tables) -> Any:
+    """Return the curves of the neutral bank as the kernel keeps them; the tables remember that."""
+    known = vars(tables)
+    if "_bank" not in known:
+        rows, _, poses = tables.curves.shape
+        curves = np.ascontiguousarray(tables.curves, np.float32)
+        known["_bank"] = kernel.compiled.bank(
+            rows, poses, len(tables.pairs), tables.silence,
+            curves, _floats(tables.boundary), _bools(tables.free), _ints(tables.pairs),
+        )  # fmt: skip
+    return known["_bank"]
+
+
+def plan_of(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Any:
+    """Return a motion at a frame rate as the kernel keeps it; `prepared` remembers that."""
+    known = vars(prepared)
+    if "_plan" not in known:
+        known["_plan"] = _plan(tables, motion, prepared, fps)
+    return known["_plan"]
+
+
+def block_of(halo: int) -> int:
+    """Return the frames of a block; a small part of the work is for the frames on either side."""
+    return max(BLOCK, 4 * halo)
+
+
+def weigh(
+    tables: Tables, track: "Track", frames: "Frames", plan: Any, dials: Sequence[Dial]
+) -> Floats:
+    """Perform a track: (T, P) weights."""
+    arrays = _ints(track.ids), track.bounds, track.reach, track.moving, _ints(track.rows)
+    place = track.waived, frames.start, frames.first, frames.count
+    weights: Floats = kernel.compiled.weigh(bank_of(tables), plan, *arrays, *place, _given(dials))
+    return weights
+
+
+def utter(
+    tables: Tables, ids: Ints, times: Floats, plan: Any, dials: Sequence[Dial] = ()
+) -> tuple[Floats, Floats]:
+    """Lay a track of common phonemes in time, and perform it: (T,) seconds and (T, P) weights.
+
+    Parameters
+    ----------
+    ids : (m,) common phonemes, as `numpy.intp`
+    times : (m + 1,) boundaries in seconds, as `numpy.float64`
+    """
+    made: tuple[Floats, Floats] = kernel.compiled.utter(
+        bank_of(tables), plan, ids, times, _given(dials)
+    )
+    return made
+
+
+def _given(dials: Sequence[Dial]) -> tuple[tuple[Bools, Floats, Floats], ...]:
+    return tuple(
+        (_bools(poses), _floats(level.times), _floats(level.values)) for poses, level, _ in dials
+    )
+
+
+def _plan(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Any:
+    """Make a plan; flags, sizes, numbers and arrays are in the order of `kernel.c`."""
+    poses, count = len(tables.priority), len(tables.binding)
+    holds = motion.contacts == "hold"
+    contacts = tables.contacts if holds else ()
+    wide, shared = (_half_kernels(blurs, poses) for blurs in (prepared.wide, prepared.shared))
+    high = np.zeros((count, poses), bool)
+    for row, bound in zip(high, tables.binding, strict=True):
+        row[bound.high] = True
+    upper = tables.held if holds and motion.limit == "before" else np.zeros(poses)
+    return kernel.compiled.plan(
+        np.empty,
+        _bools(list(_flags(motion, prepared, bool(contacts)).values())),
+        _ints(list(_sizes(tables, prepared, len(contacts), wide, shared).values())),
+        _bounded([fps, prepared.step, motion.silence_reach, motion.sound_reach]),
+        _floats(prepared.ramps),
+        _ints(prepared.early),
+        _floats(prepared.left),
+        _floats(prepared.blocked),
+        _bools(prepared.opposed),
+        _bools([contact.phonemes for contact in contacts]),
+        _bounded(prepared.levels),
+        _floats(prepared.tops),
+        _bools(upper),
+        _ints([bound.low for bound in tables.binding]),
+        _floats([bound.threshold for bound in tables.binding]),
+        high,
+        _ints(tables.at_most),
+        np.concatenate((wide.ravel(), shared.ravel())),
+    )
+
+
+def _flags(motion: Motion, prepared: Prepared, held: bool) -> dict[str, bool]:  # noqa: FBT001
+    before = motion.limit == "before"
+    return {
+        "crossfade": motion.stitch == "crossfade",
+        "linear": motion.warp == "linear",
+        "hold": held,
+        "before": before,
+        "clip held": held and prepared.longer > 0 and not before,
+        "clip slow": held and prepared.longer > 0 and before,
+        "topped": prepared.topped,
+        "again": bool(prepared.shared) and not prepared.convex,
+    }
+
+
+def _sizes(
+    tables: Tables, prepared: Prepared, contacts: int, wide: Floats, shared: Floats
+) -> dict[str, int]:
+    halo = ceil(prepared.halo) + 4
+    return {
+        "poses": len(tables.priority),
+        "phonemes": len(tables.pairs),
+        "contacts": contacts,
+        "early": len(prepared.early),
+        "ahead": prepared.left.shape[1] - 1,
+        "binding": len(tables.binding),
+        "pairs": len(tables.at_most),
+        "ramp": prepared.ramps.shape[1],
+        "ease": wide.shape[1] - 1,
+        "soften": shared.shape[1] - 1,
+        "halo": halo,
+        "block": block_of(halo),
+        "lead": prepared.lead,
+    }
+
+
+def _half_kernels(blurs: Sequence[Blur], poses: int) -> Floats:
+    """Return the middle and the later half of each pose's kernel; 0 for poses without: (P, n)."""
+    reach = max((len(weights) // 2 for _, weights in blurs), default=0)
+    out = np.zeros((poses, -(-reach // TAPS) * TAPS + 1))
+    for own, weights in blurs:
+        middle = len(weights) // 2
+        out[own, : middle + 1] = (weights[middle:] + weights[middle::-1]) / 2
+    return out
+
+
+def _bounded(values: Any) -> Floats:
+    return _floats(np.clip(_floats(values), -UNBOUNDED, UNBOUNDED))
+
+
+def _floats(values: Any) -> Floats:
+    return np.ascontiguousarray(values, np.float64)
+
+
+def _ints(values: Any) -> Ints:
+    return np.ascontiguousarray(values, np.intp)
+
+
+def _bools(values: Any) -> Bools:
+    return np.ascontiguousarray(values, bool)

@@ -1,0 +1,189 @@
+"""The compiled kernel agrees with the stages in numpy, whatever it is given."""
+
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lanes import full
+from strategies import RATES, any_lines, motions, real
+
+from lipsync_lang.pipeline import kernel, kernel_plan
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.prepare import prepare
+from lipsync_lang.pipeline.tables import RESOLUTION
+
+AGREED = 1e-11
+"""Weight by which the two may differ: sums in another order, over one block instead of many."""
+
+needs_kernel = pytest.mark.skipif(
+    kernel.compiled is None, reason="no C compiler built the kernel, or it is switched off"
+)
+SERVED = motions(smooth="none", hold=0)
+
+
+def in_numpy(performance):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kernel, "compiled", None)
+        return performance.weights()
+
+
+def plan_for(performance):
+    fps = performance.frames.fps
+    return kernel_plan.plan_of(performance.tables, performance.motion, performance.prepared, fps)
+
+
+def assert_agreement(line, motion, fps):
+    """The kernel agrees with numpy on a line, from its track and from its phonemes alike."""
+    performance = replace(line, edits=(), shares=()).perform(motion, fps)
+    weights = performance.weights()
+    assert np.abs(weights - in_numpy(performance)).max() <= AGREED
+    ids, dials = line.ids.astype(np.intp), performance.dials
+    times, again = kernel_plan.utter(
+        performance.tables, ids, line.times, plan_for(performance), dials
+    )
+    assert np.array_equal(times, performance.frames.times())
+    assert np.array_equal(weights, again)
+
+
+@needs_kernel
+@given(any_lines(), SERVED, RATES)
+def test_the_kernel_agrees_with_numpy(line, motion, fps):
+    assert kernel_plan.serves(motion)
+    assert_agreement(line, motion, fps)
+
+
+@full
+@needs_kernel
+@settings(max_examples=2000)
+@given(any_lines(longest=60), SERVED, RATES)
+def test_the_kernel_agrees_with_numpy_on_thousands_of_lines(line, motion, fps):
+    assert_agreement(line, motion, fps)
+
+
+@needs_kernel
+@given(any_lines(), motions(), RATES)
+def test_settings_that_the_kernel_does_not_know_are_left_to_numpy(line, motion, fps):
+    performance = line.perform(motion, fps)
+    known = motion.smooth == "none" and not motion.hold
+    assert kernel_plan.serves(motion) is known
+    if not known or performance.overlays or performance.blends:
+        assert np.array_equal(performance.weights(), in_numpy(performance))
+
+
+@needs_kernel
+def test_threads_share_banks_and_plans():
+    tables, rng = real().compiled.tables, np.random.default_rng(3)
+    plan = kernel_plan.plan_of(tables, Motion(), prepare(tables, Motion(), 60.0), 60.0)
+    lines = [
+        (rng.integers(0, len(tables.pairs), n), np.cumsum(rng.uniform(0.03, 0.2, n + 1)))
+        for n in (3, 900, 40, 2000, 1, 500)
+    ]
+    alone = [kernel_plan.utter(tables, *line, plan)[1] for line in lines]
+    with ThreadPoolExecutor(6) as pool:
+        for _ in range(5):
+            made = pool.map(lambda line: kernel_plan.utter(tables, *line, plan)[1], lines)
+            for one, other in zip(alone, made, strict=True):
+                assert np.array_equal(one, other)
+
+
+def faulty_phonemes(tables):
+    """Yield phonemes, times and dials that no line has, and the words of their refusal."""
+    ids, times = np.array([1, 2, 3]), np.array([0, 0.1, 0.2, 0.3])
+    poses, level = np.ones(len(tables.priority), bool), np.ones(2)
+    for wrong in (-1, len(tables.pairs), 2**60, -(2**60)):
+        yield np.array([1, wrong, 3]), times, (), "is not below"
+    yield ids, times[:-1], (), "bytes for"
+    yield ids[:0], times[:1], (), "no phonemes"
+    yield ids[:0], times[:0], (), "bytes for"
+    for wrong in (np.nan, np.inf, -np.inf, 1e300, -1.0):
+        yield ids, np.array([0, wrong, 0.2, 0.3]), (), "times fall"
+        yield ids, np.array([0, 0.1, 0.2, wrong]), (), "times fall"
+    yield ids, times, ((poses[:-1], level, level),), "a dial"
+    yield ids, times, ((poses, level[:0], level[:0]),), "a dial"
+    yield ids, times, ((poses, level, level[:1]),), "a dial"
+    yield ids, times, ((poses, level),), "tuple index"
+    yield ids, times, (None,), "bad argument"
+
+
+@needs_kernel
+def test_the_kernel_refuses_what_it_could_not_read():
+    tables = real().compiled.tables
+    bank = kernel_plan.bank_of(tables)
+    plan = kernel_plan.plan_of(tables, Motion(), prepare(tables, Motion(), 60.0), 60.0)
+    refused = (ValueError, IndexError, SystemError, TypeError)
+    for ids, times, dials, words in faulty_phonemes(tables):
+        with pytest.raises(refused, match=words):
+            kernel.compiled.utter(bank, plan, ids, times, dials)
+    with pytest.raises(ValueError, match="PyCapsule"):
+        kernel.compiled.utter(plan, bank, np.array([1]), np.array([0, 1.0]), ())
+    with pytest.raises(TypeError, match="utter"):
+        kernel.compiled.utter(bank)
+
+
+@needs_kernel
+@given(any_lines(longest=3), st.data())
+def test_the_kernel_refuses_banks_of_other_sizes(line, data):
+    tables = line.tables
+    rows, _, poses = tables.curves.shape
+    made = [
+        rows, poses, len(tables.pairs), tables.silence, tables.curves.copy(),
+        tables.boundary.copy(), tables.free.copy(), tables.pairs.astype(np.intp),
+    ]  # fmt: skip
+    kernel.compiled.bank(*made)
+    at = data.draw(st.integers(0, len(made) - 1))
+    wrong = data.draw(st.sampled_from([-1, 2**40, 2**62])) if at < 4 else made[at].ravel()[:-1]
+    with pytest.raises((ValueError, OverflowError)):
+        kernel.compiled.bank(*made[:at], wrong, *made[at + 1 :])
+    made[-1][0, 0] = rows
+    with pytest.raises(ValueError, match="pairs"):
+        kernel.compiled.bank(*made)
+
+
+def test_the_library_tells_of_the_code_it_was_built_from(root):
+    source = (root / "lipsync_lang" / "pipeline" / "kernel.c").read_text("utf-8")
+    assert f"#define INTERFACE {kernel.INTERFACE} " in source
+    assert f"#define RESOLUTION {RESOLUTION} " in source
+
+
+@needs_kernel
+def test_a_library_of_older_code_is_left_alone(monkeypatch):
+    monkeypatch.delenv(kernel.SWITCH, raising=False)
+    assert kernel.load() is kernel.compiled
+    monkeypatch.setattr(kernel, "INTERFACE", kernel.INTERFACE + 1)
+    assert kernel.load() is None
+
+
+def test_a_variable_switches_the_kernel_off(monkeypatch):
+    for value in ("off", " OFF "):
+        monkeypatch.setenv(kernel.SWITCH, value)
+        assert kernel.load() is None
+        monkeypatch.setattr(kernel, "compiled", None)
+        assert kernel.summary() == "numpy; LIPSYNC_LANG_KERNEL is off"
+    monkeypatch.delenv(kernel.SWITCH)
+    assert kernel.summary() == "numpy; no compiled kernel"
+
+
+@full
+def test_a_process_without_the_kernel_performs_alike():
+    code = (
+        "import lipsync_lang as ll, sys\n"
+        "from lipsync_lang.pipeline import kernel\n"
+        "line = ll.Schedule(('M', 'AA', 'B'), [0, 0.1, 0.3, 0.4])\n"
+        "made = ll.resolve('english', 'facefx').perform(line)\n"
+        "print(kernel.compiled is None, made.weights.round(9).tolist())"
+    )
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", code], env={**os.environ, kernel.SWITCH: value},
+            capture_output=True, encoding="utf-8", check=True, timeout=60,
+        ).stdout.partition(" ")
+        for value in ("off", "on")
+    ]  # fmt: skip
+    assert said[0][0] == "True"
+    assert said[0][2] == said[1][2]
