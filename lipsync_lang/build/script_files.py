@@ -13,17 +13,15 @@ from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.lines import Line, read_lines
-from lipsync_lang.lines.line_readers import LineFile, by_suffix
+from lipsync_lang.lines.line_readers import LineFile, Open, Table, by_suffix
 from lipsync_lang.lines.markup import spoken
 from lipsync_lang.lines.table import (
     NAMES,
     SPEAKERS,
-    Table,
     cell,
     column,
     first_column,
     lacking,
-    open_table,
     text_column,
 )
 from lipsync_lang.packs.answers import folded
@@ -82,10 +80,9 @@ class ScriptFile:
     among_others: bool = False
 
     @property
-    def is_table(self) -> bool:
-        """True if its columns are named."""
-        known = by_suffix().get(self.path.suffix.lower())
-        return known is not None and known.columns
+    def open(self) -> Open | None:
+        """Opens it as a table; None if it has no columns."""
+        return by_suffix()[self.path.suffix.lower()].table
 
 
 Remark = Callable[[str], None]
@@ -96,8 +93,9 @@ def read_rows(
 ) -> Iterator[ScriptRow]:
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:
-        if file.is_table:
-            yield from _table_rows(file, columns, faults, remark)
+        if file.open is not None:
+            source = LineFile.of(file.path, remark, None, None)
+            yield from _table_rows(file, source, file.open(source), columns, faults)
         else:
             yield from _other_rows(file, remark)
     except ScheduleError as error:
@@ -113,10 +111,12 @@ def read_rows(
 
 
 def _table_rows(
-    file: ScriptFile, columns: ScriptColumns, faults: ScriptFaults, remark: Remark
+    file: ScriptFile,
+    source: LineFile,
+    table: Table,
+    columns: ScriptColumns,
+    faults: ScriptFaults,
 ) -> Iterator[ScriptRow]:
-    source = LineFile.of(file.path, remark, None, None)
-    table = open_table(source)
     texts = _text_columns(source, table, file, columns.text)
     taken = [at for _, at in texts]
     name = _own_column(source, table, columns.id, NAMES, taken)

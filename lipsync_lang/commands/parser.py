@@ -15,6 +15,7 @@ from lipsync_lang.commands import (
     validate_packs,
 )
 from lipsync_lang.commands import quality as check
+from lipsync_lang.commands.build_options import add_build
 from lipsync_lang.commands.completion import SHELLS, completion, leaves
 from lipsync_lang.commands.shared_options import (
     Options,
@@ -70,6 +71,7 @@ def parser() -> argparse.ArgumentParser:
     _add_checking(add)
     _add_coverage(add)
     _add_check(add)
+    add_build(add)
     _add_packs(add)
     _add_bank(add)
     voices_ = add("voices", listing.voices, "list the voices that speak text", "voices")

@@ -9,8 +9,9 @@ import re
 OPTIONS = {
     name: f"--{name.replace('_', '-')}"
     for name in (
-        "aligner", "audio", "channels", "column", "cut", "encoding", "fps", "gaps", "model",
-        "notation", "offset", "rate", "read_as", "recogniser", "schedule", "tier", "unknown",
+        "aligner", "audio", "channels", "column", "cut", "encoding", "fps", "gaps", "language",
+        "model", "notation", "offset", "rate", "read_as", "recogniser", "schedule", "tier",
+        "unknown",
     )
 } | {"engine": "--tts", "paths": "--path"}  # fmt: skip
 """Option names by Python argument name."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO, Self
+from typing import BinaryIO, NamedTuple, Self
 
 from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.extensions import Format, Formats, summary
@@ -75,23 +75,35 @@ class LineFile:
 Read = Callable[[LineFile], Iterable[Line]]
 
 
+class Table(NamedTuple):
+    """A table: the names of its columns, and each row with its line in the file."""
+
+    head: list[str]
+    rows: Iterator[tuple[int, Sequence[str]]]
+
+
+Open = Callable[[LineFile], Table]
+
+
 @dataclass(frozen=True)
 class LineReader(Format):
     """A script format and its reader."""
 
     read: Read
-    columns: bool = False
-    """True if a file is a table, of which `column` names the text."""
+    table: Open | None = None
+    """Opens a table, of which `column` names the text; None for files without columns."""
 
 
 READERS: Formats[LineReader] = Formats("line_readers", "format", room=__package__)
 
 
-def reader(name: str, *, suffixes: Sequence[str], columns: bool = False) -> Callable[[Read], Read]:
+def reader(
+    name: str, *, suffixes: Sequence[str], table: Open | None = None
+) -> Callable[[Read], Read]:
     """Register a function ``(source) -> lines`` as the reader of a format."""
 
     def register(read: Read) -> Read:
-        made = LineReader(name, tuple(suffixes), summary(read), read, columns)
+        made = LineReader(name, tuple(suffixes), summary(read), read, table)
         READERS.add(name, made, read.__module__)
         return read
 
@@ -175,7 +187,7 @@ def _known(path: Path) -> Path:
 
 
 def _has_columns(path: Path) -> bool:
-    return path == STANDARD_STREAM or by_suffix()[path.suffix.lower()].columns
+    return path == STANDARD_STREAM or by_suffix()[path.suffix.lower()].table is not None
 
 
 def _below(folder: Path, remark: Remark) -> Iterator[Path]:

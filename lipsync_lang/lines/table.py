@@ -6,11 +6,10 @@ gives this row the most cells.
 
 import csv
 from collections.abc import Collection, Iterator, Sequence
-from typing import NamedTuple
 
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.line_readers import LineFile, reader
+from lipsync_lang.lines.line_readers import LineFile, Table, reader
 
 DELIMITERS = "\t,;|"
 
@@ -23,19 +22,6 @@ MAX_CELL_LINES = 100
 """Most lines of the file in one cell; a longer cell has lost its closing quote."""
 
 
-class Table(NamedTuple):
-    """A table: the names of its columns, and each row with its line in the file."""
-
-    head: list[str]
-    rows: Iterator[tuple[int, Sequence[str]]]
-
-
-@reader("table", suffixes=[".csv", ".tsv"], columns=True)
-def read(source: LineFile) -> Iterator[Line]:
-    """Tables, whose first row names the columns; `--column` says which of them is the text."""
-    return lines_of(source, open_table(source))
-
-
 def open_table(source: LineFile) -> Table:
     """Read the head of a table; its rows follow one by one."""
     lines = source.numbered()
@@ -45,6 +31,12 @@ def open_table(source: LineFile) -> Table:
     delimiter = max(DELIMITERS, key=lambda d: len(_cells(first, d)))
     head = [name.strip() for name in _cells(first, delimiter)]
     return Table(head, _rows(source, lines, delimiter))
+
+
+@reader("table", suffixes=[".csv", ".tsv"], table=open_table)
+def read(source: LineFile) -> Iterator[Line]:
+    """Tables, whose first row names the columns; `--column` says which of them is the text."""
+    return lines_of(source, open_table(source))
 
 
 def lines_of(source: LineFile, table: Table) -> Iterator[Line]:

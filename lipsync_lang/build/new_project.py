@@ -1,0 +1,315 @@
+"""A project for a folder of recordings and a table, drafted from what the two have in common.
+
+The column of ids is the one whose cells name the most recordings. Folders that are called like
+languages or speakers become placeholders.
+"""
+
+import os
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from lipsync_lang.build.project_text import Layout, project_text
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.names import folded_name
+from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
+from lipsync_lang.lines.table import SPEAKERS, cell, first_column, text_column
+from lipsync_lang.packs.finding import Finder, Kind
+
+AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
+
+KINDS: tuple[Kind, ...] = ("character", "poseset")
+
+COMPARED_STEMS = 40
+"""Recordings that are searched for ids within their names."""
+
+MAX_COMPARED = 5_000
+"""Cells of a column that are searched for."""
+
+MAX_SHOWN_CHARS = 60
+"""Characters of a column's cells in a message."""
+
+MAX_ROWS = 100_000
+"""Rows of the table that are compared with the recordings."""
+
+LEAST_SHARE = 0.3
+"""Least share of the recordings that the column of ids names."""
+
+SHOWN = 4
+"""Examples of each kind in a message."""
+
+
+class FoundRecording(NamedTuple):
+    """A recording below the project's folder."""
+
+    folders: tuple[str, ...]
+    stem: str
+
+
+class Cells(NamedTuple):
+    """A table by its columns."""
+
+    head: list[str]
+    columns: list[list[str]]
+
+    def at(self, column: int) -> list[str]:
+        """Return the cells of a column that are not empty; none for the column -1."""
+        return [one for one in self.columns[column] if one] if column >= 0 else []
+
+
+class IdColumn(NamedTuple):
+    """The column that names recordings, and what their names have around it."""
+
+    column: int
+    before: str = ""
+    after: str = ""
+
+    def stem(self, name: str) -> str:
+        """Return the folded name of a line's recording."""
+        return folded_name(f"{self.before}{name}{self.after}")
+
+
+class NewProject(NamedTuple):
+    """A drafted project.
+
+    Parameters
+    ----------
+    text : of `lipsync.yaml`, with comments
+    matches : counts of the recordings and lines that belong together, with examples
+    """
+
+    text: str
+    matches: tuple[str, ...]
+
+
+def new_project(  # noqa: PLR0913 what a draft is made of
+    recordings: Path,
+    table: Path,
+    *,
+    folder: Path,
+    finder: Finder,
+    language: str | None = None,
+    characters: Sequence[str] = (),
+) -> NewProject:
+    """Draft the project of a folder of recordings and a table.
+
+    Parameters
+    ----------
+    recordings : folder of recordings, with folders for languages or speakers
+    table : the script, a row for each line
+    folder : the project's folder, which holds both
+    finder : finds languages and characters
+    language : of the recordings; None if folders or columns tell
+    characters : that every line is made on
+
+    Raises
+    ------
+    LipsyncError
+        The two have nothing in common, or a language or character is not known.
+    """
+    for path in (recordings, table):
+        if not path.resolve().is_relative_to(folder.resolve()):
+            what = "put both there, or start from the folder that holds both"
+            raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
+    found, suffix = recordings_below(recordings, folder)
+    cells = read_cells(table)
+    ids = find_ids(found, cells, recordings, table)
+    speaker = first_column(cells.head, SPEAKERS, [ids.column])
+    named = {ids.stem(name) for name in cells.at(ids.column)}
+    matching = [one for one in found if folded_name(one.stem) in named]
+    folders = _folders(matching, cells.at(speaker), finder)
+    languages = _languages(cells, {ids.column, speaker}, folders.languages, finder, language)
+    layout = Layout(
+        lines=table.resolve().relative_to(folder.resolve()).as_posix(),
+        audio="/".join([*folders.pattern, f"{ids.before}{{id}}{ids.after}{suffix}"]),
+        columns={"id": cells.head[ids.column], **languages.column}
+        | ({"speaker": cells.head[speaker]} if speaker >= 0 else {}),
+        languages=languages.words,
+        characters=_known_characters(finder, characters),
+        speakers=[name for name, _ in Counter(cells.at(speaker)).most_common()],
+    )
+    return NewProject(project_text(layout), _matches(found, cells.at(ids.column), ids, matching))
+
+
+# What there is
+
+
+def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecording], str]:
+    """List the recordings below a folder, and return their most frequent suffix."""
+    if not recordings.is_dir():
+        raise LipsyncError(f"{recordings}: no such folder; name the folder of the recordings")
+    home = folder.resolve()
+    found: list[tuple[str, FoundRecording]] = []
+    for here, inner, names in os.walk(recordings.resolve()):
+        inner[:] = sorted(name for name in inner if not name.startswith("."))
+        parts = Path(here).relative_to(home).parts
+        for name in sorted(names):
+            stem, suffix = os.path.splitext(name)  # noqa: PTH122 there may be many
+            if suffix.lower() in AUDIO_SUFFIXES and not name.startswith("."):
+                found.append((suffix, FoundRecording(parts, stem)))
+    if not found:
+        raise LipsyncError(f"{recordings}: holds no {', '.join(AUDIO_SUFFIXES)}; name another")
+    usual = Counter(suffix for suffix, _ in found).most_common(1)[0][0]
+    return [one for suffix, one in found if suffix.lower() == usual.lower()], usual
+
+
+def read_cells(table: Path) -> Cells:
+    """Read the first rows of a table."""
+    ((file, _),) = line_files(table, lambda _: None)
+    opened = by_suffix()[file.suffix.lower()].table
+    if opened is None:
+        known = ", ".join(sorted(s for s, one in by_suffix().items() if one.table is not None))
+        raise LipsyncError(f"{table}: is no table; known: {known}")
+    head, rows = opened(LineFile.of(file, lambda _: None, None, None))
+    taken = [row for _, row in islice(rows, MAX_ROWS)]
+    return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
+
+
+# What the two have in common
+
+
+def find_ids(
+    found: Sequence[FoundRecording], cells: Cells, recordings: Path, table: Path
+) -> IdColumn:
+    """Return the column whose cells name the most recordings, as they are or within a name."""
+    stems = {folded_name(one.stem) for one in found}
+    plain = [IdColumn(at) for at in range(len(cells.head))]
+    for candidates in (plain, [one for at in plain for one in _within(stems, cells, at.column)]):
+        shares = [(_named(one, cells, stems), -one.column, one) for one in candidates]
+        count, _, best = max(shares, default=(0, 0, IdColumn(0)))
+        if count >= LEAST_SHARE * len(stems):
+            return best
+    columns = "".join(
+        f"\n  {name}: {shortened(', '.join(cells.at(at)[:2])) or 'empty'}"
+        for at, name in enumerate(cells.head)
+    )
+    raise LipsyncError(
+        f"{table}: no column names the {len(found)} recordings in {recordings}, such as "
+        f"{', '.join(one.stem for one in found[:SHOWN])}; name them by a column. Its columns:"
+        f"{columns}"
+    )
+
+
+def shortened(text: str) -> str:
+    """Return the start of a text."""
+    return text if len(text) <= MAX_SHOWN_CHARS else f"{text[: MAX_SHOWN_CHARS - 3]}..."
+
+
+def _named(ids: IdColumn, cells: Cells, stems: Collection[str]) -> int:
+    """Count the recordings that a column names; a cell that is repeated is no id."""
+    counts = Counter(map(ids.stem, cells.at(ids.column)))
+    return sum(count == 1 and stem in stems for stem, count in counts.items())
+
+
+def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]:
+    """Yield what a few recordings have around a cell of a column, most frequent first."""
+    names = {folded_name(one) for one in cells.at(at)[:MAX_COMPARED]}
+    around: Counter[tuple[str, str]] = Counter()
+    for stem in sorted(stems)[:: max(1, len(stems) // COMPARED_STEMS)]:
+        inner = max((name for name in names if name in stem), key=len, default="")
+        if len(inner) > 1:
+            around[stem[: stem.index(inner)], stem[stem.index(inner) + len(inner) :]] += 1
+    for (before, after), _ in around.most_common(1):
+        yield IdColumn(at, before, after)
+
+
+class Folders(NamedTuple):
+    """Folders of recordings: a pattern of them, and the words of languages by name."""
+
+    pattern: list[str]
+    languages: dict[str, str]
+
+
+def _folders(found: Sequence[FoundRecording], speakers: Sequence[str], finder: Finder) -> Folders:
+    """Return the pattern of the folders that hold the most recordings."""
+    depth = Counter(len(one.folders) for one in found).most_common(1)[0][0]
+    levels = zip(*(one.folders for one in found if len(one.folders) == depth), strict=True)
+    pattern: list[str] = []
+    languages: dict[str, str] = {}
+    known = {folded_name(one) for one in speakers}
+    for level in levels:
+        names = Counter(level)
+        tongues = {name: _language(finder, name) for name in names}
+        if all(tongues.values()) and not languages:
+            pattern.append("{language}")
+            languages = {own: name for name, own in tongues.items() if own}
+        elif len(names) > 1 and all(folded_name(name) in known for name in names):
+            pattern.append("{speaker}")
+        else:
+            pattern.append(names.most_common(1)[0][0])
+    return Folders(pattern, languages)
+
+
+class Tongues(NamedTuple):
+    """Languages with their words, and the column of their texts where one has to be stated."""
+
+    words: dict[str, str]
+    column: dict[str, str]
+
+
+def _languages(
+    cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
+) -> Tongues:
+    """Return the languages of the recordings, and which columns are their texts."""
+    heads = {
+        own: name
+        for at, name in enumerate(cells.head)
+        if at not in taken and cells.at(at) and (own := _language(finder, name))
+    }
+    if asked is not None:
+        own = _language(finder, asked)
+        if own is None:
+            raise finder.unknown(asked, "language")
+        words = {own: folders.get(own, heads.get(own, own))}
+    else:
+        words = folders or heads
+    if len(words) > 1 and not folders:
+        which = f"`language='{next(iter(words))}'`, or another of {', '.join(words)}"
+        raise LipsyncError(f"which language are the recordings in? Say {which}")
+    if not words:
+        raise LipsyncError("which language are the recordings in? Say `language='NAME'`")
+    if words.keys() <= heads.keys():
+        return Tongues(words, {})
+    at = text_column(cells.head)
+    if at in {-1, *taken}:
+        free = [at for at in range(len(cells.head)) if at not in taken]
+        at = max(free, key=lambda at: sum(map(len, cells.at(at))), default=-1)
+    return Tongues(words, {"text": cells.head[at]} if at >= 0 and len(words) == 1 else {})
+
+
+def _language(finder: Finder, name: str) -> str | None:
+    """Return the language that a folder or column is called like."""
+    found = finder.lookup("language", name) if name else ()
+    return Path(found[0]).stem if found else None
+
+
+def _known_characters(finder: Finder, names: Sequence[str]) -> list[str]:
+    for name in names:
+        if not (finder.lookup("character", name) or finder.lookup("poseset", name)):
+            raise finder.unknown(name, "character", "poseset")
+    if not names:
+        known = sorted({one.name for kind in KINDS for one in finder.names(kind)})
+        raise LipsyncError(f"which character speaks? Name one; known: {', '.join(known)}")
+    return list(names)
+
+
+def _matches(
+    found: Sequence[FoundRecording],
+    names: Sequence[str],
+    ids: IdColumn,
+    matching: Sequence[FoundRecording],
+) -> tuple[str, ...]:
+    """Count what belongs together, and what does not, with examples."""
+    there = {folded_name(one.stem) for one in found}
+    silent = [name for name in names if ids.stem(name) not in there]
+    known = set(matching)
+    loose = ["/".join([*one.folders, one.stem]) for one in found if one not in known]
+    told = [f"{len(matching):,} of {len(found):,} recordings have a line"]
+    for what, of, some in (("recording", "line", loose), ("line", "recording", silent)):
+        if some:
+            more = ", ..." if len(some) > SHOWN else ""
+            many = f"{len(some):,} {what}{'s' * (len(some) > 1)}"
+            told.append(f"{many} without a {of}: {', '.join(some[:SHOWN])}{more}")
+    return tuple(told)

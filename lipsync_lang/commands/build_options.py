@@ -1,0 +1,89 @@
+"""Options of `build`, which makes all lines of a script, and of `build new`."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+from lipsync_lang.commands.new_project_command import new
+from lipsync_lang.commands.shared_options import add_path
+
+Command = Callable[[argparse.Namespace], int]
+Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
+
+
+def add_build(add: Add, build: Command | None = None) -> None:
+    """Add `build new`, and `build` itself where there is a command for it."""
+    made = add(
+        "build",
+        build or new,
+        "make all lines of a script, and then only what changed",
+        "build --dry-run",
+    )
+    if build is not None:
+        _add_which(made.add_argument_group("which lines are made"))
+        _add_how(made.add_argument_group("how they are made"))
+        add_path(made)
+    actions = made.add_subparsers(title="actions", metavar="ACTION", required=build is None)
+    new_ = actions.add_parser(
+        "new",
+        help="write the project of a folder of recordings and a table",
+        description="Write the project of a folder of recordings and a table.",
+        epilog="example:\n  lipsync-lang build new vo script.csv -l english -c facefx",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    new_.set_defaults(command=new)
+    _add_new(new_)
+
+
+def _add_which(which: argparse._ArgumentGroup) -> None:
+    which.add_argument(
+        "--only", metavar="PATTERN", action="append", default=[],
+        help="lines whose ids match, such as 'intro_*'; may be repeated",
+    )  # fmt: skip
+    which.add_argument(
+        "-l", "--language", metavar="LANGUAGE", action="append", default=[], dest="languages",
+        help="lines in this language; may be repeated [all]",
+    )  # fmt: skip
+    which.add_argument(
+        "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
+        help="lines on this character; may be repeated [all]",
+    )  # fmt: skip
+    which.add_argument("--force", action="store_true", help="make them again, changed or not")
+    which.add_argument(
+        "--overwrite", action="store_true", help="replace files that somebody edited by hand"
+    )
+    which.add_argument(
+        "--dry-run", action="store_true", help="list the lines that would be made, and why"
+    )
+
+
+def _add_how(how: argparse._ArgumentGroup) -> None:
+    how.add_argument(
+        "--workers", metavar="N", type=int, default=None, help="processes at work [one a core]"
+    )
+    how.add_argument(
+        "--scheduler", metavar="ADDRESS", default=None,
+        help="give the work to this Dask cluster, such as tcp://10.0.0.5:8786",
+    )  # fmt: skip
+    how.add_argument("--watch", action="store_true", help="make changed lines until Ctrl-C")
+    how.add_argument("--tts", metavar="ENGINE", help="another speech engine; none estimates times")
+    how.add_argument(
+        "--report", metavar="FILE", type=Path, action="append", default=[], dest="reports",
+        help="report to write, .html, .xml (JUnit) or .json; may be repeated [the project's]",
+    )  # fmt: skip
+    how.add_argument("--json", action="store_true", help="print events as JSON, one on each line")
+
+
+def _add_new(made: argparse.ArgumentParser) -> None:
+    made.add_argument("recordings", metavar="FOLDER", type=Path, help="the recordings")
+    made.add_argument("table", metavar="TABLE", type=Path, help="the script, a row for each line")
+    made.add_argument(
+        "-l", "--language", metavar="LANGUAGE", dest="new_language",
+        help="the language of the recordings [that of their folders or of a column]",
+    )  # fmt: skip
+    made.add_argument(
+        "-c", "--character", metavar="CHARACTER", action="append", required=True, dest="characters",
+        help="a character or a pose set that every line is made on; may be repeated",
+    )  # fmt: skip
+    add_path(made)
+    made.set_defaults(in_project=False)

@@ -1,0 +1,130 @@
+"""Projects drafted from recordings and a table: ids by content, folders as placeholders."""
+
+import pytest
+
+TABLE = """\
+line,key,english,deutsch,de
+1,intro_1,Hello.,x,Hallo.
+2,intro_2,How are you?,y,Wie geht es?
+3,outro_1,Goodbye.,z,Tschüss.
+"""
+
+
+@pytest.fixture
+def game(tmp_path, monkeypatch):
+    """An empty folder with a table of three lines."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "script.csv").write_text(TABLE, "utf-8")
+    return tmp_path
+
+
+def record(game, *names):
+    for name in names:
+        (game / name).parent.mkdir(parents=True, exist_ok=True)
+        (game / name).touch()
+
+
+def new(cli, *more):
+    return cli("build", "new", "vo", "script.csv", "-c", "facefx", *more)
+
+
+def stated(game):
+    return (game / "lipsync.yaml").read_text("utf-8")
+
+
+def test_the_column_of_ids_is_the_one_that_names_the_recordings(cli, game):
+    record(game, "vo/intro_1.wav", "vo/intro_2.wav", "vo/other.wav")
+    ended = new(cli, "-l", "english")
+    assert ended.code == 0
+    assert ended.err.splitlines() == [
+        "wrote lipsync.yaml",
+        "2 of 3 recordings have a line",
+        "1 recording without a line: vo/other",
+        "1 line without a recording: outro_1",
+        "3 lines to make, in 1 language on 1 character; next: lipsync-lang build",
+    ]
+    text = stated(game)
+    assert "columns: {id: key}" in text
+    assert "languages: [english]" in text
+    assert 'audio: "vo/{id}.wav"' in text
+    assert 'outputs: "takes/{character}/{id}.csv"' in text
+
+
+def test_folders_of_languages_and_speakers_become_placeholders(cli, game):
+    (game / "script.csv").write_text(
+        "id,who,german,en\na_1,Ann,Hallo.,Hello.\nb_1,Bob,Ja.,Yes.\n", "utf-8"
+    )
+    record(
+        game, *(f"vo/{tag}/{path}.WAV" for tag in ("en", "de") for path in ("Ann/a_1", "Bob/b_1"))
+    )
+    ended = new(cli)
+    assert ended.code == 0, ended.err
+    assert "4 of 4 recordings have a line" in ended.err
+    text = stated(game)
+    assert 'audio: "vo/{language}/{speaker}/{id}.WAV"' in text
+    assert "languages: {german: de, english: en}" in text
+    assert "speaker: who" in text
+    assert 'outputs: "takes/{language}/{character}/{id}.csv"' in text
+    assert '#   "Ann": ...' in text
+
+
+def test_names_may_have_more_around_the_id(cli, game):
+    record(game, *(f"vo/EN_{name}_final.wav" for name in ("intro_1", "intro_2", "outro_1")))
+    ended = new(cli, "-l", "en")
+    assert "3 of 3 recordings have a line" in ended.err
+    assert 'audio: "vo/en_{id}_final.wav"' in stated(game)
+
+
+def test_a_text_column_of_no_language_is_stated(cli, game):
+    (game / "script.csv").write_text("cue,words of it,id\nc1,Hello.,1\nc2,Bye now.,2\n")
+    record(game, "vo/c1.wav", "vo/c2.wav")
+    ended = new(cli, "-l", "english")
+    assert ended.code == 0, ended.err
+    assert 'columns: {id: cue, text: "words of it"}' in stated(game)
+
+
+def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):
+    record(game, "vo/q9.wav")
+    ended = new(cli, "-l", "english")
+    assert ended.code == 2
+    assert "no column names the 1 recordings in vo, such as q9" in ended.err
+    assert "key: intro_1, intro_2" in ended.err
+    assert not (game / "lipsync.yaml").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("vo", "script.csv"), "which language are the recordings in? Say --language english"),
+        (("vo", "script.csv", "-l", "englsh"), "did you mean 'english'?"),
+        (("vo", "script.csv", "-l", "en", "-c", "facfx"), "did you mean 'facefx'?"),
+        (("none", "script.csv"), "none: no such folder"),
+        (("empty", "script.csv"), "empty: holds no .wav"),
+        (("vo", "none.csv"), "none.csv: no such file"),
+        (("vo", "/etc/hosts"), "/etc/hosts: is outside of"),
+        (("vo", "script.txt"), "script.txt: is no table; known: .csv"),
+    ],
+)
+def test_what_cannot_be_told_is_asked_for(cli, game, arguments, told):
+    record(game, "vo/intro_1.wav", "script.txt", "empty/a.txt")
+    more = () if "-c" in arguments else ("-c", "facefx")
+    ended = cli("build", "new", *arguments, *more)
+    assert ended.code == 2
+    assert told in ended.err
+    assert not (game / "lipsync.yaml").exists()
+
+
+def test_a_project_is_never_overwritten(cli, game):
+    record(game, "vo/intro_1.wav")
+    (game / "lipsync.yaml").write_text("mine")
+    assert "is there already" in new(cli, "-l", "en").err
+    assert stated(game) == "mine"
+
+
+def test_faults_of_the_script_are_told_at_once(cli, game):
+    record(game, "vo/intro_1.wav")
+    with (game / "script.csv").open("a") as out:
+        out.write("4,a/b,Hello.,,\n")
+    ended = new(cli, "-l", "en")
+    assert ended.code == 1
+    assert "script.csv:5: the id 'a/b' has a '/'" in ended.err
