@@ -5,6 +5,13 @@ and returns a `Schedule`, with times in seconds from the start of its sound. The
 selects the voice.
 """
 
-from lipsync_lang.speech.speech_engines import ENGINES, Engine, speak, speech_engine
+from lipsync_lang.speech.speech_engines import (
+    ENGINES,
+    BatchEngine,
+    Engine,
+    speak,
+    speak_many,
+    speech_engine,
+)
 
-__all__ = ["ENGINES", "Engine", "speak", "speech_engine"]
+__all__ = ["ENGINES", "BatchEngine", "Engine", "speak", "speak_many", "speech_engine"]

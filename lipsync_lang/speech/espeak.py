@@ -4,15 +4,20 @@ The library reports events at sample positions; `espeak_events` converts them to
 phonemes, `word_spans` to words.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import chain, islice
 from typing import Any
 
 import numpy as np
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.espeak.espeak_stream import FORKS, answers
 from lipsync_lang.phonology.espeak.process import EspeakProcess, blank, quoted
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.speech.espeak_events import intervals, read_events
+from lipsync_lang.speech.in_turn import each, in_turn, refused, tried
 from lipsync_lang.speech.speech_engines import speech_engine
 from lipsync_lang.speech.word_spans import find_words
 
@@ -49,6 +54,24 @@ class Espeak(EspeakProcess):
         spoken = _plain(text)
         header, sound = self.ask("speak", text=spoken, voice=voice, rate=rate)
         return _schedule(header, sound, spoken)
+
+    def speak_many(
+        self, texts: Iterable[str], voice: str, *, words_per_minute: int | None = None
+    ) -> Iterator[Schedule | SpeechError]:
+        """Speak texts as `speak` does, by one process; yield the error of each that fails."""
+        source = iter(texts)
+        first = list(islice(source, 2))
+        if len(first) == 1 or not FORKS:
+            say = partial(self.speak, voice=voice, words_per_minute=words_per_minute)
+            yield from map(tried(say), chain(first, source))
+            return
+        rate = tried(_rate)(words_per_minute)
+        if isinstance(rate, SpeechError):
+            yield from refused(chain(first, source), rate)
+            return
+        plain = map(tried(_plain), chain(first, source))
+        answered = in_turn(plain, lambda good: answers(self, good, voice, rate))
+        yield from each(answered, lambda pair: _schedule(*pair[1], pair[0]))
 
 
 def _rate(words_per_minute: int | None) -> int:

@@ -86,7 +86,7 @@ def aligned(
     chosen = ALIGNERS.find(name, SpeechError)
     model = stated.model if name == stated.align else None
     marked = emphasised(text)
-    return with_emphasis(chosen.align(_sound(audio), marked.text, speaker, model), marked)
+    return with_emphasis(marked, chosen.align(_sound(audio), marked.text, speaker, model))
 
 
 def recognised(

@@ -1,12 +1,14 @@
 """Registry and interface of speech engines."""
 
 import logging
-from collections.abc import Callable
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import Protocol, TypeVar, runtime_checkable
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extensions import Extensions
 from lipsync_lang.schedules import Schedule
+from lipsync_lang.speech.in_turn import refused, tried
 
 _log = logging.getLogger(__name__)
 
@@ -20,6 +22,17 @@ class Engine(Protocol):
 
     def voices(self) -> dict[str, str]:
         """Map available voice names, as taken by `speak`, to display titles."""
+        ...
+
+
+@runtime_checkable
+class BatchEngine(Protocol):
+    """Interface of a speech engine that speaks many texts at less cost than one by one."""
+
+    def speak_many(
+        self, texts: Iterable[str], voice: str, *, words_per_minute: int | None = None
+    ) -> Iterable[Schedule | SpeechError]:
+        """Return for each text, in order, the schedule of `speak`, or the error that it raises."""
         ...
 
 
@@ -66,3 +79,23 @@ def speak(
     _log.info("%s speaks with the voice %s", engine, voice)
     speaking = ENGINES.find(engine, SpeechError)
     return speaking.speak(text, voice, words_per_minute=words_per_minute)
+
+
+def speak_many(
+    texts: Iterable[str], voice: str, *, engine: str = "espeak", words_per_minute: int | None = None
+) -> Iterator[Schedule | SpeechError]:
+    """Synthesise texts as `speak` does; yield for each its schedule, or its error.
+
+    An engine with `speak_many` may take some texts ahead of its results.
+    """
+    _log.info("%s speaks with the voice %s", engine, voice)
+    try:
+        speaking = ENGINES.find(engine, SpeechError)
+    except SpeechError as error:
+        yield from refused(texts, error)
+        return
+    if isinstance(speaking, BatchEngine):
+        yield from speaking.speak_many(texts, voice, words_per_minute=words_per_minute)
+        return
+    say = partial(speaking.speak, voice=voice, words_per_minute=words_per_minute)
+    yield from map(tried(say), texts)

@@ -1,21 +1,29 @@
-"""The child process that loads eSpeak NG, speaks one text, and ends.
+"""The child process that loads eSpeak NG, and speaks one text or many.
 
 Run by path, never imported by the package: it knows the standard library alone, so that the
-engine and its licence stay in a process of their own. One JSON request comes in on stdin; the
-answer goes out on stdout as `MAGIC`, the length of a JSON header (4 bytes, little-endian), the
-header, and the sound as int16 in the machine's byte order.
+engine and its licence stay in a process of their own. A JSON request comes in as the first line of
+stdin; the answer goes out on stdout as a frame: `MAGIC`, the length of a JSON header (4 bytes,
+little-endian), the header, and the sound as int16 in the machine's byte order.
 
-Requests are ``{"library", "data", "task": "speak" | "voices", "voice", "text", "rate"}``;
-`rate` is in words per minute, 0 for the engine's own. `data` is relative to the working
-directory: eSpeak NG keeps its data path in a short buffer, and reads it in the system's encoding.
+Requests are ``{"library", "data", "task", "voice", "text", "rate"}``; the task is `speak`,
+`speak_many`, `voices` or `missing`. `rate` is in words per minute, 0 for the engine's own. `data`
+is relative to the working directory: eSpeak NG keeps its data path in a short buffer, and reads it
+in the system's encoding.
+
+`speak_many` is answered by a frame ``{"rate"}`` or ``{"error"}``. Each further line of stdin is
+then a text with its time limit, ``[text, seconds]``. A process forked from this one speaks it, so
+that the library is always as fresh as for a first text: its second answer in one process would
+differ from its first. Two frames answer the text: that of `speak`, written by the forked process,
+and ``{"code", "said"}``, the exit code of that process and what the library printed.
 """
 
 import ctypes
 import json
 import os
+import signal
 import sys
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, BinaryIO, NoReturn
 
 MAGIC = b"lipsync1"
 
@@ -28,6 +36,7 @@ EVENT_NONE, EVENT_WORD, EVENT_PHONEME, EVENT_SAMPLERATE = 0, 1, 7, 8
 BUFFER_MS = 500  # each buffer holds so many events; the default is tight
 NAME_BYTES = 8  # longer names are cut by the library
 SEPARATOR = "\x1f"
+SAID_BYTES = 4096  # of what the library prints about one text; the rest is dropped
 
 
 class _Id(ctypes.Union):
@@ -171,11 +180,15 @@ def spell(library: ctypes.CDLL, text: str) -> list[str]:
     return names
 
 
-def answer(  # noqa: PLR0911 one for each way a request can end
-    request: dict[str, Any],
-) -> tuple[dict[str, Any], bytes | bytearray]:
+def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
     """Do what a request asks; return the header and the sound."""
     library = ctypes.CDLL(request["library"])
+    ready = prepare(library, request)
+    return speak(library, request["text"], ready["rate"]) if "rate" in ready else (ready, b"")
+
+
+def prepare(library: ctypes.CDLL, request: dict[str, Any]) -> dict[str, Any]:
+    """Initialise the library; return ``{"rate"}`` in hertz where it can speak, else the answer."""
     rate = library.espeak_Initialize(
         OUTPUT_SYNCHRONOUS,
         BUFFER_MS,
@@ -183,39 +196,87 @@ def answer(  # noqa: PLR0911 one for each way a request can end
         PHONEME_EVENTS | PHONEME_IPA | DONT_EXIT,
     )
     if rate <= 0:
-        return {"error": "data"}, b""
+        return {"error": "data"}
     voices = list_voices(library)
     if request["task"] == "voices":
-        return {"voices": names(voices)}, b""
+        return {"voices": names(voices)}
     if request["task"] == "missing":
         asked = request["text"].split("\n")
         missing = [one for one in asked if not find_voice(voices, one.partition("+")[0])]
-        return {"missing": missing, "voices": names(voices)}, b""
+        return {"missing": missing, "voices": names(voices)}
     base, plus, variant = request["voice"].partition("+")
     identifier = find_voice(voices, base)
     known = variants(request["data"])
     if plus and variant not in known:
-        return {"error": "variant", "known": known}, b""
+        return {"error": "variant", "known": known}
     if not identifier or library.espeak_SetVoiceByName((identifier + plus + variant).encode()):
-        return {"error": "voice", "known": sorted(names(voices))}, b""
+        return {"error": "voice", "known": sorted(names(voices))}
     if request["rate"]:
         library.espeak_SetParameter(PARAMETER_RATE, request["rate"], 0)
-    status, events, sound = collect(library, request["text"])
+    return {"rate": rate}
+
+
+def speak(library: ctypes.CDLL, text: str, rate: int) -> tuple[dict[str, Any], bytes | bytearray]:
+    """Speak a text with the prepared library; return the header and the sound."""
+    status, events, sound = collect(library, text)
     if status:
         return {"error": "synthesis", "status": status}, b""
     cut = any(kind == "phoneme" and len(name) == NAME_BYTES for kind, _, name in events)
-    spelled = spell(library, request["text"]) if cut else []
+    spelled = spell(library, text) if cut else []
     return {"rate": rate, "events": events, "spelled": spelled, "bytes": len(sound)}, sound
+
+
+def speak_many(request: dict[str, Any], out: BinaryIO) -> None:
+    """Answer a request for many texts, and each text as its line comes in."""
+    library = ctypes.CDLL(request["library"])
+    ready = prepare(library, request)
+    send(out, ready)
+    for line in sys.stdin.buffer if "rate" in ready else ():
+        text, seconds = json.loads(line)
+        reader, writer = os.pipe()
+        child = os.fork()
+        if not child:
+            # The alarm's own action ends it: Python handles no signal while the library hangs.
+            signal.setitimer(signal.ITIMER_REAL, seconds)
+            speak_and_end(library, text, ready["rate"], out, writer)
+        os.close(writer)
+        _, status = os.waitpid(child, 0)
+        said = os.read(reader, SAID_BYTES)
+        os.close(reader)
+        code = os.waitstatus_to_exitcode(status)
+        send(out, {"code": code, "said": said.decode("utf-8", "replace")})
+
+
+def speak_and_end(
+    library: ctypes.CDLL, text: str, rate: int, out: BinaryIO, printed: int
+) -> NoReturn:
+    """Speak one text, and end this process."""
+    try:
+        os.set_blocking(printed, False)  # a library that prints without end is not to wait for us
+        os.dup2(printed, 1)
+        os.dup2(printed, 2)
+        send(out, *speak(library, text, rate))
+        os._exit(0)
+    finally:
+        os._exit(1)
+
+
+def send(out: BinaryIO, header: dict[str, Any], sound: bytes | bytearray = b"") -> None:
+    """Write a frame."""
+    raw = json.dumps(header).encode("ascii")
+    out.write(MAGIC + len(raw).to_bytes(4, "little") + raw + sound)
+    out.flush()
 
 
 def main() -> None:
     """Answer the request on stdin; whatever the library prints goes to stderr."""
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    header, sound = answer(json.load(sys.stdin.buffer))
-    raw = json.dumps(header).encode("ascii")
-    out.write(MAGIC + len(raw).to_bytes(4, "little") + raw + sound)
-    out.flush()
+    request = json.loads(sys.stdin.buffer.readline())
+    if request["task"] == "speak_many":
+        speak_many(request, out)
+    else:
+        send(out, *answer(request))
     os._exit(0)  # the library's own clean-up has nothing left to give
 
 

@@ -1,16 +1,17 @@
 """eSpeak NG in a process of its own: its voices, and text to phonemes without sound.
 
-A fresh process per request keeps the library's licence, its crashes and its memory apart from ours,
-and makes the same text sound the same, byte for byte.
+A process of its own keeps the library's licence, its crashes and its memory apart from ours; one
+for each text makes the same text sound the same, byte for byte. `espeak_stream` speaks many.
 """
 
+import io
 import json
 import re
 import signal
 import subprocess
 import sys
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,6 +23,9 @@ from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
 READER = Path(__file__).with_name("phonemizer_worker.py")
+
+GARBAGE = "eSpeak NG gave no answer that makes sense; try again"
+"""Message for an answer that is not framed as agreed."""
 
 BATCH_TEXTS = 2000
 """Texts that one process reads."""
@@ -81,12 +85,12 @@ class EspeakProcess:
         done = self._run([self.python, str(READER)], request, data.parent, texts)
         answers = [json.loads(line) for line in done.stdout.splitlines()]
         if answers and "error" in answers[0]:
-            raise SpeechError(_refusal(answers[0], voice))
-        if len(answers) != len(texts) + 1:
-            at = max(len(answers) - 1, 0)
-            raise SpeechError(_ending(done.returncode, done.stderr, texts[at], voice))
+            raise SpeechError(refusal(answers[0], voice))
         for clauses in answers[1:]:
             yield [words_of(clause) for clause in clauses]
+        if len(answers) != len(texts) + 1:
+            at = max(len(answers) - 1, 0)
+            raise SpeechError(ending(done.returncode, done.stderr, texts[at], voice))
 
     def voices(self) -> dict[str, str]:
         """Return the voices of the library: language code and title."""
@@ -100,17 +104,34 @@ class EspeakProcess:
 
     def ask(self, task: str, text: str = "", voice: str = "", rate: int = 0) -> tuple[Any, bytes]:
         """Run the worker for one request and return its answer's header and sound."""
-        library, data = _library()
-        request: dict[str, Any] = {"library": library, "data": data.name, "task": task}
-        request |= {"text": text, "voice": voice, "rate": rate}
-        command = [self.python, "-I", "-S", str(self.worker)]
-        done = self._run(command, request, data.parent, [text])
+        request, folder = self.request(task, text, voice, rate)
+        done = self._run(self.command, request, folder, [text])
         if done.returncode:
-            raise SpeechError(_ending(done.returncode, done.stderr, text, voice))
-        header, sound = _unframe(done.stdout)
+            raise SpeechError(ending(done.returncode, done.stderr, text, voice))
+        answer = io.BytesIO(done.stdout)
+        header, sound = read_frame(answer.read)
+        if answer.read(1):
+            raise SpeechError(GARBAGE)
         if "error" in header:
-            raise SpeechError(_refusal(header, voice))
-        return header | {"said": _said(done.stderr)}, sound
+            raise SpeechError(refusal(header, voice))
+        return header | {"said": last_line(done.stderr)}, sound
+
+    @property
+    def command(self) -> list[str]:
+        """The command line of the worker."""
+        return [self.python, "-I", "-S", str(self.worker)]
+
+    def request(
+        self, task: str, text: str = "", voice: str = "", rate: int = 0
+    ) -> tuple[dict[str, Any], Path]:
+        """Return a request to the worker, and the folder to run it in."""
+        library, data = _library()
+        request = {"library": library, "data": data.name, "task": task}
+        return {**request, "text": text, "voice": voice, "rate": rate}, data.parent
+
+    def limit(self, texts: Sequence[str]) -> float:
+        """Return the seconds to wait for an answer to texts."""
+        return self.patience + sum(map(len, texts)) / 100
 
     def _run(
         self, command: list[str], request: object, folder: Path, texts: Sequence[str]
@@ -122,18 +143,19 @@ class EspeakProcess:
                 input=json.dumps(request).encode("ascii"),
                 capture_output=True,
                 cwd=folder,
-                timeout=self.patience + sum(map(len, texts)) / 100,
+                timeout=self.limit(texts),
                 check=False,
             )
         except subprocess.TimeoutExpired as late:
-            raise SpeechError(
-                f"eSpeak NG did not finish within {late.timeout:.0f} s with {quoted(texts[0])}; "
-                "try again, or split the text"
-            ) from None
+            raise SpeechError(unfinished(late.timeout, texts[0])) from None
         except OSError as error:
-            raise SpeechError(
-                f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
-            ) from None
+            raise self.unstarted(error) from None
+
+    def unstarted(self, error: OSError) -> SpeechError:
+        """Return the error of an interpreter that cannot be started."""
+        return SpeechError(
+            f"eSpeak NG cannot be started with '{self.python}': {error.strerror or error}"
+        )
 
 
 def _library() -> tuple[str, Path]:
@@ -175,7 +197,7 @@ def quoted(text: str) -> str:
     return repr(text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "...")
 
 
-def _ending(code: int, stderr: bytes, text: str, voice: str) -> str:
+def ending(code: int, stderr: bytes, text: str, voice: str) -> str:
     """Say how the worker ended, and what to try."""
     how = f"ended with code {code}"
     if code < 0:
@@ -183,34 +205,49 @@ def _ending(code: int, stderr: bytes, text: str, voice: str) -> str:
         how = f"crashed ({names.get(-code, f'signal {-code}')})"
     return (
         f"eSpeak NG {how} in the voice '{voice}' with {quoted(text)}"
-        + _said(stderr)
+        + last_line(stderr)
         + "; try another voice, or a shorter text"
     )
 
 
-def _said(stderr: bytes) -> str:
+def unfinished(seconds: float, text: str) -> str:
+    """Say that a text took too long."""
+    return (
+        f"eSpeak NG did not finish within {seconds:.0f} s with {quoted(text)}; "
+        "try again, or split the text"
+    )
+
+
+def last_line(stderr: bytes) -> str:
     """Return the last line that the library printed, to end a sentence with."""
     lines = stderr.decode("utf-8", "replace").strip().splitlines()
     return f" ({lines[-1].strip()})" if lines else ""
 
 
-def _unframe(raw: bytes) -> tuple[Any, bytes]:
-    """Take an answer apart, believing none of it."""
-    start = len(MAGIC) + 4
-    garbage = SpeechError("eSpeak NG gave no answer that makes sense; try again")
-    if not raw.startswith(MAGIC) or len(raw) < start:
-        raise garbage
-    end = start + int.from_bytes(raw[len(MAGIC) : start], "little")
+def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
+    """Read the header and the sound of an answer, believing none of it.
+
+    Parameters
+    ----------
+    read : returns so many bytes, fewer at the end of the answer
+    """
+    start = read(len(MAGIC) + 4)
+    raw = read(int.from_bytes(start[len(MAGIC) :], "little")) if start.startswith(MAGIC) else b""
     try:
-        header = json.loads(raw[start:end])
+        header = json.loads(raw)
     except ValueError:
-        raise garbage from None
-    if not isinstance(header, dict) or len(raw) - end != header.get("bytes", 0):
-        raise garbage
-    return header, raw[end:]
+        raise SpeechError(GARBAGE) from None
+    size = header.get("bytes", 0) if isinstance(header, dict) else -1
+    if not isinstance(size, int) or size < 0:
+        raise SpeechError(GARBAGE)
+    sound = read(size)
+    if len(sound) != size:
+        raise SpeechError(GARBAGE)
+    return header, sound
 
 
-def _refusal(header: dict[str, Any], voice: str) -> str:
+def refusal(header: dict[str, Any], voice: str) -> str:
+    """Say why the library does not speak."""
     match header["error"]:
         case "voice":
             return f"eSpeak NG has no voice '{voice}'; {did_you_mean(voice, header['known'])}"
