@@ -209,6 +209,41 @@ translate french strings:
             (36, "", "", "Thé"),
         ],
     ),
+    ".yarn": (
+        """\
+# a tag of the file
+title: Start
+tags: intro
+---
+// nobody says this
+Anna: Hello there. #line:0a1b // nor this
+<<declare $n = 1>>
+Old Man: Hi {$name}, see http://a.b/c. #mood:sad #line:0a1c
+    [wave]Well[/wave], it costs 5 # or 6.
+-> Yes, please. <<if $n > 0>> #line:0a1d
+    Anna: Fine: go.
+=> Anna: Aye\\: aye.
+[[Leave|Next]]
+[[Next]]
+He said: "No."
+===
+title: Next
+---
+Bye. #line:0a1e
+===
+""",
+        [
+            (6, "0a1b", "Anna", "Hello there."),
+            (8, "0a1c", "Old Man", "Hi, see http://a.b/c."),
+            (9, "", "", "Well, it costs 5 # or 6."),
+            (10, "0a1d", "", "Yes, please."),
+            (11, "", "Anna", "Fine: go."),
+            (12, "", "Anna", "Aye: aye."),
+            (13, "", "", "Leave"),
+            (15, "", "He said", '"No."'),
+            (19, "0a1e", "", "Bye."),
+        ],
+    ),
 }
 """By suffix, a file and what is said in it: line, name, speaker, text."""
 
@@ -218,7 +253,7 @@ REMARKED = {".po"}
 
 def test_every_format_has_a_sample():
     texts = {s for r in READERS.values() if r.name != "schedule" for s in r.suffixes}
-    assert set(SAMPLES) == texts
+    assert set(SAMPLES) == texts - {".xlsx"}, "spreadsheets are no text, and have their own tests"
 
 
 @pytest.mark.parametrize("suffix", SAMPLES)
@@ -494,3 +529,81 @@ def test_real_sentences_are_read_whole(data):
     lines = read(path)
     assert [line.text for line in lines] == path.read_text("utf-8").splitlines()
     assert lines[-1].place == f"{path}:720"
+
+
+# Yarn
+
+
+def test_yarn_without_a_node_is_refused(tmp_path):
+    assert "no node of Yarn" in refusal(write(tmp_path / "a.yarn", "Anna: Hello.\n"))
+
+
+ROWS = {"<<" * 200_000: 1, "#a " * 200_000: 0, " " * 400_000 + "x": 1, "[[" * 99_999: 1}
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: row.strip()[:2])
+def test_yarn_of_any_form_is_read_in_one_pass(tmp_path, row):
+    """Rows like these would take hours where time grows with the square of their length."""
+    assert len(read(write(tmp_path / "a.yarn", f"---\n{row}\n"))) == ROWS[row]
+
+
+# Spreadsheets
+
+
+def workbook(path, **sheets):
+    openpyxl = pytest.importorskip("openpyxl", reason="the extra `tables` is not installed")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for title, rows in sheets.items():
+        sheet = book.create_sheet(title)
+        for row in rows:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
+HEAD = ["id", "speaker", "text", None]
+
+
+def test_spreadsheets_are_tables(tmp_path):
+    path = workbook(
+        tmp_path / "a.xlsx",
+        One=[HEAD, ["a", "Anna", "Hello."], [None, None, None], [7.0, None, 42]],
+        Two=[HEAD, ["b", "Bob", "<i>Bye</i>."]],
+        Notes=[["what", "when"], ["x", "y"]],
+    )
+    remarks = []
+    lines = read(path, remark=remarks.append)
+    assert [(x.place, x.name, x.speaker, x.text) for x in lines] == [
+        (f"{path}:2", "a", "Anna", "Hello."),
+        (f"{path}:4", "7", "", "42"),
+        (f"{path}:Two!2", "b", "Bob", "Bye."),
+    ]
+    assert lines[2].file == str(path)
+    assert remarks == [f"{path}: left out Notes: the columns differ from those of One"]
+    assert [x.text for x in read(path, column="speaker", remark=_quiet)] == ["Anna", "Bob"]
+    assert "has no column 'txt'; did you mean 'text'?" in _refusal_of(path, "txt")
+
+
+def _quiet(_):
+    pass
+
+
+def _refusal_of(path, column):
+    with pytest.raises(LipsyncError) as caught:
+        read(path, column=column)
+    return str(caught.value)
+
+
+def test_damaged_spreadsheets_are_refused(tmp_path):
+    path = workbook(tmp_path / "a.xlsx", One=[HEAD, ["a", "Anna", "Hello."]])
+    whole = path.read_bytes()
+    assert "no spreadsheet" in refusal(write(tmp_path / "b.xlsx", whole[: len(whole) // 2]))
+    assert "no spreadsheet" in refusal(write(tmp_path / "c.xlsx", b"id,text\n"))
+    assert "no row of column names" in refusal(workbook(tmp_path / "d.xlsx", One=[]))
+
+
+def test_spreadsheets_that_unpack_to_gigabytes_are_refused(tmp_path, monkeypatch):
+    path = workbook(tmp_path / "a.xlsx", One=[HEAD, ["a", "Anna", "Hello." * 1000]])
+    monkeypatch.setattr("lipsync_lang.lines.xlsx.MAX_PART_BYTES", 5_000)
+    assert "save the script as a table" in refusal(path)

@@ -24,6 +24,7 @@ from lipsync_lang.lines.table import (
     lacking,
     text_column,
 )
+from lipsync_lang.lines.yarn import LINE_TAG
 from lipsync_lang.packs.answers import folded
 from lipsync_lang.packs.models.project_models import ScriptColumns
 
@@ -51,13 +52,13 @@ class ScriptRow(NamedTuple):
 
     Parameters
     ----------
-    number : of its line in the file
+    number : of its line in the file; of a spreadsheet's other sheets, with their title
     name : its id
     texts : by index of the language; empty where it is not translated
     timings : file of its timed phonemes, if it is a line by itself
     """
 
-    number: int
+    number: int | str
     name: str
     speaker: str
     texts: tuple[tuple[int, str], ...]
@@ -129,7 +130,7 @@ def _table_rows(
         )
     for number, row in table.rows:
         said = tuple([(index, spoken(cell(row, at)).text) for index, at in texts])
-        own = cell(row, name)
+        own = cell(row, name).removeprefix(LINE_TAG)
         if own:
             yield ScriptRow(number, own, cell(row, speaker), said)
         elif any(text for _, text in said):
@@ -201,7 +202,7 @@ def _other_rows(file: ScriptFile, remark: Remark) -> Iterator[ScriptRow]:
     for line, name in zip(lines, _identifiers(lines), strict=True):
         number = line.place.rpartition(":")[2]
         timings = file.path if line.schedule is not None else None
-        yield ScriptRow(int(number), name, line.speaker, ((index, line.text),), timings)
+        yield ScriptRow(number, name, line.speaker, ((index, line.text),), timings)
 
 
 def _identifiers(lines: Sequence[Line]) -> Iterator[str]:

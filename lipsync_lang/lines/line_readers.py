@@ -60,14 +60,14 @@ class LineFile:
         return numbered(self.path, self.open, self.encoding)
 
     def line(
-        self, number: int, text: str, *, name: str = "", speaker: str = "", original: str = ""
+        self, number: int | str, text: str, *, name: str = "", speaker: str = "", original: str = ""
     ) -> Line:
         """Return the spoken text, markup removed."""
         said, dropped, gaps = spoken(text)
         place = f"{self.path}:{number}"
         return Line(said, place, name, speaker, dropped=dropped, gaps=gaps, original=original)
 
-    def fault(self, number: int, what: str) -> LipsyncError:
+    def fault(self, number: int | str, what: str) -> LipsyncError:
         """Return an error that says where."""
         return LipsyncError(f"{self.path}:{number}: {what}")
 
@@ -79,7 +79,7 @@ class Table(NamedTuple):
     """A table: the names of its columns, and each row with its line in the file."""
 
     head: list[str]
-    rows: Iterator[tuple[int, Sequence[str]]]
+    rows: Iterator[tuple[int | str, Sequence[str]]]
 
 
 Open = Callable[[LineFile], Table]

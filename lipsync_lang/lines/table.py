@@ -60,7 +60,7 @@ def cell(row: Sequence[str], at: int) -> str:
 
 def _rows(
     source: LineFile, lines: Iterator[tuple[int, str]], delimiter: str
-) -> Iterator[tuple[int, list[str]]]:
+) -> Iterator[tuple[int | str, Sequence[str]]]:
     """Yield (first line, cells) for each row."""
     last = start = 1
 

@@ -1,0 +1,138 @@
+"""Sheets of spreadsheets, as tables.
+
+The first sheet with cells is read, and all others that have the same columns, such as a sheet for
+each scene; a remark names the rest. Formulas count as the values that the program stored with them.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from itertools import islice
+from typing import TYPE_CHECKING, Any, BinaryIO
+from zipfile import BadZipFile, ZipFile
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.reading import MIB_BYTES
+from lipsync_lang.lines.line import Line
+from lipsync_lang.lines.line_readers import LineFile, Table, reader
+from lipsync_lang.lines.table import lines_of
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+MAX_PART_BYTES = 512 * MIB_BYTES
+"""Bytes of a part of the file once it is unpacked; a million rows have less."""
+
+MAX_ROWS = 1_048_576
+"""Rows of a sheet; no program stores more, so that rows beyond them are damage."""
+
+MAX_COLUMNS = 1_024
+"""Columns that are looked at; no script has more."""
+
+
+def open_sheets(source: LineFile) -> Table:
+    """Read the head of the first sheet; the rows follow one by one."""
+    sheets = _sheets(source)
+    for title, rows in sheets:
+        first = next(rows, None)
+        if first is not None:
+            return Table(_head(first[1]), _rows(source, title, first[1], rows, sheets))
+    raise source.fault(1, "has no row of column names; write one, such as id,speaker,text")
+
+
+@reader("xlsx", suffixes=[".xlsx"], table=open_sheets)
+def read(source: LineFile) -> Iterator[Line]:
+    """Spreadsheets, whose first row names the columns; `--column` says which is the text."""
+    return lines_of(source, open_sheets(source))
+
+
+Row = tuple[int, list[str]]
+Sheet = tuple[str, Iterator[Row]]
+
+
+def _rows(
+    source: LineFile, title: str, first: list[str], rows: Iterator[Row], others: Iterator[Sheet]
+) -> Iterator[tuple[int | str, Sequence[str]]]:
+    """Yield the rows of the first sheet, and those of the others with its columns."""
+    yield from rows
+    left = []
+    for other, more in others:
+        head = next(more, None)
+        if head is not None and _head(head[1]) == _head(first):
+            yield from ((f"{other}!{number}", row) for number, row in more)
+        elif head is not None:
+            left.append(other)
+    if left:
+        source.remark(
+            f"{source.path}: left out {', '.join(left)}: the columns differ from those of {title}"
+        )
+
+
+def _head(row: Sequence[str]) -> list[str]:
+    names = [name.strip() for name in row]
+    while names and not names[-1]:
+        names.pop()
+    return names
+
+
+def _sheets(source: LineFile) -> Iterator[Sheet]:
+    """Yield the title and the rows of each sheet, in order."""
+    openpyxl = _openpyxl()
+    with source.open() as stream:
+        _refuse_bombs(source, stream)
+        try:
+            book = openpyxl.load_workbook(stream, read_only=True, data_only=True, keep_links=False)
+        except Exception as error:  # noqa: BLE001 damage shows anywhere in the library
+            raise _damaged(source, error) from None
+        with closing(book):
+            for sheet in book.worksheets:
+                yield sheet.title, _cells(source, sheet)
+
+
+def _cells(source: LineFile, sheet: Any) -> Iterator[Row]:
+    """Yield (number, cells) of the rows that are not empty."""
+    try:
+        sheet.reset_dimensions()  # the size that a file states may be wrong
+        for number, row in enumerate(islice(sheet.iter_rows(values_only=True), MAX_ROWS), 1):
+            cells = [_text(value) for value in row[:MAX_COLUMNS]]
+            if any(cells):
+                yield number, cells
+    except Exception as error:  # noqa: BLE001 damage shows anywhere in the library
+        raise _damaged(source, error) from None
+
+
+def _text(value: object) -> str:
+    """Return a cell as its program shows it, without formats."""
+    if value is None:
+        return ""
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return str(value)
+
+
+def _refuse_bombs(source: LineFile, stream: BinaryIO) -> None:
+    """Refuse a file whose parts are too large; `zipfile` unpacks no more than they state."""
+    try:
+        with ZipFile(stream) as parts:
+            largest = max((part.file_size for part in parts.infolist()), default=0)
+    except (BadZipFile, OSError, ValueError, NotImplementedError) as error:
+        raise _damaged(source, error) from None
+    if largest > MAX_PART_BYTES:
+        size = f"{largest // MIB_BYTES:,} MiB"
+        raise source.fault(1, f"unpacks to {size}; save the script as a table (.csv)")
+    stream.seek(0)
+
+
+def _damaged(source: LineFile, error: Exception) -> LipsyncError:
+    why = str(error).partition("\n")[0] or type(error).__name__
+    return source.fault(1, f"no spreadsheet can be read from it ({why}); save it again as .xlsx")
+
+
+def _openpyxl() -> "ModuleType":
+    try:
+        import openpyxl
+    except ImportError:
+        raise LipsyncError(
+            'spreadsheets need openpyxl: pip install "lipsync-lang[tables]"; or save them as .csv'
+        ) from None
+    module: ModuleType = openpyxl
+    return module

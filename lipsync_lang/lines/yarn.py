@@ -1,0 +1,69 @@
+"""Yarn Spinner scripts: the spoken lines and options of nodes.
+
+A file is a list of nodes: headers up to ``---``, then a body up to ``===``. A body holds lines such
+as ``Anna: Hello. #line:a1``, options (``-> Hello.``), groups of lines (``=> Hello.``), commands
+(``<<stop>>``) and comments (``//``). The tag ``#line:`` names a line.
+"""
+
+import re
+from collections.abc import Iterator
+
+from lipsync_lang.lines.line import Line
+from lipsync_lang.lines.line_readers import LineFile, reader
+
+COMMENT = re.compile(r"(?<![\\:])//.*")
+"""A comment; the address of a page holds none."""
+
+COMMAND = re.compile(r"<<(?:[^<>]|>(?!>)|<(?!<))*>>")
+JUMP = re.compile(r"\[\[(?:(?P<text>[^\[\]|]*)\|)?[^\[\]|]*\]\]\s*$")
+"""An option of the first version: ``[[Text|Node]]``, or a jump without a text."""
+
+SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
+ESCAPE = re.compile(r"\\([:#/<>])")
+LINE_TAG = "line:"
+
+
+@reader("yarn", suffixes=[".yarn"])
+def read(source: LineFile) -> Iterator[Line]:
+    """Yarn Spinner scripts: lines and options of nodes, with their `#line:` tags."""
+    within = met = False
+    number = 0
+    for number, row in source.numbered():
+        text = row.strip()
+        if text == "===":
+            within = False
+        elif not within:
+            within = text == "---"
+            met |= within
+        else:
+            yield from _spoken(source, number, text)
+    if number and not met:
+        raise source.fault(number, "no node of Yarn in it; a node's body begins with a line `---`")
+
+
+def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
+    """Yield the line of a row, if it has one."""
+    text = COMMAND.sub(" ", COMMENT.sub("", text)).strip()
+    text, tags = _untagged(text)
+    names = [tag.removeprefix(LINE_TAG) for tag in tags if tag.startswith(LINE_TAG)]
+    text = text.removeprefix("->").removeprefix("=>").strip()
+    if jump := JUMP.match(text):
+        text = jump["text"] or ""
+    found = SPEAKER.match(text)
+    speaker = found["who"].strip() if found else ""
+    said = ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
+    if said:
+        yield source.line(number, said, name="".join(names[-1:]), speaker=speaker)
+
+
+def _untagged(text: str) -> tuple[str, list[str]]:
+    """Part a line from the tags at its end, the last of them first."""
+    pieces = text.split("#")
+    tags = []
+    while len(pieces) > 1:
+        tag = pieces[-1].strip()
+        if len(tag.split()) != 1 or pieces[-2][-1:].strip():
+            break  # a hash within the text
+        tags.append(tag)
+        pieces.pop()
+    return "#".join(pieces), tags
