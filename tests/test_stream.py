@@ -81,8 +81,7 @@ def fed(stream, schedule, draw):
 
 def assert_as_whole(performer, schedule, fps, draw):
     whole = performer.perform(schedule, fps)
-    marked = bool(performer.labels.stresses(schedule, performer.labels.classes(
-        *performer.common_phonemes(schedule)[::2], len(schedule))))  # fmt: skip
+    marked = bool(performer.labels.stresses(*performer.labels.read([schedule])).size)
     stream = performer.stream(fps, notation=schedule.notation, stress=marked)
     times, weights = fed(stream, schedule, draw)
     assert np.array_equal(times, whole.times)

@@ -32,9 +32,8 @@ def performer():
 
 
 def stresses(performer, schedule):
-    ids, _, source = performer.common_phonemes(schedule)
-    classes = performer.labels.classes(ids, source, len(schedule))
-    return performer.labels.stresses(schedule, classes)
+    found = performer.labels.stresses(*performer.labels.read([schedule]))
+    return [None if stress < 0 else stress for stress in found.tolist()]
 
 
 def jaw(performer, schedule, **motion):

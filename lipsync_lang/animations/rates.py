@@ -19,6 +19,9 @@ NEAR = 0.006
 TIMECODE = re.compile(r"(\d{1,2}):([0-5]?\d):([0-5]?\d)([:;])(\d{1,3})")
 """Hours, minutes, seconds and frames; a semicolon before the frames marks drop-frame."""
 
+FASTEST = 1000.0
+"""Maximum frame rate in frames per second; larger values are mistakes."""
+
 DAY = 86_486.4
 """Maximum timeline length in seconds: 24 hours of NTSC timecode."""
 
@@ -30,6 +33,13 @@ def exact(fps: float) -> float:
     meant = float(round(fps / NTSC) * NTSC)
     odd = abs(fps - round(fps)) > NEAR
     return meant if odd and abs(fps - meant) <= NEAR else float(fps)
+
+
+def checked_rate(fps: float) -> float:
+    """Return the exact rate; refuse one out of range."""
+    if not 1 <= fps <= FASTEST:
+        raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
+    return exact(fps)
 
 
 def parse_rate(text: str) -> float:

@@ -5,14 +5,21 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from lipsync_lang.errors import ScheduleError, did_you_mean
 from lipsync_lang.packs.finding import IPA
-from lipsync_lang.performing.stress import StressMarks
+from lipsync_lang.performing.label_sounds import UNMARKED, LabelSounds, LabelTable, ValueTable
+from lipsync_lang.performing.stress import (
+    CONSONANT_MANNER,
+    SILENT_MANNER,
+    VOWEL,
+    VOWEL_MANNER,
+    stresses_of,
+)
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
 from lipsync_lang.phonology.notations import ready
@@ -52,27 +59,38 @@ class LabelReader:
         (m,) common phoneme numbers, (m + 1,) boundaries in seconds, and (m,) indices of the source
         phonemes in the schedule
         """
-        values, numbers = self.values(schedule), self._numbers
-        single = [numbers[value[0][0]] for value in values if len(value) == 1]
-        if len(single) == len(values):
-            return np.array(single), schedule.times, np.arange(len(single))
-        ids: list[int] = []
-        starts: list[float] = []
-        source: list[int] = []
-        times = schedule.times.tolist()
-        for index, value in enumerate(values):
-            at, length = times[index], times[index + 1] - times[index]
-            for name, share in value:
-                ids.append(numbers[name])
-                starts.append(at)
-                source.append(index)
-                at += share * length
-        if not ids:
-            raise ScheduleError(
-                f"{schedule.source}: all its labels are mute; there is no sound in it"
-            )
-        starts[0] = times[0]
-        return np.array(ids), np.array([*starts, times[-1]]), np.array(source)
+        return self.read([schedule])[0][:3]
+
+    def read(self, schedules: Sequence[Schedule]) -> list[LabelSounds]:
+        """Map the labels of schedules to common phonemes, all at once.
+
+        Raises
+        ------
+        ScheduleError
+            A label is in no notation of the language, or all labels of a schedule are mute.
+        """
+        read = [self._read(one) for one in schedules]
+        values, marks = (np.concatenate(column) for column in zip(*read, strict=True))
+        found = self._sounds.sounds(values, marks, [one.times for one in schedules])
+        for schedule, sounds in zip(schedules, found, strict=True):
+            if sounds is None:
+                raise ScheduleError(
+                    f"{schedule.source}: all its labels are mute; there is no sound in it"
+                )
+        return cast("list[LabelSounds]", found)
+
+    def _read(self, schedule: Schedule) -> tuple[Ints, Ints]:
+        """Return the number of each label's value, and its mark of stress: (n,) each."""
+        notation = self.notation(schedule)
+        table = self._tables.get(id(notation))
+        if table is None:
+            table = self._tables.setdefault(id(notation), LabelTable(notation, self._sounds))
+        values, marks = table.read(schedule.labels)
+        if values.min() < 0 or self._has_own_words(schedule):
+            values = np.array([self._sounds.number(value) for value in self.values(schedule)])
+        if schedule.stress:
+            marks = np.array([UNMARKED if one is None else one for one in schedule.stress])
+        return values, marks
 
     def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
         """Return the labels mapped only by phonetic features, without duplicates.
@@ -91,8 +109,8 @@ class LabelReader:
         """Return the value of each label; whole-word entries of the language take precedence."""
         notation = self.notation(schedule)
         values = self._found(schedule, notation)
-        own = self.compiled.words if schedule.language == self.compiled.language else {}
-        for word in schedule.words if own else ():
+        own = self.compiled.words
+        for word in schedule.words if self._has_own_words(schedule) else ():
             sounds = own.get(plain(word.text))
             if sounds:
                 values[word.first : word.stop] = _spread(sounds, word.stop - word.first)
@@ -104,6 +122,11 @@ class LabelReader:
             raise ScheduleError(self._unknown(schedule, unknown, notation))
         rest: Value = ((self.compiled.phonemes[0], 1.0),)
         return [rest if value is None else value for value in values]
+
+    def _has_own_words(self, schedule: Schedule) -> bool:
+        """Return True if entries of the language may take precedence over labels."""
+        compiled = self.compiled
+        return bool(compiled.words and schedule.words) and schedule.language == compiled.language
 
     def classes(self, ids: Ints, source: Ints, count: int) -> list[str]:
         """Return the sound class of the first sound of each label; empty for silence.
@@ -126,18 +149,22 @@ class LabelReader:
         """Return the number of a common phoneme."""
         return self._numbers[name]
 
-    def stresses(self, schedule: Schedule, classes: Sequence[str]) -> list[int | None]:
+    def stresses(self, sounds: LabelSounds) -> Ints:
         """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.
 
         A mark before a consonant belongs to the vowel after it, as the IPA writes stress. Where
         some vowels are marked, the others have no stress.
+
+        Returns
+        -------
+        (n,) with -1 for labels that are no vowels, or (0,)
         """
-        notation = self.notation(schedule)
-        marks = schedule.stress or tuple(map(notation.stress, schedule.labels))
-        if not any(mark is not None for mark in marks):
-            return []
-        reading = StressMarks()
-        return [reading.of(mark, kind) for mark, kind in zip(marks, classes, strict=True)]
+        marks = sounds.marks
+        if marks.max() < 0:
+            return marks[:0]
+        firsts = np.zeros(len(marks), np.intp)
+        firsts[sounds.source[::-1]] = sounds.ids[::-1]  # the first of a label is written last
+        return stresses_of(marks, self._manners[firsts])
 
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
         """Look up each label in a notation, with the requested treatment of unknown IPA."""
@@ -198,6 +225,21 @@ class LabelReader:
         """Sound class of each common phoneme; silence, the first, has none."""
         kinds = self.compiled.manner["kinds"]
         return ["", *(kinds.get(name) or "sound" for name in self.compiled.phonemes[1:])]
+
+    @cached_property
+    def _manners(self) -> Ints:
+        """(N,) of each common phoneme: 0 for silence, 2 for a vowel, 1 for other sounds."""
+        manners = {"": SILENT_MANNER, VOWEL: VOWEL_MANNER}
+        return np.array([manners.get(kind, CONSONANT_MANNER) for kind in self._classes], np.intp)
+
+    @cached_property
+    def _sounds(self) -> ValueTable:
+        return ValueTable(self._numbers)
+
+    @cached_property
+    def _tables(self) -> dict[int, LabelTable]:
+        """Labels of each notation, by its identity."""
+        return {}
 
     @cached_property
     def _numbers(self) -> dict[str, int]:

@@ -4,18 +4,16 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from lipsync_lang.animations.animation import Animation
-from lipsync_lang.animations.rates import exact
+from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.errors import LipsyncError, refuse_other
+from lipsync_lang.performing.batch import Delivered, animate
 from lipsync_lang.performing.delivery import delivery
-from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
-from lipsync_lang.performing.loudness import loudness_dial
-from lipsync_lang.performing.stress import emphasis_dial, stress_dial
 from lipsync_lang.performing.style_drafts import with_drafts
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
@@ -27,23 +25,19 @@ from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from lipsync_lang.animations.explanation import Explanation
     from lipsync_lang.performing.delivery import Levels
     from lipsync_lang.performing.stream import Late, Stream
     from lipsync_lang.phonology.nearest import Nearest
-    from lipsync_lang.pipeline.levels import Blend, Dial
-    from lipsync_lang.pipeline.overlay import Overlay
+    from lipsync_lang.pipeline.levels import Blend
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.pipeline.track import Track
     from lipsync_lang.resolver.compiled import Compiled, Report
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.rigs.driver import Driver
     from lipsync_lang.speech.speaking import Speaker
-
-FASTEST = 1000.0
-"""Maximum frame rate in frames per second; larger values are mistakes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,24 +146,44 @@ class Performer:
         >>> animation.weights.shape == (len(animation), len(performer.poses))
         True
         """
-        fps = exact(fps)
-        asked: dict[str, Any] = {
-            "line": line, "styles": styles, "dials": dials, "intensity": intensity,
-        }  # fmt: skip
-        performance = self.performance(schedule, fps, **asked)
-        return Animation(
-            performance.frames.times(),
-            self.poses,
-            performance.weights(),
-            fps,
-            schedule,
-            performer=self,
-            asked=asked,
-            channels=self.channels,
-            model=self.model,
-            neutral=self.compiled.neutral,
-            contacts=dict(self._contacts),
-        )
+        return self.perform_many(
+            [schedule], fps, lines=[line], styles=styles, dials=dials, intensity=intensity
+        )[0]
+
+    def perform_many(  # noqa: PLR0913 as `perform`
+        self,
+        schedules: "Iterable[Schedule]",
+        fps: float = 60,
+        *,
+        lines: "Sequence[str | None] | None" = None,
+        styles: "Levels | None" = None,
+        dials: "Levels | None" = None,
+        intensity: float | None = None,
+    ) -> list[Animation]:
+        """Animate many schedules; each animation is the one that `perform` makes, to the bit.
+
+        Labels of all schedules are mapped at once. Batches of some hundreds keep memory low.
+
+        Parameters
+        ----------
+        schedules : timed phonemes of each line
+        lines : name of the line with edits or settings of each schedule, None for those without
+        fps, styles, dials, intensity : as in `perform`, the same for all
+
+        Raises
+        ------
+        LipsyncError
+            As in `perform`, for the first schedule at fault.
+
+        Examples
+        --------
+        >>> performer = ll.resolve("english", "facefx")
+        >>> one, other = (ll.Schedule(labels, [0, 0.1, 0.3]) for labels in ("MA", "BI"))
+        >>> [len(animation) for animation in performer.perform_many([one, other], fps=24)]
+        [13, 13]
+        """
+        asked = {"styles": styles, "dials": dials, "intensity": intensity}
+        return animate(self, tuple(schedules), fps, lines, asked)
 
     def stream(  # noqa: PLR0913 how things are said, as in `perform`
         self,
@@ -212,10 +226,8 @@ class Performer:
         """
         from lipsync_lang.performing.stream import Stream
 
-        if not 1 <= fps <= FASTEST:
-            raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
         return Stream(
-            self, exact(fps), notation=notation, styles=styles, dials=dials, stress=stress,
+            self, checked_rate(fps), notation=notation, styles=styles, dials=dials, stress=stress,
             emphasis=emphasis, late=late,
         )  # fmt: skip
 
@@ -300,21 +312,16 @@ class Performer:
         intensity: float | None = None,
     ) -> Performance:
         """Prepare a performance with access to each stage; see `perform`."""
-        if not 1 <= fps <= FASTEST:
-            raise LipsyncError(f"{fps} frames per second: give a number from 1 to {FASTEST:g}")
-        fps = exact(fps)
-        ids, times, source = self.labels.common_phonemes(schedule)
-        compiled = self.compiled
-        blends, scaled = delivery(compiled, schedule, line, styles, dials)
-        scaled += self._effort(schedule, self.labels.classes(ids, source, len(schedule)), intensity)
-        tables = self.tables(blends)
-        track = lay_track(ids, times, source, tables, self.motion, blends)
-        own: tuple[Overlay, ...] = ()
-        if line is not None or compiled.word_edits:
-            silent = np.ones(len(schedule), bool)
-            silent[source[ids != compiled.tables.silence]] = False
-            own = overlays(compiled, schedule, silent.tolist(), line)
-        return perform(tables, track, self.motion, fps, overlays=own, blends=blends, dials=scaled)
+        fps = checked_rate(fps)
+        asked = {"styles": styles, "dials": dials, "intensity": intensity}
+        (sounds,) = self.labels.read([schedule])
+        said = Delivered.of(self, schedule, sounds, line, asked)
+        ids, times, source, _ = sounds
+        track = lay_track(ids, times, source, said.tables, self.motion, said.blends)
+        return perform(
+            said.tables, track, self.motion, fps,
+            overlays=said.overlays, blends=said.blends, dials=said.dials,
+        )  # fmt: skip
 
     def track(
         self,
@@ -337,19 +344,6 @@ class Performer:
         if heard not in self._drafted:
             self._drafted[heard] = with_drafts(self.compiled, heard)
         return self._drafted[heard]
-
-    def _effort(
-        self, schedule: Schedule, classes: "Sequence[str]", intensity: float | None
-    ) -> "tuple[Dial, ...]":
-        """Return the dials of stress, emphasis and loudness; none where there is no effect."""
-        stated, poses, motion = self.compiled.intensity, self.opening_poses, self.motion
-        stresses = self.labels.stresses(schedule, classes) if motion.stress and stated else []
-        dials = (
-            stress_dial(stated, schedule, stresses, motion.stress, poses),
-            emphasis_dial(stated, schedule, poses),
-            loudness_dial(self.compiled, schedule, classes, intensity, motion, poses),
-        )
-        return tuple(dial for dial in dials if dial is not None)
 
     def explain(self, animation: Animation, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in an animation of this performer."""
@@ -391,7 +385,7 @@ class Performer:
         return {}
 
     @cached_property
-    def _contacts(self) -> dict[str, float]:
+    def contact_floors(self) -> dict[str, float]:
         """Floor of each pose that a contact holds up."""
         floors = zip(self.poses, self.compiled.tables.floors.tolist(), strict=True)
         return {pose: floor for pose, floor in floors if floor > 0}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.levels import Dial, Level
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ UNSTRESSED, PRIMARY, SECONDARY = 0, 1, 2
 
 VOWEL = "vowel"
 """Sound class of the sounds that carry stress."""
+
+SILENT_MANNER, CONSONANT_MANNER, VOWEL_MANNER = 0, 1, 2
+"""The same as numbers: of silence, of sounds that do not, and of those that do."""
 
 RAMP_SECONDS = 0.08
 """Time over which an emphasised word begins, and ends, to open the mouth wider."""
@@ -85,10 +88,29 @@ class StressMarks:
         return None
 
 
+def stresses_of(marks: Ints, manners: Ints) -> Ints:
+    """Return the stress of each label, as `StressMarks` reads them; -1 if it is no vowel: (n,).
+
+    Parameters
+    ----------
+    marks : (n,) its own mark; -1 for none
+    manners : (n,) 0 for silence, 2 for a vowel, 1 for other sounds
+    """
+    at = np.arange(len(marks))
+    vowel, clears = manners == VOWEL_MANNER, manners != CONSONANT_MANNER
+    carried = np.maximum.accumulate(np.where(~clears & (marks > 0), at, -1))
+    cleared = np.maximum.accumulate(np.where(clears, at, -1))
+    cleared[1:] = cleared[:-1]  # by the labels before
+    cleared[0] = -1
+    passed = np.where(carried > cleared, marks[carried], UNSTRESSED)
+    out: Ints = np.where(vowel, np.where(marks >= 0, marks, passed), -1)
+    return out
+
+
 def stress_dial(
     stated: Mapping[str, Any] | None,
     schedule: "Schedule",
-    stresses: Sequence[int | None],
+    stresses: Ints,
     factor: float,
     poses: Bools,
 ) -> Dial | None:
@@ -97,19 +119,19 @@ def stress_dial(
     Parameters
     ----------
     stated : the pose set's `intensity`
-    stresses : stress of each vowel, None for other sounds; empty if nothing marks any
+    stresses : (n,) stress of each vowel, -1 for other sounds; empty if nothing marks any
     factor : 0 for no effect, 1 for the setting of the pose set
     poses : (P,) True for the poses that effort moves
     """
-    if stated is None or not factor or not stresses:
+    if stated is None or not factor or not stresses.size:
         return None
-    levels = stress_levels(stated, factor)
-    vowels = [number for number, stress in enumerate(stresses) if stress is not None]
-    if not vowels:
+    vowels = np.flatnonzero(stresses >= 0)
+    if not vowels.size:
         return None
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
-    values = [levels[stress] for stress in stresses if stress is not None]
-    return Dial(poses, vowel_level(middles[vowels], np.array(values)), "stress")
+    known = stress_levels(stated, factor)
+    levels = np.array([known[stress] for stress in sorted(known)])
+    return Dial(poses, vowel_level(middles[vowels], levels[stresses[vowels]]), "stress")
 
 
 def emphasis_dial(

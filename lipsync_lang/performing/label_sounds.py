@@ -1,0 +1,156 @@
+"""Labels become sounds: those of many schedules at once, in a few array operations.
+
+Conventions: times are seconds; (n,) is labels, (m,) their sounds, m being larger where a label has
+several. A mark of stress is -1 where there is none.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from threading import Lock
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.phonology.labels import Notation, Value
+from lipsync_lang.pipeline.arrays import Floats, Ints
+
+UNKNOWN, UNMARKED = -1, -1
+"""Stand for a label without a value, and for one without a mark of stress."""
+
+
+class LabelSounds(NamedTuple):
+    """The sounds of a schedule."""
+
+    ids: Ints
+    """(m,) common phonemes."""
+    times: Floats
+    """(m + 1,) boundaries."""
+    source: Ints
+    """(m,) index of the label of each."""
+    marks: Ints
+    """(n,) mark of stress of each label."""
+
+
+class ValueTable:
+    """Values of labels by number, and their sounds as arrays.
+
+    Parameters
+    ----------
+    numbers : number of each common phoneme
+    """
+
+    def __init__(self, numbers: Mapping[str, int]) -> None:
+        self._numbers = numbers
+        self._known: dict[Value, int] = {}
+        self._lock = Lock()
+        self._arrays: tuple[Ints, Ints, Ints, Floats] = self._flat()
+
+    def number(self, value: Value) -> int:
+        """Return the number of a value."""
+        found = self._known.get(value)
+        if found is None:
+            with self._lock:
+                found = self._known.setdefault(value, len(self._known))
+                self._arrays = self._flat()
+        return found
+
+    def _flat(self) -> tuple[Ints, Ints, Ints, Floats]:
+        counts = np.array([len(value) for value in self._known], np.intp)
+        sounds = [sound for value in self._known for sound in value]
+        ids = np.array([self._numbers[name] for name, _ in sounds], np.intp)
+        shares = np.array([share for _, share in sounds], np.float64)
+        return counts, np.cumsum(counts) - counts, ids, shares
+
+    def sounds(
+        self, values: Ints, marks: Ints, times: Sequence[Floats]
+    ) -> list[LabelSounds | None]:
+        """Return the sounds of schedules; None for one without any.
+
+        Parameters
+        ----------
+        values : (n,) numbers of values of all labels, one schedule after the other
+        marks : (n,) their marks of stress
+        times : boundaries of each schedule
+        """
+        counts, firsts, ids, shares = self._arrays
+        count, first = counts[values], firsts[values]
+        if (count == 1).all():
+            return list(_single(ids[first], marks, times))
+        ends = np.cumsum(count)
+        source = np.repeat(np.arange(len(values)), count)
+        within = np.arange(len(source)) - (ends - count)[source]
+        at = np.concatenate([one[:-1] for one in times])[source]
+        length = np.concatenate([one[1:] - one[:-1] for one in times])[source]
+        begins = first[source]
+        for passed in range(int(count.max()) - 1):  # as far as the longest value, one by one
+            later = within > passed
+            at[later] += shares[begins[later] + passed] * length[later]
+        found = ids[begins + within]
+        out: list[LabelSounds | None] = []
+        label = sound = 0
+        for own in times:
+            past = label + len(own) - 1
+            stop = int(ends[past - 1])
+            if stop == sound:
+                out.append(None)
+            else:
+                bounds = np.append(at[sound:stop], own[-1])
+                bounds[0] = own[0]
+                here = source[sound:stop] - label
+                out.append(LabelSounds(found[sound:stop], bounds, here, marks[label:past]))
+            label, sound = past, stop
+        return out
+
+
+def _single(ids: Ints, marks: Ints, times: Sequence[Floats]) -> "list[LabelSounds]":
+    """Return the sounds of schedules in which each label has one."""
+    out, label = [], 0
+    source = np.arange(max(map(len, times)) - 1)
+    for own in times:
+        past = label + len(own) - 1
+        here = source[: past - label]
+        out.append(LabelSounds(ids[label:past], own, here, marks[label:past]))
+        label = past
+    return out
+
+
+class LabelTable:
+    """Labels of a notation by number, with the value and the mark of each.
+
+    A label is looked up in the notation once, however often it is read.
+    """
+
+    def __init__(self, notation: Notation, values: ValueTable) -> None:
+        self._notation, self._values = notation, values
+        self._lock = Lock()
+        self._known = _Numbered(self._add)
+        self._rows: list[tuple[int, int]] = []
+        self._arrays = np.empty((0, 2), np.intp)
+
+    def read(self, labels: Sequence[str]) -> tuple[Ints, Ints]:
+        """Return numbers of the value and the mark of each label, (n,); `UNKNOWN` for no value."""
+        at = np.fromiter(map(self._known.__getitem__, labels), np.intp, len(labels))
+        if len(self._arrays) < len(self._rows):
+            self._arrays = np.array(self._rows, np.intp)
+        found = self._arrays[at]
+        return found[:, 0], found[:, 1]
+
+    def _add(self, label: str) -> int:
+        value, mark = self._notation.find(label), self._notation.stress(label)
+        row = (
+            UNKNOWN if value is None else self._values.number(value),
+            UNMARKED if mark is None else mark,
+        )
+        with self._lock:
+            self._rows.append(row)
+            return len(self._rows) - 1
+
+
+class _Numbered(dict[str, int]):
+    """Numbers of labels; a missing one is added."""
+
+    def __init__(self, add: Callable[[str], int]) -> None:
+        super().__init__()
+        self._add = add
+
+    def __missing__(self, label: str) -> int:
+        return self.setdefault(label, self._add(label))
