@@ -107,6 +107,8 @@ class Notation:
     _folded: dict[str, Value] = field(init=False, repr=False, default_factory=dict)
     _silent: frozenset[str] = field(init=False, repr=False, default=frozenset())
     _seen: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
+    _alike: dict[str, Value | None] = field(init=False, repr=False, default_factory=dict)
+    _quiet: dict[str, bool] = field(init=False, repr=False, default_factory=dict)
     _marked: dict[str, int | None] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -121,7 +123,11 @@ class Notation:
     def find(self, label: str) -> Value | None:
         """Return the value of a label, from the table or by likeness; None if unknown."""
         known = self._seen[label] if label in self._seen else self.stated(label)
-        return self.likely(label) if known is None else known
+        if known is not None:
+            return known
+        if label not in self._alike:
+            self._alike[label] = self.likely(label)
+        return self._alike[label]
 
     def text(self, label: str) -> str | None:
         """Return a label in the table's spelling; None if it cannot be converted."""
@@ -187,7 +193,10 @@ class Notation:
 
     def is_silence(self, label: str) -> bool:
         """Return True if a label is a spelling of silence."""
-        return normalise(label).casefold() in self._silent
+        quiet = self._quiet.get(label)
+        if quiet is None:
+            quiet = self._quiet[label] = normalise(label).casefold() in self._silent
+        return quiet
 
     def suggest(self, label: str) -> str:
         """Return a hint for a label missing from the table."""
@@ -223,14 +232,14 @@ def recognise(labels: Iterable[str], notations: Mapping[str, Notation]) -> str:
     Labels stated in tables count before labels found by likeness. Silence does not count, because
     every notation has it.
     """
-    spoken = list(labels)
+    spoken = Counter(labels)
     if not notations:
         raise PackError("there is no notation to recognise labels by: the language has none")
 
     def known(name: str) -> tuple[int, int]:
         notation = notations[name]
-        sounds = [label for label in spoken if not notation.is_silence(label)]
-        stated = sum(notation.stated(label) is not None for label in sounds)
-        return stated, sum(notation.find(label) is not None for label in sounds)
+        sounds = [(label, n) for label, n in spoken.items() if not notation.is_silence(label)]
+        stated = sum(n for label, n in sounds if notation.stated(label) is not None)
+        return stated, sum(n for label, n in sounds if notation.find(label) is not None)
 
     return max(notations, key=known)
