@@ -23,13 +23,15 @@ class Writer(Format):
     write: WriteBytes
     remarks: Remarks = lambda _: ()
     """Generator of warnings about an animation in this format, such as unsupported channels."""
+    reasons: bool = False
+    """True if files of this format tell the files and lines of packs that made a value."""
 
 
 WRITERS: Formats[Writer] = Formats("writers", "format", room=__package__)
 
 
 def writer(
-    name: str, *, suffix: str, remarks: Remarks = lambda _: ()
+    name: str, *, suffix: str, remarks: Remarks = lambda _: (), reasons: bool = False
 ) -> Callable[[WriteText], WriteText]:
     """Register ``(animation, text stream) -> None`` as the writer of a text format."""
 
@@ -40,7 +42,7 @@ def writer(
             text.flush()
             text.detach()
 
-        made = Writer(name, (suffix,), summary(write), encoded, remarks)
+        made = Writer(name, (suffix,), summary(write), encoded, remarks, reasons)
         WRITERS.add(name, made, write.__module__)
         return write
 

@@ -54,6 +54,8 @@ class JudgedFigure(NamedTuple):
     """Seconds of its findings, the first few."""
     words: str = ""
     """The first finding in words, or the reason why nothing was judged."""
+    binding: bool = True
+    """True if the project states the limit; the limits of a face alone are advice."""
 
     @property
     def passed(self) -> bool:
@@ -86,5 +88,10 @@ class BuiltLine:
 
     @property
     def failed(self) -> tuple[JudgedFigure, ...]:
-        """The figures that exceed their limits."""
-        return tuple(figure for figure in self.figures if not figure.passed)
+        """The figures that exceed limits of the project, which fails the build."""
+        return tuple(one for one in self.figures if one.binding and not one.passed)
+
+    @property
+    def doubted(self) -> tuple[JudgedFigure, ...]:
+        """The figures that exceed the face's own limits."""
+        return tuple(one for one in self.figures if not one.binding and not one.passed)

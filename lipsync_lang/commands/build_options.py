@@ -11,19 +11,19 @@ Command = Callable[[argparse.Namespace], int]
 Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
 
 
-def add_build(add: Add, build: Command | None = None) -> None:
-    """Add `build new`, and `build` itself where there is a command for it."""
+def add_build(add: Add, build: Command) -> None:
+    """Add `build` and `build new`."""
     made = add(
         "build",
-        build or new,
+        build,
         "make all lines of a script, and then only what changed",
         "build --dry-run",
     )
-    if build is not None:
-        _add_which(made.add_argument_group("which lines are made"))
-        _add_how(made.add_argument_group("how they are made"))
-        add_path(made)
-    actions = made.add_subparsers(title="actions", metavar="ACTION", required=build is None)
+    _add_which(made.add_argument_group("which lines are made"))
+    _add_how(made.add_argument_group("how they are made"))
+    add_path(made)
+    made.set_defaults(in_project=False)
+    actions = made.add_subparsers(title="actions", metavar="ACTION", required=False)
     new_ = actions.add_parser(
         "new",
         help="write the project of a folder of recordings and a table",
@@ -48,6 +48,9 @@ def _add_which(which: argparse._ArgumentGroup) -> None:
         "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
         help="lines on this character; may be repeated [all]",
     )  # fmt: skip
+    which.add_argument(
+        "--prune", action="store_true", help="delete files of lines that the script no longer has"
+    )
     which.add_argument("--force", action="store_true", help="make them again, changed or not")
     which.add_argument(
         "--overwrite", action="store_true", help="replace files that somebody edited by hand"

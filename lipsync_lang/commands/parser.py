@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lipsync_lang.commands import (
     banks,
+    build,
     coverage,
     listing,
     packs,
@@ -71,7 +72,7 @@ def parser() -> argparse.ArgumentParser:
     _add_checking(add)
     _add_coverage(add)
     _add_check(add)
-    add_build(add)
+    add_build(add, build.build)
     _add_packs(add)
     _add_bank(add)
     voices_ = add("voices", listing.voices, "list the voices that speak text", "voices")

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 PAGE = "html"
 """The format that shows takes beside each other."""
 
-LATE = 0.1
-"""Excess of schedule over sound, in seconds, tolerated without a remark."""
-
 
 def run(options: Namespace) -> int:
     """Animate a line and write it wherever it is wanted."""
@@ -214,7 +211,11 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
     _refuse_idle(options)
     if options.schedule is not None:
         schedule = _read(options)
-        return schedule if options.audio is None else _sounding(schedule, options.audio)
+        if options.audio is None:
+            return schedule
+        from lipsync_lang.speech.sound import with_sound
+
+        return with_sound(schedule, options.audio)
     if options.audio is None:
         return performer.speaker.speak(options.text, engine=options.tts)
     from lipsync_lang.speech.hearing import aligned, recognised
@@ -261,20 +262,6 @@ def _read(options: Namespace) -> "Schedule":
         rate=options.rate,
         encoding=options.encoding,
     )
-
-
-def _sounding(schedule: "Schedule", file: Path) -> "Schedule":
-    """Attach sound to a schedule, with a remark if the schedule is longer."""
-    from dataclasses import replace
-
-    from lipsync_lang.speech.sound import read_audio
-
-    audio = read_audio(file)
-    remarks = schedule.remarks
-    if schedule.end > audio.seconds + LATE:
-        told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"
-        remarks = (*remarks, f"{told}: do they belong together?")
-    return replace(schedule, audio=audio, remarks=remarks)
 
 
 def _summary(animation: "Animation", written: list[Path]) -> str:

@@ -26,13 +26,18 @@ MAX_NAME_CHARS = 40
 _swept: dict[Path, float] = {}
 """Seconds of the monotonic clock at which each folder was last looked into."""
 
-_TEMPORARY = re.compile(r"\..*\.(?P<host>[0-9a-f]{8})-(?P<process>\d+)-[0-9a-f]{8}\.lipsync-tmp")
+SUFFIX = ".lipsync-tmp"
+"""Suffix of every temporary file."""
+
+_TEMPORARY = re.compile(
+    rf"\..*\.(?P<host>[0-9a-f]{{8}})-(?P<process>\d+)-[0-9a-f]{{8}}{re.escape(SUFFIX)}"
+)
 
 
 def temporary_name(name: str) -> str:
     """Return a unique hidden file name, with an ending by which `sweep` finds it."""
     owner = f"{_host()}-{os.getpid()}"
-    return f".{name[:MAX_NAME_CHARS]}.{owner}-{os.urandom(4).hex()}.lipsync-tmp"
+    return f".{name[:MAX_NAME_CHARS]}.{owner}-{os.urandom(4).hex()}{SUFFIX}"
 
 
 def sweep(folder: Path) -> None:

@@ -1,5 +1,6 @@
 """Audio input: decoding of common file formats, and resampling."""
 
+from dataclasses import replace
 from math import gcd
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -8,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.schedules.schedule import Audio
+from lipsync_lang.schedules.schedule import Audio, Schedule
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -42,6 +43,9 @@ OPEN = 0x7FFF_0000
 
 FULL = 32_768
 """Magnitude of int16 full scale."""
+
+LATE_SECONDS = 0.1
+"""Excess of a schedule over its sound that is tolerated without a remark."""
 
 
 def read_audio(path: str | Path) -> Audio:
@@ -166,3 +170,19 @@ def _missing(name: str) -> str:
         f"recordings need {name}, which is not installed; "
         'get it with: pip install "lipsync-lang[audio]"'
     )
+
+
+def with_sound(schedule: Schedule, file: Path) -> Schedule:
+    """Attach a recording to a schedule, with a remark if the schedule is longer.
+
+    Raises
+    ------
+    SpeechError
+        The recording cannot be read.
+    """
+    audio = read_audio(file)
+    remarks = schedule.remarks
+    if schedule.end > audio.seconds + LATE_SECONDS:
+        told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"
+        remarks = (*remarks, f"{told}: do they belong together?")
+    return replace(schedule, audio=audio, remarks=remarks)

@@ -16,6 +16,7 @@ from weakref import finalize
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.files import write_all
+from lipsync_lang.files.locking import claim
 from lipsync_lang.files.targets import file_behind
 from lipsync_lang.packs.finding import Finder
 from lipsync_lang.packs.splicing import SplicedText, get
@@ -26,7 +27,6 @@ from lipsync_lang.studio.edit_journal import (
     Line,
     append,
     base_line,
-    claim,
     edit_of,
     line_of,
     put_aside,
@@ -103,7 +103,7 @@ class Desk:
         self._opened: set[Path] = set()
         self._last: tuple[Line, int] | None = None
         self._stale = self._replaying = False
-        held = None if journal is None else claim(journal)
+        held = None if journal is None else claim(journal.with_name(f"{journal.name}.lock"))
         if held is not None:
             finalize(self, os.close, held)
         if journal is not None and held is None:

@@ -27,26 +27,6 @@ class JournalError(LipsyncError):
     """A journal is damaged, or another program's file."""
 
 
-def claim(path: Path) -> int | None:
-    """Return a descriptor that holds a journal for this process; None if another has it.
-
-    The system lets go of it when the process ends, however it ends. Where it has no such locks
-    (Windows), two studios of one project must not run at once.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    held = os.open(path.with_name(f"{path.name}.lock"), os.O_RDWR | os.O_CREAT, 0o600)
-    try:
-        import fcntl
-    except ImportError:
-        return held
-    try:
-        fcntl.lockf(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        os.close(held)
-        return None
-    return held
-
-
 def read_journal(path: Path) -> list[Line]:
     """Return the lines of a journal without its header; a torn last line is cut off the file.
 

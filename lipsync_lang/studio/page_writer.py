@@ -17,7 +17,7 @@ def doubts(animation: Animation) -> Iterator[str]:
         yield f"the page draws a mouth in place of the model: {error}"
 
 
-@writer("html", suffix=".html", remarks=doubts)
+@writer("html", suffix=".html", remarks=doubts, reasons=True)
 def write_html(animation: Animation, out: TextIO) -> None:
     """A page to hear and see the line in a browser, with every curve and its reasons."""
     from lipsync_lang.studio.line_page import line_page

@@ -1,0 +1,320 @@
+"""Build a project: make what changed, record it, and put it in place."""
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+from lipsync_lang.build.digests import file_digest
+from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine
+from lipsync_lang.build.needs import PairNeeds
+from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
+from lipsync_lang.build.records import FOLDER, LineRecord, Records, Written
+from lipsync_lang.build.workers import LostBatch, run_batches
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files.locking import claim
+from lipsync_lang.files.signals import undisturbed
+from lipsync_lang.files.temporary import sweep
+
+MAX_BATCH_LINES = 64
+"""Lines that a worker makes before it reports."""
+
+MAX_BATCH_CHARACTERS = 8
+"""Characters whose takes of one line are made by one worker, which holds the tables of each."""
+
+BATCHES_PER_WORKER = 4
+"""Batches that each worker has at least, where there are lines enough."""
+
+MIN_SPREAD_LINES = 48
+"""Lines from which on more than one process is worth its start."""
+
+LOCK = "build.lock"
+
+WAIT_SECONDS = 0.2
+"""Pause between two tries for the lock of a folder."""
+
+Tell = Callable[[str, Mapping[str, Any]], None]
+"""Receives events: a name, and values that JSON holds."""
+
+
+@dataclass
+class BuildOutcome:
+    """The result of a build."""
+
+    plan: BuildPlan
+    built: dict[tuple[str, str, str], BuiltLine] = field(default_factory=dict)
+    """Lines made by this build, by key."""
+    kept: list[str] = field(default_factory=list)
+    """Outputs that were left alone, because somebody changed them."""
+    seconds: float = 0.0
+
+    def lines(self) -> Iterator[BuiltLine]:
+        """Yield every line of the project as it stands now."""
+        for step in self.plan.steps:
+            made = self.built.get(step.line.key)
+            if made is not None:
+                yield made
+            elif step.record is not None:
+                yield restored(step.line, step.record)
+
+    @property
+    def failed(self) -> list[BuiltLine]:
+        """The lines that this build could not make."""
+        return [one for one in self.built.values() if one.outcome == "failed"]
+
+
+@contextmanager
+def locked(folder: Path, tell: Tell) -> Iterator[None]:
+    """Hold the lock of a project's builds; wait while another build has it."""
+    path = folder / FOLDER / LOCK
+    waiting = False
+    try:
+        while (held := claim(path)) is None:
+            if not waiting:
+                tell("waiting", {"folder": str(folder)})
+            waiting = True
+            sleep(WAIT_SECONDS)
+    except OSError as error:
+        raise OutputError(
+            f"{path}: cannot be written: {error.strerror or error}; a build keeps its record there"
+        ) from None
+    try:
+        yield
+    finally:
+        os.close(held)
+
+
+def make(  # noqa: PLR0913 a plan, its means, and where to tell
+    plan: BuildPlan,
+    maker: LineMaker,
+    needs: Needs,
+    records: Records,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    overwrite: bool = False,
+    tell: Tell = lambda _name, _values: None,
+) -> BuildOutcome:
+    """Make the stale lines of a plan.
+
+    Parameters
+    ----------
+    maker : performs and writes batches of lines
+    needs : performer and needs of each pair
+    workers : processes; None for one per processor, where there are lines enough
+    scheduler : address of a Dask scheduler whose workers make the lines
+    overwrite : replace outputs that somebody changed
+    tell : receives `line` and `progress` events
+
+    Raises
+    ------
+    OutputError
+        The disk is full, or the folder is read-only. Everything made before stands.
+    """
+    begun = monotonic()
+    stale = plan.stale
+    outcome = BuildOutcome(plan, kept=list(plan.kept))
+    if not stale:
+        return outcome
+    if workers is None and scheduler is None:
+        workers = (os.cpu_count() or 1) if len(stale) >= MIN_SPREAD_LINES else 1
+    _sweep(maker.folder, stale)
+    keeper = _Keeper(maker.folder, records, {step.line.key: step for step in stale}, overwrite)
+    done = 0
+    running = run_batches(
+        maker,
+        _batches(stale, workers or BATCHES_PER_WORKER),
+        shared=_Casts(needs).of,
+        workers=workers,
+        scheduler=scheduler,
+        folder=maker.folder,
+    )
+    with closing(running):  # type: ignore[type-var]  # a generator
+        for found in running:
+            results = _lost(found) if isinstance(found, LostBatch) else found
+            outcome.kept += keeper.keep(results)
+            for one in results:
+                outcome.built[one.built.line.key] = one.built
+                _tell_line(tell, one.built, keeper.steps[one.built.line.key])
+            done += len(results)
+            seconds = monotonic() - begun
+            tell("progress", {"done": done, "of": len(stale), "seconds": round(seconds, 3)})
+            _refuse_full(results, done, len(stale))
+    outcome.seconds = monotonic() - begun
+    return outcome
+
+
+def _lost(lost: LostBatch[LineBatch]) -> list[MadeLine]:
+    """Return the lines of a batch that no worker survived, as failed."""
+    return [
+        MadeLine(BuiltLine(line, "failed", f"{line.place}: {lost.message}"))
+        for line in lost.batch.lines
+    ]
+
+
+def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:
+    """End a build whose disk refuses every line."""
+    fatal = next((one for one in results if one.fatal), None)
+    if fatal is not None:
+        raise OutputError(
+            f"{fatal.built.message}; {done} of {of} lines were tried, and what was made is "
+            "recorded: make room, and build again"
+        )
+
+
+def _tell_line(tell: Tell, built: BuiltLine, step: PlannedStep) -> None:
+    line = built.line
+    tell(
+        "line",
+        {
+            "language": line.language,
+            "character": line.character,
+            "name": line.name,
+            "outcome": built.outcome,
+            "message": built.message,
+            "reasons": list(step.reasons),
+            "failed": [figure.name for figure in built.failed],
+            "place": line.place,
+        },
+    )
+
+
+@dataclass
+class _Casts:
+    """The needs of the characters of each batch, the same object for the same characters."""
+
+    needs: Needs
+    known: dict[tuple[str, tuple[str, ...]], dict[str, PairNeeds]] = field(default_factory=dict)
+
+    def of(self, batch: LineBatch) -> dict[str, PairNeeds]:
+        """Return the needs of a batch by character."""
+        key = batch.language, batch.characters
+        if key not in self.known:
+            self.known[key] = {one: self.needs[batch.language, one] for one in batch.characters}
+        return self.known[key]
+
+
+def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
+    """Yield the lines in batches of one language; a line's characters are in one batch."""
+    size = max(1, min(MAX_BATCH_LINES, len(stale) // (workers * BATCHES_PER_WORKER)))
+    takes: dict[tuple[str, str], list[PlannedLine]] = {}
+    for step in stale:
+        takes.setdefault((step.line.language, step.line.name), []).append(step.making)
+    casts: dict[tuple[str, tuple[str, ...]], list[PlannedLine]] = {}
+    for (language, _), lines in takes.items():
+        for first in range(0, len(lines), MAX_BATCH_CHARACTERS):
+            some = lines[first : first + MAX_BATCH_CHARACTERS]
+            casts.setdefault((language, tuple(one.character for one in some)), []).extend(some)
+    for (language, characters), lines in casts.items():
+        stride = max(1, size // len(characters)) * len(characters)
+        for first in range(0, len(lines), stride):
+            yield LineBatch(language, characters, tuple(lines[first : first + stride]))
+
+
+def _sweep(folder: Path, stale: Iterable[PlannedStep]) -> None:
+    """Delete what killed builds left in the folders of outputs."""
+    paths = (path for step in stale for _, path in step.line.outputs)
+    for parent in {(folder / path).parent for path in paths}:
+        sweep(parent)
+
+
+@dataclass
+class _Keeper:
+    """Records what workers made, then puts it in place."""
+
+    folder: Path
+    records: Records
+    steps: Mapping[tuple[str, str, str], PlannedStep]
+    overwrite: bool
+
+    def keep(self, made: Sequence[MadeLine]) -> list[str]:
+        """Record lines and rename their outputs; return the outputs of others that were kept."""
+        kept: list[str] = []
+        rows, moves = [], deque[tuple[str, str]]()
+        for one in made:
+            step = self.steps[one.built.line.key]
+            outputs = dict(step.record.outputs) if step.record is not None else {}
+            for file in one.files:
+                target = self.folder / file.path
+                if file.path in step.unknown and self._is_other(target, file.digest):
+                    kept.append(file.path)
+                    outputs[file.path] = Written(0, 0, "")
+                    Path(file.temporary).unlink(missing_ok=True)
+                    continue
+                before = outputs[file.path].digest if file.path in outputs else ""
+                outputs[file.path] = Written(file.size, file.changed, file.digest, before)
+                moves.append((file.temporary, str(target)))
+            rows.append((one, step, outputs))
+        with undisturbed():
+            self.records.put(
+                (
+                    one.built.line.key,
+                    LineRecord(
+                        step.inputs,
+                        one.contents,
+                        self.records.packed(one.needs),
+                        outputs,
+                        result_of(one.built),
+                    ),
+                )
+                for one, step, outputs in rows
+            )
+            for temporary, final in moves:
+                os.replace(temporary, final)  # noqa: PTH105 ten thousands of them
+        return kept
+
+    def _is_other(self, target: Path, wanted: str) -> bool:
+        """Return True if a file stands there that this build would not have written."""
+        with suppress(OSError):
+            return target.exists() and file_digest(target) != wanted
+        return True
+
+
+def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
+    """Delete the outputs of lines that the script no longer has; return what was deleted.
+
+    Outputs that somebody changed are kept, and forgotten.
+    """
+    deleted = []
+    for _, record in plan.gone:
+        for path, written in record.outputs.items():
+            target = folder / path
+            with suppress(OSError):
+                if file_digest(target) == written.digest:
+                    target.unlink()
+                    deleted.append(path)
+    records.forget(key for key, _ in plan.gone)
+    return deleted
+
+
+def result_of(built: BuiltLine) -> dict[str, Any]:
+    """Return what a record says of a made line, as JSON holds it."""
+    return {
+        "outcome": built.outcome,
+        "message": built.message,
+        "seconds": built.seconds,
+        "confidence": built.confidence,
+        "figures": [list(figure) for figure in built.figures],
+    }
+
+
+def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
+    """Return a line of an earlier build from its record."""
+    result = record.result
+    return BuiltLine(
+        line,
+        result["outcome"],
+        result["message"],
+        result["seconds"],
+        result["confidence"],
+        tuple(
+            JudgedFigure(name, value, unit, limit, tuple(at), words, binding)
+            for name, value, unit, limit, at, words, binding in result["figures"]
+        ),
+        {path: one.digest for path, one in record.outputs.items()},
+    )

@@ -1,0 +1,247 @@
+"""Make lines: time their phonemes, perform them, judge them and write their outputs.
+
+Outputs are written under temporary names beside their targets. The build renames them once it has
+recorded them. A line that fails does not disturb the others.
+"""
+
+import errno
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO, NamedTuple
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.build.digests import content_digest, file_digest
+from lipsync_lang.build.needs import BuildSettings, PairNeeds
+from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.timing import Timed, schedules
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.temporary import temporary_name
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.schedules.schedule import Schedule
+
+MAX_FINDINGS = 3
+"""Findings of a figure that a report shows."""
+
+ENDING = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EROFS))
+"""Errors of a disk that would meet every other line too."""
+
+CONFIDENCE = "confidence"
+"""Limit of a project that is a least value: the confidence of an alignment."""
+
+DOUBT = "doubt of timings"
+"""Figure of a line that was aligned: 1 less its confidence."""
+
+
+class LineBatch(NamedTuple):
+    """Lines of one language that are made together, so that each is timed once."""
+
+    language: str
+    characters: tuple[str, ...]
+    lines: tuple[PlannedLine, ...]
+
+
+class MadeFile(NamedTuple):
+    """An output under its temporary name."""
+
+    path: str
+    """Its target, from the project's folder."""
+    temporary: str
+    size: int
+    changed: int
+    """Time of its last change in nanoseconds."""
+    digest: str
+
+
+@dataclass(frozen=True)
+class MadeLine:
+    """A line as a worker made it."""
+
+    built: BuiltLine
+    files: tuple[MadeFile, ...] = ()
+    contents: Mapping[str, str] = field(default_factory=dict)
+    """Digest of each file that it was made from, by path."""
+    needs: Mapping[str, bytes] = field(default_factory=dict)
+    fatal: bool = False
+    """True if the disk refuses every other line, too."""
+
+
+@dataclass(frozen=True)
+class LineMaker:
+    """Maker of the lines of a project; it travels to each worker once.
+
+    Parameters
+    ----------
+    folder : the project's
+    settings : of the build
+    """
+
+    folder: Path
+    settings: BuildSettings
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle the fields alone."""
+        return {name: vars(self)[name] for name in ("folder", "settings")}
+
+    def __call__(self, batch: LineBatch, pairs: Mapping[str, PairNeeds]) -> list[MadeLine]:
+        """Make the lines of a batch, in order; `pairs` has the needs of each character."""
+        first = {line.name: line for line in reversed(batch.lines)}
+        contents = {name: self._contents(line) for name, line in first.items()}  # before reading
+        timed = self._timed(batch.lines, pairs)
+        return [
+            self._made(pairs[line.character], line, said, contents[line.name])
+            for line, said in zip(batch.lines, timed, strict=True)
+        ]
+
+    def animation(self, line: PlannedLine, pair: PairNeeds) -> Animation:
+        """Perform one line.
+
+        Raises
+        ------
+        LipsyncError
+            The line cannot be timed or performed.
+        """
+        (said,) = self._timed((line,), {line.character: pair})
+        if isinstance(said, Exception):
+            raise said
+        return self._performed(pair.performer, line, said)
+
+    def _timed(
+        self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
+    ) -> Iterator[Timed]:
+        """Yield the schedule of each line; characters with the same speech share it."""
+        asked = {(pairs[line.character].speech, line.name): line for line in reversed(lines)}
+        known: dict[tuple[bytes, str], Timed] = {}
+        for speech in dict.fromkeys(speech for speech, _ in asked):
+            own = [line for (one, _), line in asked.items() if one == speech]
+            speaker = pairs[own[0].character].performer.speaker
+            timed = schedules(self.folder, own, speaker, self.settings.tts)
+            known |= {(speech, line.name): one for line, one in zip(own, timed, strict=True)}
+        return (known[pairs[line.character].speech, line.name] for line in lines)
+
+    def _performed(self, performer: Performer, line: PlannedLine, schedule: Schedule) -> Animation:
+        own = line.name if line.name in performer.compiled.line_edits else None
+        return performer.perform(schedule, self.settings.fps, line=own)
+
+    def _made(
+        self,
+        pair: PairNeeds,
+        line: PlannedLine,
+        said: Schedule | Exception,
+        contents: Mapping[str, str],
+    ) -> MadeLine:
+        """Perform, judge and write a line; whatever fails is told of this line alone."""
+        files: list[MadeFile] = []
+        if isinstance(said, Exception):
+            return MadeLine(BuiltLine(line, "failed", self._why(line, said)))
+        try:
+            animation = self._performed(pair.performer, line, said)
+            needs = pair.of(said, spoken=line.timings is None, reasons=_reasoned(line.outputs))
+            figures = self._judged(animation)
+            self._write(line, pair.performer.rigged(animation), files)
+        except Exception as error:  # noqa: BLE001 the other lines of the batch are made
+            for file in files:
+                Path(file.temporary).unlink(missing_ok=True)
+            fatal = isinstance(error, OSError) and error.errno in ENDING
+            return MadeLine(BuiltLine(line, "failed", self._why(line, error)), fatal=fatal)
+        built = BuiltLine(
+            line,
+            "built",
+            "; ".join(said.remarks),
+            float(animation.times[-1] - animation.times[0]),
+            said.confidence,
+            figures,
+            {file.path: file.digest for file in files},
+        )
+        return MadeLine(built, tuple(files), contents, needs)
+
+    def _judged(self, animation: Animation) -> tuple[JudgedFigure, ...]:
+        from lipsync_lang.quality.check_animation import check
+
+        limits = {name: most for name, most in self.settings.limits.items() if name != CONFIDENCE}
+        figures = [
+            JudgedFigure(
+                one.name,
+                one.value,
+                one.unit,
+                one.limit,
+                tuple(finding.at for finding in one.findings[:MAX_FINDINGS]),
+                one.findings[0].what if one.findings else one.why,
+                one.name.partition(" ")[0] in limits,
+            )
+            for one in check(animation, limits=limits).figures
+        ]
+        confidence = animation.schedule.confidence
+        if confidence is not None:
+            least = self.settings.limits.get(CONFIDENCE)
+            most = None if least is None else 1 - least
+            figures.append(JudgedFigure(DOUBT, 1 - confidence, "", most))
+        return tuple(figures)
+
+    def _write(self, line: PlannedLine, animation: Animation, files: list[MadeFile]) -> None:
+        for name, path in line.outputs:
+            stream = BytesIO()
+            WRITERS[name].write(animation, stream)
+            content = stream.getbuffer()
+            target = self._target(path)
+            temporary = target.with_name(temporary_name(target.name))
+            with created(temporary, target) as out:
+                files.append(MadeFile(path, str(temporary), 0, 0, ""))
+                out.write(content)
+            made = temporary.stat()
+            files[-1] = MadeFile(
+                path, str(temporary), made.st_size, made.st_mtime_ns, content_digest(content)
+            )
+
+    def _target(self, path: str) -> Path:
+        """Return the file of an output; its folder is made, and lies within the project's."""
+        target = self.folder / path
+        if target.parent not in self._folders:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if not target.parent.resolve().is_relative_to(self.folder.resolve()):
+                raise LipsyncError(f"{path}: leads outside {self.folder}; write within the project")
+            self._folders.add(target.parent)
+        return target
+
+    def _contents(self, line: PlannedLine) -> dict[str, str]:
+        contents = {}
+        for path in (line.timings, line.audio):
+            if path is not None:
+                with suppress(OSError):  # the reader of the file says why
+                    contents[str(path)] = file_digest(self.folder / path)
+        return contents
+
+    def _why(self, line: PlannedLine, error: Exception) -> str:
+        """Return the reason why a line failed, with its place."""
+        if isinstance(error, LipsyncError):
+            return f"{line.place}: {error}".replace(f"{self.folder}{os.sep}", "")
+        if isinstance(error, OSError):
+            where = f"{error.filename}: " if error.filename else ""
+            return f"{line.place}: {where}{error.strerror or error}"
+        if isinstance(error, MemoryError):
+            return f"{line.place}: out of memory; give fewer --workers, or split the line"
+        kind = type(error).__name__
+        return (
+            f"{line.place}: a fault of this program stopped it ({kind}: {error}); report the line"
+        )
+
+    @cached_property
+    def _folders(self) -> set[Path]:
+        """Folders of outputs that are known to lie within the project's."""
+        return set()
+
+
+def _reasoned(outputs: Iterable[tuple[str, str]]) -> bool:
+    return any(WRITERS[name].reasons for name, _ in outputs)
+
+
+def created(temporary: Path, target: Path) -> BinaryIO:
+    """Open a new file with the permissions of the file that it will replace."""
+    mode = target.stat().st_mode & 0o666 if target.exists() else 0o666
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    return os.fdopen(os.open(temporary, flags, mode), "wb")

@@ -1,0 +1,193 @@
+"""Dependencies of a line on its packs: digests of everything that its performance reads.
+
+A need has a name, such as `bigram m iy`, and a digest of the value that the packs give it. A line
+whose needs all have the digests of the last build would be made the same again.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.build.digests import VALUE_BYTES, digest, file_digest, joined
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.pipeline.tables import Bank
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.version import __version__
+
+ABSENT = b"\0" * VALUE_BYTES
+"""Digest of a need that the packs no longer have."""
+
+OF_LINES = frozenset((
+    "language", "line_deliveries", "line_edits", "manner", "model", "nearest", "notations",
+    "origins", "phonemes", "report", "shades", "silences", "style_origins", "tables", "visemes",
+    "word_edits", "words",
+))  # fmt: skip
+"""Fields of a compiled pair that have needs of their own, or that no output shows."""
+
+OF_ROWS = frozenset(("boundary", "contacts", "curves", "free", "opposed", "pairs", "styles"))
+"""Fields of the tables with a row for each bigram or phoneme."""
+
+TOLD = {
+    "program": "the program's version",
+    "settings": "the frame rate, motion or limits",
+    "face": "the rules of the face",
+    "model": "the model",
+    "voice": "the language's reading or voice",
+    "places": "the places of curves in their files",
+    "labels": "the labels that the language knows",
+}
+"""Words for the needs that have no name of their own."""
+
+
+class BuildSettings(NamedTuple):
+    """Settings that hold for every line of a build."""
+
+    fps: float
+    limits: Mapping[str, float]
+    tts: str | None = None
+
+
+class PairNeeds:
+    """Digests of a resolved pair, each computed when a line first needs it.
+
+    Parameters
+    ----------
+    performer : the pair, with its motion
+    settings : of the build
+    """
+
+    def __init__(self, performer: Performer, settings: BuildSettings) -> None:
+        self.performer = performer
+        self.settings = settings
+        self._known: dict[str, bytes] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle what it was made of; digests are computed again where they are needed."""
+        return {"performer": self.performer, "settings": self.settings, "_known": {}}
+
+    def of(self, schedule: Schedule, *, spoken: bool, reasons: bool) -> dict[str, bytes]:
+        """Return the needs of a line with their digests.
+
+        Parameters
+        ----------
+        spoken : True if the language's reading and voice made the schedule
+        reasons : True if an output tells the files and lines of packs
+        """
+        names = ["program", "settings", "face", "model"]
+        names += ["voice"] if spoken else []
+        names += ["places"] if reasons else []
+        names += self._labels(schedule)
+        names += [f"word {text}" for text in dict.fromkeys(word.text for word in schedule.words)]
+        names += self._bigrams(schedule)
+        return {name: self.current(name) for name in names}
+
+    def current(self, name: str) -> bytes:
+        """Return the digest of a need by its name."""
+        found = self._known.get(name)
+        if found is None:
+            found = self._known[name] = self._digest(name)
+        return found
+
+    @cached_property
+    def speech(self) -> bytes:
+        """Digest of the reading and speaking of texts: pairs that share it share schedules."""
+        compiled = self.performer.compiled
+        return digest(compiled.manner, compiled.notations, compiled.nearest)
+
+    def _digest(self, name: str) -> bytes:
+        kind, _, rest = name.partition(" ")
+        if kind == "bigram":
+            return self._rows.get(rest, ABSENT)
+        if kind == "label":
+            notation, _, label = rest.partition(" ")
+            return digest(self._sounds(notation, label))
+        if kind == "word":
+            compiled = self.performer.compiled
+            return digest(compiled.word_edits.get(rest.casefold()), compiled.words.get(plain(rest)))
+        return self._wide.get(kind, ABSENT)
+
+    def _labels(self, schedule: Schedule) -> Iterator[str]:
+        notation = self.performer.notation(schedule)
+        known = self.performer.labels.notations
+        name = next(name for name, one in known.items() if one is notation)
+        if schedule.notation is None:
+            yield "labels"
+        yield from (f"label {name} {label}" for label in dict.fromkeys(schedule.labels))
+
+    def _bigrams(self, schedule: Schedule) -> list[str]:
+        ids, _, _ = self.performer.common_phonemes(schedule)
+        compiled = self.performer.compiled
+        silence = np.array([compiled.tables.silence])
+        around = np.concatenate((silence, ids, silence))
+        names, count = compiled.phonemes, len(compiled.phonemes)
+        pairs = np.unique(around[:-1] * count + around[1:])
+        return [f"bigram {names[one // count]} {names[one % count]}" for one in pairs.tolist()]
+
+    def _sounds(self, notation: str, label: str) -> Any:
+        """Return the phonemes that a label stands for, shades folded as they are performed."""
+        labels, compiled = self.performer.labels, self.performer.compiled
+        if notation not in labels.notations:
+            return None
+        value = labels.notations[notation].find(label)
+        numbers = compiled.numbers(shades=labels.shades)
+        return value and [(compiled.phonemes[numbers[name]], share) for name, share in value]
+
+    @cached_property
+    def _wide(self) -> dict[str, bytes]:
+        """Digests of all that every line of the pair depends on."""
+        performer, compiled = self.performer, self.performer.compiled
+        manner = {name: value for name, value in compiled.manner.items() if name != "words"}
+        own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
+        rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
+        face = {name: value for name, value in own.items() if name not in OF_LINES}
+        tables = {name: value for name, value in rules.items() if name not in OF_ROWS}
+        held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
+        said = performer.motion, performer.shades, performer.unknown
+        known = {name: sorted(one.table) for name, one in performer.labels.notations.items()}
+        model = performer.model
+        return {
+            "program": digest(__version__),
+            "settings": digest(*said, self.settings.fps, self.settings.limits),
+            "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
+            "model": digest(file_digest(model) if model and model.is_file() else None),
+            "voice": digest(manner, self.settings.tts),
+            "places": digest(compiled.origins, compiled.style_origins),
+            "labels": digest(known, compiled.silences),
+        }
+
+    @cached_property
+    def _rows(self) -> dict[str, bytes]:
+        """Digest of each bigram by its two phonemes: its curves in every style, and its rules."""
+        tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
+        banks: tuple[Bank, ...] = (tables.neutral, *tables.styles)
+        rows = [_row_digest(banks, row) for row in range(len(tables.curves))]
+        asked = [contact.phonemes for contact in tables.contacts]
+        rules = [
+            joined(tables.opposed[at].tobytes(), bytes(bool(one[at]) for one in asked))
+            for at in range(len(names))
+        ]
+        pairs = tables.pairs.tolist()
+        return {
+            f"{names[a]} {names[b]}": joined(rows[pairs[a][b]], rules[a], rules[b])
+            for a in range(len(names))
+            for b in range(len(names))
+        }
+
+
+def _row_digest(banks: Iterable[Bank], row: int) -> bytes:
+    arrays = (array[row] for bank in banks for array in bank)
+    return joined(*(np.ascontiguousarray(one).tobytes() for one in arrays))
+
+
+def told(name: str) -> str:
+    """Return a need in words, as the reason why a line is made again."""
+    kind, _, rest = name.partition(" ")
+    if kind == "bigram":
+        return f"the bigram {rest.replace(' ', '-')}"
+    if kind == "label":
+        return f"the sound of {rest.partition(' ')[2]}"
+    return f"the word {rest}" if kind == "word" else TOLD[kind]

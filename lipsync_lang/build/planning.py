@@ -1,0 +1,250 @@
+"""Compare the lines of a script with the record of the last build: which are stale, and why."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.build.digests import digest, file_digest
+from lipsync_lang.build.needs import PairNeeds, told
+from lipsync_lang.build.planned_line import PlannedLine
+from lipsync_lang.build.records import Key, LineRecord, Records, Written
+from lipsync_lang.performing.performer import Performer
+from lipsync_lang.phonology.g2p.tokens import plain
+
+TICK_NANOSECONDS = 2_000_000_000
+"""Coarsest time stamps of a file system: a file changed so late may have changed once more."""
+
+Needs = Mapping[tuple[str, str], PairNeeds]
+"""Needs of every pair, as its packs are now, by language and character."""
+
+INPUTS = {
+    "text": "its text",
+    "words": "a pronunciation of its words",
+    "edits": "the edits of the line",
+    "outputs": "its outputs",
+    "timings": "its timings",
+    "audio": "its recording",
+}
+"""Parts of a line's inputs in words."""
+
+AGAIN = {"missing": "is missing", "unfinished": "was not finished", "replaced": "was edited"}
+"""States of an output for which its line is made again, in words."""
+
+STANDING = ("edited", "unknown")
+"""States of an output that is not the build's to replace."""
+
+
+@dataclass(frozen=True)
+class PlannedStep:
+    """A line with the reasons why it is made; none if its outputs stand.
+
+    Parameters
+    ----------
+    line : as the project states it
+    inputs : what its record will say of it
+    reasons : in words
+    kept : outputs that somebody changed since the last build, which are left alone
+    unknown : outputs that stand where no build wrote
+    record : of the last build
+    """
+
+    line: PlannedLine
+    inputs: Mapping[str, Any]
+    reasons: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    record: LineRecord | None = None
+
+    @property
+    def making(self) -> PlannedLine:
+        """The line with the outputs that are to be written."""
+        if not self.kept:
+            return self.line
+        outputs = tuple(one for one in self.line.outputs if one[1] not in self.kept)
+        return replace(self.line, outputs=outputs)
+
+
+@dataclass(frozen=True)
+class BuildPlan:
+    """Every line of a project, and the records that no line has any more."""
+
+    steps: tuple[PlannedStep, ...]
+    gone: tuple[tuple[Key, LineRecord], ...] = ()
+
+    @property
+    def stale(self) -> tuple[PlannedStep, ...]:
+        """The lines to make."""
+        return tuple(step for step in self.steps if step.reasons)
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """The outputs that are left alone, because somebody changed them."""
+        return tuple(path for step in self.steps for path in step.kept)
+
+
+def plan(  # noqa: PLR0913 the lines, what is known of them, and what is asked for
+    lines: Sequence[PlannedLine],
+    folder: Path,
+    records: Records,
+    needs: Needs,
+    *,
+    force: bool = False,
+    overwrite: bool = False,
+) -> BuildPlan:
+    """Find the lines that would not be made as they stand.
+
+    Parameters
+    ----------
+    lines : of the project, each with a key of its own
+    folder : of the project
+    needs : what the packs say, for every pair of the lines
+    force : make every line
+    overwrite : write outputs that somebody changed, too
+    """
+    known = records.lines()
+    planner = _Planner(folder, needs, force=force, overwrite=overwrite)
+    changed = _changed_needs(lines, known, records, needs)
+    steps = tuple(
+        planner.step(line, known.get(line.key), changed.get(line.key, ())) for line in lines
+    )
+    now = {line.key for line in lines}
+    gone = tuple((key, record) for key, record in known.items() if key not in now)
+    return BuildPlan(steps, gone)
+
+
+def _changed_needs(
+    lines: Iterable[PlannedLine],
+    known: Mapping[Key, LineRecord],
+    records: Records,
+    needs: Needs,
+) -> dict[Key, tuple[str, ...]]:
+    """Return the names of the needs of each line whose values have changed; one comparison a pair.
+
+    Lines without a change are left out.
+    """
+    grouped: dict[tuple[str, str], list[Key]] = {}
+    for line in lines:
+        if line.key in known:
+            grouped.setdefault((line.language, line.character), []).append(line.key)
+    out: dict[Key, tuple[str, ...]] = {}
+    for pair, keys in grouped.items():
+        arrays = [known[key].needs for key in keys]
+        every = np.concatenate(arrays)
+        numbers, at = np.unique(every["number"], return_inverse=True)
+        values = [needs[pair].current(records.names[number]) for number in numbers.tolist()]
+        now = np.frombuffer(b"".join(values), "<u8")
+        other = np.flatnonzero(now[at.reshape(-1)] != every["digest"])
+        if other.size:
+            ends = np.cumsum([len(one) for one in arrays])
+            for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
+                name = records.names[int(every["number"][place])]
+                out[keys[row]] = (*out.get(keys[row], ()), name)
+    return out
+
+
+@dataclass
+class _Planner:
+    folder: Path
+    needs: Needs
+    force: bool
+    overwrite: bool
+
+    def step(
+        self, line: PlannedLine, record: LineRecord | None, changed: Sequence[str]
+    ) -> PlannedStep:
+        inputs = line_inputs(line, self.folder, self.needs[line.language, line.character].performer)
+        reasons: list[str] = []
+        kept: list[str] = []
+        unknown: list[str] = []
+        if record is None:
+            reasons.append("it is new")
+        else:
+            reasons += self._inputs_changed(inputs, record)
+            reasons += _in_words(changed)
+            if record.result.get("outcome") == "failed":
+                reasons.append("it failed in the last build")
+        if self.force:
+            reasons.append("everything is asked for")
+        for _, path in line.outputs:
+            written = record.outputs.get(path) if record is not None else None
+            state = self._state(path, written)
+            if state in STANDING:
+                (kept if state == "edited" else unknown).append(path)
+            elif state in AGAIN and written is not None:
+                reasons.append(f"{path} {AGAIN[state]}")
+        if line.outputs and len(kept) == len(line.outputs):
+            reasons = []
+        return PlannedStep(line, inputs, tuple(reasons), tuple(kept), tuple(unknown), record)
+
+    def _inputs_changed(self, inputs: Mapping[str, Any], record: LineRecord) -> Iterator[str]:
+        if record.result.get("outcome") == "failed":
+            return
+        for part, words in INPUTS.items():
+            now, then = inputs.get(part), record.inputs.get(part)
+            late = part in ("timings", "audio") and now and now[2] > record.at - TICK_NANOSECONDS
+            if (now != then or late) and not self._same_content(part, now, then, record):
+                yield f"{words} changed"
+
+    def _same_content(self, part: str, now: Any, then: Any, record: LineRecord) -> bool:
+        """Return True if a file has another time, but the content of the last build."""
+        if part not in ("timings", "audio") or not now or not then or now[0] != then[0]:
+            return False
+        try:
+            return file_digest(self.folder / now[0]) == record.contents.get(now[0])
+        except OSError:
+            return False
+
+    def _state(self, path: str, written: Written | None) -> str:
+        """Return the state of an output: `sound`, or one of `AGAIN` or `STANDING`."""
+        try:
+            stat = os.stat(self.folder / path)  # noqa: PTH116 ten thousands of them
+        except OSError:
+            return "missing"
+        if written is None:
+            return "replaced" if self.overwrite else "unknown"
+        if (stat.st_size, stat.st_mtime_ns) == (written.size, written.changed):
+            return "sound"
+        try:
+            found = file_digest(self.folder / path)
+        except OSError:
+            found = ""
+        if found == written.digest:
+            return "sound"
+        if found == written.before:
+            return "unfinished"
+        return "replaced" if self.overwrite else "edited"
+
+
+def _in_words(names: Sequence[str]) -> list[str]:
+    return [f"{told(name)} changed" for name in names]
+
+
+def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[str, Any]:
+    """Return what a line's record says of its inputs, as JSON holds it."""
+    compiled = performer.compiled
+    text = plain(line.text) if compiled.words else ""
+    words = {word: sounds for word, sounds in compiled.words.items() if word in text}
+    edits = compiled.line_edits.get(line.name), compiled.line_deliveries.get(line.name)
+    inputs: dict[str, Any] = {
+        "text": digest(line.text).hex(),
+        "words": digest(words).hex() if words else "",
+        "edits": digest(*edits).hex() if any(edits) else "",
+        "outputs": [list(one) for one in line.outputs],
+    }
+    for part, path in (("timings", line.timings), ("audio", line.audio)):
+        if path is not None:
+            inputs[part] = [str(path), *_stamp(folder / path)]
+    return inputs
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Return size and time of a file; a missing one has neither."""
+    try:
+        stat = os.stat(path)  # noqa: PTH116 as above
+    except OSError:
+        return 0, 0
+    return stat.st_size, stat.st_mtime_ns

@@ -1,0 +1,165 @@
+"""A project on its way through a build: its lines, its pairs, its settings and its record."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from lipsync_lang.build.making import LineMaker
+from lipsync_lang.build.needs import BuildSettings, PairNeeds
+from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
+from lipsync_lang.build.planning import BuildPlan, plan
+from lipsync_lang.build.script import read_script
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.project import FILE, find_project, load_project
+from lipsync_lang.performing.resolving import resolve
+
+if TYPE_CHECKING:
+    from lipsync_lang.build.records import Records
+    from lipsync_lang.packs.models import Project
+
+USUAL_FPS = 60.0
+"""Frames per second of a project that states none."""
+
+Pair = tuple[str, str]
+"""Language and character."""
+
+
+@dataclass(frozen=True)
+class Selection:
+    """The lines of a project that a build is about; an empty field selects all.
+
+    Parameters
+    ----------
+    ids : patterns of ids, such as ``intro_*``
+    languages, characters : names
+    """
+
+    ids: tuple[str, ...] = ()
+    languages: tuple[str, ...] = ()
+    characters: tuple[str, ...] = ()
+
+    def has(self, line: PlannedLine) -> bool:
+        """Return True if a line is selected."""
+        return (
+            (not self.languages or line.language in self.languages)
+            and (not self.characters or line.character in self.characters)
+            and (not self.ids or any(fnmatchcase(line.name, one) for one in self.ids))
+        )
+
+    def __bool__(self) -> bool:
+        return bool(self.ids or self.languages or self.characters)
+
+
+@dataclass
+class ProjectBuild:
+    """A project that is read, with its pairs resolved.
+
+    Parameters
+    ----------
+    folder : of the project
+    lines : of the script that are selected
+    pairs : performer and needs by language and character
+    unsound : pairs whose packs have faults, with the faults
+    """
+
+    project: "Project"
+    folder: Path
+    lines: list[PlannedLine]
+    settings: BuildSettings
+    pairs: dict[Pair, PairNeeds]
+    unsound: dict[Pair, LipsyncError] = field(default_factory=dict)
+    selection: Selection = field(default_factory=Selection)
+
+    @classmethod
+    def open(
+        cls,
+        file: Path | None = None,
+        *,
+        paths: Iterable[Path] = (),
+        selection: Selection | None = None,
+        tts: str | None = None,
+        remark: Callable[[str], None] = lambda _: None,
+    ) -> Self:
+        """Read a project and its script, and resolve its pairs.
+
+        Parameters
+        ----------
+        file : the project's file; None for the one of the current folder
+        paths : folders of packs to search first
+        tts : another speech engine than the languages'
+        remark : where to say what the script lacks
+
+        Raises
+        ------
+        LipsyncError
+            There is no project, or it or its script is faulty.
+        """
+        found = file or find_project()
+        if found is None:
+            raise LipsyncError(
+                f"there is no {FILE} here; `lipsync-lang build new FOLDER TABLE` writes one"
+            )
+        project, folder = load_project(found).model, found.absolute().parent
+        chosen = selection or Selection()
+        lines = [
+            line
+            for line in read_script(project, folder, paths=tuple(paths), remark=remark)
+            if chosen.has(line)
+        ]
+        if chosen and not lines:
+            raise LipsyncError("no line of the script is selected; check the ids and names")
+        fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
+        made = cls(
+            project, folder, lines, BuildSettings(fps, dict(project.limits), tts), {}, {}, chosen
+        )
+        made.resolve((*paths, *(folder / path for path in project.paths), folder))
+        return made
+
+    def resolve(self, paths: Iterable[Path]) -> None:
+        """Resolve every pair of the lines; those with faults are put aside, to be told of."""
+        motion = self.project.motion
+        stated = None if motion is None else motion.model_dump(exclude_none=True)
+        for language, character in dict.fromkeys(
+            (one.language, one.character) for one in self.lines
+        ):
+            try:
+                performer = resolve(
+                    language,
+                    character,
+                    paths=tuple(paths),
+                    motion=stated,
+                    shades=self.project.shades,
+                )
+                self.pairs[language, character] = PairNeeds(performer, self.settings)
+            except LipsyncError as error:
+                self.unsound[language, character] = error
+
+    @property
+    def maker(self) -> LineMaker:
+        """The maker of its lines."""
+        return LineMaker(self.folder, self.settings)
+
+    def plan(
+        self, records: "Records", *, force: bool = False, overwrite: bool = False
+    ) -> BuildPlan:
+        """Compare the lines with the record of the last build."""
+        sound = [line for line in self.lines if (line.language, line.character) in self.pairs]
+        made = plan(sound, self.folder, records, self.pairs, force=force, overwrite=overwrite)
+        stated = {line.key for line in self.lines}
+        gone = tuple(one for one in made.gone if not self.selection and one[0] not in stated)
+        return replace(made, gone=gone)
+
+    def refused(self) -> list[BuiltLine]:
+        """Return the lines of pairs whose packs have faults, as failed."""
+        return [
+            BuiltLine(
+                line,
+                "failed",
+                f"{line.place}: {line.language} on {line.character} has faults in its packs",
+            )
+            for line in self.lines
+            if (line.language, line.character) in self.unsound
+        ]

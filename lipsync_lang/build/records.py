@@ -1,0 +1,217 @@
+"""Records of what a build made, of what, and from which values: an SQLite file beside the project.
+
+A record is written before its outputs are renamed into place, and keeps the digest of the output
+that was there before. So a build killed at any moment can tell its own files from edited ones.
+"""
+
+import json
+import sqlite3
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+
+FOLDER = ".lipsync_lang"
+"""Folder of a project that builds keep their records in."""
+
+FILE = "build.sqlite"
+
+FORM = 1
+"""Form of the tables; a record of another form is put aside."""
+
+Key = tuple[str, str, str]
+"""Language, character and name of a line."""
+
+NEED = np.dtype([("number", "<u4"), ("digest", "<u8")])
+"""A need of a line: its number in the record, and the digest of its value."""
+
+TABLES = """
+CREATE TABLE IF NOT EXISTS need (number INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE);
+CREATE TABLE IF NOT EXISTS line (
+  language TEXT NOT NULL, character TEXT NOT NULL, name TEXT NOT NULL,
+  at INTEGER NOT NULL, inputs TEXT NOT NULL, contents TEXT NOT NULL, needs BLOB NOT NULL,
+  outputs TEXT NOT NULL, result TEXT NOT NULL,
+  PRIMARY KEY (language, character, name)
+) WITHOUT ROWID;
+"""
+
+
+class Written(NamedTuple):
+    """An output as a build left it."""
+
+    size: int
+    changed: int
+    """Time of its last change in nanoseconds."""
+    digest: str
+    before: str = ""
+    """Digest of the file that it replaced; empty for none."""
+
+
+@dataclass(frozen=True)
+class LineRecord:
+    """Inputs of a line as it was made, and its outcome.
+
+    Parameters
+    ----------
+    inputs : what the project says of the line, and sizes and times of its files
+    contents : digest of each file that it was made from, by path
+    needs : (n,) needs with their digests
+    outputs : by path from the project's folder
+    result : what a report shows of it
+    at : when it was made, in nanoseconds
+    """
+
+    inputs: Mapping[str, Any]
+    contents: Mapping[str, str]
+    needs: Any
+    outputs: Mapping[str, Written]
+    result: Mapping[str, Any] = field(default_factory=dict)
+    at: int = 0
+
+
+class Records:
+    """The record of a project's builds."""
+
+    def __init__(self, path: Path, connection: sqlite3.Connection) -> None:
+        self.path = path
+        self._base = connection
+        self.numbers: dict[str, int] = dict(
+            connection.execute("SELECT name, number FROM need").fetchall()
+        )
+        self.names: dict[int, str] = {number: name for name, number in self.numbers.items()}
+
+    @classmethod
+    @contextmanager
+    def open(cls, folder: Path, *, write: bool = True) -> Iterator[Self]:
+        """Open the record of a project's folder; without one, or only to read, one in memory.
+
+        Raises
+        ------
+        LipsyncError
+            The folder cannot be written, or the file is damaged.
+        """
+        path = folder / FOLDER / FILE
+        try:
+            connection = _connected(path, write=write)
+        except sqlite3.DatabaseError as error:
+            raise _damaged(path, error) from None
+        except OSError as error:
+            raise LipsyncError(
+                f"{path}: cannot be written: {error.strerror or error}; a build keeps its record "
+                "there, so make the folder writable"
+            ) from None
+        try:
+            yield cls(path, connection)
+        except sqlite3.DatabaseError as error:
+            raise _damaged(path, error) from None
+        finally:
+            connection.close()
+
+    def lines(self) -> dict[Key, LineRecord]:
+        """Return every record."""
+        rows = self._base.execute(
+            "SELECT language, character, name, at, inputs, contents, needs, outputs, result "
+            "FROM line"
+        )
+        return {
+            (language, character, name): LineRecord(
+                json.loads(inputs),
+                json.loads(contents),
+                np.frombuffer(needs, NEED),
+                {path: Written(*one) for path, one in json.loads(outputs).items()},
+                json.loads(result),
+                at,
+            )
+            for language, character, name, at, inputs, contents, needs, outputs, result in rows
+        }
+
+    def packed(self, needs: Mapping[str, bytes]) -> Any:
+        """Return needs as an array, and give numbers to those that have none yet."""
+        new = [name for name in needs if name not in self.numbers]
+        for name in new:
+            number = len(self.numbers)
+            self.numbers[name], self.names[number] = number, name
+        if new:
+            self._base.executemany(
+                "INSERT INTO need (number, name) VALUES (?, ?)",
+                [(self.numbers[name], name) for name in new],
+            )
+        out = np.empty(len(needs), NEED)
+        out["number"] = [self.numbers[name] for name in needs]
+        out["digest"] = np.frombuffer(b"".join(needs.values()), "<u8")
+        return out
+
+    def put(self, records: Iterable[tuple[Key, LineRecord]]) -> None:
+        """Write records in one transaction, safe from a loss of power."""
+        now = time.time_ns()
+        self._base.executemany(
+            "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+            [
+                (*key, now, _json(one.inputs), _json(one.contents), one.needs.tobytes(),
+                 _json(one.outputs), _json(one.result))
+                for key, one in records
+            ],
+        )  # fmt: skip
+        self._base.commit()
+
+    def forget(self, keys: Iterable[Key]) -> None:
+        """Delete records."""
+        self._base.executemany(
+            "DELETE FROM line WHERE language = ? AND character = ? AND name = ?", list(keys)
+        )
+        self._base.commit()
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+
+def _connected(path: Path, *, write: bool) -> sqlite3.Connection:
+    if not write:
+        connection = sqlite3.connect(":memory:")
+        connection.executescript(TABLES)
+        if path.is_file():
+            stored = sqlite3.connect(path)
+            try:
+                stored.execute("PRAGMA query_only = ON")
+                _check_form(path, stored)
+                stored.backup(connection)
+            finally:
+                stored.close()
+        return connection
+    path.parent.mkdir(parents=True, exist_ok=True)
+    ignore = path.parent / ".gitignore"
+    if not ignore.exists():
+        ignore.write_text("*\n", encoding="utf-8")
+    new = not path.exists()
+    connection = sqlite3.connect(path, timeout=60)
+    connection.execute("PRAGMA journal_mode = WAL")
+    connection.execute("PRAGMA synchronous = FULL")
+    if not new:
+        _check_form(path, connection)
+    connection.executescript(TABLES)
+    connection.execute(f"PRAGMA user_version = {FORM}")
+    connection.commit()
+    return connection
+
+
+def _check_form(path: Path, connection: sqlite3.Connection) -> None:
+    (form,) = connection.execute("PRAGMA user_version").fetchone()
+    if form not in (0, FORM):
+        raise LipsyncError(
+            f"{path}: was written by another version of this program (form {form}, known {FORM}); "
+            "move it away: the next build compares the files that are there with new ones"
+        )
+
+
+def _damaged(path: Path, error: sqlite3.DatabaseError) -> LipsyncError:
+    return LipsyncError(
+        f"{path}: the record of builds cannot be used ({error}); move it away: the next build "
+        "compares the files that are there with new ones, and keeps those that differ"
+    )

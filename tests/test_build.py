@@ -1,0 +1,236 @@
+"""Builds: what is made, what is made again and why, and what is never touched."""
+
+import os
+
+import pytest
+from build_project import SOUNDS, Game
+
+from lipsync_lang.build import making, needs
+from lipsync_lang.build.records import Records
+from lipsync_lang.cli import main
+
+ALL = sorted(SOUNDS)
+
+
+@pytest.fixture
+def game(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    return Game(tmp_path, capsys)
+
+
+@pytest.fixture
+def built(game):
+    assert game.build().built == ALL
+    return game
+
+
+def test_a_build_makes_every_line_and_the_next_none(game):
+    first = game.build()
+    assert first.code == 0
+    assert first.built == sorted(game.takes()) == ALL
+    again = game.build()
+    assert (again.code, again.built, again.end["current"]) == (0, [], len(ALL))
+
+
+def test_an_edited_bigram_remakes_the_lines_that_contain_it(built):
+    before = built.takes()
+    built.bank(0.5)
+    assert built.build("--dry-run").stale == {"low": ["the bigram l-ow changed"]}
+    assert built.build().built == ["low"]
+    after = built.takes()
+    assert [name for name in ALL if before[name] != after[name]] == ["low"]
+    built.bank(0.6)
+    assert built.build().built == ["low"]
+
+
+def test_a_bank_that_says_what_the_draft_says_remakes_nothing(built, capsys):
+    assert main(["bank", "draft", "-l", "english", "-c", "facefx", "--write", "bmp-f"]) == 0
+    capsys.readouterr()
+    assert built.build("--dry-run").stale == {}
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda game: game.say("map", "M AA P"), "its timings changed"),
+        (
+            lambda game: game.write(
+                "script.csv", "id,text\nlow,low\nmap,maps\nmail,mail\nhome,home\n"
+            ),
+            "its text changed",
+        ),
+        (lambda game: (game.folder / "takes/map.csv").unlink(), "takes/map.csv is missing"),
+    ],
+)
+def test_a_changed_line_is_made_again_by_itself(built, change, reason):
+    change(built)
+    assert built.build("--dry-run").stale == {"map": [reason]}
+    assert built.build().built == ["map"]
+    assert built.build().built == []
+
+
+def test_a_touched_file_changes_nothing(built):
+    os.utime(built.folder / "vo/map.json", (1, 1))
+    os.utime(built.folder / "takes/low.csv", (1, 1))
+    assert built.build("--dry-run").stale == {}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("fps: 30", "fps: 25"), ("fps: 30", "fps: 30\nmotion: {speed_limit: 7}")],
+)
+def test_changed_settings_remake_everything(built, old, new):
+    built.write("lipsync.yaml", (built.folder / "lipsync.yaml").read_text().replace(old, new))
+    assert built.build("--dry-run").stale == {
+        name: ["the frame rate, motion or limits changed"] for name in ALL
+    }
+
+
+def test_another_version_of_the_program_remakes_everything(built, monkeypatch):
+    monkeypatch.setattr(needs, "__version__", "99")
+    assert built.build("--dry-run").stale == {
+        name: ["the program's version changed"] for name in ALL
+    }
+
+
+def test_a_file_edited_by_hand_is_kept_and_named(built):
+    edited = built.folder / "takes/map.csv"
+    edited.write_text("mine")
+    built.say("map", "M AA P")
+    told = built.build()
+    assert (told.built, told.end["kept"], edited.read_text()) == ([], ["takes/map.csv"], "mine")
+    assert built.build("--overwrite").built == ["map"]
+    assert edited.read_bytes().startswith(b"time")
+    assert built.build().end["kept"] == []
+
+
+def test_a_file_of_somebody_else_is_kept_and_an_equal_one_is_adopted(game):
+    game.build()
+    takes = game.takes()
+    for path in (game.folder / ".lipsync_lang").iterdir():
+        path.unlink()
+    (game.folder / "takes/map.csv").write_text("mine")
+    told = game.build()
+    assert told.end["kept"] == ["takes/map.csv"]
+    assert game.takes() == {**takes, "map": b"mine"}
+    again = game.build()
+    assert (again.built, again.end["kept"]) == ([], ["takes/map.csv"])
+
+
+def test_a_line_that_fails_is_named_and_the_others_are_built(game):
+    game.say("map", "M XYZ P")
+    told = game.build()
+    assert told.code == 1
+    assert told.built == ["home", "low", "mail"]
+    (failed,) = (e for e in told.events if e.get("outcome") == "failed")
+    assert failed["name"] == "map"
+    assert "script.csv:3" in failed["message"]
+    assert "'XYZ'" in failed["message"]
+    assert not (game.folder / "takes/map.csv").exists()
+    game.say("map", "M AE P")
+    assert game.build().built == ["map"]
+
+
+def test_a_line_that_fails_again_keeps_the_output_of_before(built):
+    before = built.takes()
+    built.say("map", "M XYZ P")
+    assert built.build().code == 1
+    assert built.takes() == before
+    built.say("map", "M AE P")
+    assert built.build().code == 0
+    assert built.takes() == before
+
+
+def test_a_limit_of_the_project_fails_the_build_and_one_of_the_face_is_told(game):
+    told = game.build()
+    assert (told.code, told.end["over_limits"], told.end["doubted"]) == (0, 0, 3)
+    project = (game.folder / "lipsync.yaml").read_text()
+    game.write("lipsync.yaml", project + "limits: {closure_late: 0.01}\n")
+    told = game.build()
+    assert (told.code, told.end["over_limits"]) == (1, 2)
+    assert game.build().code == 1, "a limit is passed until the line is mended"
+    game.write("lipsync.yaml", project + "limits: {closure_late: 0.1}\n")
+    assert game.build().code == 0
+
+
+def test_a_build_killed_between_record_and_rename_resumes(game, monkeypatch):
+    class Killed(BaseException):
+        pass
+
+    def kill(*_):
+        raise Killed
+
+    monkeypatch.setattr(os, "replace", kill)
+    with pytest.raises(Killed):
+        game.build()
+    game.capsys.readouterr()
+    monkeypatch.undo()
+    os.chdir(game.folder)
+    assert game.build().built == ALL
+    assert game.build().built == []
+
+
+def test_a_rename_that_never_came_is_made_again_and_not_taken_for_an_edit(built, monkeypatch):
+    built.say("map", "M AA P")
+    with monkeypatch.context() as context:
+        context.setattr(os, "replace", lambda *_: None)
+        assert built.build().built == ["map"]
+    told = built.build()
+    assert (told.built, told.end["kept"]) == (["map"], [])
+
+
+def test_a_full_disk_ends_the_build_with_what_was_made(game, monkeypatch):
+    real = making.created
+
+    def full(temporary, target):
+        if target.stem == "map":
+            raise OSError(28, "No space left on device")
+        return real(temporary, target)
+
+    monkeypatch.setattr(making, "created", full)
+    told = game.build()
+    assert told.code == 2
+    assert "No space left" in told.err
+    monkeypatch.undo()
+    os.chdir(game.folder)
+    assert "map" in game.build().built
+
+
+def test_outputs_of_removed_lines_are_named_and_pruned_on_request(built):
+    built.script([name for name in SOUNDS if name != "map"])
+    assert built.build().end["gone"] == ["takes/map.csv"]
+    assert sorted(built.takes()) == ALL
+    assert built.build("--prune").code == 0
+    assert sorted(built.takes()) == ["home", "low", "mail"]
+    assert built.build().end["gone"] == []
+
+
+def test_a_selection_builds_nothing_else_and_calls_nothing_gone(game):
+    told = game.build("--only", "ma*")
+    assert (told.built, told.end["gone"]) == (["mail", "map"], [])
+    assert game.build().built == ["home", "low"]
+
+
+def test_a_damaged_record_is_named(built):
+    record = built.folder / ".lipsync_lang/build.sqlite"
+    for path in record.parent.glob("build.sqlite*"):
+        path.unlink()
+    record.write_bytes(b"no record" * 100)
+    told = built.build()
+    assert told.code == 2
+    assert str(record) in told.err
+    assert "move it away" in told.err
+
+
+def test_a_dry_run_writes_nothing(game):
+    before = sorted(game.folder.rglob("*"))
+    assert sorted(game.build("--dry-run").stale) == ALL
+    assert sorted(game.folder.rglob("*")) == before
+
+
+def test_a_need_is_stored_once(built):
+    with Records.open(built.folder, write=False) as records:
+        lines = records.lines()
+    assert {key[2] for key in lines} == set(ALL)
+    used = {int(n) for one in lines.values() for n in one.needs["number"]}
+    assert used == set(records.names)
