@@ -9,7 +9,7 @@ Outcome = Literal["built", "failed"]
 """`built`: its outputs are whole. `failed`: nothing of it was written."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True, unsafe_hash=True)  # frozen, a million of them take 8 s more
 class PlannedLine:
     """A line of the script in one language, on one character.
 

@@ -50,8 +50,9 @@ class Recordings:
         """
         at, _, name = path.rpartition("/")
         listing = self._listing(at)
-        stem = folded_name(name.rpartition(".")[0] or name) if listing.timings else ""
-        for candidate in listing.timings.get(stem, ()):
+        if not listing.timings:
+            return None
+        for candidate in listing.timings.get(folded_name(name.rpartition(".")[0] or name), ()):
             own = f"{at}/{candidate}".lstrip("/")
             found = Path(self._folder, own)
             if own not in taken() and (

@@ -4,6 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.lines.line_readers import LineFile, Open, Table, by_suffix
-from lipsync_lang.lines.markup import spoken
+from lipsync_lang.lines.markup import MARKS, spoken
 from lipsync_lang.lines.table import (
     NAMES,
     SPEAKERS,
@@ -80,6 +81,11 @@ class ScriptFile:
     languages: dict[int, ScriptLanguage]
     among_others: bool = False
 
+    @cached_property
+    def shown(self) -> str:
+        """The path as text; a path object makes it anew for every line."""
+        return str(self.path)
+
     @property
     def open(self) -> Open | None:
         """Opens it as a table; None if it has no columns."""
@@ -129,12 +135,17 @@ def _table_rows(
             "has no column of ids, which name the files; add one, or state `columns: {id: NAME}`",
         )
     for number, row in table.rows:
-        said = tuple([(index, spoken(cell(row, at)).text) for index, at in texts])
+        said = tuple([(index, _said(cell(row, at))) for index, at in texts])
         own = cell(row, name).removeprefix(LINE_TAG)
         if own:
             yield ScriptRow(number, own, cell(row, speaker), said)
         elif any(text for _, text in said):
             faults.add(f"{file.path}:{number}", "this line has no id, which names its files")
+
+
+def _said(text: str) -> str:
+    """Return the spoken part of a cell; most cells have no markup."""
+    return " ".join(text.split()) if MARKS.isdisjoint(text) else spoken(text).text
 
 
 def _own_column(

@@ -97,7 +97,7 @@ class ScriptPlanner:
 
     def lines(self, file: ScriptFile, row: ScriptRow) -> Iterator[PlannedLine]:
         """Yield the lines of a row; none for one with a fault."""
-        place = f"{file.path}:{row.number}"
+        place = f"{file.shown}:{row.number}"
         if not self._sound_names(file, row, place):
             return
         characters = self._cast.of(row.speaker, place)
