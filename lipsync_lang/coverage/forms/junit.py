@@ -4,17 +4,14 @@ The first case of a suite fails if less than the demanded share is authored. Big
 authored are skipped, not failed.
 """
 
-import re
 from typing import TYPE_CHECKING, TextIO
 from xml.etree import ElementTree as ET
 
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.files.xml_text import xml_text
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import Coverage, CoverageReport
-
-FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that XML cannot hold."""
 
 
 @FORMS.register("junit")
@@ -47,7 +44,7 @@ def _suite(report: "CoverageReport", fail_under: float | None) -> ET.Element:
         case = ET.SubElement(suite, "testcase", classname=name, name=one.bigram)
         if not one.authored:
             origin = f"{one.layer}, {one.status or 'unanswered'}; {one.count} times"
-            ET.SubElement(case, "skipped", message=_xml_text(f"{origin}: {', '.join(one.places)}"))
+            ET.SubElement(case, "skipped", message=xml_text(f"{origin}: {', '.join(one.places)}"))
     unknown = [f"{one.place}: not read: {one.what} ({one.count} times)" for one in report.unread]
     unknown += [
         f"{one.place}: no map for: {one.what} ({one.count} times)" for one in report.unmapped
@@ -57,9 +54,5 @@ def _suite(report: "CoverageReport", fail_under: float | None) -> ET.Element:
         f"({one.count} times)"
         for one in report.other_scripts
     ]
-    ET.SubElement(suite, "system-out").text = _xml_text("\n".join([summary, *unknown]))
+    ET.SubElement(suite, "system-out").text = xml_text("\n".join([summary, *unknown]))
     return suite
-
-
-def _xml_text(text: str) -> str:
-    return FORBIDDEN.sub("�", text)

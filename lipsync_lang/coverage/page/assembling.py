@@ -30,10 +30,11 @@ PARTS = (
 """Macros of `parts.html`, each of which writes one part of a report."""
 
 
-class _Layout(Extension):
+class TightLayout(Extension):
     """Makes a line break beside a tag or a block, with its indentation, no part of the page."""
 
     def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:
+        """Take the breaks out of a template."""
         # Comments keep the breaks, so that Jinja's errors name the right line.
         del name, filename
         return re.sub(r"(?<=[>}])\s*\n\s*|\s*\n\s*(?=[<{])", r"{#\g<0>#}", source)
@@ -91,7 +92,7 @@ def page(document: Mapping[str, Any]) -> str:
     reports = [ReportView(one, states, minutes, root) for one in document["reports"]]
     environment = _environment()
     macros = environment.get_template("parts.html").module
-    script = _file("script.js")
+    script = own_file("script.js")
     digest = b64encode(sha256(script.encode()).digest()).decode()
     return environment.get_template("page.html").render(
         document=document,
@@ -105,7 +106,7 @@ def page(document: Mapping[str, Any]) -> str:
         matrix=_matrix(document, reports),
         options=[(name, list(group)) for name, group in groupby(enumerate(reports), _language)],
         store=PartStore(reports, macros) if reports else None,
-        style=Markup(_file("style.css")),  # noqa: S704 our own
+        style=Markup(own_file("style.css")),  # noqa: S704 our own
         script=Markup(script),  # noqa: S704 our own
         digest=Markup(f"sha256-{digest}"),  # noqa: S704 base64
     )
@@ -115,7 +116,7 @@ def page(document: Mapping[str, Any]) -> str:
 def _environment() -> Environment:
     environment = Environment(
         autoescape=True,
-        extensions=[_Layout],
+        extensions=[TightLayout],
         loader=PackageLoader("lipsync_lang.coverage.page"),
         undefined=StrictUndefined,
     )
@@ -133,7 +134,8 @@ def _environment() -> Environment:
     return environment
 
 
-def _file(name: str) -> str:
+def own_file(name: str) -> str:
+    """Return a file of this folder, such as the style that other reports share."""
     return (files(__package__) / name).read_text("utf-8")
 
 

@@ -1,0 +1,145 @@
+"""Reports of a build: HTML, JUnit XML and JSON, by the suffix of each file, in one pass."""
+
+import json
+from collections.abc import Iterable, Mapping
+from io import TextIOWrapper
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any, Protocol, TextIO
+
+from lipsync_lang.build.build_junit import JunitReport
+from lipsync_lang.build.build_tally import BuildHeading, BuildTally
+from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files.writing import atomic
+
+FORMAT = "lipsync-lang build 1"
+
+
+class ReportForm(Protocol):
+    """A form of a report: it gets all lines, then is written."""
+
+    def add(self, line: BuiltLine) -> None:
+        """Take a line."""
+
+    def write(self, out: TextIO, tally: BuildTally) -> None:
+        """Write the whole report, with the counts over all lines."""
+
+
+def write_report(
+    paths: Iterable[Path],
+    built: Iterable[BuiltLine],
+    heading: BuildHeading,
+    *,
+    pages: Mapping[tuple[str, str, str], Path] | None = None,
+) -> BuildTally:
+    """Write reports of a build.
+
+    Parameters
+    ----------
+    paths : files to write: `.html`, `.xml` for JUnit, `.json`; their folders are made
+    built : all lines of the project as they stand now; read once
+    heading : of the build as a whole
+    pages : pages of lines (`-o line.html`) by the line's key; by `worst_lines`, those that want one
+
+    Returns
+    -------
+    Counts over all lines. `passed()` is False if a line failed or exceeds a limit
+
+    Raises
+    ------
+    OutputError
+        A suffix is none of these, or a file cannot be written.
+    """
+    known = pages or {}
+
+    def page_of(line: PlannedLine) -> Path | None:
+        return known.get(line.key)
+
+    forms = [(path, _form(path, heading, page_of)) for path in paths]
+    tally = BuildTally()
+    for line in built:
+        tally.add(line)
+        for _, form in forms:
+            form.add(line)
+    for path, form in forms:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise OutputError(
+                f"{path.parent}: cannot be made: {error.strerror}; name another place"
+            ) from None
+        with atomic(path) as out:
+            text = TextIOWrapper(out, "utf-8", "backslashreplace", newline="", write_through=True)
+            form.write(text, tally)
+            text.flush()
+            text.detach()
+    return tally
+
+
+def _form(path: Path, heading: BuildHeading, page_of: Any) -> ReportForm:
+    suffix = path.suffix.lower()
+    if suffix == ".html":
+        from lipsync_lang.build.report_page import PageReport
+
+        return PageReport(heading, path.parent, page_of)
+    if suffix == ".xml":
+        return JunitReport(heading)
+    if suffix == ".json":
+        return JsonReport(heading)
+    raise OutputError(f"{path}: no report is written as '{suffix}'; end it in .html, .xml or .json")
+
+
+class JsonReport:
+    """The whole report as JSON; lines wait on the disk, since there may be a million."""
+
+    def __init__(self, heading: BuildHeading) -> None:
+        self._heading = heading
+        self._rows = TemporaryFile("w+", encoding="utf-8", newline="\n")  # noqa: SIM115 ends with us
+
+    def add(self, line: BuiltLine) -> None:
+        """Add a line."""
+        self._rows.write(f"{json.dumps(_row(line), ensure_ascii=True)}\n")
+
+    def write(self, out: TextIO, tally: BuildTally) -> None:
+        """Write counts, then a row per line."""
+        heading = self._heading
+        head = {
+            "format": FORMAT,
+            "project": heading.project,
+            "passed": tally.passed(),
+            "lines": tally.lines,
+            "built": heading.built,
+            "up_to_date": heading.up_to_date,
+            "failed": tally.failed,
+            "over_limit": tally.over,
+            "kept": list(heading.kept),
+            "seconds": round(heading.seconds, 3),
+            "confidence": tally.mean_confidence,
+            "units": {name: one.unit for (name, _), one in tally.figures.items()},
+        }
+        out.write(json.dumps(head, indent=1)[:-2] + ',\n "rows": [')
+        self._rows.seek(0)
+        out.writelines(
+            f"{',' if number else ''}\n  {row.rstrip()}" for number, row in enumerate(self._rows)
+        )
+        out.write("\n ]\n}\n")
+        self._rows.close()
+
+
+def _row(line: BuiltLine) -> dict[str, Any]:
+    plan = line.line
+    return {
+        "language": plan.language,
+        "character": plan.character,
+        "line": plan.name,
+        "place": plan.place,
+        "outcome": line.outcome,
+        "message": line.message,
+        "seconds": round(line.seconds, 4),
+        "confidence": line.confidence,
+        "figures": {
+            figure.name: {"value": figure.value, "limit": figure.limit} for figure in line.figures
+        },
+        "failed": [figure.name for figure in line.failed],
+    }

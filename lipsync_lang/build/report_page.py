@@ -1,0 +1,252 @@
+"""The report of a build as one HTML page that needs nothing else, in the look of the coverage page.
+
+The page holds counts of all lines, and the worst lines in full: thousands of lines more make it no
+larger. Charts are SVG with a name in words; rows are sorted and filtered by a script of its own.
+"""
+
+import os
+import shlex
+from base64 import b64encode
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+from typing import NamedTuple, TextIO
+from urllib.parse import quote
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
+from markupsafe import Markup
+
+from lipsync_lang.build.build_tally import (
+    BINS,
+    BuildHeading,
+    BuildTally,
+    FigureTally,
+    Histogram,
+    badness,
+    share_of_limit,
+)
+from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.coverage.page.assembling import TightLayout, own_file
+from lipsync_lang.coverage.page.charts import HEIGHT
+from lipsync_lang.coverage.page.wording import NBSP, count
+
+PageOf = Callable[[PlannedLine], Path | None]
+"""The page of a line (`-o line.html`), or None where none was written."""
+
+LEAST_BAR = 60
+"""Least height of a bar that counts anything, of `HEIGHT`: one line of 20,000 is seen."""
+
+MAX_TIMES = 3
+"""Places of a figure that a row names."""
+
+MAX_TEXT_CHARS = 160
+"""Characters of a line's text that a row shows."""
+
+
+class Bars(NamedTuple):
+    """A histogram as the template draws it: shapes stretch to the width at hand."""
+
+    title: str
+    words: str
+    """The chart in a sentence."""
+    within: str
+    """SVG path of the bars within the limit."""
+    over: str
+    """SVG path of the bars beyond it."""
+    limit: float | None
+    """Share of the width at which the limit stands."""
+    labels: tuple[tuple[str, float], ...]
+    """Text below the chart, and the share of the width at which it stands."""
+    told: str = ""
+    """Every bar, for readers who do not see them, where `words` say less."""
+
+
+@dataclass(frozen=True)
+class WorstRow:
+    """Line among the worst, ready for the template."""
+
+    built: BuiltLine
+    page: Path | None
+    folder: Path
+
+    @property
+    def line(self) -> PlannedLine:
+        """The plan of the line."""
+        return self.built.line
+
+    @property
+    def link(self) -> str:
+        """Address of the line's page, from the report; empty without one."""
+        if self.page is None:
+            return ""
+        return quote(Path(os.path.relpath(self.page, self.folder)).as_posix())
+
+    @property
+    def command(self) -> str:
+        """Command that writes the line's page."""
+        line = self.line
+        parts = ["lipsync-lang", "run", "-l", line.language, "-c", line.character]
+        parts += [] if line.timings is None else ["--schedule", str(line.timings)]
+        parts += [] if line.audio is None else ["--audio", str(line.audio)]
+        parts += ["-o", f"{line.name}.html"]
+        if line.timings is None and line.text:
+            parts += ["--", line.text]
+        return shlex.join(parts)
+
+    @property
+    def text(self) -> str:
+        """The line's text, cut."""
+        text = self.line.text
+        return text if len(text) <= MAX_TEXT_CHARS else f"{text[: MAX_TEXT_CHARS - 1]}…"
+
+    @property
+    def confidence(self) -> str:
+        """Confidence of the alignment in percent."""
+        known = self.built.confidence
+        return "–" if known is None else f"{100 * known:.0f}{NBSP}%"
+
+    @property
+    def badness(self) -> float:
+        """Number by which rows are sorted."""
+        rank, most, doubt = badness(self.built)
+        return rank * 1e6 + min(most, 1e5) + doubt * 1e-3
+
+    @cached_property
+    def shown(self) -> list[tuple[str, JudgedFigure]]:
+        """The figures over their limits with a state; else the one that is nearest to its own."""
+        over = [("s4", one) for one in self.built.failed]
+        over += [
+            ("s1", f) for f in self.built.figures if not f.passed and f not in self.built.failed
+        ]
+        ordered = sorted(over, key=lambda pair: -share_of_limit(pair[1]))
+        if ordered or self.built.outcome == "failed":
+            return ordered
+        limited = [f for f in self.built.figures if share_of_limit(f) > 0]
+        return [("s0", max(limited, key=share_of_limit))] if limited else []
+
+    @property
+    def names(self) -> list[str]:
+        """The figures over their limits."""
+        return [figure.name for state, figure in self.shown if state != "s0"]
+
+
+class PageReport:
+    """The page of a build.
+
+    Parameters
+    ----------
+    heading : of the build as a whole
+    folder : folder of the report, from which links lead to the pages of lines
+    page_of : the page of a line, or None where none was written
+    """
+
+    def __init__(
+        self, heading: BuildHeading, folder: Path, page_of: PageOf = lambda _: None
+    ) -> None:
+        self._heading, self._folder, self._page_of = heading, folder, page_of
+
+    def add(self, line: BuiltLine) -> None:
+        """Leave a line to the counts, which are enough for a page."""
+
+    def write(self, out: TextIO, tally: BuildTally) -> None:
+        """Write the page."""
+        rows = [WorstRow(one, self._page_of(one.line), self._folder) for one in tally.worst()]
+        figures = sorted(tally.figures.values(), key=lambda one: (-one.over, one.name))
+        script = _file("report.js")
+        digest = b64encode(sha256(script.encode()).digest()).decode()
+        languages, characters = (sorted(set(part)) for part in zip(*tally.pairs, strict=True)) if (
+            tally.pairs
+        ) else ((), ())  # fmt: skip
+        text = (
+            _environment()
+            .get_template("report.html")
+            .render(
+                heading=self._heading,
+                tally=tally,
+                rows=rows,
+                figures=figures,
+                charts=[figure_bars(one) for one in figures],
+                confidence=confidence_bars(tally.confidence, tally.aligned),
+                languages=languages,
+                characters=characters,
+                names=sorted({name for row in rows for name in row.names}),
+                contacts=[one for one in figures if one.name.startswith("contacts")],
+                style=Markup(own_file("style.css") + _file("report.css")),  # noqa: S704 our own
+                script=Markup(script),  # noqa: S704 our own
+                digest=Markup(f"sha256-{digest}"),  # noqa: S704 base64
+            )
+        )
+        out.write(text)
+
+
+def figure_bars(figure: FigureTally) -> Bars:
+    """Draw how far the lines are from a limit."""
+    unit = figure.unit
+    words = (
+        f"{count(figure.judged - figure.over, 'line')} within the limit, {figure.over:,} over; "
+        f"the worst {_number(figure.worst)} {unit}".rstrip()
+    )
+    known = figure.limit
+    ends: tuple[tuple[str, float], ...] = (("0", 0.0), ("limit", 0.5), ("twice", 1.0))
+    if known == 0:
+        ends = (("0", 0.5 / BINS), ("more", 0.5), ("1", 1.0))
+    elif known is not None:
+        ends = (("0", 0.0), (_number(known), 0.5), (_number(2 * known), 1.0))
+    within, over = _paths(figure.histogram, figure.within)
+    return Bars(figure.name, words, within, over, figure.within / BINS, ends)
+
+
+def confidence_bars(histogram: Histogram, aligned: int) -> Bars:
+    """Draw the confidence of all aligned lines."""
+    parts = [
+        f"{number:,} at {100 * n // BINS} to {100 * (n + 1) // BINS}{NBSP}%"
+        for n, number in enumerate(histogram.counts)
+        if number
+    ]
+    half = sum(histogram.counts[: BINS // 2])
+    words = f"{count(aligned, 'line')} aligned with recordings, {half:,} of them below 50{NBSP}%"
+    path, _ = _paths(histogram, BINS)
+    ends = (("0", 0.0), (f"50{NBSP}%", 0.5), (f"100{NBSP}%", 1.0))
+    return Bars("Confidence", words, path, "", None, ends, f"{words}: {', '.join(parts)}")
+
+
+def _paths(histogram: Histogram, within: int) -> tuple[str, str]:
+    """Return the SVG paths of the bars within a limit and beyond it; a bar is 10 wide."""
+    most = max(histogram.counts) or 1
+    pieces: tuple[list[str], list[str]] = ([], [])
+    for number, lines in enumerate(histogram.counts):
+        if lines:
+            height = max(LEAST_BAR, round(HEIGHT * lines / most))
+            piece = f"M{10 * number + 1} {HEIGHT}v-{height}h8v{height}z"
+            pieces[number >= within].append(piece)
+    return "".join(pieces[0]), "".join(pieces[1])
+
+
+@cache
+def _environment() -> Environment:
+    coverage = PrefixLoader({"coverage": PackageLoader("lipsync_lang.coverage.page")})
+    own = PackageLoader("lipsync_lang.build", "report_templates")
+    environment = Environment(
+        autoescape=True,
+        extensions=[TightLayout],
+        loader=ChoiceLoader([own, coverage]),
+        undefined=StrictUndefined,
+    )
+    environment.filters["commas"] = "{:,}".format
+    environment.filters["figure"] = _number
+    environment.filters["share"] = lambda part, whole: f"{100 * part / (whole or 1):.1f}{NBSP}%"
+    environment.globals |= {"count": count, "HEIGHT": HEIGHT, "WIDTH": 10 * BINS}
+    environment.globals["MAX_TIMES"] = MAX_TIMES
+    return environment
+
+
+def _number(value: float) -> str:
+    """Write a figure with three digits, thousands in full: `0.0514`, `13`, `22,700`."""
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"  # noqa: PLR2004
+
+
+def _file(name: str) -> str:
+    return (files("lipsync_lang.build") / "report_templates" / name).read_text("utf-8")
