@@ -4,37 +4,72 @@
 a schedule with the sound, for performance like any other schedule.
 """
 
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from itertools import zip_longest
 from pathlib import Path
+from typing import TYPE_CHECKING, overload
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.in_turn import each, in_turn, raised, refused, tried
 from lipsync_lang.speech.speaking import Speaker, with_emphasis
 
+if TYPE_CHECKING:
+    from lipsync_lang.speech.recognise.recognisers import Recogniser
 
-def align(
-    audio: str | Path | Audio,
+Recording = str | Path | Audio
+"""A sound, or a file of it."""
+
+
+@overload
+def align(  # type: ignore[overload-overlap]  # a str comes first, though iterable too
+    audio: Recording,
     text: str,
     language: str | Path,
     *,
     aligner: str | None = None,
     paths: Paths = (),
-) -> Schedule:
+) -> Schedule: ...
+@overload
+def align(
+    audio: Iterable[Recording],
+    text: Iterable[str],
+    language: str | Path,
+    *,
+    aligner: str | None = None,
+    paths: Paths = (),
+) -> Iterator[Schedule]: ...
+def align(
+    audio: Recording | Iterable[Recording],
+    text: str | Iterable[str],
+    language: str | Path,
+    *,
+    aligner: str | None = None,
+    paths: Paths = (),
+) -> Schedule | Iterator[Schedule]:
     """Find when each phoneme of a text is said in a recording of it.
 
     Parameters
     ----------
-    audio : the recording, or a file of it
-    text : what is said in it
+    audio : the recording, or a file of it; or several
+    text : what is said in it; or what is said in each
     language : a language pack's name, tag or file
     aligner : another aligner than the pack's
     paths : a folder to search for packs before all others, or several
 
+    Returns
+    -------
+    A schedule; of several recordings an iterator, which reads one recording at a time, and may take
+    up to 500 texts ahead
+
     Raises
     ------
     SpeechError
-        The recording cannot be read, or nothing of the text fits it.
+        A recording cannot be read, nothing of the text fits it, or there are more recordings than
+        texts.
 
     Examples
     --------
@@ -42,24 +77,59 @@ def align(
     >>> [word.text for word in ll.align(spoken.audio, "Please buy five maps", "english").words]
     ['Please', 'buy', 'five', 'maps']
     """
-    return aligned(Speaker.of(language, paths), audio, text, aligner=aligner)
+    speaker = Speaker.of(language, paths)
+    if isinstance(audio, Recording):
+        if not isinstance(text, str):
+            raise SpeechError("`audio` is one recording, so `text` is one, too: a string")
+        return aligned(speaker, audio, text, aligner=aligner)
+    if isinstance(text, str):
+        raise SpeechError("`audio` is several recordings, so `text` is a list of as many")
+    return map(raised, align_many(speaker, _paired(audio, text), aligner=aligner))
 
 
-def recognise(
-    audio: str | Path | Audio,
+def _paired(audio: Iterable[Recording], texts: Iterable[str]) -> Iterator[tuple[Recording, str]]:
+    for one, text in zip_longest(audio, texts):
+        if one is None or text is None:
+            more = "texts than recordings" if one is None else "recordings than texts"
+            raise SpeechError(f"there are more {more}; give one text for each recording")
+        yield one, text
+
+
+@overload
+def recognise(  # type: ignore[overload-overlap]  # as above
+    audio: Recording,
     language: str | Path,
     *,
     recogniser: str | None = None,
     paths: Paths = (),
-) -> Schedule:
+) -> Schedule: ...
+@overload
+def recognise(
+    audio: Iterable[Recording],
+    language: str | Path,
+    *,
+    recogniser: str | None = None,
+    paths: Paths = (),
+) -> Iterator[Schedule]: ...
+def recognise(
+    audio: Recording | Iterable[Recording],
+    language: str | Path,
+    *,
+    recogniser: str | None = None,
+    paths: Paths = (),
+) -> Schedule | Iterator[Schedule]:
     """Find the words of a recording and their times.
 
     Parameters
     ----------
-    audio : the recording, or a file of it
+    audio : the recording, or a file of it; or several
     language : a language pack's name, tag or file
     recogniser : another recogniser than the pack's
     paths : a folder to search for packs before all others, or several
+
+    Returns
+    -------
+    A schedule; of several recordings an iterator, which reads one at a time
 
     Raises
     ------
@@ -72,42 +142,98 @@ def recognise(
     >>> ll.recognise(spoken.audio, "english").recognised
     True
     """
-    return recognised(Speaker.of(language, paths), audio, recogniser=recogniser)
+    speaker = Speaker.of(language, paths)
+    if isinstance(audio, Recording):
+        return recognised(speaker, audio, recogniser=recogniser)
+    return map(raised, recognise_many(speaker, audio, recogniser=recogniser))
 
 
 def aligned(
-    speaker: Speaker, audio: str | Path | Audio, text: str, *, aligner: str | None = None
+    speaker: Speaker, audio: Recording, text: str, *, aligner: str | None = None
 ) -> Schedule:
     """Align as `align` does, with a prepared language."""
-    from lipsync_lang.speech.align.aligners import ALIGNERS
+    (found,) = align_many(speaker, [(audio, text)], aligner=aligner)
+    return raised(found)
+
+
+def align_many(
+    speaker: Speaker, recordings: Iterable[tuple[Recording, str]], *, aligner: str | None = None
+) -> Iterator[Schedule | SpeechError]:
+    """Align each recording with its text, as `align` does, with a prepared language.
+
+    Models load once in a process. Sound is read when its turn comes.
+
+    Yields
+    ------
+    For each pair, in order, its schedule, or the error that `align` raises
+    """
+    from lipsync_lang.speech.align.aligners import ALIGNERS, BatchAligner
 
     stated = speaker.manner.audio
     name = aligner or stated.align
-    chosen = ALIGNERS.find(name, SpeechError)
+    try:
+        chosen = ALIGNERS.find(name, SpeechError)
+    except SpeechError as error:
+        return refused(recordings, error)
     model = stated.model if name == stated.align else None
-    marked = emphasised(text)
-    return with_emphasis(marked, chosen.align(_sound(audio), marked.text, speaker, model))
+
+    def align_one(pair: tuple[Callable[[], Audio], str]) -> Schedule:
+        return chosen.align(pair[0](), pair[1], speaker, model)
+
+    def act(pairs: Iterator[tuple[Callable[[], Audio], str]]) -> Iterable[Schedule | SpeechError]:
+        if isinstance(chosen, BatchAligner):
+            return chosen.align_many(pairs, speaker, model)
+        return map(tried(align_one), pairs)
+
+    marked = ((partial(_sound, audio), emphasised(text)) for audio, text in recordings)
+    found = in_turn(marked, lambda good: act((sound, one.text) for sound, one in good))
+    return each(found, lambda pair: with_emphasis(pair[0][1], pair[1]))
 
 
-def recognised(
-    speaker: Speaker, audio: str | Path | Audio, *, recogniser: str | None = None
-) -> Schedule:
+def recognised(speaker: Speaker, audio: Recording, *, recogniser: str | None = None) -> Schedule:
     """Recognise as `recognise` does, with a prepared language."""
+    (found,) = recognise_many(speaker, [audio], recogniser=recogniser)
+    return raised(found)
+
+
+def recognise_many(
+    speaker: Speaker, recordings: Iterable[Recording], *, recogniser: str | None = None
+) -> Iterator[Schedule | SpeechError]:
+    """Recognise each recording, as `recognise` does, with a prepared language.
+
+    Models load once in a thread. Sound is read when its turn comes.
+
+    Yields
+    ------
+    For each recording, in order, its schedule, or the error that `recognise` raises
+    """
+    try:
+        chosen, model = _recogniser(speaker, recogniser)
+    except SpeechError as error:
+        return refused(recordings, error)
+
+    def recognise_one(audio: Recording) -> Schedule:
+        return chosen.recognise(_sound(audio), speaker, model)
+
+    return map(tried(recognise_one), recordings)
+
+
+def _recogniser(speaker: Speaker, name: str | None) -> "tuple[Recogniser, str | None]":
+    """Return the language's recogniser, or another by name, and its model."""
     from lipsync_lang.speech.recognise.recognisers import RECOGNISERS
 
     stated = speaker.manner.audio
-    name = recogniser or stated.recognise
+    name = name or stated.recognise
     if name is None:
         raise SpeechError(
             f"{speaker.manner.language} has no recogniser: give the text that is said as well, or "
             "name a recogniser in its pack (`audio: {recognise: ...}`)"
         )
-    chosen = RECOGNISERS.find(name, SpeechError)
     model = stated.model if name == stated.recognise else None
-    return chosen.recognise(_sound(audio), speaker, model)
+    return RECOGNISERS.find(name, SpeechError), model
 
 
-def _sound(audio: str | Path | Audio) -> Audio:
+def _sound(audio: Recording) -> Audio:
     from lipsync_lang.speech.sound import read_audio
 
     return audio if isinstance(audio, Audio) else read_audio(audio)

@@ -5,6 +5,7 @@ Batches of lines go on past a line that fails: a `SpeechError` takes the place o
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from typing import TypeVar
 
 from lipsync_lang.errors import SpeechError
@@ -35,6 +36,13 @@ def raised(result: R | SpeechError) -> R:
 def refused(items: Iterable[object], error: SpeechError) -> Iterator[SpeechError]:
     """Yield an error for each item."""
     return (error for _ in items)
+
+
+def batches(items: Iterable[T], size: int) -> Iterator[list[T]]:
+    """Yield items in lists of a size; the last may be shorter."""
+    source = iter(items)
+    while batch := list(islice(source, size)):
+        yield batch
 
 
 def in_turn(

@@ -9,7 +9,7 @@ class.
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import islice, zip_longest
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
@@ -22,7 +22,7 @@ from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
-from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
+from lipsync_lang.speech.in_turn import batches, each, in_turn, raised, refused
 
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import NearestPhonemes
@@ -110,6 +110,12 @@ class Speaker:
         near = among(library, pack) if pack.model.automatic else None
         return cls(manner_of(pack, common), notations_of(library, pack), near)
 
+    def remembering(self) -> "Speaker":
+        """Return a copy that reads no text twice."""
+        made = Speaker(self.manner, self.notations, self.near, {})
+        made.__dict__.update({k: v for k, v in self.__dict__.items() if k == "_engine"})
+        return made
+
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
         """Convert texts to phonemes, one after the other; marks of emphasis are left out.
 
@@ -118,16 +124,16 @@ class Speaker:
         SpeechError
             The pack has no G2P settings, or its engine failed.
         """
-        return map(raised, self._transcripts(emphasised(text).text for text in texts))
+        return map(raised, self.transcribe_many(texts))
 
-    def _transcripts(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
+    def transcribe_many(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
         """Yield for each text its transcript, or the error of its reading."""
-        return each(in_turn(texts, self._read), lambda pair: self._transcript(*pair))
+        plain = (emphasised(text).text for text in texts)
+        return each(in_turn(plain, self._read), lambda pair: self._transcript(*pair))
 
     def _read(self, texts: Iterable[str]) -> Iterator[tuple[Said, ...] | SpeechError]:
         """Yield the words of each text; many texts are read at once, and a repeated one once."""
-        source = iter(texts)
-        while batch := list(islice(source, BATCH_TEXTS)):
+        for batch in batches(texts, BATCH_TEXTS):
             known = {} if self.read is None else self.read
             new = [text for text in dict.fromkeys(batch) if text not in known]
             found = dict(zip(new, self._read_anew(new), strict=True)) if new else {}
@@ -327,7 +333,7 @@ class Speaker:
         say = partial(speak_many, voice=voice, engine=name, words_per_minute=words_per_minute)
         if manner.direct or manner.voice is None or name != manner.voice[0]:
             return each(say(texts), partial(replace, language=manner.language))
-        spoken = in_turn(self._transcripts(texts), lambda good: say(map(_spelling, good)))
+        spoken = in_turn(self.transcribe_many(texts), lambda good: say(map(_spelling, good)))
         return each(spoken, lambda pair: join(*pair, manner, self.notations))
 
     def _voice(self, engine: str | None) -> tuple[str, str]:
@@ -360,7 +366,7 @@ class Speaker:
             )
             return refused(texts, error)
         return each(
-            self._transcripts(texts),
+            self.transcribe_many(texts),
             lambda read: estimate(read, manner, self.notations[manner.notation]),
         )
 

@@ -1,11 +1,12 @@
 """Registry and interface of aligners."""
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
 
 from lipsync_lang.extensions import Extensions
 
 if TYPE_CHECKING:
+    from lipsync_lang.errors import SpeechError
     from lipsync_lang.schedules.schedule import Audio, Schedule
     from lipsync_lang.speech.speaking import Speaker
 
@@ -19,6 +20,23 @@ class Aligner(Protocol):
         """Return the phoneme times of a text, from 0 s to the end of the sound, with words.
 
         The schedule has the sound, a confidence, and remarks on mismatches of text and sound.
+        """
+        ...
+
+
+@runtime_checkable
+class BatchAligner(Protocol):
+    """Interface of an aligner that aligns many texts at less cost than one by one."""
+
+    def align_many(
+        self,
+        recordings: "Iterable[tuple[Callable[[], Audio], str]]",
+        speaker: "Speaker",
+        model: str | None = None,
+    ) -> "Iterable[Schedule | SpeechError]":
+        """Return for each text, in order, the schedule of `align`, or the error that it raises.
+
+        Texts may be taken ahead; each recording comes as a function that reads it.
         """
         ...
 

@@ -4,6 +4,8 @@ Each word has pronunciation variants from the dictionary and from the language's
 package selects the most likely variant and its times.
 """
 
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import SpeechError
@@ -11,7 +13,9 @@ from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.in_turn import batches, each, raised, refused, tried
 from lipsync_lang.speech.joining import stress_read
+from lipsync_lang.speech.speaking import BATCH_TEXTS
 from lipsync_lang.speech.sphinx.features import features
 from lipsync_lang.speech.sphinx.folder import Models, find_models
 from lipsync_lang.speech.sphinx.forced import lay
@@ -21,7 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lipsync_lang.phonology.g2p.g2p_engines import Said
-    from lipsync_lang.speech.speaking import Speaker
+    from lipsync_lang.speech.speaking import Speaker, Transcript
 
 NOTHING = 0.12
 """Confidence limit of rejection, at the level of a chance match."""
@@ -51,9 +55,39 @@ class PocketsphinxAligner:
         SpeechError
             The model is unknown, the text is empty, or the text does not fit the sound.
         """
-        models = find_models(model)
-        (transcript,) = speaker.transcribe([text])
-        sayings = _Reader(models, speaker).sayings(transcript.words)
+        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
+        return raised(found)
+
+    def align_many(
+        self,
+        recordings: Iterable[tuple[Callable[[], Audio], str]],
+        speaker: "Speaker",
+        model: str | None = None,
+    ) -> Iterator[Schedule | SpeechError]:
+        """Align as `align` does, with many texts read at once."""
+        models = tried(find_models)(model)
+        if isinstance(models, SpeechError):
+            yield from refused(recordings, models)
+            return
+        for batch in batches(recordings, BATCH_TEXTS):
+            yield from self._batch(batch, _Reader(models, speaker.remembering()))
+
+    def _batch(
+        self, batch: "Sequence[tuple[Callable[[], Audio], str]]", reader: "_Reader"
+    ) -> Iterator[Schedule | SpeechError]:
+        """Read all texts of a batch, then align one after the other."""
+        read = list(reader.speaker.transcribe_many(text for _, text in batch))
+        reader.read_apart(one for one in read if not isinstance(one, SpeechError))
+        pairs = (
+            one if isinstance(one, SpeechError) else (sound, one)
+            for (sound, _), one in zip(batch, read, strict=True)
+        )
+        yield from each(pairs, lambda pair: self._aligned(pair[0](), pair[1], reader))
+
+    def _aligned(self, audio: Audio, transcript: "Transcript", reader: "_Reader") -> Schedule:
+        """Align a text that is read."""
+        models, speaker, text = reader.models, reader.speaker, transcript.text
+        sayings = reader.sayings(transcript.words)
         if not sayings:
             raise SpeechError(f"'{text[:60]}' has no words to align; give what is said")
         heard = lay(models.model, features(prepared(audio)), [saying.ways for saying in sayings])
@@ -106,10 +140,15 @@ class _Reader:
             }
         )
 
+    def read_apart(self, transcripts: "Iterable[Transcript]") -> None:
+        """Read the parts of all words that the G2P joined, at once."""
+        words = [said for one in transcripts for said in one.words]
+        deque(self.speaker.transcribe_many(sorted(_parts(_joined(words)))), maxlen=0)
+
     def sayings(self, words: "Sequence[Said]") -> list[Saying]:
         """Return words with their pronunciation variants, split where the G2P joined them."""
-        together = {said.text for said in words if said.labels and len(said.text.split()) > 1}
-        parts = sorted({part for text in together for part in text.split()})
+        together = _joined(words)
+        parts = sorted(_parts(together))
         read = dict(zip(parts, self.speaker.transcribe(parts), strict=True)) if parts else {}
         apart = [
             one
@@ -138,3 +177,12 @@ class _Reader:
             common = self.labels.find(label) or ()
             found = tuple((self.alike.get(((name, 1.0),), ""), 1.0) for name, _ in common)
         return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
+
+
+def _joined(words: "Iterable[Said]") -> set[str]:
+    """Return the texts of words that the G2P joined."""
+    return {said.text for said in words if said.labels and len(said.text.split()) > 1}
+
+
+def _parts(joined: Iterable[str]) -> set[str]:
+    return {part for text in joined for part in text.split()}

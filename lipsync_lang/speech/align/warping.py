@@ -5,6 +5,7 @@ time of each phoneme; dynamic time warping (Sakoe and Chiba 1978) maps these tim
 Pauses come from the recording.
 """
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple, Self
 
@@ -24,6 +25,7 @@ from lipsync_lang.speech.align.spectrum import (
     mel_power,
     samples_of,
 )
+from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
@@ -75,12 +77,11 @@ class SpokenVoice(NamedTuple):
     schedule: Schedule
 
     @classmethod
-    def of(cls, speaker: "Speaker", text: str) -> Self:
-        """Synthesise a text with the language's voice."""
-        said = speaker.speak(text)
+    def of(cls, said: Schedule) -> Self:
+        """Take what the language's voice says."""
         if said.audio is None:
             raise SpeechError(
-                f"{speaker.manner.language} has no voice to compare the recording with; give its "
+                f"{said.language} has no voice to compare the recording with; give its "
                 "pack a `tts`, or align with another program and give its file (`schedule`)"
             )
         kept = [n for n, label in enumerate(said.labels) if label != SILENCE]
@@ -139,12 +140,29 @@ class Warp:
         SpeechError
             The language has no voice, the text is empty, or the recording is too short for it.
         """
+        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
+        return raised(found)
+
+    def align_many(
+        self,
+        recordings: Iterable[tuple[Callable[[], Audio], str]],
+        speaker: "Speaker",
+        model: str | None = None,
+    ) -> Iterator[Schedule | SpeechError]:
+        """Align as `align` does, with all texts spoken by one process."""
         if model is not None:
-            raise SpeechError(
+            error = SpeechError(
                 f"warping needs no model, but '{model}' is given: leave it out, or choose another "
                 "aligner"
             )
-        voice = SpokenVoice.of(speaker, text)
+            return refused(recordings, error)
+        said = in_turn(recordings, lambda good: speaker.speak_many(text for _, text in good))
+        return each(said, lambda pair: self._warped(pair[0][0](), pair[1]))
+
+    @staticmethod
+    def _warped(audio: Audio, said: Schedule) -> Schedule:
+        """Lay what the voice says on the recording."""
+        voice = SpokenVoice.of(said)
         heard = listen(samples_of(audio))
         kept = _speech(heard.spoken)
         if len(kept) * HOP < len(voice.labels) * SHORTEST:
@@ -158,7 +176,7 @@ class Warp:
         confidence = _confidence(fit, lasts, voice.ends - voice.starts)
         doubt = (
             f"the recording and the text hardly agree (confidence {confidence:.2f}); "
-            f"is it this text that is said, and in {speaker.manner.language}?"
+            f"is it this text that is said, and in {said.language}?"
         )
         return replace(
             voice.schedule,

@@ -5,6 +5,7 @@ like a given text.
 """
 
 from collections.abc import Iterator, Sequence
+from threading import local
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +26,9 @@ SHORTEST, LONGEST = 10 * RATE, 20 * RATE
 
 QUIET = 20
 """Window of the loudness measure in frames."""
+
+threads = local()
+"""Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
 
 SHOWN = 200
 """Maximum length in characters of recognised text in a remark."""
@@ -87,14 +91,19 @@ def parts(sound: Floats) -> Iterator[tuple[int, int]]:
 
 
 def _decoder(models: Models) -> Any:
+    """Return this thread's decoder of a model, which is loaded once, as good as new."""
     from pocketsphinx import Decoder
 
-    return Decoder(
-        hmm=str(models.acoustic),
-        dict=str(models.dictionary),
-        lm=str(models.words),
-        loglevel="FATAL",
-    )
+    loaded: dict[Models, Any] = threads.__dict__.setdefault("loaded", {})
+    if models not in loaded:
+        loaded[models] = Decoder(
+            hmm=str(models.acoustic),
+            dict=str(models.dictionary),
+            lm=str(models.words),
+            loglevel="FATAL",
+        )
+    loaded[models].reinit_feat()
+    return loaded[models]
 
 
 def _segments(decoder: Any, sound: Floats) -> list[tuple[str, int]]:

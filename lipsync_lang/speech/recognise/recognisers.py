@@ -16,7 +16,8 @@ class Recogniser(Protocol):
     def recognise(self, audio: "Audio", speaker: "Speaker", model: str | None = None) -> "Schedule":
         """Return the recognised phonemes, from 0 s to the end of the sound, with any words.
 
-        The schedule has the sound and a confidence, and is marked as recognised.
+        The schedule has the sound and a confidence, and is marked as recognised. Threads may call
+        this at once; what is slow to load is to be kept for the next recording.
         """
         ...
 
