@@ -154,7 +154,7 @@ def needs(page):
     """The packages a page's steps need beyond the bare installation."""
     done = "\n".join(text for language, _, text in steps(page) if language in ("console", "python"))
     found = set()
-    if re.search(r"lipsync-lang (run|explain) ['\"\w]", done) or "ll.speak(" in done:
+    if re.search(r"lipsync-lang (run|explain|live) ['\"\w]", done) or "ll.speak(" in done:
         found.add("espeakng_loader")
     if re.search(r"lipsync-lang (transcribe|languages new) ", done):
         found |= {"espeakng_loader", "phonemizer"}
@@ -162,6 +162,8 @@ def needs(page):
         found.add("matplotlib")
     if re.search(r"-o \S+\.(mp4|webm|png)\b", done):
         found |= {"imageio_ffmpeg", "PIL"}
+    if "--to vmc" in done:
+        found.add("pythonosc")
     if "epitran" in done:
         found.add("epitran")
     return sorted(found)

@@ -35,7 +35,7 @@ FLOORS = (
     {"animations", "resolver"},
     {"speech"},
     {"performing"},
-    {"coverage", "quality", "render"},
+    {"coverage", "live", "quality", "render"},
     {"authoring"},
     {"build", "studio"},
     {"commands"},

@@ -5,7 +5,7 @@ after an empty line, the rotations of head and eyes. Speech leaves rotations at 
 shapes by the name rules of `rigs/shape_matching.py`, so spelling variants are accepted.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
+from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import some
 from lipsync_lang.rigs.shape_matching import places
 
@@ -47,18 +48,32 @@ def laid_out(animation: Animation, held: FormatNames, program: str) -> Floats:
         No column matches a shape of the format.
     """
     table = np.zeros((len(animation.times), len(held.shapes) + len(held.turns)))
-    found = places(animation.columns, held.shapes)
-    if not found:
-        raise OutputError(
-            f"{program} holds ARKit's shapes alone ({', '.join(held.shapes[:2])}, ...), and here "
-            f"are {some(animation.poses)}; perform on a character whose poses, or whose rig's "
-            "channels, have those names"
-        )
+    found = shapes_held(animation.columns, held, program)
     for column, shapes in found.items():
         for shape in shapes:
             number = held.shapes.index(shape)
             table[:, number] = np.maximum(table[:, number], animation.weights[:, column])
     return table.clip(0.0, 1.0)
+
+
+def shapes_held(
+    columns: Sequence[Channel], held: FormatNames, program: str
+) -> dict[int, list[str]]:
+    """Return the shapes of a format that each column moves, by the column's number.
+
+    Raises
+    ------
+    OutputError
+        No column matches a shape of the format.
+    """
+    found = places(columns, held.shapes)
+    if not found:
+        raise OutputError(
+            f"{program} holds ARKit's shapes alone ({', '.join(held.shapes[:2])}, ...), and here "
+            f"are {some([one.name for one in columns])}; perform on a character whose poses, or "
+            "whose rig's channels, have those names"
+        )
+    return found
 
 
 def doubts(animation: Animation, held: FormatNames, program: str) -> Iterator[str]:

@@ -9,6 +9,7 @@ from lipsync_lang.commands import (
     build,
     coverage,
     listing,
+    live,
     packs,
     performing,
     stills,
@@ -23,6 +24,7 @@ from lipsync_lang.commands.shared_options import (
     add_json,
     add_json_form,
     add_line,
+    add_manner,
     add_motion,
     add_pair,
     add_path,
@@ -68,6 +70,7 @@ def parser() -> argparse.ArgumentParser:
     _add_transcribe(add)
     _add_explain(add)
     _add_stills(add)
+    _add_live(add)
     _add_studio(add)
     _add_checking(add)
     _add_coverage(add)
@@ -103,6 +106,31 @@ def _add_run(add: Add) -> None:
     )
     add_line(run_)
     _add_written(run_.add_argument_group("what is written"))
+
+
+def _add_live(add: Add) -> None:
+    live_ = add(
+        "live",
+        live.live,
+        "speak typed sentences, and send their frames to an engine in real time",
+        "live 'Hello, world' -l english -c facefx --to vmc:127.0.0.1:39539",
+    )
+    live_.add_argument("text", metavar="TEXT", nargs="?", help="what to say [lines as they come]")
+    add_pair(live_)
+    live_.add_argument(
+        "--to", metavar="RECEIVER", action="append", default=[],
+        help="livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
+        "WebSockets), or - for lines of JSON; may be repeated [-]",
+    )  # fmt: skip
+    live_.add_argument("--tts", metavar="ENGINE", help="another speech engine; none is silent")
+    live_.add_argument(
+        "--subject", metavar="NAME", default="lipsync", help="the Live Link subject [lipsync]"
+    )
+    live_.add_argument(
+        "--rename", metavar="POSE=NAME", action="append", default=[],
+        help="send a pose to vmc under another name; may be repeated",
+    )  # fmt: skip
+    add_manner(live_)
 
 
 def _add_studio(add: Add) -> None:

@@ -151,15 +151,15 @@ def perform_line(options: Namespace, performer: "Performer", schedule: "Schedule
         schedule,
         fps=options.fps,
         line=options.line,
-        styles=_levels("--style", options.styles),
-        dials=_levels("--dial", options.dials),
+        styles=levels("--style", options.styles),
+        dials=levels("--dial", options.dials),
         intensity=options.intensity,
     )
 
 
-def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
+def levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
     """Parse ``angry:0.5`` (constant level) or ``angry:0@1,1@2.5`` (level at seconds)."""
-    levels: dict[str, Points | float] = {}
+    found: dict[str, Points | float] = {}
     for one in stated:
         name, _, level = one.partition(":")
         try:
@@ -170,8 +170,8 @@ def _levels(option: str, stated: list[str]) -> "dict[str, Points | float]":
                 f"{option} {one}: write NAME:NUMBER ({option} {name or 'NAME'}:0.5) or "
                 f"NAME:NUMBER@SECONDS,... ({option} {name or 'NAME'}:0@1,1@2.5)"
             ) from None
-        levels[name] = points[0][1] if len(points) == 1 else points
-    return levels
+        found[name] = points[0][1] if len(points) == 1 else points
+    return found
 
 
 def performer_for(options: Namespace, character: str | None = None) -> "Performer":

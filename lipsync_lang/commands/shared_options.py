@@ -96,6 +96,16 @@ def _add_said(said: Options) -> None:
 
 def _add_delivery(how: Options) -> None:
     """Add the options that change the performance of a line."""
+    add_manner(how)
+    how.add_argument(
+        "--intensity", metavar="X", type=float, default=None,
+        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 "
+        "[1 where there is sound]",
+    )  # fmt: skip
+
+
+def add_manner(how: Options) -> None:
+    """Add the options of delivery that need no whole line."""
     how.add_argument(
         "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
         help="blend a style in: --style angry:0.5, or over seconds --style angry:0@1,1@2.5",
@@ -103,11 +113,6 @@ def _add_delivery(how: Options) -> None:
     how.add_argument(
         "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
         help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
-    )  # fmt: skip
-    how.add_argument(
-        "--intensity", metavar="X", type=float, default=None,
-        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 "
-        "[1 where there is sound]",
     )  # fmt: skip
     add_motion(how)
     how.add_argument(

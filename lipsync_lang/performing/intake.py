@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -120,10 +120,14 @@ class Intake:
 
 def second(here: str, value: object) -> float:
     """Return a time as a float; refuse what is none."""
-    number = isinstance(value, (int, float, np.integer, np.floating))
-    if not number or isinstance(value, bool) or not isfinite(value):  # type: ignore[arg-type]
+    is_number = isinstance(value, (int, float, np.integer, np.floating))
+    try:
+        number = float(value) if is_number and not isinstance(value, bool) else nan  # type: ignore[arg-type]
+    except OverflowError:
+        number = nan
+    if not isfinite(number):
         raise ScheduleError(f"{here}: {value!r} is not a time; times are finite numbers of seconds")
-    return float(value)  # type: ignore[arg-type]
+    return number
 
 
 def refuse_jump(here: str, start: float, end: float) -> None:

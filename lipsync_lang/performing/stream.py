@@ -119,6 +119,22 @@ class Stream:
         return sum(self.delays.values())
 
     @property
+    def start(self) -> float | None:
+        """Seconds of the first frame, before the first sound; None while it is not known."""
+        return self._frames.seconds(self._heard, 0) if self.final else None
+
+    @property
+    def given(self) -> int:
+        """Number of frames that were returned."""
+        return self._given
+
+    @property
+    def final_until(self) -> float | None:
+        """Seconds of the last final frame; None while there is none."""
+        final = self.final
+        return self._frames.seconds(self._heard, final - 1) if final else None
+
+    @property
     def known(self) -> float | None:
         """Seconds until which everything is known; None before the first phoneme."""
         return self._heard.until if self._heard.labels else None
@@ -254,13 +270,14 @@ class Stream:
         ----------
         until : seconds; later frames come with a later call. None for all of them
         """
-        begin, stop, heard, frames = self._given, self.final, self._heard, self._frames
+        begin, heard, frames = self._given, self._heard, self._frames
+        stop = final = self.final
         if until is not None:
-            stop = min(stop, max(self._shown(second("until", until)), begin))
+            stop = min(final, max(self._shown(second("until", until)), begin))
         parts = [self._made]
         at = begin + len(self._made)
         while at < stop:
-            parts.append(frames.weights(heard, at, min(at + BLOCK, self.final)))
+            parts.append(frames.weights(heard, at, min(at + BLOCK, final)))
             at += len(parts[-1])
         made = parts[0] if len(parts) == 1 else np.concatenate(parts)
         if stop > begin:

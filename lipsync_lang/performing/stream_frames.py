@@ -92,9 +92,10 @@ class StreamFrames:
         low, high = self.needed(begin), stop + self.ahead.ahead
         if self.count is not None:
             high = min(high, self.count)
-        # a frame more on a side keeps the stages from bringing the mouth to rest there
-        more, end = bool(low), high != self.count
-        frames = self.laid(heard, low - more, high + end)
+        # more frames where the line goes on, for the stages bring the mouth to rest at both ends
+        more = self.ahead.ramp if low else 0
+        beyond = self.ahead.ramp if high != self.count else 0
+        frames = self.laid(heard, low - more, high + beyond)
         times = self.seconds(heard, low), self.seconds(heard, high)
         ids, bounds = heard.between(*times)
         source = np.arange(len(ids))
@@ -109,8 +110,8 @@ class StreamFrames:
             dials=(*self.dials, *self._effort(heard)),
             frames=frames,
         )
-        curves = performance.last(int(more), frames.count - end)
-        return np.ascontiguousarray(curves[:, begin - low : stop - low].T)
+        first = begin - low + more
+        return performance.weights()[first : first + stop - begin]
 
     def _effort(self, heard: Heard) -> tuple[Dial, ...]:
         """Return the dials of stress and emphasis around a window."""

@@ -1,0 +1,124 @@
+"""The command that animates a character live."""
+
+import os
+import sys
+from argparse import Namespace
+from collections.abc import Iterator, Mapping
+from threading import Thread
+from typing import TYPE_CHECKING, Any, TextIO
+
+from lipsync_lang.commands.output import SOUND
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.signals import Terminated
+
+if TYPE_CHECKING:
+    from lipsync_lang.live.live_player import LivePlayer
+    from lipsync_lang.live.outlets import Outlet
+    from lipsync_lang.live.text_speaker import TextSpeaker
+
+MAX_LINE_BYTES = 64 * 1024
+"""Bytes of a line of standard input; a longer one is parted."""
+
+
+def live(options: Namespace) -> int:
+    """Speak texts as they come, and send their frames in real time, until they end."""
+    from lipsync_lang.commands.performing import levels, performer_for
+    from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
+    from lipsync_lang.live.live_player import LivePlayer
+    from lipsync_lang.live.outlets import outlet, refuse_unknown
+    from lipsync_lang.live.text_speaker import TextSpeaker
+    from lipsync_lang.live.web_socket import Session
+
+    addresses = [parse_address(one) for one in dict.fromkeys(options.to or [STANDARD_OUTPUT])]
+    performer, fps = performer_for(options), options.fps
+    renamed = _renamed(options.rename)
+    refuse_unknown(renamed, performer.poses)
+    how: dict[str, Any] = {
+        "styles": levels("--style", options.styles),
+        "dials": levels("--dial", options.dials),
+    }
+    delay = performer.stream(fps, **how).delay  # settings that cannot stream are refused here
+    outlets: list[Outlet] = []
+    player = LivePlayer(performer, fps, outlets, how)
+    speaker = TextSpeaker(
+        lambda text: performer.speaker.speak(text, engine=options.tts), player.say, _complain
+    )
+    greeting = {"poses": performer.poses, "fps": fps, "delay": round(delay, 4)}
+    session = Session(
+        greeting, speaker.say, lambda notation: performer.stream(fps, notation=notation, **how)
+    )
+    try:
+        for address in addresses:
+            subject = options.subject
+            outlets.append(
+                outlet(address, performer, fps, session, subject=subject, renamed=renamed)
+            )
+        for one in outlets:
+            one.tell(greeting)
+        serving = any(address.kind == "ws" for address in addresses)
+        _play(options.text, player, speaker, serving=serving)
+    finally:
+        for one in outlets:
+            one.close()
+    return SOUND
+
+
+def _play(text: str | None, player: "LivePlayer", speaker: "TextSpeaker", *, serving: bool) -> None:
+    """Perform what comes until it ends, or until the user ends it; the mouth is at rest then."""
+    reading: Thread | None = None
+    if text is not None:
+        speaker.say(text)
+    else:
+        print("type what to say, line by line; end with Ctrl-C", file=sys.stderr)
+        reading = Thread(target=_read, args=(speaker,), daemon=True)
+        reading.start()
+
+    def more() -> bool:
+        return serving or speaker.busy or (reading is not None and reading.is_alive())
+
+    try:
+        player.run(more)
+    except KeyboardInterrupt:  # the usual end
+        player.rest()
+    except Terminated:
+        player.rest()
+        raise
+
+
+def _read(speaker: "TextSpeaker") -> None:
+    """Say every line of standard input."""
+    for line in lines(sys.stdin):
+        try:
+            if line.strip():
+                speaker.say(line)
+        except LipsyncError as error:
+            _complain(str(error))
+
+
+def lines(stream: TextIO) -> Iterator[str]:
+    """Yield lines as they come; a thread that waits for one does not hold up the end."""
+    try:
+        number = stream.fileno()
+    except OSError:
+        yield from stream
+        return
+    rest = b""
+    while more := os.read(number, MAX_LINE_BYTES):
+        *whole, rest = (rest + more).split(b"\n")
+        if len(rest) > MAX_LINE_BYTES:
+            whole, rest = [*whole, rest], b""
+        yield from (line.decode("utf-8", "replace") for line in whole)
+    yield rest.decode("utf-8", "replace")
+
+
+def _renamed(stated: list[str]) -> Mapping[str, str]:
+    """Parse ``a=A``."""
+    found = dict(one.partition("=")[::2] for one in stated)
+    for name, other in found.items():
+        if not name or not other:
+            raise LipsyncError(f"--rename {name}: write POSE=NAME, such as --rename mouth_open=A")
+    return found
+
+
+def _complain(message: str) -> None:
+    print(f"lipsync-lang: {message}", file=sys.stderr, flush=True)

@@ -1,0 +1,59 @@
+"""Addresses of `live`: who receives the frames, and how."""
+
+from typing import NamedTuple
+
+from lipsync_lang.errors import LipsyncError, did_you_mean
+
+STANDARD_OUTPUT = "-"
+
+USUAL_PORTS = {"livelink": 11111, "vmc": 39539, "ws": 8765}
+"""Port by kind, where an address names none."""
+
+LOCAL = "127.0.0.1"
+
+MAX_PORT = 65535
+
+
+class LiveAddress(NamedTuple):
+    """A receiver of frames."""
+
+    kind: str
+    """A kind of `USUAL_PORTS`, or `STANDARD_OUTPUT`."""
+    host: str = ""
+    port: int = 0
+
+
+def parse_address(text: str) -> LiveAddress:
+    """Parse ``livelink:HOST:PORT``, ``vmc:HOST:PORT``, ``ws:HOST:PORT`` or ``-``.
+
+    Host and port may be left out: this machine, and the port that the receiver usually listens at.
+    An IPv6 address is in brackets.
+
+    >>> parse_address("vmc:192.168.1.20:39540")
+    LiveAddress(kind='vmc', host='192.168.1.20', port=39540)
+    >>> parse_address("livelink")
+    LiveAddress(kind='livelink', host='127.0.0.1', port=11111)
+    """
+    if text == STANDARD_OUTPUT:
+        return LiveAddress(text)
+    kind, _, rest = text.partition(":")
+    if kind not in USUAL_PORTS:
+        raise LipsyncError(
+            f"--to {text}: '{kind}' is no kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
+            "Write KIND:HOST:PORT, or - for standard output"
+        )
+    host, port = _parted(rest)
+    if port and not (port.isascii() and port.isdecimal() and 0 < int(port) <= MAX_PORT):
+        raise LipsyncError(f"--to {text}: '{port}' is no port; give a number from 1 to {MAX_PORT}")
+    return LiveAddress(kind, host or LOCAL, int(port) if port else USUAL_PORTS[kind])
+
+
+def _parted(rest: str) -> tuple[str, str]:
+    """Part a host from a port; a number alone is a port."""
+    if rest.startswith("["):
+        host, _, after = rest[1:].partition("]")
+        return host, after.removeprefix(":")
+    host, colon, port = rest.rpartition(":")
+    if not colon:
+        return ("", rest) if rest.isdecimal() else (rest, "")
+    return host, port

@@ -1,0 +1,125 @@
+"""Messages of the clients of a WebSocket: text to speak, or phonemes of their own.
+
+A message is a JSON object with one of these:
+
+- `text`: a text to speak for everybody, after those before it;
+- `phonemes`: rows of label, start and end in seconds (null while it lasts), `known_until`, `revise`
+  and `finish: true`, for a stream of the client's own. The answer holds its new final frames;
+  the next message after `finish` opens another stream.
+
+A message that cannot be read is answered by `error`; nothing else comes of it.
+"""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.live.live_frame import LiveFrame
+from lipsync_lang.live.outlets import as_row
+from lipsync_lang.performing.stream import Stream
+
+MAX_MESSAGE_BYTES = 64 * 1024
+"""Bytes of a message: some thousand phonemes, or a page of text."""
+
+MAX_ROWS = 2000
+"""Phonemes of a message."""
+
+MAX_OWN_SECONDS = 600.0
+"""Longest phoneme or pause of a client, so that a message cannot ask for an hour of frames."""
+
+FIELDS = ("text", "phonemes", "known_until", "revise", "finish", "notation")
+
+ROW = len(("label", "start", "end"))
+
+
+class Client:
+    """A client of a session.
+
+    Parameters
+    ----------
+    say : speaks a text for everybody; returns how many wait before it
+    open_stream : opens a stream in a notation, or in the language's own
+    """
+
+    def __init__(
+        self, say: Callable[[str], int], open_stream: Callable[[str | None], Stream]
+    ) -> None:
+        self.say, self.open_stream = say, open_stream
+        self.stream: Stream | None = None
+
+    def answer(self, message: str | bytes) -> dict[str, Any]:
+        """Do what a message asks; return the answer."""
+        try:
+            return self._answer(_read(message))
+        except LipsyncError as error:
+            return {"error": str(error)}
+
+    def _answer(self, asked: dict[str, Any]) -> dict[str, Any]:
+        unknown = [name for name in asked if name not in FIELDS]
+        if unknown or not asked:
+            raise LipsyncError(
+                f"a message has one of {', '.join(FIELDS)}"
+                + (f", not '{unknown[0][:40]}'" if unknown else "")
+            )
+        if "text" in asked:
+            text = asked["text"]
+            if not isinstance(text, str) or len(asked) > 1:
+                raise LipsyncError("`text` is a text, in a message of its own")
+            return {"waiting": self.say(text)}
+        if self.stream is None:
+            notation = asked.get("notation")
+            if notation is not None and not isinstance(notation, str):
+                raise LipsyncError("`notation` is the name of a notation")
+            self.stream = self.open_stream(notation)
+        return self._feed(self.stream, asked)
+
+    def _feed(self, stream: Stream, asked: dict[str, Any]) -> dict[str, Any]:
+        if "revise" in asked:
+            stream.revise(asked["revise"])
+        for row in _rows(asked.get("phonemes", [])):
+            _refuse_long(stream, row[2] if row[2] is not None else row[1])
+            stream.feed(*row)
+        if "known_until" in asked:
+            _refuse_long(stream, asked["known_until"])
+            stream.known_until(asked["known_until"])
+        if asked.get("finish"):
+            stream.finish()
+        final = stream.frames()
+        rows = map(LiveFrame, final.times.tolist(), final.weights)
+        answer = {"frames": [as_row(row) for row in rows], "known": stream.known}
+        if stream.finished:
+            self.stream = None
+        return answer
+
+
+def _read(message: str | bytes) -> dict[str, Any]:
+    """Read a message as JSON."""
+    try:
+        asked = json.loads(message)
+    except (ValueError, RecursionError):
+        raise LipsyncError('this is no JSON; send an object such as {"text": "Hello"}') from None
+    if not isinstance(asked, dict):
+        raise LipsyncError('send a JSON object such as {"text": "Hello"}')
+    return asked
+
+
+def _rows(rows: object) -> list[tuple[Any, Any, Any]]:
+    """Check the rows of phonemes; their times are checked where they are fed."""
+    if not isinstance(rows, list) or len(rows) > MAX_ROWS:
+        raise LipsyncError(f"`phonemes` are up to {MAX_ROWS} rows of label, start and end")
+    for row in rows:
+        if not isinstance(row, list) or len(row) != ROW:
+            raise LipsyncError(
+                '`phonemes` are rows of label, start and end, such as ["LABEL", 0.1, 0.25]'
+            )
+    return [(row[0], row[1], row[2]) for row in rows]
+
+
+def _refuse_long(stream: Stream, seconds: object) -> None:
+    known = stream.known
+    number = isinstance(seconds, (int, float)) and not isinstance(seconds, bool)
+    if known is not None and number and seconds - known > MAX_OWN_SECONDS:  # type: ignore[operator]
+        raise LipsyncError(
+            f"from {known:g} to {seconds:g} s is more than {MAX_OWN_SECONDS:g} s; times are seconds"
+        )

@@ -1,0 +1,155 @@
+"""Live player: utterances become frames in real time, by a clock.
+
+Times are seconds. One utterance follows the other. Frames are sent when they are due, late ones
+at once. An utterance that is there before the frames of the one before it run out goes on in
+the same stream; otherwise the mouth comes to rest in between.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from queue import Empty, SimpleQueue
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.live.live_frame import LiveFrame
+from lipsync_lang.performing.stream import Stream
+
+if TYPE_CHECKING:
+    from lipsync_lang.live.outlets import Outlet
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+IDLE_SECONDS = 0.5
+"""Seconds after which a mouth at rest is sent again, so that an engine knows it is there."""
+
+EASE_SECONDS = 0.2
+"""Seconds in which the mouth comes to rest where it is interrupted."""
+
+AHEAD_SECONDS = 1.0
+"""Seconds known ahead, beyond what the stages need, at which the next utterance is taken."""
+
+AHEAD_FRAMES = 2
+"""Frames that must be final ahead of the clock, or the stream comes to its end."""
+
+
+class LivePlayer:
+    """Performs schedules in the order in which they come.
+
+    Parameters
+    ----------
+    how : arguments of `Performer.stream`
+    clock, wait : for tests that need no real time
+    """
+
+    def __init__(  # noqa: PLR0913 who speaks, where to, and by which clock
+        self,
+        performer: "Performer",
+        fps: float,
+        outlets: "Sequence[Outlet]",
+        how: Mapping[str, Any] | None = None,
+        *,
+        clock: Callable[[], float] = monotonic,
+        wait: Callable[[float], None] = sleep,
+    ) -> None:
+        self.performer, self.fps, self.outlets = performer, fps, outlets
+        self.how, self.clock, self.wait = dict(how or {}), clock, wait
+        self.waiting: SimpleQueue[Schedule] = SimpleQueue()
+        self.stream: Stream | None = None
+        self.began = clock()
+        self.zero = 0.0
+        """Session time of the stream's own zero."""
+        self.last = LiveFrame(0.0, np.zeros(len(performer.poses)))
+
+    @property
+    def resting(self) -> bool:
+        """True while nothing is performed or waits."""
+        return self.stream is None and self.waiting.empty()
+
+    def say(self, schedule: "Schedule") -> int:
+        """Queue an utterance; return how many wait before it. Any thread may call this."""
+        before = self.waiting.qsize() + (self.stream is not None)
+        self.waiting.put(schedule)
+        return before
+
+    def run(self, more: Callable[[], bool]) -> None:
+        """Perform until nothing is left and no more is to come.
+
+        Parameters
+        ----------
+        more : returns True while utterances may still come
+        """
+        self._send(self.last._replace(seconds=self._now()))
+        tick = 0
+        while more() or not self.resting:
+            self._step()
+            tick = max(tick + 1, int(self._now() * self.fps) + 1)
+            self.wait(max(tick / self.fps - self._now(), 0.0))
+
+    def rest(self) -> None:
+        """Bring the mouth to rest, from wherever it is."""
+        self.stream = None
+        start = self.last
+        steps = max(1, round(EASE_SECONDS * self.fps)) if start.weights.any() else 0
+        for step in range(1, steps + 1):
+            share = 1 - step / steps
+            self._send(LiveFrame(start.seconds + step / self.fps, start.weights * share))
+            self.wait(1 / self.fps)
+
+    def _now(self) -> float:
+        return self.clock() - self.began
+
+    def _step(self) -> None:
+        """Send what is due."""
+        now = self._now()
+        self._take_in(now)
+        stream = self.stream
+        if stream is None:
+            if now - self.last.seconds >= IDLE_SECONDS:
+                self._send(self.last._replace(seconds=now))
+            return
+        at = now - self.zero
+        if not stream.finished and (stream.final_until or 0.0) < at + AHEAD_FRAMES / self.fps:
+            stream.finish()
+        final = stream.frames(until=at)
+        for seconds, weights in zip(final.times.tolist(), final.weights, strict=True):
+            self._send(LiveFrame(self.zero + seconds, weights))
+        if stream.finished and stream.given == stream.final:
+            self.stream = None
+
+    def _take_in(self, now: float) -> None:
+        """Feed the next utterance, into the stream that there is or into a new one."""
+        stream = self.stream
+        if stream is not None and (stream.finished or self._ahead(stream, now) > AHEAD_SECONDS):
+            return
+        try:
+            schedule = self.waiting.get_nowait()
+        except Empty:
+            return
+        if stream is not None and stream.known is not None:
+            start = stream.known - schedule.start
+            stream.feed(schedule, start)
+            self._tell(schedule, self.zero + start)
+            return
+        how = {"stress": True if schedule.stress else None, "emphasis": True} | self.how
+        stream = self.performer.stream(self.fps, **how)
+        stream.feed(schedule)
+        if stream.start is None:  # so short that nothing is final yet
+            stream.finish()
+        self.zero = now - (schedule.start if stream.start is None else stream.start)
+        self.stream = stream
+        self._tell(schedule, self.zero)
+
+    def _ahead(self, stream: Stream, now: float) -> float:
+        """Return how many seconds of a stream are known after those it looks ahead."""
+        return (stream.known or 0.0) + self.zero - now - stream.delay
+
+    def _tell(self, schedule: "Schedule", start: float) -> None:
+        text = " ".join(word.text for word in schedule.words)
+        for outlet in self.outlets:
+            outlet.tell({"said": text, "start": round(start + schedule.start, 4)})
+
+    def _send(self, frame: LiveFrame) -> None:
+        self.last = frame
+        for outlet in self.outlets:
+            outlet.send(frame)

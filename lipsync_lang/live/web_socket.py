@@ -1,0 +1,171 @@
+"""A WebSocket server: frames go to every client, and clients send text or phonemes.
+
+It listens where the user says, which is this machine alone by default. Pages of other sites are
+refused by their `Origin`: a page of the web could otherwise make the character speak.
+"""
+
+import asyncio
+import json
+import logging
+import re
+import socket
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.live.addresses import LOCAL, LiveAddress
+from lipsync_lang.live.client_messages import MAX_MESSAGE_BYTES, Client
+from lipsync_lang.live.outlets import as_row
+from lipsync_lang.performing.stream import Stream
+
+if TYPE_CHECKING:
+    from websockets.asyncio.server import ServerConnection
+
+    from lipsync_lang.live.live_frame import LiveFrame
+
+_log = logging.getLogger(__name__)
+
+OWN_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
+"""Pages of this machine; programs send no `Origin` at all."""
+
+MAX_CLIENTS = 32
+
+MAX_UNSENT_BYTES = 2**20
+"""Bytes that wait for a slow client; it is closed beyond."""
+
+CLOSING_SECONDS = 1.0
+"""Seconds that clients are given to say farewell."""
+
+BUSY, SLOW = 1013, 1008
+"""Codes of closing: try again later, and against the rules."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """Greeting and services for clients."""
+
+    greeting: Mapping[str, Any]
+    """First message to a client: names of poses, frames per second."""
+    say: Callable[[str], int]
+    """Queue a text; return how many wait before it."""
+    open_stream: Callable[[str | None], Stream]
+    """Open a stream in a notation."""
+
+
+class WebSocketOutlet:
+    """The server, in a thread of its own.
+
+    Raises
+    ------
+    LipsyncError
+        websockets is not installed, or the address is taken or not of this machine.
+    """
+
+    def __init__(self, address: LiveAddress, session: Session) -> None:
+        try:
+            import websockets.asyncio.server
+        except ImportError:
+            raise LipsyncError(
+                "a WebSocket needs websockets: pip install 'lipsync-lang[live]'"
+            ) from None
+        self.session = session
+        self.clients: set[ServerConnection] = set()
+        self.socket = _listening(address)
+        self.serve = websockets.asyncio.server.serve
+        self.loop = asyncio.new_event_loop()
+        self.ended, ready = asyncio.Event(), Event()
+        self.thread = Thread(target=self._run, args=(ready,), daemon=True)
+        self.thread.start()
+        ready.wait()
+
+    @property
+    def port(self) -> int:
+        """The port that is listened at."""
+        port: int = self.socket.getsockname()[1]
+        return port
+
+    def send(self, frame: "LiveFrame") -> None:
+        """Send a frame to every client."""
+        self.tell(as_row(frame))
+
+    def tell(self, event: Mapping[str, Any]) -> None:
+        """Send a message to every client."""
+        text = json.dumps(event, separators=(",", ":"))
+        self.loop.call_soon_threadsafe(self._broadcast, text)
+
+    def close(self) -> None:
+        """Close every connection, and the server."""
+        self.loop.call_soon_threadsafe(self.ended.set)
+        self.thread.join(2 * CLOSING_SECONDS)
+        self.socket.close()
+
+    def _run(self, ready: Event) -> None:
+        asyncio.set_event_loop(self.loop)
+        self.loop.run_until_complete(self._serve(ready))
+        self.loop.close()
+
+    async def _serve(self, ready: Event) -> None:
+        server = self.serve(
+            self._meet, sock=self.socket, origins=[None, OWN_ORIGIN], max_size=MAX_MESSAGE_BYTES,
+            compression=None, server_header=None, close_timeout=CLOSING_SECONDS,
+            logger=_quiet(),
+        )  # fmt: skip
+        async with server:
+            ready.set()
+            await self.ended.wait()
+
+    def _broadcast(self, text: str) -> None:
+        from websockets.asyncio.server import broadcast
+
+        slow = [one for one in self.clients if _unsent(one) > MAX_UNSENT_BYTES]
+        for one in slow:
+            self.clients.discard(one)
+            self.loop.create_task(one.close(SLOW, "frames are not read"))
+        broadcast(self.clients, text)
+
+    async def _meet(self, connection: "ServerConnection") -> None:
+        """Serve one client until it leaves."""
+        from websockets.exceptions import ConnectionClosed
+
+        if len(self.clients) >= MAX_CLIENTS:
+            await connection.close(BUSY, f"{MAX_CLIENTS} clients are here already")
+            return
+        client = Client(self.session.say, self.session.open_stream)
+        try:
+            await connection.send(json.dumps(self.session.greeting))
+            self.clients.add(connection)
+            async for message in connection:
+                answer = await asyncio.to_thread(client.answer, message)
+                await connection.send(json.dumps(answer, separators=(",", ":")))
+        except ConnectionClosed:
+            pass
+        except Exception:  # noqa: BLE001 no traceback reaches a user; the log has it
+            _log.exception("a client failed")
+        finally:
+            self.clients.discard(connection)
+
+
+def _unsent(connection: "ServerConnection") -> int:
+    """Return the bytes that wait for a client."""
+    return connection.transport.get_write_buffer_size()
+
+
+def _quiet() -> logging.Logger:
+    """Return a logger that keeps the failed handshakes of strangers from the terminal."""
+    logger = logging.getLogger(f"{__name__}.server")
+    logger.setLevel(logging.CRITICAL)
+    return logger
+
+
+def _listening(address: LiveAddress) -> socket.socket:
+    """Return a listening socket."""
+    family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
+    try:
+        return socket.create_server((address.host, address.port), family=family)
+    except OSError as error:
+        raise LipsyncError(
+            f"ws: cannot listen at {address.host}:{address.port} ({error.strerror or error}); "
+            f"choose another port (--to ws:{LOCAL}:{address.port + 1}), or stop what uses it"
+        ) from None
