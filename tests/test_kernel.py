@@ -33,9 +33,15 @@ def in_numpy(performance):
         return performance.weights()
 
 
-def plan_for(performance):
-    fps = performance.frames.fps
-    return kernel_plan.plan_of(performance.tables, performance.motion, performance.prepared, fps)
+def kept_of(performance):
+    made = performance
+    return kernel_plan.keep(made.tables, made.motion, made.prepared, made.frames.fps)
+
+
+def usual():
+    """Return what the kernel keeps of a built-in pair."""
+    tables = real().compiled.tables
+    return tables, kernel_plan.keep(tables, Motion(), prepare(tables, Motion(), 60.0), 60.0)
 
 
 def assert_agreement(line, motion, fps):
@@ -44,9 +50,7 @@ def assert_agreement(line, motion, fps):
     weights = performance.weights()
     assert np.abs(weights - in_numpy(performance)).max() <= AGREED
     ids, dials = line.ids.astype(np.intp), performance.dials
-    times, again = kernel_plan.utter(
-        performance.tables, ids, line.times, plan_for(performance), dials
-    )
+    times, again = kept_of(performance).utter(ids, line.times, dials)
     assert np.array_equal(times, performance.frames.times())
     assert np.array_equal(weights, again)
 
@@ -56,6 +60,22 @@ def assert_agreement(line, motion, fps):
 def test_the_kernel_agrees_with_numpy(line, motion, fps):
     assert kernel_plan.serves(motion)
     assert_agreement(line, motion, fps)
+
+
+@needs_kernel
+@given(any_lines(), SERVED, RATES, st.data())
+def test_a_span_of_frames_is_performed_as_if_there_were_no_others(line, motion, fps, data):
+    performance = replace(line, edits=(), shares=()).perform(motion, fps)
+    count = performance.frames.count
+    begin = data.draw(st.integers(0, count - 1))
+    stop = data.draw(st.integers(begin + 1, count))
+    made = performance.last(begin, stop)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(kernel, "compiled", None)
+        assert np.abs(made - performance.last(begin, stop)).max() <= AGREED
+    kept, (first, end) = kept_of(performance), data.draw(st.sampled_from([(-1, 1), (0, count + 1)]))
+    with pytest.raises(ValueError, match="frames out of range"):
+        kept.weigh(performance.track, performance.frames, (first, end), ())
 
 
 @full
@@ -78,16 +98,15 @@ def test_settings_that_the_kernel_does_not_know_are_left_to_numpy(line, motion, 
 
 @needs_kernel
 def test_threads_share_banks_and_plans():
-    tables, rng = real().compiled.tables, np.random.default_rng(3)
-    plan = kernel_plan.plan_of(tables, Motion(), prepare(tables, Motion(), 60.0), 60.0)
+    (tables, kept), rng = usual(), np.random.default_rng(3)
     lines = [
         (rng.integers(0, len(tables.pairs), n), np.cumsum(rng.uniform(0.03, 0.2, n + 1)))
         for n in (3, 900, 40, 2000, 1, 500)
     ]
-    alone = [kernel_plan.utter(tables, *line, plan)[1] for line in lines]
+    alone = [kept.utter(*line, ())[1] for line in lines]
     with ThreadPoolExecutor(6) as pool:
         for _ in range(5):
-            made = pool.map(lambda line: kernel_plan.utter(tables, *line, plan)[1], lines)
+            made = pool.map(lambda line: kept.utter(*line, ())[1], lines)
             for one, other in zip(alone, made, strict=True):
                 assert np.array_equal(one, other)
 
@@ -113,9 +132,7 @@ def faulty_phonemes(tables):
 
 @needs_kernel
 def test_the_kernel_refuses_what_it_could_not_read():
-    tables = real().compiled.tables
-    bank = kernel_plan.bank_of(tables)
-    plan = kernel_plan.plan_of(tables, Motion(), prepare(tables, Motion(), 60.0), 60.0)
+    tables, (bank, plan) = usual()
     refused = (ValueError, IndexError, SystemError, TypeError)
     for ids, times, dials, words in faulty_phonemes(tables):
         with pytest.raises(refused, match=words):

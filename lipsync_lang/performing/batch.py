@@ -17,12 +17,17 @@ from lipsync_lang.performing.edits import overlays
 from lipsync_lang.performing.loudness import loudness_dial
 from lipsync_lang.performing.stress import emphasis_dial, stress_dial
 from lipsync_lang.pipeline.arrays import Floats
-from lipsync_lang.pipeline.perform import performed
+from lipsync_lang.pipeline.kernel_plan import keep, serves
+from lipsync_lang.pipeline.perform import Performance, perform
+from lipsync_lang.pipeline.prepare import prepare
+from lipsync_lang.pipeline.track import lay_track
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.label_sounds import LabelSounds
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.kernel_plan import Kept
     from lipsync_lang.pipeline.levels import Blend, Dial
+    from lipsync_lang.pipeline.motion import Motion
     from lipsync_lang.pipeline.overlay import Overlay
     from lipsync_lang.pipeline.tables import Tables
     from lipsync_lang.schedules.schedule import Schedule
@@ -59,6 +64,13 @@ class Delivered(NamedTuple):
             own = overlays(compiled, schedule, silent.tolist(), line)
         return cls(performer.tables(blends), blends, dials, own)
 
+    def performance(self, motion: "Motion", sounds: "LabelSounds", fps: float) -> Performance:
+        """Lay the track, and prepare its performance."""
+        tables, blends, dials, laid = self
+        ids, times, source, _ = sounds
+        track = lay_track(ids, times, source, tables, motion, blends)
+        return perform(tables, track, motion, fps, overlays=laid, blends=blends, dials=dials)
+
 
 def _effort(
     performer: "Performer",
@@ -70,13 +82,14 @@ def _effort(
     stated, motion, labels = performer.compiled.intensity, performer.motion, performer.labels
     poses = performer.opening_poses
     stresses = labels.stresses(sounds) if motion.stress and stated else sounds.marks[:0]
-    heard = schedule.audio is not None or intensity is not None
-    classes = labels.classes(sounds.ids, sounds.source, len(schedule)) if heard else []
-    dials = (
+    dials = [
         stress_dial(stated, schedule, stresses, motion.stress, poses),
         emphasis_dial(stated, schedule, poses),
-        loudness_dial(performer.compiled, schedule, classes, intensity, motion, poses),
-    )
+    ]
+    if schedule.audio is not None or intensity is not None:
+        classes = labels.classes(sounds.ids, sounds.source, len(schedule))
+        compiled = performer.compiled
+        dials.append(loudness_dial(compiled, schedule, classes, intensity, motion, poses))
     return tuple(dial for dial in dials if dial is not None)
 
 
@@ -93,23 +106,26 @@ def animate(
     if len(names) != len(schedules):
         raise LipsyncError(f"{len(names)} lines for {len(schedules)} schedules; give each one")
     read = performer.labels.read(schedules) if schedules else []
+    kept = _kept(performer, fps)
     out = []
     for schedule, sounds, line in zip(schedules, read, names, strict=True):
         said = Delivered.of(performer, schedule, sounds, line, asked)
-        times, weights = _weighed(performer, sounds, said, fps)
+        if kept is not None and not (said.blends or said.overlays):
+            times, weights = kept.utter(sounds.ids, sounds.times, said.dials)
+        else:
+            made = said.performance(performer.motion, sounds, fps)
+            times, weights = made.frames.times(), made.weights()
         out.append(_animation(performer, schedule, times, weights, fps, {"line": line, **asked}))
     return out
 
 
-def _weighed(
-    performer: "Performer", sounds: "LabelSounds", said: Delivered, fps: float
-) -> tuple[Floats, Floats]:
-    ids, times, source, _ = sounds
-    tables, blends, dials, laid = said
-    return performed(
-        tables, ids, times, source, performer.motion, fps,
-        overlays=laid, blends=blends, dials=dials,
-    )  # fmt: skip
+def _kept(performer: "Performer", fps: float) -> "Kept | None":
+    """Return what the compiled kernel keeps of the neutral bank; None where it does not serve."""
+    tables, motion = performer.compiled.tables, performer.motion
+    if not serves(motion):
+        return None
+    shown = tables.papers if motion.thresholds == "paper" else tables
+    return keep(shown, motion, prepare(shown, motion, fps), fps)
 
 
 def _animation(  # noqa: PLR0913, PLR0917 what an animation holds

@@ -47,6 +47,8 @@ def delivery(
         A style or region is unknown, a level is out of range, or a word is beyond the line.
     """
     own = [compiled.delivery, compiled.line_deliveries.get(line or "", {})]
+    if not (styles or dials or any(any(stated.values()) for stated in own)):
+        return (), ()
     known_styles, poses = compiled.style_names, len(compiled.poses)
     blends = [
         Blend(known_styles.index(name), level)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, cast
 from weakref import WeakKeyDictionary
@@ -69,8 +69,7 @@ class LabelReader:
         ScheduleError
             A label is in no notation of the language, or all labels of a schedule are mute.
         """
-        read = [self._read(one) for one in schedules]
-        values, marks = (np.concatenate(column) for column in zip(*read, strict=True))
+        values, marks = self._read_all(schedules)
         found = self._sounds.sounds(values, marks, [one.times for one in schedules])
         for schedule, sounds in zip(schedules, found, strict=True):
             if sounds is None:
@@ -79,18 +78,33 @@ class LabelReader:
                 )
         return cast("list[LabelSounds]", found)
 
-    def _read(self, schedule: Schedule) -> tuple[Ints, Ints]:
-        """Return the number of each label's value, and its mark of stress: (n,) each."""
-        notation = self.notation(schedule)
-        table = self._tables.get(id(notation))
-        if table is None:
-            table = self._tables.setdefault(id(notation), LabelTable(notation, self._sounds))
-        values, marks = table.read(schedule.labels)
+    def _read_all(self, schedules: Sequence[Schedule]) -> tuple[Ints, Ints]:
+        """Return numbers of values and marks of all labels: (n,) each."""
+        notations = [self.notation(one) for one in schedules]
+        simple = not any(one.stress or self._has_own_words(one) for one in schedules)
+        if simple and all(notation is notations[0] for notation in notations):
+            labels = list(chain.from_iterable(one.labels for one in schedules))
+            values, marks = self._table(notations[0]).read(labels)
+            if values.min() >= 0:
+                return values, marks
+        each = [self._read(*pair) for pair in zip(schedules, notations, strict=True)]
+        values, marks = (np.concatenate(column) for column in zip(*each, strict=True))
+        return values, marks
+
+    def _read(self, schedule: Schedule, notation: Notation) -> tuple[Ints, Ints]:
+        """Return numbers of the value and the mark of each label of a schedule: (n,) each."""
+        values, marks = self._table(notation).read(schedule.labels)
         if values.min() < 0 or self._has_own_words(schedule):
             values = np.array([self._sounds.number(value) for value in self.values(schedule)])
         if schedule.stress:
             marks = np.array([UNMARKED if one is None else one for one in schedule.stress])
         return values, marks
+
+    def _table(self, notation: Notation) -> LabelTable:
+        table = self._tables.get(id(notation))
+        if table is None:
+            table = self._tables.setdefault(id(notation), LabelTable(notation, self._sounds))
+        return table
 
     def automatic(self, schedule: Schedule) -> "dict[str, Nearest]":
         """Return the labels mapped only by phonetic features, without duplicates.
@@ -160,7 +174,7 @@ class LabelReader:
         (n,) with -1 for labels that are no vowels, or (0,)
         """
         marks = sounds.marks
-        if marks.max() < 0:
+        if not marks.size or marks.max() < 0:
             return marks[:0]
         firsts = np.zeros(len(marks), np.intp)
         firsts[sounds.source[::-1]] = sounds.ids[::-1]  # the first of a label is written last

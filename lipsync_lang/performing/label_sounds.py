@@ -27,7 +27,7 @@ class LabelSounds(NamedTuple):
     source: Ints
     """(m,) index of the label of each."""
     marks: Ints
-    """(n,) mark of stress of each label."""
+    """(n,) mark of stress of each label; (0,) if there is none in the batch."""
 
 
 class ValueTable:
@@ -72,6 +72,7 @@ class ValueTable:
         times : boundaries of each schedule
         """
         counts, firsts, ids, shares = self._arrays
+        marks = marks if marks.max() >= 0 else marks[:0]
         count, first = counts[values], firsts[values]
         if (count == 1).all():
             return list(_single(ids[first], marks, times))

@@ -19,7 +19,7 @@ from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.drive import drive
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.perform import Performance, perform
+from lipsync_lang.pipeline.perform import Performance
 from lipsync_lang.pipeline.prepare import channel_kernel
 from lipsync_lang.pipeline.track import lay_track
 from lipsync_lang.schedules.schedule import Schedule
@@ -316,12 +316,7 @@ class Performer:
         asked = {"styles": styles, "dials": dials, "intensity": intensity}
         (sounds,) = self.labels.read([schedule])
         said = Delivered.of(self, schedule, sounds, line, asked)
-        ids, times, source, _ = sounds
-        track = lay_track(ids, times, source, said.tables, self.motion, said.blends)
-        return perform(
-            said.tables, track, self.motion, fps,
-            overlays=said.overlays, blends=said.blends, dials=said.dials,
-        )  # fmt: skip
+        return said.performance(self.motion, sounds, fps)
 
     def track(
         self,
@@ -337,6 +332,8 @@ class Performer:
 
     def tables(self, blends: "Sequence[Blend]") -> "Tables":
         """Return the tables with the banks of the drafted styles that are heard."""
+        if not blends:
+            return self.compiled.tables
         names, drafts = self.compiled.style_names, self.compiled.style_drafts
         heard = frozenset(names[one.style] for one in blends if names[one.style] in drafts)
         if not heard:

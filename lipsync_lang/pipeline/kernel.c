@@ -25,6 +25,12 @@ before any is used. There is no static state; the GIL is released while the stag
 #define WIDE_VECTORS
 #endif
 
+#if defined(__GNUC__)
+#define PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PREFETCH(address) ((void)(address))
+#endif
+
 #if defined(_MSC_VER)
 #define RESTRICT __restrict
 #define INLINE static __forceinline
@@ -36,14 +42,15 @@ before any is used. There is no static state; the GIL is released while the stag
 typedef Py_ssize_t Size;
 typedef unsigned char Byte;
 
-#define INTERFACE 1         /* kernel.py: another number wherever calls or arguments change */
+#define INTERFACE 2         /* kernel.py: another number wherever calls or arguments change */
 #define RESOLUTION 128      /* tables.py */
 #define TOUCH 1e-7          /* warp.py */
 #define MARGIN 0.030        /* hold.py */
 #define SHORTEST 0.042      /* hold.py */
 #define TAPS 3              /* of a kernel, on each side, in one pass over a row */
 #define LANES 4             /* poses read at once */
-#define CHAINS 8            /* rows whose running minima are computed at once */
+#define SOON 8              /* frames until a row of the curves is read that is fetched into the cache now */
+#define CHAINS 10           /* rows whose running minima are computed at once */
 #define LATEST 1e9          /* seconds; beyond it frames have no place */
 #define MAX_VIEWS 20
 
@@ -123,7 +130,11 @@ typedef struct {
     double *fresh;   /* (EARLY, stride) */
     double *room;    /* (stride,) */
     double *row;     /* (stride + 2 reach,) */
+    double *part;    /* (stride, 2) between two rows of the curves */
+    double *share;   /* (stride,) of the bigram that begins */
     Size *phoneme;   /* (stride,) */
+    Size *ending;    /* (stride,) rows of the curves, of the bigram that ends with the phoneme */
+    Size *beginning; /* (stride,) and of the one that begins with it */
     Size stride;
 } Scratch;
 
@@ -201,32 +212,21 @@ INLINE double seconds(const Plan *plan, const Frames *frames, Size frame)
 
 /* ---------------------------------------------------------------- warp.py, stitch.py */
 
-typedef struct {
-    const float *under; /* (2, P): the table's row at the step before, and after */
-    double part;
-} Read;
-
-/* `_read` */
-INLINE Read read_at(const Bank *bank, Size row, double position)
+/* `_read`: the row of the curves before a position in a bigram, and the share of the way to the next. */
+INLINE Size row_at(Size row, double position, double *part)
 {
     const double steps = least(most(position * RESOLUTION, 0), RESOLUTION - 1e-9);
     Size low = (Size)steps;
     if ((size_t)low >= RESOLUTION)
         low = RESOLUTION - 1;
-    return (Read){bank->curves + (row * (RESOLUTION + 1) + low) * bank->poses, steps - (double)low};
+    *part = steps - (double)low;
+    return row * (RESOLUTION + 1) + low;
 }
 
-INLINE double value_at(Read read, Size poses, Size pose)
+INLINE double value_at(const float *under, Size poses, Size pose, double part)
 {
-    const float under = read.under[pose], difference = read.under[poses + pose] - under;
-    return (double)difference * read.part + (double)under;
-}
-
-/* `stitch` of one frame, for poses `from` to `to` */
-INLINE void join(Read ending, Read beginning, Size poses, Size from, Size to, double *RESTRICT out)
-{
-    for (Size p = from; p < to; p++)
-        out[p] = most(value_at(ending, poses, p), value_at(beginning, poses, p));
+    const float difference = under[poses + pose] - under[pose];
+    return (double)difference * part + (double)under[pose];
 }
 
 /* The number of a frame's phoneme: as many inner bounds as are not after it. */
@@ -243,58 +243,83 @@ static Size phoneme_at(const Track *track, double time)
     return low - 1;
 }
 
-/* `locate`, `warp` and `stitch` */
-INLINE void stitch(const Bank *bank, const Plan *plan, const Track *track, const Frames *frames, Size low,
-                   Size width, Scratch *s)
+/* `locate` and the positions of `warp`, phoneme by phoneme */
+INLINE void locate(const Bank *bank, const Plan *plan, const Track *track, const Frames *frames, Size low, Size width,
+                   Scratch *s)
 {
-    const Size poses = bank->poses, last = track->count - 1, stride = s->stride;
-    const int crossfade = plan->flag[CROSSFADE], linear = plan->flag[LINEAR];
-    Size at = phoneme_at(track, seconds(plan, frames, low) + TOUCH), known = -1;
-    double boundary[2] = {0, 0};
-    Size rows[2] = {0, 0};
-    for (Size t = 0; t < width; t++) {
-        const double time = seconds(plan, frames, low + t);
-        while (at < last && track->bounds[at + 1] <= time + TOUCH)
-            at++;
-        if (at != known) {
-            for (int side = 0; side < 2; side++) { /* rest before the first phoneme and after the last */
-                const Size bigram = at - 1 + side;
-                const int inside = bigram >= 0 && bigram < last;
-                rows[side] = inside ? track->rows[bigram] : 0;
-                boundary[side] = !inside ? 0
-                                 : linear ? track->moving[bigram] / (track->moving[bigram] + track->moving[bigram + 1])
-                                          : bank->boundary[rows[side]];
+    const Size last = track->count - 1;
+    Size at = phoneme_at(track, seconds(plan, frames, low) + TOUCH);
+    for (Size t = 0; t < width; at++) {
+        double boundary[2] = {0, 0};
+        Size rows[2] = {0, 0}; /* rest before the first phoneme and after the last */
+        for (int side = 0; side < 2; side++) {
+            const Size bigram = at - 1 + side;
+            if (bigram < 0 || bigram >= last)
+                continue;
+            rows[side] = track->rows[bigram];
+            boundary[side] = plan->flag[LINEAR]
+                                 ? track->moving[bigram] / (track->moving[bigram] + track->moving[bigram + 1])
+                                 : bank->boundary[rows[side]];
+        }
+        const double start = track->bounds[at], end = track->bounds[at + 1], moving = track->moving[at];
+        const int is_long = moving < track->reach[at];
+        for (; t < width; t++) {
+            const double time = seconds(plan, frames, low + t);
+            if (at < last && end <= time + TOUCH)
+                break;
+            double passed = time - start, left = end - time;
+            if (is_long) {
+                passed = least(passed, most(moving / 2, moving - left));
+                left = moving - passed;
             }
-            known = at;
-        }
-        s->phoneme[t] = at;
-        const double moving = track->moving[at];
-        double passed = time - track->bounds[at], left = track->bounds[at + 1] - time;
-        if (moving < track->reach[at]) {
-            passed = least(passed, most(moving / 2, moving - left));
-            left = moving - passed;
-        }
-        const double coming = fabs(passed - moving) <= TOUCH ? 1.0 : most(passed, 0) / moving;
-        const double going = fabs(left - moving) <= TOUCH ? 0.0 : 1 - left / moving;
-        double *RESTRICT out = s->joined + t * poses;
-        const Read ending = read_at(bank, coming <= 1 ? rows[0] : 0, boundary[0] + (1 - boundary[0]) * coming);
-        const Read beginning = read_at(bank, going >= 0 ? rows[1] : 0, boundary[1] * going);
-        if (crossfade) {
-            const double share = least(most(going, 0), 1);
-            for (Size p = 0; p < poses; p++)
-                out[p] = value_at(ending, poses, p) * (1 - share) + value_at(beginning, poses, p) * share;
-        } else {
-            Size p = 0;
-            for (; p + LANES <= poses; p += LANES) /* a fixed length, so that it becomes vectors */
-                join(ending, beginning, poses, p, p + LANES, out);
-            join(ending, beginning, poses, p, poses, out);
+            const double coming = fabs(passed - moving) <= TOUCH ? 1.0 : most(passed, 0) / moving;
+            const double going = fabs(left - moving) <= TOUCH ? 0.0 : 1 - left / moving;
+            s->phoneme[t] = at;
+            s->share[t] = least(most(going, 0), 1);
+            s->ending[t] = row_at(coming <= 1 ? rows[0] : 0, boundary[0] + (1 - boundary[0]) * coming, s->part + 2 * t);
+            s->beginning[t] = row_at(going >= 0 ? rows[1] : 0, boundary[1] * going, s->part + 2 * t + 1);
         }
     }
-    if (last == 0) /* nothing but silence */
+}
+
+/* `warp` and `stitch` of LANES poses */
+INLINE void join(const float *ending, const float *beginning, Size poses, Size pose, int lanes, const double *part,
+                 double *RESTRICT out)
+{
+    for (Size p = pose; p < pose + lanes; p++)
+        out[p] = most(value_at(ending, poses, p, part[0]), value_at(beginning, poses, p, part[1]));
+}
+
+/* `warp` and `stitch` */
+INLINE void stitch(const Bank *bank, const Plan *plan, const Track *track, const Frames *frames, Size low, Size width,
+                   Scratch *s)
+{
+    const Size poses = bank->poses;
+    locate(bank, plan, track, frames, low, width, s);
+    for (Size t = 0; t < width; t++) {
+        const float *ending = bank->curves + s->ending[t] * poses, *beginning = bank->curves + s->beginning[t] * poses;
+        const double *part = s->part + 2 * t, share = s->share[t];
+        if (t + SOON < width) {
+            PREFETCH(bank->curves + s->ending[t + SOON] * poses);
+            PREFETCH(bank->curves + s->beginning[t + SOON] * poses);
+        }
+        double *RESTRICT out = s->joined + t * poses;
+        if (plan->flag[CROSSFADE])
+            for (Size p = 0; p < poses; p++)
+                out[p] = value_at(ending, poses, p, part[0]) * (1 - share) +
+                         value_at(beginning, poses, p, part[1]) * share;
+        else if (poses < LANES)
+            for (Size p = 0; p < poses; p++)
+                join(ending, beginning, poses, p, 1, part, out);
+        else
+            for (Size p = 0; p < poses; p += LANES) /* the last ones overlap those before them */
+                join(ending, beginning, poses, least_size(p, poses - LANES), LANES, part, out);
+    }
+    if (track->count == 1) /* nothing but silence */
         memset(s->joined, 0, (size_t)(width * poses) * sizeof(double));
     for (Size p = 0; p < poses; p++) {
         const double *RESTRICT from = s->joined + p;
-        double *RESTRICT row = s->curves + p * stride;
+        double *RESTRICT row = s->curves + p * s->stride;
         for (Size t = 0; t < width; t++)
             row[t] = from[t * poses];
     }
@@ -350,7 +375,7 @@ INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch
     const Size poses = plan->size[POSES], phonemes = plan->size[PHONEMES], ahead = plan->size[AHEAD];
     for (Size r = 0; r < plan->size[EARLY]; r++) {
         double *RESTRICT room = s->room, *RESTRICT out = s->fresh + r * s->stride;
-        const double *RESTRICT own = s->curves + plan->early[r] * s->stride;
+        double *RESTRICT own = s->curves + plan->early[r] * s->stride;
         const double *left = plan->left + r * (ahead + 1), *blocked = plan->blocked + r * poses;
         const Byte *opposed = plan->opposed + r * phonemes;
         for (Size t = 0; t < width; t++)
@@ -367,12 +392,14 @@ INLINE void anticipate(const Plan *plan, const Track *track, Size width, Scratch
         double *RESTRICT narrowest = s->row;
         memcpy(out, own, (size_t)width * sizeof(double));
         memcpy(narrowest, room, (size_t)width * sizeof(double));
-        for (Size far = 1; far <= ahead && far < width && left[far] > 0; far++) {
+        own[width] = room[width] = 0;
+        for (Size far = 1; far <= ahead && far < width && left[far] > 0; far += 2) { /* two, to load less */
             const double *RESTRICT later = own + far, *RESTRICT between = room + far;
-            const double share = left[far];
+            const double one = left[far], two = far < ahead ? left[far + 1] : 0;
             for (Size t = 0; t < width - far; t++) {
-                out[t] = most(out[t], least(share * later[t], narrowest[t]));
-                narrowest[t] = least(narrowest[t], between[t]);
+                const double nearer = narrowest[t], farther = least(nearer, between[t]);
+                out[t] = most(most(out[t], least(one * later[t], nearer)), least(two * later[t + 1], farther));
+                narrowest[t] = least(farther, between[t + 1]);
             }
         }
     }
@@ -512,6 +539,8 @@ INLINE void limit(const Plan *plan, Size width, Scratch *s)
         case 5: lower_rows(rows, width, step, 5); break;
         case 6: lower_rows(rows, width, step, 6); break;
         case 7: lower_rows(rows, width, step, 7); break;
+        case 8: lower_rows(rows, width, step, 8); break;
+        case 9: lower_rows(rows, width, step, 9); break;
         default: lower_rows(rows, width, step, CHAINS); break;
         }
     }
@@ -560,13 +589,14 @@ INLINE void clip(const Plan *plan, const double *tops, int below, Size width, Sc
 
 /* ---------------------------------------------------------------- perform.py */
 
-/* `Performance._run` on frames `begin` to `stop` and those that they depend on */
+/* `Performance._run` on frames `begin` to `stop`, and on those that they depend on within the span */
 WIDE_VECTORS
 static void run_block(const Bank *bank, const Plan *plan, const Track *track, const Dial *dials, Size dial_count,
-                      const Frames *frames, Size begin, Size stop, Scratch *s, double *RESTRICT out)
+                      const Frames *frames, const Size *span, Size begin, Size stop, Scratch *s,
+                      double *RESTRICT out)
 {
     const Size poses = plan->size[POSES], halo = plan->size[HALO];
-    const Size low = most_size(0, begin - halo), high = least_size(frames->count, stop + halo);
+    const Size low = most_size(span[0], begin - halo), high = least_size(span[1], stop + halo);
     const Size width = high - low;
     stitch(bank, plan, track, frames, low, width, s);
     if (dial_count)
@@ -591,31 +621,42 @@ static void run_block(const Bank *bank, const Plan *plan, const Track *track, co
     soften(plan, plan->shared, plan->size[SHARED], width, s);
     if (plan->flag[AGAIN])
         constrain(plan, width, s);
-    for (Size t = begin; t < stop; t++)
-        for (Size p = 0; p < poses; p++)
-            out[(t - begin) * poses + p] = s->curves[p * s->stride + t - low];
+    const double *RESTRICT made = s->curves + begin - low;
+    Size p = 0;
+    for (; p + LANES <= poses; p += LANES, made += LANES * s->stride)
+        for (Size t = 0; t < stop - begin; t++)
+            for (Size i = 0; i < LANES; i++)
+                out[t * poses + p + i] = made[i * s->stride + t];
+    for (; p < poses; p++, made += s->stride)
+        for (Size t = 0; t < stop - begin; t++)
+            out[t * poses + p] = made[t];
 }
 
-/* `Performance.weights`; returns -1 where there is no memory */
+/* `Performance.last` on a span of frames; returns -1 where there is no memory */
 static int run_all(const Bank *bank, const Plan *plan, const Track *track, const Dial *dials, Size dial_count,
-                   const Frames *frames, double *out)
+                   const Frames *frames, const Size *span, double *out)
 {
     const Size poses = plan->size[POSES], block = plan->size[BLOCK], early = plan->size[EARLY];
-    const Size stride = least_size(frames->count, block + 2 * plan->size[HALO]) + 8;
+    const Size stride = least_size(span[1] - span[0], block + 2 * plan->size[HALO]) + 8;
     const Size reach = most_size(plan->size[WIDE], plan->size[SHARED]);
-    const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 2) + 2 * (size_t)reach;
-    double *memory = malloc(doubles * sizeof(double) + (size_t)stride * sizeof(Size));
+    const size_t doubles = (size_t)stride * (size_t)(2 * poses + early + 5) + 2 * (size_t)reach;
+    double *memory = malloc(doubles * sizeof(double) + 3 * (size_t)stride * sizeof(Size));
     if (!memory)
         return -1;
     Scratch s = {.curves = memory, .stride = stride};
     s.joined = s.curves + poses * stride;
     s.fresh = s.joined + poses * stride;
     s.room = s.fresh + early * stride;
-    s.row = s.room + stride;
+    s.part = s.room + stride;
+    s.share = s.part + 2 * stride;
+    s.row = s.share + stride;
     s.phoneme = (Size *)(memory + doubles);
-    for (Size begin = 0; begin < frames->count; begin += block) {
-        const Size stop = least_size(begin + block, frames->count);
-        run_block(bank, plan, track, dials, dial_count, frames, begin, stop, &s, out + begin * poses);
+    s.ending = s.phoneme + stride;
+    s.beginning = s.ending + stride;
+    for (Size begin = span[0]; begin < span[1]; begin += block) {
+        const Size stop = least_size(begin + block, span[1]);
+        double *here = out + (begin - span[0]) * poses;
+        run_block(bank, plan, track, dials, dial_count, frames, span, begin, stop, &s, here);
     }
     free(memory);
     return 0;
@@ -853,17 +894,17 @@ static PyObject *new_array(const Plan *plan, Py_buffer *view, Size rows, Size co
     return array;
 }
 
-/* Perform a track: (T, P) as a new array. */
+/* Perform a span of frames of a track: (T, P) as a new array. */
 static PyObject *performed(const Bank *bank, const Plan *plan, const Track *track, const Dial *dials,
-                           Size dial_count, const Frames *frames)
+                           Size dial_count, const Frames *frames, const Size *span)
 {
     Py_buffer out;
     int done;
-    PyObject *weights = new_array(plan, &out, frames->count, plan->size[POSES]);
+    PyObject *weights = new_array(plan, &out, span[1] - span[0], plan->size[POSES]);
     if (!weights)
         return NULL;
     Py_BEGIN_ALLOW_THREADS
-    done = run_all(bank, plan, track, dials, dial_count, frames, out.buf);
+    done = run_all(bank, plan, track, dials, dial_count, frames, span, out.buf);
     Py_END_ALLOW_THREADS
     PyBuffer_Release(&out);
     if (done < 0) {
@@ -901,7 +942,8 @@ static PyObject *lay_and_perform(const Bank *bank, const Plan *plan, const Size 
     lay_track(bank, plan, ids, times, count, &track, own, bounds, reach, moving, rows, (Byte *)(rows + n), &head,
               &tail);
     const Frames frames = lay_frames(plan, &track, times[0], times[count], head, tail);
-    PyObject *weights = performed(bank, plan, &track, dials, dial_count, &frames);
+    const Size span[2] = {0, frames.count};
+    PyObject *weights = performed(bank, plan, &track, dials, dial_count, &frames, span);
     free(memory);
     PyObject *at = weights ? frame_times(plan, &frames) : NULL;
     PyObject *both = at ? PyTuple_Pack(2, at, weights) : NULL;
@@ -944,12 +986,13 @@ static PyObject *utter(PyObject *module, PyObject *const *args, Py_ssize_t nargs
     return made;
 }
 
-/* weigh(bank, plan, ids, bounds, reach, moving, rows, waived, start, first, count, dials) -> (T, P) weights */
+/* weigh(bank, plan, ids, bounds, reach, moving, rows, waived, start, first, count, begin, stop, dials) -> (T, P)
+weights of frames begin to stop, as if there were no others */
 static PyObject *weigh(PyObject *module, PyObject *const *args, Py_ssize_t nargs)
 {
     (void)module;
-    if (nargs != 12) {
-        PyErr_SetString(PyExc_TypeError, "weigh takes 12 arguments");
+    if (nargs != 14) {
+        PyErr_SetString(PyExc_TypeError, "weigh takes 14 arguments");
         return NULL;
     }
     const Bank *bank = PyCapsule_GetPointer(args[0], "lipsync_lang.bank");
@@ -957,10 +1000,12 @@ static PyObject *weigh(PyObject *module, PyObject *const *args, Py_ssize_t nargs
     if (!plan || !fits(bank, plan))
         return NULL;
     Frames frames = {PyFloat_AsDouble(args[8]), PyLong_AsSsize_t(args[9]), PyLong_AsSsize_t(args[10])};
+    const Size span[2] = {PyLong_AsSsize_t(args[11]), PyLong_AsSsize_t(args[12])};
     if (PyErr_Occurred())
         return NULL;
     if (!(frames.start > -LATEST && frames.start < LATEST) || frames.count < 1 ||
-        fabs((double)frames.first) > LATEST * 1e3 || frames.count > (Size)(LATEST * 1e3)) {
+        fabs((double)frames.first) > LATEST * 1e3 || frames.count > (Size)(LATEST * 1e3) ||
+        span[0] < 0 || span[1] <= span[0] || span[1] > frames.count) {
         PyErr_SetString(PyExc_ValueError, "frames out of range");
         return NULL;
     }
@@ -979,9 +1024,9 @@ static PyObject *weigh(PyObject *module, PyObject *const *args, Py_ssize_t nargs
         (track.rows = keep(&views, args[6], sizeof(Size), n - 1, "rows")) &&
         (track.waived = keep(&views, args[7], 1, n, "waived")) && within(track.ids, n, bank->phonemes, "ids") &&
         within(track.rows, n - 1, bank->rows, "rows") && rising(track.bounds, n + 1)) {
-        const Size dial_count = read_dials(args[11], plan, &dials);
+        const Size dial_count = read_dials(args[13], plan, &dials);
         if (dial_count >= 0) {
-            made = performed(bank, plan, &track, dials, dial_count, &frames);
+            made = performed(bank, plan, &track, dials, dial_count, &frames, span);
             release_dials(dials, dial_count);
         }
     }

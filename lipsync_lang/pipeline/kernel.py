@@ -12,7 +12,7 @@ SWITCH = "LIPSYNC_LANG_KERNEL"
 """Environment variable: `off` leaves the compiled kernel out."""
 
 
-INTERFACE = 1
+INTERFACE = 2
 """Number of the calls and arguments; a library of another number was built from older code."""
 
 

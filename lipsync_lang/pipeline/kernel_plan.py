@@ -6,7 +6,7 @@ arrays and the range of indices; their types are seen to here.
 
 from collections.abc import Sequence
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def serves(motion: Motion) -> bool:
     return kernel.compiled is not None and motion.smooth == "none" and not motion.hold
 
 
-def bank_of(tables: Tables) -> Any:
+def _bank(tables: Tables) -> Any:
     """Return the curves of the neutral bank as the kernel keeps them; the tables remember that."""
     known = vars(tables)
     if "_bank" not in known:
@@ -53,43 +53,54 @@ def bank_of(tables: Tables) -> Any:
     return known["_bank"]
 
 
-def plan_of(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Any:
-    """Return a motion at a frame rate as the kernel keeps it; `prepared` remembers that."""
+class Kept(NamedTuple):
+    """Tables and settings as the compiled kernel keeps them, and its calls."""
+
+    bank: Any
+    """Curves of the neutral bank."""
+    plan: Any
+    """A motion at a frame rate."""
+
+    def weigh(
+        self, track: "Track", frames: "Frames", span: tuple[int, int], dials: Sequence[Dial]
+    ) -> Floats:
+        """Perform a span of frames of a track, as if there were no others: (T, P) weights."""
+        arrays = _ints(track.ids), track.bounds, track.reach, track.moving, _ints(track.rows)
+        place = track.waived, frames.start, frames.first, frames.count, *span
+        weights: Floats = kernel.compiled.weigh(*self, *arrays, *place, _given(dials))
+        return weights
+
+    def utter(self, ids: Ints, times: Floats, dials: Sequence[Dial]) -> tuple[Floats, Floats]:
+        """Lay a track of phonemes, and perform it: (T,) seconds and (T, P) weights.
+
+        They are those of `perform` on the track of `lay_track`.
+
+        Parameters
+        ----------
+        ids : (m,) common phonemes, as `numpy.intp`
+        times : (m + 1,) boundaries in seconds, as `numpy.float64`
+        """
+        made: tuple[Floats, Floats] = kernel.compiled.utter(*self, ids, times, _given(dials))
+        return made
+
+
+def keep(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Kept:
+    """Hand tables and settings to the kernel; they remember what it keeps.
+
+    Parameters
+    ----------
+    tables : with the thresholds that the motion asks for
+    prepared : of these tables, this motion and this frame rate
+    """
     known = vars(prepared)
     if "_plan" not in known:
         known["_plan"] = _plan(tables, motion, prepared, fps)
-    return known["_plan"]
+    return Kept(_bank(tables), known["_plan"])
 
 
 def block_of(halo: int) -> int:
     """Return the frames of a block; a small part of the work is for the frames on either side."""
     return max(BLOCK, 4 * halo)
-
-
-def weigh(
-    tables: Tables, track: "Track", frames: "Frames", plan: Any, dials: Sequence[Dial]
-) -> Floats:
-    """Perform a track: (T, P) weights."""
-    arrays = _ints(track.ids), track.bounds, track.reach, track.moving, _ints(track.rows)
-    place = track.waived, frames.start, frames.first, frames.count
-    weights: Floats = kernel.compiled.weigh(bank_of(tables), plan, *arrays, *place, _given(dials))
-    return weights
-
-
-def utter(
-    tables: Tables, ids: Ints, times: Floats, plan: Any, dials: Sequence[Dial] = ()
-) -> tuple[Floats, Floats]:
-    """Lay a track of common phonemes in time, and perform it: (T,) seconds and (T, P) weights.
-
-    Parameters
-    ----------
-    ids : (m,) common phonemes, as `numpy.intp`
-    times : (m + 1,) boundaries in seconds, as `numpy.float64`
-    """
-    made: tuple[Floats, Floats] = kernel.compiled.utter(
-        bank_of(tables), plan, ids, times, _given(dials)
-    )
-    return made
 
 
 def _given(dials: Sequence[Dial]) -> tuple[tuple[Bools, Floats, Floats], ...]:

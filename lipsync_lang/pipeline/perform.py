@@ -15,7 +15,7 @@ import numpy as np
 
 from lipsync_lang.pipeline import kernel_plan
 from lipsync_lang.pipeline.anticipate import anticipate
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import constrain
 from lipsync_lang.pipeline.hold import SHORTEST, demands, held_frames, hold
 from lipsync_lang.pipeline.levels import Blend, Dial, scale, shares
@@ -28,7 +28,7 @@ from lipsync_lang.pipeline.soften import soften
 from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.switch import FREE, NONE, REST, switch
 from lipsync_lang.pipeline.tables import RESOLUTION, Tables
-from lipsync_lang.pipeline.track import Track, lay_track
+from lipsync_lang.pipeline.track import Track
 from lipsync_lang.pipeline.warp import FramePlace, locate, warp
 
 BLOCK = 8192
@@ -84,10 +84,8 @@ class Performance:
 
     def weights(self) -> Floats:
         """Run every stage: (T, P); in the compiled kernel, where it serves."""
-        tables, motion = self.tables, self.motion
-        if kernel_plan.serves(motion) and not (self.overlays or self.blends):
-            plan = kernel_plan.plan_of(tables, motion, self.prepared, self.frames.fps)
-            return kernel_plan.weigh(tables, self.track, self.frames, plan, self.dials)
+        if self.compiled:
+            return self._weigh(0, self.frames.count)
         if self.frames.count <= BLOCK or self.far:
             return np.ascontiguousarray(self.last(0, self.frames.count).T)
         out = np.empty((self.frames.count, len(self.tables.priority)))
@@ -98,6 +96,15 @@ class Performance:
             curves = self.last(low, high)
             out[begin:stop] = curves[:, begin - low : stop - low].T
         return out
+
+    @property
+    def compiled(self) -> bool:
+        """True if the compiled kernel serves."""
+        return kernel_plan.serves(self.motion) and not (self.overlays or self.blends)
+
+    def _weigh(self, begin: int, stop: int) -> Floats:
+        kept = kernel_plan.keep(self.tables, self.motion, self.prepared, self.frames.fps)
+        return kept.weigh(self.track, self.frames, (begin, stop), self.dials)
 
     @property
     def far(self) -> bool:
@@ -118,6 +125,8 @@ class Performance:
 
     def last(self, begin: int, stop: int) -> Floats:
         """Run the stages on frames `begin` to `stop`; return the curves after the last: (P, T)."""
+        if self.compiled:
+            return self._weigh(begin, stop).T
         for stage in self._run(begin, stop):
             curves = stage.curves
         return curves
@@ -314,29 +323,3 @@ def perform(  # noqa: PLR0913 what is said, and how
     if frames is None:
         frames = lay_frames(track, motion, fps, prepared.lead)
     return Performance(tables, track, motion, frames, prepared, overlays, blends, dials)
-
-
-def performed(  # noqa: PLR0913, PLR0917 as `perform`, before a track is laid
-    tables: Tables,
-    ids: Ints,
-    times: Floats,
-    source: Ints,
-    motion: Motion,
-    fps: float,
-    *,
-    overlays: tuple[Overlay, ...] = (),
-    blends: tuple[Blend, ...] = (),
-    dials: tuple[Dial, ...] = (),
-) -> tuple[Floats, Floats]:
-    """Perform common phonemes in time: (T,) seconds and (T, P) weights.
-
-    They are those of `perform` on the track of the phonemes. Where the compiled kernel serves, it
-    lays the track as well.
-    """
-    if kernel_plan.serves(motion) and not (overlays or blends):
-        shown = tables.papers if motion.thresholds == "paper" else tables
-        plan = kernel_plan.plan_of(shown, motion, prepare(shown, motion, fps), fps)
-        return kernel_plan.utter(shown, ids, times, plan, dials)
-    track = lay_track(ids, times, source, tables, motion, blends)
-    made = perform(tables, track, motion, fps, overlays=overlays, blends=blends, dials=dials)
-    return made.frames.times(), made.weights()
