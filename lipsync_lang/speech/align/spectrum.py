@@ -6,7 +6,10 @@ levels of the voice are matched to the recording, and the recording's noise is a
 Frames are `HOP` seconds apart and centred on their time: frame k is at ``k * HOP``.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -46,7 +49,8 @@ _AROUND = 2
 _TINY = 1e-10
 
 
-class SpeechSpectrum(NamedTuple):
+@dataclass(frozen=True)
+class SpeechSpectrum:
     """Mel spectrum of a recording with its speech detection."""
 
     power: Floats
@@ -58,6 +62,13 @@ class SpeechSpectrum(NamedTuple):
     spoken: Bools
     """Speech mask, (T,)."""
 
+    @cached_property
+    def features(self) -> tuple[Floats, Floats, Floats]:
+        """Features (T, D), their mean in speech (D,), and their deviation in speech (D,)."""
+        features = cepstra(np.log(self.power + self.floor))
+        said = features[self.spoken]
+        return features, said.mean(axis=0), said.std(axis=0) + 1e-3
+
 
 def samples_of(audio: "Audio") -> Floats:
     """Convert a sound to `RATE`, zero mean and amplitudes within 1."""
@@ -68,28 +79,31 @@ def samples_of(audio: "Audio") -> Floats:
     return sound
 
 
-def mel_power(samples: Floats, hop: float = HOP, tract: float = 1.0) -> Floats:
-    """Return the power in mel bands: (T, BANDS).
+def mel_power(samples: Floats, hop: float = HOP, tracts: Sequence[float] = (1.0,)) -> Floats:
+    """Return the power in mel bands for each tract: (len(tracts), T, BANDS).
 
     Parameters
     ----------
     samples : (n,) at `RATE`
     hop : seconds between frames
-    tract : vocal tract length relative to the nominal one
+    tracts : vocal tract lengths relative to the nominal one
     """
     width = int(WINDOW * RATE)
     sound = np.append(samples[:1], samples[1:] - _EMPHASIS * samples[:-1])
     sound = np.pad(sound, (width // 2, width))
     starts = (np.arange(int(len(samples) / RATE / hop) + 1) * hop * RATE).astype(np.intp)
-    bank = _bank(tract)
+    banks = [_bank(tract) for tract in tracts]
     window, steps = np.hanning(width), np.arange(width)
-    out = np.empty((len(starts), BANDS))
+    out = np.empty((len(tracts), len(starts), BANDS))
     for low in range(0, len(starts), _BLOCK):
         frames = sound[starts[low : low + _BLOCK, None] + steps] * window
-        out[low : low + _BLOCK] = np.abs(np.fft.rfft(frames, _POINTS)) ** 2 @ bank
+        power = np.abs(np.fft.rfft(frames, _POINTS)) ** 2
+        for number, bank in enumerate(banks):
+            out[number, low : low + _BLOCK] = power @ bank
     return out
 
 
+@lru_cache(maxsize=8)
 def _bank(tract: float) -> Floats:
     """Return triangular filter weights of the bands: (bins, BANDS)."""
     mels = np.linspace(_mel(LOWEST), _mel(HIGHEST), BANDS + 2)
@@ -112,7 +126,7 @@ def listen(samples: Floats) -> SpeechSpectrum:
     SpeechError
         The recording has no speech.
     """
-    power = mel_power(samples)
+    (power,) = mel_power(samples)
     loudness = _smooth(power.sum(axis=1))
     noise = power[loudness <= np.percentile(loudness, QUIET)].mean(axis=0)
     loud = power[loudness >= np.percentile(loudness, 100 - QUIET)].mean(axis=0)
@@ -146,10 +160,8 @@ def alike(heard: SpeechSpectrum, voice: Floats, sounding: Bools) -> tuple[Floats
     """
     level = np.maximum(heard.power[heard.spoken].mean(axis=0) - heard.noise, 0.1 * heard.floor)
     level = level / (voice[sounding].mean(axis=0) + _TINY)
-    recorded = cepstra(np.log(heard.power + heard.floor))
+    recorded, mean, spread = heard.features
     spoken = cepstra(np.log(voice * level + heard.noise + heard.floor))
-    mean = recorded[heard.spoken].mean(axis=0)
-    spread = recorded[heard.spoken].std(axis=0) + 1e-3
     return (recorded - mean) / spread, (spoken - mean) / spread
 
 

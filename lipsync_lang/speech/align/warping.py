@@ -207,24 +207,19 @@ def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
     """Warp the voice onto the recording, at matched tempo and the best vocal tract length."""
     tempo = float((voice.ends - voice.starts).sum()) / (len(kept) * HOP)
     hop = HOP * float(np.clip(tempo, *TEMPO))
-    costs = {}
-    for tract in TRACTS:
-        a, b, _ = _compared(heard, kept, voice, hop, tract)
-        costs[tract] = _coarse(a, b)[1]
-    tract = min(costs, key=costs.__getitem__)
-    a, b, starts = _compared(heard, kept, voice, hop, tract)
+    powers = mel_power(voice.samples, hop, TRACTS)
+    sounding, starts = voice.frames(hop, powers.shape[1])
+    best = None
+    for power in powers:
+        recorded, spoken = alike(heard, power, sounding)
+        a, b = recorded[kept], spoken[sounding]
+        path, cost = _coarse(a, b)
+        if best is None or cost < best[-1]:
+            best = a, b, path, cost
+    assert best is not None  # noqa: S101 there are tracts
+    a, b, path, cost = best
     backwards = b[::-1] * np.repeat([1, -1], b.shape[1] // 2)
-    return Fit(_edges(a, b)[starts], costs[tract], _coarse(a, backwards)[1])
-
-
-def _compared(
-    heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice, hop: float, tract: float
-) -> tuple[Floats, Floats, Ints]:
-    """Return the features of recording and voice, and the phoneme starts among the latter."""
-    power = mel_power(voice.samples, hop, tract)
-    sounding, starts = voice.frames(hop, len(power))
-    recorded, spoken = alike(heard, power, sounding)
-    return recorded[kept], spoken[sounding], starts
+    return Fit(_edges(a, b, path)[starts], cost, _coarse(a, backwards)[1])
 
 
 def _step(a: Floats, b: Floats) -> int:
@@ -273,10 +268,13 @@ def _starts(path: Ints, count: int) -> Floats:
     return starts
 
 
-def _edges(a: Floats, b: Floats) -> Floats:
-    """Return the start in the recording of each voice frame, for any length: (M,)."""
+def _edges(a: Floats, b: Floats, path: Ints) -> Floats:
+    """Return the start in the recording of each voice frame, for any length: (M,).
+
+    `path` is that of `_coarse`.
+    """
     step = _step(a, b)
-    coarse = _starts(_coarse(a, b)[0], -(-len(b) // step))
+    coarse = _starts(path, -(-len(b) // step))
     if step == 1:
         return coarse
     near = np.interp(np.arange(len(b) + 1) / step, np.arange(len(coarse)), coarse) * step
