@@ -63,38 +63,42 @@ def _moves(
     """
     n, m = len(rows), len(columns)
     width = BAND_SOUNDS + abs(n - m) + m // max(n, 1)
-    lows = np.array([max(0, i * m // max(n, 1) - width) for i in range(n + 1)], np.intp)
-    highs = np.array([min(m, i * m // max(n, 1) + width) for i in range(n + 1)], np.intp)
+    middles = np.arange(n + 1) * m // max(n, 1)
+    lows, highs = np.maximum(middles - width, 0), np.minimum(middles + width, m)
     moves = np.full((n + 1, int((highs - lows).max()) + 1), _HEARD, np.int8)
     gaps = np.concatenate([[0.0], np.cumsum(alone[columns])])
-    before = gaps[: highs[0] + 1]
-    for i in range(1, n + 1):
-        low, high, was = lows[i], highs[i], lows[i - 1]
-        above = np.full(high - low + 2, np.inf)  # columns low - 1 to high of the row before
-        first = max(low - 1, was)
-        known = before[first - was : high + 1 - was]
-        above[first - low + 1 : first - low + 1 + len(known)] = known
-        up = above[1:] + alone[rows[i - 1]]
-        both = above[:-1] + cost[rows[i - 1], columns[np.arange(low, high + 1) - 1]]
+    pairs = np.concatenate([np.full((len(cost), 1), np.inf), cost[:, columns]], axis=1)
+    line = np.full(m + 2, np.inf)  # one place before column 0; infinite outside of the band
+    line[1 : highs[0] + 2] = gaps[: highs[0] + 1]
+    steps = zip(rows.tolist(), lows.tolist(), lows[1:].tolist(), highs[1:].tolist(), strict=False)
+    for i, (row, was, low, high) in enumerate(steps, start=1):
+        if low == was:
+            line[low] = np.inf  # left by a row whose band began further left
+        up = line[low + 1 : high + 2] + alone[row]
+        both = line[low : high + 1] + pairs[row, low : high + 1]
         best = np.minimum(up, both)
         gap = gaps[low : high + 1]
-        before = np.minimum.accumulate(best - gap) + gap
-        moves[i, : high - low + 1] = np.where(
-            before < best - TINY, _HEARD, np.where(both <= up, _BOTH, _SAID)
-        )
+        now = best - gap
+        np.minimum.accumulate(now, out=now)
+        now += gap
+        line[low + 1 : high + 2] = now
+        move = moves[i, : high - low + 1]
+        move[:] = np.where(up < both, _SAID, _BOTH)
+        move[now < best - TINY] = _HEARD
     return moves, lows, m
 
 
 def _back(moves: npt.NDArray[np.int8], lows: npt.NDArray[np.intp], m: int) -> npt.NDArray[np.intp]:
     """Follow the cheapest path back from its end, and collect the pairs."""
-    found = np.full(m, -1, np.intp)
-    i, j = len(lows) - 1, m
+    found = [-1] * m
+    table, width, starts = moves.tobytes(), moves.shape[1], lows.tolist()
+    i, j = len(starts) - 1, m
     while i or j:
-        move = moves[i, j - lows[i]] if i else _HEARD
+        move = table[i * width + j - starts[i]] if i else _HEARD
         i, j = i - (move != _HEARD), j - (move != _SAID)
         if move == _BOTH:
             found[j] = i
-    return found
+    return np.array(found, np.intp)
 
 
 def _costs(names: Sequence[str], kinds: Mapping[str, str], silence: str) -> npt.NDArray[np.float64]:
