@@ -160,6 +160,23 @@ def test_frames_are_those_of_the_whole_with_any_tables_and_motion(line, motion, 
     assert np.abs(np.concatenate(found) - expected).max() <= EQUAL
 
 
+@pytest.mark.parametrize("first", [0.0, 0.1, 0.4])
+def test_evenly_stretched_bigrams_wait_for_the_length_of_the_next_sound(first):
+    performer = resolved("english", "facefx").with_motion("paper").with_motion({"smooth": "none"})
+    labels, times = ("_", "AA", "M", "_", "IY"), np.array([0, 0, 0.25, 0.6, 0.7, 1.1])
+    times[1:] += first
+    schedule = Schedule(labels[not first :], times[not first :], notation="arpabet")
+    stream = performer.stream(notation="arpabet", stress=False)
+    found = []
+    for label, start in zip(schedule.labels, schedule.times, strict=False):
+        stream.feed(label, float(start))
+        found.append(stream.frames().weights)
+    stream.known_until(schedule.end)
+    stream.finish()
+    weights = np.concatenate([*found, stream.frames().weights])
+    assert np.abs(weights - performer.perform(schedule).weights).max() <= EQUAL
+
+
 # Parts with words
 
 

@@ -234,12 +234,20 @@ class Heard:
         return min(time, self.until - RAMP_SECONDS) if emphasis else time
 
     def _bigrams(self, silence_reach: float, *, linear: bool) -> float:
-        start = self.starts[-1]
+        start, count = self.starts[-1], len(self.starts)
         if self.silent:
             far = self.until - silence_reach
-            if far >= start or not linear or len(self.starts) == 1:
+            if far >= start or not linear or count == 1:
                 return max(start, far)
-        return self.starts[-2] if linear and len(self.starts) > 1 else start
+        if not linear:
+            return start
+        early = start - silence_reach
+        if count == 1:
+            return early  # the silence before a line is as long as a bigram needs
+        if self.sounds[-2] != self.silence:
+            return self.starts[-2]
+        first = count == len(("silence", "sound")) and not self.forgotten
+        return early if first else max(self.starts[-2], early)
 
     def _stressed(self) -> float:
         """Return the time before which no vowel yet to come changes the level of stress."""
