@@ -232,6 +232,14 @@ def test_all_faults_are_told_at_once(game):
     assert told[-1] == "and 88 more of this script"
 
 
+def test_the_encoding_of_a_script_is_a_field_of_the_project(game):
+    (game / "script.csv").write_bytes("id,text\na,Grüße.\n".encode("cp1252"))
+    one = {"languages": "[german]", "cast": None, "character": "crab"}
+    assert "name its encoding (`encoding: cp1252`)" in refusal(game, **one)
+    assert planned(game, encoding="cp1252", **one)[0].text == "Grüße."
+    assert "no encoding has this name" in refusal(game, encoding="cp99", **one)
+
+
 @pytest.mark.parametrize(
     ("head", "changed", "fault"),
     [

@@ -116,7 +116,7 @@ def _files(
             path = folder / stated.replace("{language}", next(iter(held.values())).word)
             try:
                 for file, among_others in line_files(Path(shown(path)), remark):
-                    found.append(ScriptFile(file, held, among_others))
+                    found.append(ScriptFile(file, held, project.encoding, among_others))
             except LipsyncError as error:
                 faults.add_error(error)
     return found

@@ -32,6 +32,9 @@ from lipsync_lang.packs.models.project_models import ScriptColumns
 MAX_SLUG_CHARS = 32
 DIGEST_CHARS = 8
 
+ENCODING = re.compile(r"`encoding='([\w-]+)'`")
+"""An argument of Python in the messages of readers; here it is a field of the project."""
+
 
 class ScriptLanguage(NamedTuple):
     """A language of a build.
@@ -74,11 +77,13 @@ class ScriptFile:
     ----------
     path : the file, as messages show it
     languages : the languages that it holds, by their index
+    encoding : None to tell it by the file
     among_others : True if it was found in a folder, which may hold other files too
     """
 
     path: Path
     languages: dict[int, ScriptLanguage]
+    encoding: str | None = None
     among_others: bool = False
 
     @cached_property
@@ -101,7 +106,7 @@ def read_rows(
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:
         if file.open is not None:
-            source = LineFile.of(file.path, remark, None, None)
+            source = LineFile.of(file.path, remark, None, file.encoding)
             yield from _table_rows(file, source, file.open(source), columns, faults)
         else:
             yield from _other_rows(file, remark)
@@ -111,7 +116,7 @@ def read_rows(
         else:
             remark(f"{str(error).partition(chr(10))[0].removesuffix(':')}; left out")
     except LipsyncError as error:
-        faults.add_error(error)
+        faults.add_error(ENCODING.sub(r"`encoding: \1`", str(error)))
 
 
 # Tables
@@ -209,7 +214,7 @@ def _other_rows(file: ScriptFile, remark: Remark) -> Iterator[ScriptRow]:
             "{language} into its path"
         )
     index = next(iter(file.languages))
-    lines = list(read_lines(file.path, remark=remark))
+    lines = list(read_lines(file.path, encoding=file.encoding, remark=remark))
     for line, name in zip(lines, _identifiers(lines), strict=True):
         number = line.place.rpartition(":")[2]
         timings = file.path if line.schedule is not None else None

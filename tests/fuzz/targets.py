@@ -21,6 +21,7 @@ from lipsync_lang.animations.glb import write_glb
 from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATIONS
 from lipsync_lang.authoring.inventories import read_inventory
 from lipsync_lang.banks.smartbody import Remarks, read_smartbody
+from lipsync_lang.build.script import read_script
 from lipsync_lang.coverage.changes import read_document
 from lipsync_lang.errors import PackError
 from lipsync_lang.lines.line_readers import READERS as LINES
@@ -28,7 +29,7 @@ from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import MODELS
+from lipsync_lang.packs.models import MODELS, Project
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.quality.fitting import read_for
 from lipsync_lang.render.staging import staged
@@ -90,6 +91,7 @@ def _found() -> Iterator[Target]:
         yield Target(f"timings/{name}", partial(_timings, name))
     for name in LINES.built_in():
         yield Target(f"lines/{name}", partial(_lines, name))
+    yield Target("builds/script", _script)
     for name in ANIMATIONS.built_in():
         yield Target(f"animations/{name}", lambda path: read_for(_performer(), path, LINE))
     for kind in MODELS:
@@ -123,6 +125,20 @@ def _lines(name: str, path: Path) -> None:
     del name  # the suffix tells
     for line in read_lines(path, remark=_plain):
         _plain(line.text)
+
+
+def _script(path: Path) -> None:
+    stated = {"kind": "project", "format": 1, "lines": path.name, "character": "facefx"}
+    stated |= {"languages": ["english", "german"], "audio": "vo/{speaker}/{id}.wav"}
+    outputs = ("takes/{language}/{character}/{id}.csv", "json:{speaker}-{language}{id}.json")
+    with chdir(path.parent):
+        lines = read_script(
+            Project.model_validate(stated | {"outputs": outputs}), path.parent, remark=_plain
+        )
+    made = [output for line in lines for _, output in line.outputs]
+    assert len(set(made)) == len(made)
+    for output in made:
+        assert (path.parent / output).resolve().is_relative_to(path.parent.resolve())
 
 
 def _plain(text: str) -> None:

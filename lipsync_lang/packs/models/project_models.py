@@ -150,6 +150,8 @@ class Project(PackModel):
     or a mapping from names. By default `language`."""
     columns: ScriptColumns = ScriptColumns()
     """Columns of tables, where their names do not tell."""
+    encoding: Text | None = None
+    """Encoding of the script's files, such as cp1252. By default UTF-8, or what they say."""
     audio: Recording | None = None
     """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
     timings: Recording | None = None
