@@ -9,7 +9,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
@@ -19,7 +19,7 @@ from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.digests import content_digest, file_digest
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.build.timing import Timed, schedules
+from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.temporary import temporary_name
 from lipsync_lang.performing.performer import Performer
@@ -92,11 +92,13 @@ class LineMaker:
         """Make the lines of a batch, in order; `pairs` has the needs of each character."""
         first = {line.name: line for line in reversed(batch.lines)}
         contents = {name: self._contents(line) for name, line in first.items()}  # before reading
-        timed = self._timed(batch.lines, pairs)
-        return [
-            self._made(pairs[line.character], line, said, contents[line.name])
-            for line, said in zip(batch.lines, timed, strict=True)
-        ]
+        timed = list(zip(batch.lines, self._timed(batch.lines, pairs), strict=True))
+        made: dict[tuple[str, str, str], MadeLine] = {}
+        for character, pair in pairs.items():
+            own = [(line, said) for line, said in timed if line.character == character]
+            for line, animation in self._performed(pair.performer, own):
+                made[line.key] = self._made(pair, line, animation, contents[line.name])
+        return [made[line.key] for line in batch.lines]
 
     def animation(self, line: PlannedLine, pair: PairNeeds) -> Animation:
         """Perform one line.
@@ -107,9 +109,10 @@ class LineMaker:
             The line cannot be timed or performed.
         """
         (said,) = self._timed((line,), {line.character: pair})
-        if isinstance(said, Exception):
-            raise said
-        return self._performed(pair.performer, line, said)
+        ((_, animation),) = self._performed(pair.performer, [(line, said)])
+        if isinstance(animation, Exception):
+            raise animation
+        return animation
 
     def _timed(
         self, lines: Sequence[PlannedLine], pairs: Mapping[str, PairNeeds]
@@ -124,24 +127,39 @@ class LineMaker:
             known |= {(speech, line.name): one for line, one in zip(own, timed, strict=True)}
         return (known[pairs[line.character].speech, line.name] for line in lines)
 
-    def _performed(self, performer: Performer, line: PlannedLine, schedule: Schedule) -> Animation:
-        own = line.name if line.name in performer.compiled.line_edits else None
-        return performer.perform(schedule, self.settings.fps, line=own)
+    def _performed(
+        self, performer: Performer, timed: Sequence[tuple[PlannedLine, Timed]]
+    ) -> Iterator[tuple[PlannedLine, Animation | Exception]]:
+        """Yield the animation of each line, or why it has none; all at once where none fails."""
+        sound = [(line, said) for line, said in timed if isinstance(said, Schedule)]
+        fps, edited = self.settings.fps, performer.compiled.line_edits
+        names = [line.name if line.name in edited else None for line, _ in sound]
+        found: list[Animation | Exception]
+        try:
+            found = [*performer.perform_many([said for _, said in sound], fps, lines=names)]
+        except Exception:  # noqa: BLE001 each line has its own
+            found = [
+                attempt(partial(performer.perform, said, fps, line=name))
+                for (_, said), name in zip(sound, names, strict=True)
+            ]
+        animations = iter(found)
+        for line, said in timed:
+            yield line, said if isinstance(said, Exception) else next(animations)
 
     def _made(
         self,
         pair: PairNeeds,
         line: PlannedLine,
-        said: Schedule | Exception,
+        animation: Animation | Exception,
         contents: Mapping[str, str],
     ) -> MadeLine:
-        """Perform, judge and write a line; whatever fails is told of this line alone."""
+        """Judge and write a line; whatever fails is told of this line alone."""
+        if isinstance(animation, Exception):
+            return MadeLine(BuiltLine(line, "failed", self._why(line, animation)))
+        schedule = animation.schedule
         files: list[MadeFile] = []
-        if isinstance(said, Exception):
-            return MadeLine(BuiltLine(line, "failed", self._why(line, said)))
         try:
-            animation = self._performed(pair.performer, line, said)
-            needs = pair.of(said, spoken=line.timings is None, reasons=_reasoned(line.outputs))
+            needs = pair.of(schedule, spoken=line.timings is None, reasons=_reasoned(line.outputs))
             figures = self._judged(animation)
             self._write(line, pair.performer.rigged(animation), files)
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
@@ -152,9 +170,9 @@ class LineMaker:
         built = BuiltLine(
             line,
             "built",
-            "; ".join(said.remarks),
+            "; ".join(schedule.remarks),
             float(animation.times[-1] - animation.times[0]),
-            said.confidence,
+            schedule.confidence,
             figures,
             {file.path: file.digest for file in files},
         )

@@ -1,12 +1,16 @@
 """Schedules of planned lines: read from timings, laid on recordings, or spoken."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.speech.speaking import Speaker
+
+Made = TypeVar("Made")
 
 Timed = Schedule | Exception
 """The schedule of a line, or the reason why it has none."""
@@ -28,7 +32,7 @@ def schedules(
     For each line its schedule, or the error that this line met
     """
     out: list[Timed] = [
-        _tried(lambda line=line: _from_files(folder, line, speaker))  # type: ignore[misc]
+        attempt(partial(_from_files, folder, line, speaker))
         if line.timings is not None or line.audio is not None
         else LipsyncError("it was not spoken")
         for line in lines
@@ -40,10 +44,11 @@ def schedules(
     return out
 
 
-def _tried(call: Callable[[], Schedule]) -> Timed:
+def attempt(call: Callable[[], Made]) -> Made | Exception:
+    """Return what a call makes, or its error, which is told of one line alone."""
     try:
         return call()
-    except Exception as error:  # noqa: BLE001 told of this line alone
+    except Exception as error:  # noqa: BLE001 whatever it is, the other lines are made
         return error
 
 
