@@ -62,11 +62,6 @@ class BuildOutcome:
             elif step.record is not None:
                 yield restored(step.line, step.record)
 
-    @property
-    def failed(self) -> list[BuiltLine]:
-        """The lines that this build could not make."""
-        return [one for one in self.built.values() if one.outcome == "failed"]
-
 
 @contextmanager
 def locked(folder: Path, tell: Tell) -> Iterator[None]:

@@ -52,8 +52,6 @@ def _once(options: Namespace) -> int:
             tell=teller,
         )
         deleted = prune(plan, project.folder, records) if options.prune else []
-    for built in project.refused():
-        outcome.built[built.line.key] = built
     return _ended(options, project, outcome, teller, deleted)
 
 
@@ -146,27 +144,30 @@ def _ended(
     deleted: list[str],
 ) -> int:
     """Tell the outcome, write the reports, and return the exit code."""
+    from lipsync_lang.build.build_reports import report
+
     wipe()
-    lines = list(outcome.lines())
-    over = [one for one in lines if one.failed]
-    failed = [one for one in (*lines, *project.refused()) if one.outcome == "failed"]
+    reports = options.reports or [project.folder / path for path in project.project.reports]
+    refused = project.refused()
+    tally, over = report(project, outcome, refused, reports, SHOWN_LINES)
     figures = {
         "lines": len(project.lines),
         "built": sum(one.outcome == "built" for one in outcome.built.values()),
         "current": len(outcome.plan.steps) - len(outcome.plan.stale),
-        "failed": len(failed),
-        "over_limits": len(over),
+        "failed": tally.failed,
+        "over_limits": tally.over,
+        "doubted": tally.doubtful,
         "kept": outcome.kept,
-        "doubted": sum(bool(one.doubted) for one in lines),
         "gone": [] if options.prune else _gone(outcome),
         "deleted": deleted,
+        "reports": [str(path) for path in reports],
         "seconds": round(outcome.seconds, 3),
     }
     if options.json:
         teller("end", figures)
     elif outcome.built or not options.watch:
         _tell_all(_in_words(figures, project, over))
-    return FAULTS if failed or over else SOUND
+    return SOUND if tally.passed() else FAULTS
 
 
 def _gone(outcome: "BuildOutcome") -> list[str]:
@@ -180,17 +181,18 @@ def _in_words(
     yield from map(str, project.unsound.values())
     told = f"{count(figures['built'], 'line')} built in {figures['seconds']:.1f} s"
     yield f"{told}, {figures['current']} up to date, {figures['failed']} failed"
-    for one in over[:SHOWN_LINES]:
+    for one in over:
         line = one.line
         worst = ", ".join(f"{figure.name} {figure.value:.3g}" for figure in one.failed)
         yield f"{line.place}: {line.name}, {line.language} on {line.character}: {worst}"
-    if over:
-        yield f"{count(len(over), 'line')} past a limit of the project"
+    if figures["over_limits"]:
+        yield f"{count(figures['over_limits'], 'line')} past a limit of the project"
     if figures["doubted"]:
         told = f"{count(figures['doubted'], 'line')} past a limit of the face"
         yield f"{told}; state `limits` in the project to fail the build by them"
     if figures["deleted"]:
         yield f"{count(len(figures['deleted']), 'file')} deleted: {_some(figures['deleted'])}"
+    yield from (f"wrote {path}" for path in figures["reports"])
     if figures["kept"]:
         yield _kept(figures["kept"])
     if figures["gone"]:

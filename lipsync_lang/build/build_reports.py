@@ -1,0 +1,82 @@
+"""Reports of a project's build, with a page for each of its worst lines."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.build.build_run import BuildOutcome
+from lipsync_lang.build.build_tally import BuildHeading, BuildTally, share_of_limit, worst_lines
+from lipsync_lang.build.planned_line import BuiltLine
+from lipsync_lang.build.project_build import ProjectBuild
+from lipsync_lang.build.records import Key
+from lipsync_lang.build.report_files import write_report
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import atomic
+
+MAX_PAGES = 20
+"""Lines with a page of their own: the worst."""
+
+PAGE = "html"
+"""Writer of pages, and suffix of the report that links to them."""
+
+
+def report(
+    project: ProjectBuild,
+    outcome: BuildOutcome,
+    refused: Sequence[BuiltLine],
+    paths: Sequence[Path],
+    most: int,
+) -> tuple[BuildTally, list[BuiltLine]]:
+    """Write the reports of a build, and count its lines.
+
+    Parameters
+    ----------
+    refused : lines of pairs whose packs have faults
+    paths : reports to write; none may be
+    most : how many of the lines past a limit to return
+
+    Returns
+    -------
+    Counts over all lines, and the worst lines past a limit of the project
+    """
+    heading = BuildHeading(
+        project.project.name,
+        sum(one.outcome == "built" for one in outcome.built.values()),
+        len(outcome.plan.steps) - len(outcome.plan.stale),
+        sum(one.outcome == "failed" for one in (*outcome.built.values(), *refused)),
+        tuple(outcome.kept),
+        outcome.seconds,
+    )
+
+    def lines() -> Iterator[BuiltLine]:
+        yield from outcome.lines()
+        yield from refused
+
+    pages: Mapping[Key, Path] = {}
+    page_reports = [path for path in paths if path.suffix.lower() == f".{PAGE}"]
+    if page_reports:
+        pages = _pages(project, outcome, page_reports[0])
+    tally = write_report(paths, lines(), heading, pages=pages)
+    return tally, [one for one in tally.worst() if one.failed][:most]
+
+
+def _pages(project: ProjectBuild, outcome: BuildOutcome, report: Path) -> dict[Key, Path]:
+    """Write the pages of the worst lines beside a report; those of unchanged lines stay."""
+    folder = report.with_name(f"{report.stem}-lines")
+    pages: dict[Key, Path] = {}
+    for built in worst_lines(outcome.lines(), MAX_PAGES):
+        line = built.line
+        if built.outcome == "failed" or max(map(share_of_limit, built.figures), default=0) <= 1:
+            continue
+        path = folder / line.language / line.character / f"{line.name}.{PAGE}"
+        if line.key in outcome.built or not path.exists():
+            try:
+                pair = project.pairs[line.language, line.character]
+                animation = project.maker.animation(line, pair)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                with atomic(path) as stream:
+                    WRITERS[PAGE].write(pair.performer.rigged(animation), stream)
+            except (LipsyncError, OSError):
+                continue  # the report names the line without a page
+        pages[line.key] = path
+    return pages
