@@ -1,11 +1,13 @@
 """Builds: what is made, what is made again and why, and what is never touched."""
 
 import os
+from zipfile import ZipFile
 
 import pytest
 from build_project import SOUNDS, Game
 
-from lipsync_lang.build import making, needs
+from lipsync_lang.build import keeping, making, needs
+from lipsync_lang.build.archives import rewrite
 from lipsync_lang.build.records import Records
 from lipsync_lang.cli import main
 
@@ -234,3 +236,77 @@ def test_a_need_is_stored_once(built):
     assert {key[2] for key in lines} == set(ALL)
     used = {int(n) for one in lines.values() for n in one.needs["number"]}
     assert used == set(records.names)
+
+
+# Archives
+
+
+@pytest.fixture
+def archived(game):
+    stated = (game.folder / "lipsync.yaml").read_text("utf-8")
+    game.write("lipsync.yaml", stated.replace("takes/{id}.csv", "takes/{character}.zip/{id}.csv"))
+    assert game.build().built == ALL
+    return game
+
+
+def packed(game):
+    """Return the content of the archive by the ids of its lines; there is no other file."""
+    (file,) = (path for path in (game.folder / "takes").rglob("*") if path.is_file())
+    with ZipFile(file) as archive:
+        return {name.removesuffix(".csv"): archive.read(name) for name in archive.namelist()}
+
+
+def repack(game, **changed):
+    """Write other members into the archive."""
+    rewrite(
+        game.folder / "takes/facefx.zip",
+        {f"{name}.csv": content for name, content in changed.items() if content},
+        [f"{name}.csv" for name, content in changed.items() if not content],
+    )
+
+
+def test_the_lines_of_a_character_fill_one_archive(archived):
+    assert sorted(packed(archived)) == ALL
+    assert archived.build().built == []
+    before = packed(archived)
+    archived.bank(0.5)
+    assert archived.build().built == ["low"]
+    after = packed(archived)
+    assert [name for name in ALL if before[name] != after[name]] == ["low"]
+
+
+def test_members_are_missing_kept_and_pruned_as_files_are(archived):
+    repack(archived, map=b"", mail=b"by hand")
+    dry = archived.build("--dry-run")
+    assert dry.stale == {"map": ["takes/facefx.zip/map.csv is missing"]}
+    assert archived.build().built == ["map"]
+    assert packed(archived)["mail"] == b"by hand"
+    archived.script(["low"])
+    archived.build("--prune")
+    assert sorted(packed(archived)) == ["low", "mail"]
+
+
+def test_a_killed_build_of_an_archive_resumes(game, monkeypatch):
+    stated = (game.folder / "lipsync.yaml").read_text("utf-8")
+    game.write("lipsync.yaml", stated.replace("takes/{id}.csv", "takes/all.zip/{id}.csv"))
+
+    def killed(*_):
+        raise SystemExit
+
+    monkeypatch.setattr(keeping, "rewrite", killed)
+    with pytest.raises(SystemExit):
+        game.build()
+    monkeypatch.undo()
+    monkeypatch.chdir(game.folder)
+    game.capsys.readouterr()
+    assert not (game.folder / "takes/all.zip").exists()
+    assert game.build().built == ALL
+    assert sorted(packed(game)) == ALL
+
+
+def test_a_damaged_archive_is_named_and_kept(archived):
+    (archived.folder / "takes/facefx.zip").write_bytes(b"PK no archive")
+    told = archived.build()
+    assert told.code != 0
+    assert "takes/facefx.zip: is no sound archive" in told.err
+    assert (archived.folder / "takes/facefx.zip").read_bytes() == b"PK no archive"

@@ -40,7 +40,7 @@ def report(
     Counts over all lines, and the worst lines past a limit of the project
     """
     heading = BuildHeading(
-        project.project.name,
+        _name(project),
         sum(one.outcome == "built" for one in outcome.built.values()),
         len(outcome.plan.steps) - len(outcome.plan.stale),
         sum(one.outcome == "failed" for one in (*outcome.built.values(), *refused)),
@@ -58,6 +58,12 @@ def report(
         pages = _pages(project, outcome, page_reports[0])
     tally = write_report(paths, lines(), heading, pages=pages)
     return tally, [one for one in tally.worst() if one.failed][:most]
+
+
+def _name(project: ProjectBuild) -> str:
+    """Return the name of a project; that of its folder where it states none."""
+    stated = "name" in project.project.model_fields_set
+    return project.project.name if stated else project.folder.name
 
 
 def _pages(project: ProjectBuild, outcome: BuildOutcome, report: Path) -> dict[Key, Path]:

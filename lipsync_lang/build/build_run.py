@@ -1,24 +1,22 @@
 """Build a project: make what changed, record it, and put it in place."""
 
 import os
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
-from lipsync_lang.build.digests import file_digest
-from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine
+from lipsync_lang.build.keeping import OutputKeeper, restored
+from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
-from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
-from lipsync_lang.build.records import FOLDER, LineRecord, Records, Written
+from lipsync_lang.build.records import FOLDER, Records
 from lipsync_lang.build.workers import LostBatch, run_batches
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files.locking import claim
-from lipsync_lang.files.signals import undisturbed
 from lipsync_lang.files.temporary import sweep
 
 MAX_BATCH_LINES = 64
@@ -92,7 +90,6 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
     *,
     workers: int | None = None,
     scheduler: str | None = None,
-    overwrite: bool = False,
     tell: Tell = lambda _name, _values: None,
 ) -> BuildOutcome:
     """Make the stale lines of a plan.
@@ -103,7 +100,6 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
     needs : performer and needs of each pair
     workers : processes; None for one per processor, where there are lines enough
     scheduler : address of a Dask scheduler whose workers make the lines
-    overwrite : replace outputs that somebody changed
     tell : receives `line` and `progress` events
 
     Raises
@@ -119,7 +115,7 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
     if workers is None and scheduler is None:
         workers = (os.cpu_count() or 1) if len(stale) >= MIN_SPREAD_LINES else 1
     _sweep(maker.folder, stale)
-    keeper = _Keeper(maker.folder, records, {step.line.key: step for step in stale}, overwrite)
+    keeper = OutputKeeper(maker.folder, records, {step.line.key: step for step in stale})
     done = 0
     running = run_batches(
         maker,
@@ -129,7 +125,7 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
         scheduler=scheduler,
         folder=maker.folder,
     )
-    with closing(running):  # type: ignore[type-var]  # a generator
+    with closing(running), keeper:  # type: ignore[type-var]  # a generator
         for found in running:
             results = _lost(found) if isinstance(found, LostBatch) else found
             outcome.kept += keeper.keep(results)
@@ -140,6 +136,7 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
             seconds = monotonic() - begun
             tell("progress", {"done": done, "of": len(stale), "seconds": round(seconds, 3)})
             _refuse_full(results, done, len(stale))
+        keeper.flush()
     outcome.seconds = monotonic() - begun
     return outcome
 
@@ -214,102 +211,5 @@ def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
 def _sweep(folder: Path, stale: Iterable[PlannedStep]) -> None:
     """Delete what killed builds left in the folders of outputs."""
     paths = (path for step in stale for _, path in step.line.outputs)
-    for parent in {(folder / path).parent for path in paths}:
+    for parent in {parent_of(folder, path) for path in paths}:
         sweep(parent)
-
-
-@dataclass
-class _Keeper:
-    """Records what workers made, then puts it in place."""
-
-    folder: Path
-    records: Records
-    steps: Mapping[tuple[str, str, str], PlannedStep]
-    overwrite: bool
-
-    def keep(self, made: Sequence[MadeLine]) -> list[str]:
-        """Record lines and rename their outputs; return the outputs of others that were kept."""
-        kept: list[str] = []
-        rows, moves = [], deque[tuple[str, str]]()
-        for one in made:
-            step = self.steps[one.built.line.key]
-            outputs = dict(step.record.outputs) if step.record is not None else {}
-            for file in one.files:
-                target = self.folder / file.path
-                if file.path in step.unknown and self._is_other(target, file.digest):
-                    kept.append(file.path)
-                    outputs[file.path] = Written(0, 0, "")
-                    Path(file.temporary).unlink(missing_ok=True)
-                    continue
-                before = outputs[file.path].digest if file.path in outputs else ""
-                outputs[file.path] = Written(file.size, file.changed, file.digest, before)
-                moves.append((file.temporary, str(target)))
-            rows.append((one, step, outputs))
-        with undisturbed():
-            self.records.put(
-                (
-                    one.built.line.key,
-                    LineRecord(
-                        step.inputs,
-                        one.contents,
-                        self.records.packed(one.needs),
-                        outputs,
-                        result_of(one.built),
-                    ),
-                )
-                for one, step, outputs in rows
-            )
-            for temporary, final in moves:
-                os.replace(temporary, final)  # noqa: PTH105 ten thousands of them
-        return kept
-
-    def _is_other(self, target: Path, wanted: str) -> bool:
-        """Return True if a file stands there that this build would not have written."""
-        with suppress(OSError):
-            return target.exists() and file_digest(target) != wanted
-        return True
-
-
-def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
-    """Delete the outputs of lines that the script no longer has; return what was deleted.
-
-    Outputs that somebody changed are kept, and forgotten.
-    """
-    deleted = []
-    for _, record in plan.gone:
-        for path, written in record.outputs.items():
-            target = folder / path
-            with suppress(OSError):
-                if file_digest(target) == written.digest:
-                    target.unlink()
-                    deleted.append(path)
-    records.forget(key for key, _ in plan.gone)
-    return deleted
-
-
-def result_of(built: BuiltLine) -> dict[str, Any]:
-    """Return what a record says of a made line, as JSON holds it."""
-    return {
-        "outcome": built.outcome,
-        "message": built.message,
-        "seconds": built.seconds,
-        "confidence": built.confidence,
-        "figures": [list(figure) for figure in built.figures],
-    }
-
-
-def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
-    """Return a line of an earlier build from its record."""
-    result = record.result
-    return BuiltLine(
-        line,
-        result["outcome"],
-        result["message"],
-        result["seconds"],
-        result["confidence"],
-        tuple(
-            JudgedFigure(name, value, unit, limit, tuple(at), words, binding)
-            for name, value, unit, limit, at, words, binding in result["figures"]
-        ),
-        {path: one.digest for path, one in record.outputs.items()},
-    )

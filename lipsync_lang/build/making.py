@@ -11,14 +11,17 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from io import BytesIO
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, BinaryIO, NamedTuple
+from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.build.archives import split_archive
 from lipsync_lang.build.digests import content_digest, file_digest
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.standing import member_digest
 from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.temporary import temporary_name
@@ -54,7 +57,7 @@ class MadeFile(NamedTuple):
     temporary: str
     size: int
     changed: int
-    """Time of its last change in nanoseconds."""
+    """Time of its last change in nanoseconds; the CRC of a member of an archive."""
     digest: str
 
 
@@ -211,20 +214,17 @@ class LineMaker:
             with created(temporary, target) as out:
                 files.append(MadeFile(path, str(temporary), 0, 0, ""))
                 out.write(content)
-            made = temporary.stat()
-            files[-1] = MadeFile(
-                path, str(temporary), made.st_size, made.st_mtime_ns, content_digest(content)
-            )
+            files[-1] = _made_file(path, temporary, content)
 
     def _target(self, path: str) -> Path:
         """Return the file of an output; its folder is made, and lies within the project's."""
-        target = self.folder / path
-        if target.parent not in self._folders:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            if not target.parent.resolve().is_relative_to(self.folder.resolve()):
+        parent = parent_of(self.folder, path)
+        if parent not in self._folders:
+            parent.mkdir(parents=True, exist_ok=True)
+            if not parent.resolve().is_relative_to(self.folder.resolve()):
                 raise LipsyncError(f"{path}: leads outside {self.folder}; write within the project")
-            self._folders.add(target.parent)
-        return target
+            self._folders.add(parent)
+        return parent / PurePosixPath(path).name
 
     def _contents(self, line: PlannedLine) -> dict[str, str]:
         contents = {}
@@ -256,6 +256,20 @@ class LineMaker:
 
 def _reasoned(outputs: Iterable[tuple[str, str]]) -> bool:
     return any(WRITERS[name].reasons for name, _ in outputs)
+
+
+def parent_of(folder: Path, path: str) -> Path:
+    """Return the folder in which an output waits: its own, or that of its archive."""
+    split = split_archive(path)
+    return (folder / (path if split is None else split[0])).parent
+
+
+def _made_file(path: str, temporary: Path, content: memoryview) -> MadeFile:
+    if split_archive(path) is not None:
+        crc = crc32(content)
+        return MadeFile(path, str(temporary), len(content), crc, member_digest(crc))
+    made = temporary.stat()
+    return MadeFile(path, str(temporary), made.st_size, made.st_mtime_ns, content_digest(content))
 
 
 def created(temporary: Path, target: Path) -> BinaryIO:

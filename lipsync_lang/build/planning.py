@@ -12,6 +12,7 @@ from lipsync_lang.build.digests import digest, file_digest
 from lipsync_lang.build.needs import PairNeeds, told
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.records import Key, LineRecord, Records, Written
+from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import plain
 
@@ -106,7 +107,7 @@ def plan(  # noqa: PLR0913 the lines, what is known of them, and what is asked f
     overwrite : write outputs that somebody changed, too
     """
     known = records.lines()
-    planner = _Planner(folder, needs, force=force, overwrite=overwrite)
+    planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
     changed = _changed_needs(lines, known, records, needs)
     steps = tuple(
         planner.step(line, known.get(line.key), changed.get(line.key, ())) for line in lines
@@ -152,6 +153,7 @@ class _Planner:
     needs: Needs
     force: bool
     overwrite: bool
+    standing: StandingOutputs
 
     def step(
         self, line: PlannedLine, record: LineRecord | None, changed: Sequence[str]
@@ -200,18 +202,14 @@ class _Planner:
 
     def _state(self, path: str, written: Written | None) -> str:
         """Return the state of an output: `sound`, or one of `AGAIN` or `STANDING`."""
-        try:
-            stat = os.stat(self.folder / path)  # noqa: PTH116 ten thousands of them
-        except OSError:
+        stamp = self.standing.stamp(path)
+        if stamp is None:
             return "missing"
         if written is None:
             return "replaced" if self.overwrite else "unknown"
-        if (stat.st_size, stat.st_mtime_ns) == (written.size, written.changed):
+        if stamp == (written.size, written.changed):
             return "sound"
-        try:
-            found = file_digest(self.folder / path)
-        except OSError:
-            found = ""
+        found = self.standing.digest(path)
         if found == written.digest:
             return "sound"
         if found == written.before:

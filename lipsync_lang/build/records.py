@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, OutputError
 
 FOLDER = ".lipsync_lang"
 """Folder of a project that builds keep their records in."""
@@ -47,7 +47,7 @@ class Written(NamedTuple):
 
     size: int
     changed: int
-    """Time of its last change in nanoseconds."""
+    """Time of its last change in nanoseconds; the CRC of a member of an archive."""
     digest: str
     before: str = ""
     """Digest of the file that it replaced; empty for none."""
@@ -211,6 +211,11 @@ def _check_form(path: Path, connection: sqlite3.Connection) -> None:
 
 
 def _damaged(path: Path, error: sqlite3.DatabaseError) -> LipsyncError:
+    if isinstance(error, sqlite3.OperationalError):  # a full disk, a folder without rights
+        return OutputError(
+            f"{path}: cannot be written: {error}; a build keeps its record there: make room, and "
+            "make the folder writable"
+        )
     return LipsyncError(
         f"{path}: the record of builds cannot be used ({error}); move it away: the next build "
         "compares the files that are there with new ones, and keeps those that differ"

@@ -31,7 +31,8 @@ def build(options: Namespace) -> int:
 
 
 def _once(options: Namespace) -> int:
-    from lipsync_lang.build.build_run import locked, make, prune
+    from lipsync_lang.build.build_run import locked, make
+    from lipsync_lang.build.keeping import prune
     from lipsync_lang.build.records import Records
 
     teller = BuildTeller(as_events=options.json)
@@ -48,7 +49,6 @@ def _once(options: Namespace) -> int:
             records,
             workers=options.workers,
             scheduler=options.scheduler,
-            overwrite=options.overwrite,
             tell=teller,
         )
         deleted = prune(plan, project.folder, records) if options.prune else []

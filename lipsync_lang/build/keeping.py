@@ -1,0 +1,133 @@
+"""Put what workers made in place: record it first, then rename it or pack it into archives."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+from lipsync_lang.build.archives import rewrite, split_archive
+from lipsync_lang.build.making import MadeLine
+from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
+from lipsync_lang.build.planning import BuildPlan, PlannedStep
+from lipsync_lang.build.records import Key, LineRecord, Records, Written
+from lipsync_lang.build.standing import StandingOutputs
+from lipsync_lang.files.signals import undisturbed
+
+MAX_WAITING_LINES = 10_000
+"""Lines that wait for their archives before these are written anew."""
+
+
+@dataclass
+class OutputKeeper:
+    """Keeper of a build's outputs; at its end it deletes what still waits.
+
+    Parameters
+    ----------
+    steps : the planned steps by key
+    """
+
+    folder: Path
+    records: Records
+    steps: Mapping[Key, PlannedStep]
+    _rows: list[tuple[Key, LineRecord]] = field(default_factory=list)
+    """Records of lines whose archives are not written yet."""
+    _moves: list[tuple[str, Path]] = field(default_factory=list)
+    _members: dict[str, dict[str, Path]] = field(default_factory=dict)
+    """Files of new members, by archive and name."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for new in self._members.values():
+            for temporary in new.values():
+                temporary.unlink(missing_ok=True)
+
+    def keep(self, made: Sequence[MadeLine]) -> list[str]:
+        """Record lines and put their outputs in place; return outputs of others that were kept."""
+        kept: list[str] = []
+        standing = StandingOutputs(self.folder)
+        for one in made:
+            step = self.steps[one.built.line.key]
+            outputs = dict(step.record.outputs) if step.record is not None else {}
+            for file in one.files:
+                stands = standing.digest(file.path) if file.path in step.unknown else ""
+                if stands not in ("", file.digest):
+                    kept.append(file.path)
+                    outputs[file.path] = Written(0, 0, "")
+                    Path(file.temporary).unlink(missing_ok=True)
+                    continue
+                before = outputs[file.path].digest if file.path in outputs else ""
+                outputs[file.path] = Written(file.size, file.changed, file.digest, before)
+                self._place(file.path, file.temporary)
+            needs = self.records.packed(one.needs)
+            row = LineRecord(step.inputs, one.contents, needs, outputs, result_of(one.built))
+            self._rows.append((one.built.line.key, row))
+        if not self._members or len(self._rows) >= MAX_WAITING_LINES:
+            self.flush()
+        return kept
+
+    def flush(self) -> None:
+        """Put in place what waits for its archives."""
+        with undisturbed():
+            self.records.put(self._rows)
+            for temporary, target in self._moves:
+                os.replace(temporary, target)  # noqa: PTH105 ten thousands of them
+        for archive, new in self._members.items():
+            rewrite(self.folder / archive, new)
+            for temporary_file in new.values():
+                temporary_file.unlink(missing_ok=True)
+        self._rows, self._moves, self._members = [], [], {}
+
+    def _place(self, path: str, temporary: str) -> None:
+        split = split_archive(path)
+        if split is None:
+            self._moves.append((temporary, self.folder / path))
+        else:
+            self._members.setdefault(split[0], {})[split[1]] = Path(temporary)
+
+
+def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
+    """Delete the outputs of lines that the script no longer has; return what was deleted.
+
+    Outputs that somebody changed are kept, and forgotten.
+    """
+    standing = StandingOutputs(folder)
+    deleted = [
+        path
+        for _, record in plan.gone
+        for path, written in record.outputs.items()
+        if standing.digest(path) == written.digest
+    ]
+    standing.delete(deleted)
+    records.forget(key for key, _ in plan.gone)
+    return deleted
+
+
+def result_of(built: BuiltLine) -> dict[str, Any]:
+    """Return what a record says of a made line, as JSON holds it."""
+    return {
+        "outcome": built.outcome,
+        "message": built.message,
+        "seconds": built.seconds,
+        "confidence": built.confidence,
+        "figures": [list(figure) for figure in built.figures],
+    }
+
+
+def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
+    """Return a line of an earlier build from its record."""
+    result = record.result
+    return BuiltLine(
+        line,
+        result["outcome"],
+        result["message"],
+        result["seconds"],
+        result["confidence"],
+        tuple(
+            JudgedFigure(name, value, unit, limit, tuple(at), words, binding)
+            for name, value, unit, limit, at, words, binding in result["figures"]
+        ),
+        {path: one.digest for path, one in record.outputs.items()},
+    )
