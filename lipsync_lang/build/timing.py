@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TypeVar
 
 from lipsync_lang.build.planned_line import PlannedLine
-from lipsync_lang.errors import LipsyncError
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.speech.speaking import Speaker
 
@@ -31,17 +30,30 @@ def schedules(
     -------
     For each line its schedule, or the error that this line met
     """
-    out: list[Timed] = [
-        attempt(partial(_from_files, folder, line, speaker))
-        if line.timings is not None or line.audio is not None
-        else LipsyncError("it was not spoken")
-        for line in lines
-    ]
-    spoken = [at for at, one in enumerate(lines) if one.timings is None and one.audio is None]
-    texts = [lines[at].text for at in spoken]
-    for at, schedule in zip(spoken, speaker.speak_many(texts, engine=engine), strict=True):
-        out[at] = schedule
-    return out
+    from lipsync_lang.speech.hearing import align_many, recognise_many
+
+    out: dict[int, Timed] = {}
+    told: list[tuple[int, Path, str]] = []
+    heard: list[tuple[int, Path]] = []
+    silent: list[tuple[int, str]] = []
+    for at, line in enumerate(lines):
+        if line.timings is not None:
+            out[at] = attempt(partial(_from_timings, folder, line))
+        elif line.audio is not None:
+            audio = folder / line.audio
+            if line.text:
+                told.append((at, audio, line.text))
+            else:
+                heard.append((at, audio))
+        else:
+            silent.append((at, line.text))
+    aligned = align_many(speaker, ((audio, text) for _, audio, text in told))
+    recognised = recognise_many(speaker, (audio for _, audio in heard))
+    spoken = speaker.speak_many([text for _, text in silent], engine=engine)
+    out |= zip((at for at, *_ in told), aligned, strict=True)
+    out |= zip((at for at, _ in heard), recognised, strict=True)
+    out |= zip((at for at, _ in silent), spoken, strict=True)
+    return [out[at] for at in range(len(lines))]
 
 
 def attempt(call: Callable[[], Made]) -> Made | Exception:
@@ -52,16 +64,10 @@ def attempt(call: Callable[[], Made]) -> Made | Exception:
         return error
 
 
-def _from_files(folder: Path, line: PlannedLine, speaker: Speaker) -> Schedule:
+def _from_timings(folder: Path, line: PlannedLine) -> Schedule:
     from lipsync_lang.schedules.timing_readers import read_schedule
-    from lipsync_lang.speech.hearing import aligned, recognised
     from lipsync_lang.speech.sound import with_sound
 
-    audio = None if line.audio is None else folder / line.audio
-    if line.timings is not None:
-        schedule = read_schedule(folder / line.timings)
-        return schedule if audio is None else with_sound(schedule, audio)
-    assert audio is not None  # noqa: S101 the caller asked for lines with files
-    if line.text:
-        return aligned(speaker, audio, line.text)
-    return recognised(speaker, audio)
+    assert line.timings is not None  # noqa: S101 the caller asked for lines with timings
+    schedule = read_schedule(folder / line.timings)
+    return schedule if line.audio is None else with_sound(schedule, folder / line.audio)

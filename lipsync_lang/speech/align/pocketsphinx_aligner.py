@@ -92,8 +92,9 @@ class PocketsphinxAligner:
             raise SpeechError(f"'{text[:60]}' has no words to align; give what is said")
         heard = lay(models.model, features(prepared(audio)), [saying.ways for saying in sayings])
         if heard is None:
+            phonemes = sum(len(word.labels) for word in transcript.words)
             raise SpeechError(
-                f"the text has {len(sayings)} words, more than can be said in {audio.seconds:.2f} "
+                f"the text has {phonemes} phonemes, more than can be said in {audio.seconds:.2f} "
                 "s: is it the text of this recording, and is the recording whole?"
             )
         sure = confidence(models, heard)
