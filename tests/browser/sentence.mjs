@@ -1,13 +1,13 @@
 // Correct and deliver a line in the studio as an animator would, in a headless browser, and print what came of it:
 //
-//   node sentence.mjs NODE_MODULES CHROMIUM ADDRESS
+//   node sentence.mjs NODE_MODULES CHROMIUM ADDRESS RECORDING
 //
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 
-const [modules, chromium, address] = process.argv.slice(2);
+const [modules, chromium, address, recording] = process.argv.slice(2);
 const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 const flags = [
   "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
@@ -149,6 +149,20 @@ try {
   await page.waitForFunction(() => document.querySelector("#text").value === "<b>ma</b>");
   result.opened = await times();
   result.steps = await page.getAttribute("#undo", "title");
+
+  // a recording is opened: its text is asked for, and its phonemes are found
+  const words = async () => (await timings()).words.map((one) => one.text);
+  await page.setInputFiles(".sentence input[type=file]", recording);
+  await page.fill("dialog.recording input", "");
+  await page.click("text=Find its phonemes");
+  await page.waitForFunction(() => document.body.textContent.includes("Type the words of the recording"));
+  result.untold = await words();
+  await page.setInputFiles(".sentence input[type=file]", recording);
+  await page.fill("dialog.recording input", "Bob may buy a map");
+  await page.click("text=Find its phonemes");
+  await page.waitForFunction(() => document.querySelector("#text").value === "Bob may buy a map", { timeout: 120000 });
+  await still();
+  result.heard = await words();
   result.nameless = await page.$$eval("button, input:not([hidden]), select, canvas:not([aria-hidden]), [tabindex='0']", (all) => all
     .filter((one) => !(one.getAttribute("aria-label") || one.textContent.trim())).map((one) => `${one.localName} ${one.id} ${one.className}`));
   await page.close();

@@ -8,6 +8,7 @@ from test_bigrams_browser import served
 from test_consumers import chromium, found, run
 from test_line_page import schedule
 
+import lipsync_lang as ll
 from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.workshop import Workshop
 
@@ -19,11 +20,14 @@ HERE = Path(__file__).parent
 @pytest.fixture(scope="module")
 def used(tmp_path_factory):
     node, modules = found("playwright-core")
+    recording = tmp_path_factory.mktemp("recorded") / "bob.wav"
+    performer = ll.resolve("english", "crab")
+    performer.perform(ll.speak("Bob may buy a map", "english")).save(recording)
     workshop = Workshop(tmp_path_factory.mktemp("project"), engine="none")
     workshop.open("english", "crab")
     workshop.line = SpokenLine(schedule("pie", "boof"))
     with served(workshop) as address:
-        used = run(node, HERE / "sentence.mjs", modules, chromium(), address)
+        used = run(node, HERE / "sentence.mjs", modules, chromium(), address, recording)
     assert (used["said"], used["asked"]) == ([], [])
     return used
 
@@ -66,6 +70,11 @@ def test_timings_are_saved_and_opened(used):
     assert used["saved"] == ["line.TextGrid", 'Object class = "TextGrid"']
     assert used["opened"] == [0, 0.2, 0.5]
     assert used["steps"] == "Nothing to undo"
+
+
+def test_the_phonemes_of_a_recording_are_found_by_its_words(used):
+    assert used["untold"] == ["<b>ma</b>"], "without words the line stays"
+    assert used["heard"] == ["Bob", "may", "buy", "a", "map"]
 
 
 def test_everything_has_a_name_and_fits_a_phone(used):
