@@ -167,7 +167,7 @@ def test_a_build_killed_between_record_and_rename_resumes(game, monkeypatch):
         game.build()
     game.capsys.readouterr()
     monkeypatch.undo()
-    os.chdir(game.folder)
+    monkeypatch.chdir(game.folder)
     assert game.build().built == ALL
     assert game.build().built == []
 
@@ -194,7 +194,7 @@ def test_a_full_disk_ends_the_build_with_what_was_made(game, monkeypatch):
     assert told.code == 2
     assert "No space left" in told.err
     monkeypatch.undo()
-    os.chdir(game.folder)
+    monkeypatch.chdir(game.folder)
     assert "map" in game.build().built
 
 

@@ -139,6 +139,7 @@ def test_a_line_is_spoken_without_a_voice(caller):
      ({"settings": {"line": "none"}}, "none"), ({"settings": {"line": ["x"]}}, "line")],
 )  # fmt: skip
 def test_a_take_that_cannot_be_is_told(caller, workshop, body, told):
+    caller.post("line", {"text": "Map room"})
     before = workshop.settings
     found = caller.post("take", body)
     workshop.settings = before
