@@ -10,16 +10,20 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from io import TextIOWrapper
+from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.defaults import fill
 from lipsync_lang.commands.output import FAULTS, INTERRUPTED, MISUSE, SOUND
-from lipsync_lang.commands.parser import Command, parser
+from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.commands.words import saying
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extensions import plug_in_behind
 from lipsync_lang.files.signals import Terminated, terminating
 from lipsync_lang.terminal import safe_streams
+
+if TYPE_CHECKING:
+    from lipsync_lang.commands.shared_options import Command
 
 _log = logging.getLogger(__name__)
 

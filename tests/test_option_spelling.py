@@ -10,8 +10,8 @@ import lipsync_lang as ll
 from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.spelling import OPTIONS, as_options
 
-AT_HOME = {"cli", "commands", "authoring"}
-"""Rooms of the command line, and of what its commands draft."""
+AT_HOME = {"cli", "commands", "authoring", "build", "live"}
+"""Rooms of the command line, of what its commands draft, and of `build` and `live`."""
 
 ELSEWHERE = {
     "animations/keys.py": "reads what an option of the command line was given",

@@ -1,21 +1,18 @@
 """Options of `build`, which makes all lines of a script, and of `build new`."""
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 
+from lipsync_lang.commands import build
 from lipsync_lang.commands.new_project_command import new
-from lipsync_lang.commands.shared_options import add_path
-
-Command = Callable[[argparse.Namespace], int]
-Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
+from lipsync_lang.commands.shared_options import Add, add_path
 
 
-def add_build(add: Add, build: Command) -> None:
+def add_build(add: Add) -> None:
     """Add `build` and `build new`."""
     made = add(
         "build",
-        build,
+        build.build,
         "make all lines of a script, and then only what changed",
         "build --dry-run",
     )

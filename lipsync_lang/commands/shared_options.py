@@ -1,12 +1,19 @@
 """Options shared by several commands: speaker, text and delivery."""
 
 import argparse
+from collections.abc import Callable
 from pathlib import Path
 
 from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.files import argument_path
 
 Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of its options
+
+Command = Callable[[argparse.Namespace], int]
+"""A command handler: options in, exit code out."""
+
+Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
+"""Register a command by name, handler, title and example arguments."""
 
 
 def add_words(made: argparse.ArgumentParser) -> None:

@@ -1,0 +1,117 @@
+"""Options of `bank` and its actions."""
+
+import argparse
+from pathlib import Path
+
+from lipsync_lang.commands import banks
+from lipsync_lang.commands.shared_options import Add, Command, add_json, add_pair, add_path
+from lipsync_lang.files import argument_path
+
+
+def add_bank(add: Add) -> None:
+    """Add `bank`."""
+    bank_ = add(
+        "bank",
+        banks.draft,
+        "draft bigrams, import them, or see what a bank changes",
+        "bank draft -l english -c facefx",
+    )
+    actions = bank_.add_subparsers(title="actions", metavar="ACTION", required=True)
+
+    def action(
+        name: str, command: Command, title: str, more: str, example: str
+    ) -> argparse.ArgumentParser:
+        made = actions.add_parser(
+            name,
+            help=title,
+            description=f"{title[0].upper()}{title[1:]}{more}.",
+            epilog=f"example:\n  lipsync-lang {example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        made.set_defaults(command=command)
+        return made
+
+    _add_draft(
+        action(
+            "draft",
+            banks.draft,
+            "draft bigrams from a pose set's targets",
+            ", as YAML to look at or to edit",
+            "bank draft -l english -c facefx --write l-ow h-eh",
+        )
+    )
+    _add_import(
+        action(
+            "import",
+            banks.import_,
+            "import the phone-bigram banks of SmartBody",
+            ", its Python scripts (which are read, never run) or its text exports",
+            "bank import init-diphoneDefault.py -c facefx",
+        )
+    )
+    _add_diff(
+        action(
+            "diff",
+            banks.diff,
+            "show which bigrams a character's layers change, and by how much",
+            "; without --against, a pose set's banks are compared with its drafts",
+            "bank diff -l english -c facefx --plot changes.png",
+        )
+    )
+
+
+def _add_draft(made: argparse.ArgumentParser) -> None:
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
+    add_pair(made)
+    made.add_argument(
+        "--write", action="store_true", help="put them into a bank; what is there already stays"
+    )
+    made.add_argument(
+        "--to", metavar="FILE", type=Path,
+        help="the bank to write to [posesets/NAME/banks/common.yaml of this folder]",
+    )  # fmt: skip
+
+
+def _add_import(made: argparse.ArgumentParser) -> None:
+    made.add_argument("files", metavar="FILE", type=Path, nargs="+", help="a script or text export")
+    made.add_argument(
+        "-c", "--character", metavar="POSESET",
+        help="the pose set whose poses the bank moves, or a character of it [the project's]",
+    )  # fmt: skip
+    made.add_argument(
+        "--to", metavar="FILE", type=Path,
+        help="the bank to write to; what is there already stays "
+        "[posesets/NAME/banks/ of this folder, by the first file's name]",
+    )  # fmt: skip
+    made.add_argument(
+        "--style", metavar="NAME",
+        help="the manner of speaking: picks one of several sets, or renames the only one",
+    )  # fmt: skip
+    made.add_argument(
+        "--interpolation", choices=("bspline", "linear"), default="linear",
+        help="the kind of curve: straight ones pass through the keys, as the artist saw them; "
+        "smooth ones stay below [linear]",
+    )  # fmt: skip
+    made.add_argument(
+        "--map", metavar="THEIRS=OURS", action="append", default=[],
+        help="our phoneme or pose for a name of theirs; may be repeated",
+    )  # fmt: skip
+    add_path(made)
+    add_json(made)
+
+
+def _add_diff(made: argparse.ArgumentParser) -> None:
+    made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
+    add_pair(made)
+    made.add_argument(
+        "--against", metavar="CHARACTER",
+        help="another character of the pose set, or the bare pose set [what lies beneath]",
+    )  # fmt: skip
+    made.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=argument_path,
+        help="draw those that differ most to a picture; - is standard output, as PNG",
+    )
+    made.add_argument("--all", action="store_true", help="list every bigram that differs")
+    add_json(made)
