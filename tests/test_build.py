@@ -1,14 +1,16 @@
 """Builds: what is made, what is made again and why, and what is never touched."""
 
 import os
+from pathlib import Path
 from zipfile import ZipFile
 
+import numpy as np
 import pytest
 from build_project import SOUNDS, Game
 
 from lipsync_lang.build import keeping, making, needs
 from lipsync_lang.build.archives import rewrite
-from lipsync_lang.build.records import Records
+from lipsync_lang.build.records import NEED, Records
 from lipsync_lang.cli import main
 
 ALL = sorted(SOUNDS)
@@ -155,6 +157,31 @@ def test_a_limit_of_the_project_fails_the_build_and_one_of_the_face_is_told(game
     assert game.build().code == 0
 
 
+@pytest.mark.parametrize("limits", ["", "limits: {closure_late: 0.01}\n"])
+def test_standing_lines_count_as_in_a_report(game, limits):
+    game.write("lipsync.yaml", (game.folder / "lipsync.yaml").read_text() + limits)
+    game.write("vo/home.json", "{")
+    counts = ("lines", "failed", "over_limits", "doubted")
+    fresh = game.build()
+    standing = game.build()
+    reported = game.build("--report", "build.json")
+    assert fresh.end["failed"] == 1
+    assert fresh.end["over_limits"] + fresh.end["doubted"] > 0
+    for told in (standing, reported):
+        assert told.code == fresh.code
+        assert [told.end[name] for name in counts] == [fresh.end[name] for name in counts]
+
+
+def test_an_edit_of_the_same_length_is_one(built):
+    edited = built.folder / "takes/map.csv"
+    content = edited.read_bytes()
+    changed = content.replace(b"0.0", b"0.1", 1)
+    assert len(changed) == len(content)
+    edited.write_bytes(changed)
+    built.say("map", "M AA P")
+    assert built.build().end["kept"] == ["takes/map.csv"]
+
+
 def test_a_build_killed_between_record_and_rename_resumes(game, monkeypatch):
     class Killed(BaseException):
         pass
@@ -185,7 +212,7 @@ def test_a_full_disk_ends_the_build_with_what_was_made(game, monkeypatch):
     real = making.created
 
     def full(temporary, target):
-        if target.stem == "map":
+        if Path(target).stem == "map":
             raise OSError(28, "No space left on device")
         return real(temporary, target)
 
@@ -234,7 +261,7 @@ def test_a_need_is_stored_once(built):
     with Records.open(built.folder, write=False) as records:
         lines = records.lines()
     assert {key[2] for key in lines} == set(ALL)
-    used = {int(n) for one in lines.values() for n in one.needs["number"]}
+    used = {int(n) for one in lines.values() for n in np.frombuffer(one.needs, NEED)["number"]}
     assert used == set(records.names)
 
 

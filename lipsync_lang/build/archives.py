@@ -57,6 +57,8 @@ def split_archive(path: str) -> tuple[str, str] | None:
     >>> split_archive("takes/l1.zip") is None
     True
     """
+    if SUFFIX not in path.lower():
+        return None
     parts = PurePosixPath(path).parts
     for number, part in enumerate(parts[:-1], 1):
         if part.lower().endswith(SUFFIX):

@@ -39,6 +39,9 @@ def report(
     -------
     Counts over all lines, and the worst lines past a limit of the project
     """
+    if not paths:
+        tally = outcome.tally(refused)
+        return tally, _over(tally, most)
     heading = BuildHeading(
         _name(project),
         sum(one.outcome == "built" for one in outcome.built.values()),
@@ -57,7 +60,11 @@ def report(
     if page_reports:
         pages = _pages(project, outcome, page_reports[0])
     tally = write_report(paths, lines(), heading, pages=pages)
-    return tally, [one for one in tally.worst() if one.failed][:most]
+    return tally, _over(tally, most)
+
+
+def _over(tally: BuildTally, most: int) -> list[BuiltLine]:
+    return [one for one in tally.worst() if one.failed][:most]
 
 
 def _name(project: ProjectBuild) -> str:

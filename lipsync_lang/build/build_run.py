@@ -8,6 +8,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+from lipsync_lang.build.build_tally import UNSHOWN, BuildTally
 from lipsync_lang.build.keeping import OutputKeeper, restored
 from lipsync_lang.build.making import LineBatch, LineMaker, MadeLine, parent_of
 from lipsync_lang.build.needs import PairNeeds
@@ -29,7 +30,10 @@ BATCHES_PER_WORKER = 4
 """Batches that each worker has at least, where there are lines enough."""
 
 MIN_SPREAD_LINES = 48
-"""Lines from which on more than one process is worth its start."""
+"""Lines to hear or speak from which on more than one process is worth its start."""
+
+MIN_SPREAD_TIMED_LINES = 200
+"""The same of lines with timings, which are made in a hundredth of a second."""
 
 LOCK = "build.lock"
 
@@ -59,6 +63,21 @@ class BuildOutcome:
                 yield made
             elif step.record is not None:
                 yield restored(step.line, step.record)
+
+    def tally(self, refused: Iterable[BuiltLine]) -> BuildTally:
+        """Count all lines; the figures of those that no build fails by stay undecoded."""
+        tally = BuildTally()
+        for step in self.plan.steps:
+            made, record = self.built.get(step.line.key), step.record
+            if made is not None:
+                tally.add(made)
+            elif record is not None and record.verdict in UNSHOWN:
+                tally.add_unshown(record.verdict)
+            elif record is not None:
+                tally.add(restored(step.line, record))
+        for one in refused:
+            tally.add(one)
+        return tally
 
 
 @contextmanager
@@ -113,7 +132,7 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
     if not stale:
         return outcome
     if workers is None and scheduler is None:
-        workers = (os.cpu_count() or 1) if len(stale) >= MIN_SPREAD_LINES else 1
+        workers = (os.cpu_count() or 1) if _worth_spreading(stale) else 1
     _sweep(maker.folder, stale)
     keeper = OutputKeeper(maker.folder, records, {step.line.key: step for step in stale})
     done = 0
@@ -139,6 +158,11 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
         keeper.flush()
     outcome.seconds = monotonic() - begun
     return outcome
+
+
+def _worth_spreading(stale: Sequence[PlannedStep]) -> bool:
+    untimed = sum(step.line.timings is None for step in stale)
+    return untimed >= MIN_SPREAD_LINES or len(stale) >= MIN_SPREAD_TIMED_LINES
 
 
 def _lost(lost: LostBatch[LineBatch]) -> list[MadeLine]:

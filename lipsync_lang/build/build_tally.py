@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import ceil, inf
 
-from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure
+from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, Verdict
 
 BINS = 20
 """Bars of a histogram; of a figure with a limit, half of them are within it."""
@@ -18,6 +18,9 @@ MIDDLE = BINS // 2
 
 MAX_WORST = 500
 """Lines that a report shows in full; all others are in its counts."""
+
+UNSHOWN: frozenset[Verdict] = frozenset(("passed", "doubted"))
+"""Verdicts of lines that are counted, but not named where there is no report."""
 
 ZERO_SCALE = 10
 """Badness that a value of 1 adds where the limit is 0."""
@@ -141,6 +144,11 @@ class BuildTally:
             pair.confidence += line.confidence
             self.confidence.add(ceil(line.confidence * BINS) - 1)
         self._keep(line)
+
+    def add_unshown(self, verdict: Verdict) -> None:
+        """Count a line of no report by its verdict, one of `UNSHOWN`, without its figures."""
+        self.lines += 1
+        self.doubtful += verdict == "doubted"
 
     def _judge(self, line: BuiltLine) -> bool:
         """Count the figures of a line; return True if any exceeds its limit."""

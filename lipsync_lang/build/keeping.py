@@ -1,5 +1,6 @@
 """Put what workers made in place: record it first, then rename it or pack it into archives."""
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from lipsync_lang.build.archives import rewrite, split_archive
 from lipsync_lang.build.making import MadeLine
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, PlannedStep
-from lipsync_lang.build.records import Key, LineRecord, Records, Written
+from lipsync_lang.build.records import Key, LineRecord, Records, Written, as_json
 from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.files.signals import undisturbed
 
@@ -61,8 +62,14 @@ class OutputKeeper:
                 before = outputs[file.path].digest if file.path in outputs else ""
                 outputs[file.path] = Written(file.size, file.changed, file.digest, before)
                 self._place(file.path, file.temporary)
-            needs = self.records.packed(one.needs)
-            row = LineRecord(step.inputs, one.contents, needs, outputs, result_of(one.built))
+            row = LineRecord(
+                step.inputs,
+                as_json(one.contents),
+                self.records.packed(one.needs),
+                outputs,
+                one.built.verdict,
+                as_json(result_of(one.built)),
+            )
             self._rows.append((one.built.line.key, row))
         if not self._members or len(self._rows) >= MAX_WAITING_LINES:
             self.flush()
@@ -118,7 +125,7 @@ def result_of(built: BuiltLine) -> dict[str, Any]:
 
 def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
     """Return a line of an earlier build from its record."""
-    result = record.result
+    result = json.loads(record.result)
     return BuiltLine(
         line,
         result["outcome"],

@@ -11,17 +11,16 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from io import BytesIO
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.archives import split_archive
-from lipsync_lang.build.digests import content_digest, file_digest
+from lipsync_lang.build.digests import file_digest, output_digest
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.build.standing import member_digest
 from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.temporary import temporary_name
@@ -209,22 +208,26 @@ class LineMaker:
             stream = BytesIO()
             WRITERS[name].write(animation, stream)
             content = stream.getbuffer()
-            target = self._target(path)
-            temporary = target.with_name(temporary_name(target.name))
-            with created(temporary, target) as out:
-                files.append(MadeFile(path, str(temporary), 0, 0, ""))
+            within, _, last = path.rpartition("/")
+            parent = self._waiting(within, path)
+            temporary = os.path.join(parent, temporary_name(last))  # noqa: PTH118 once a file
+            with created(temporary, os.path.join(parent, last)) as out:  # noqa: PTH118
+                files.append(MadeFile(path, temporary, 0, 0, ""))
                 out.write(content)
             files[-1] = _made_file(path, temporary, content)
 
-    def _target(self, path: str) -> Path:
-        """Return the file of an output; its folder is made, and lies within the project's."""
-        parent = parent_of(self.folder, path)
-        if parent not in self._folders:
+    def _waiting(self, within: str, path: str) -> str:
+        """Return the folder in which the outputs of a folder or archive wait.
+
+        It is made, and lies within the project's.
+        """
+        if within not in self._folders:
+            parent = parent_of(self.folder, path)
             parent.mkdir(parents=True, exist_ok=True)
             if not parent.resolve().is_relative_to(self.folder.resolve()):
                 raise LipsyncError(f"{path}: leads outside {self.folder}; write within the project")
-            self._folders.add(parent)
-        return parent / PurePosixPath(path).name
+            self._folders[within] = str(parent)
+        return self._folders[within]
 
     def _contents(self, line: PlannedLine) -> dict[str, str]:
         contents = {}
@@ -249,9 +252,9 @@ class LineMaker:
         )
 
     @cached_property
-    def _folders(self) -> set[Path]:
-        """Folders of outputs that are known to lie within the project's."""
-        return set()
+    def _folders(self) -> dict[str, str]:
+        """Folders in which outputs wait, known to lie within the project's, by path of theirs."""
+        return {}
 
 
 def _reasoned(outputs: Iterable[tuple[str, str]]) -> bool:
@@ -264,16 +267,18 @@ def parent_of(folder: Path, path: str) -> Path:
     return (folder / (path if split is None else split[0])).parent
 
 
-def _made_file(path: str, temporary: Path, content: memoryview) -> MadeFile:
-    if split_archive(path) is not None:
-        crc = crc32(content)
-        return MadeFile(path, str(temporary), len(content), crc, member_digest(crc))
-    made = temporary.stat()
-    return MadeFile(path, str(temporary), made.st_size, made.st_mtime_ns, content_digest(content))
+def _made_file(path: str, temporary: str, content: memoryview) -> MadeFile:
+    crc, size = crc32(content), len(content)
+    archived = split_archive(path) is not None
+    changed = crc if archived else os.stat(temporary).st_mtime_ns  # noqa: PTH116 once a file
+    return MadeFile(path, temporary, size, changed, output_digest(crc, size))
 
 
-def created(temporary: Path, target: Path) -> BinaryIO:
+def created(temporary: str, target: str) -> BinaryIO:
     """Open a new file with the permissions of the file that it will replace."""
-    mode = target.stat().st_mode & 0o666 if target.exists() else 0o666
+    try:
+        mode = os.stat(target).st_mode & 0o666  # noqa: PTH116 once a file
+    except FileNotFoundError:
+        mode = 0o666
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     return os.fdopen(os.open(temporary, flags, mode), "wb")

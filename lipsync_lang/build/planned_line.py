@@ -8,6 +8,9 @@ from typing import Literal, NamedTuple
 Outcome = Literal["built", "failed"]
 """`built`: its outputs are whole. `failed`: nothing of it was written."""
 
+Verdict = Literal["failed", "over", "doubted", "passed"]
+"""`over` and `doubted`: built, but past a limit of the project, or of the face alone."""
+
 
 @dataclass(slots=True, unsafe_hash=True)  # frozen, a million of them take 8 s more
 class PlannedLine:
@@ -85,6 +88,13 @@ class BuiltLine:
     figures: tuple[JudgedFigure, ...] = ()
     written: Mapping[str, str] = field(default_factory=dict)
     """Digest of the content of each output, by its path from the project's folder."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Place of the line in the counts of a build."""
+        if self.outcome == "failed":
+            return "failed"
+        return "over" if self.failed else "doubted" if self.doubted else "passed"
 
     @property
     def failed(self) -> tuple[JudgedFigure, ...]:

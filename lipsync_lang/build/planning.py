@@ -1,5 +1,6 @@
 """Compare the lines of a script with the record of the last build: which are stale, and why."""
 
+import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +12,7 @@ import numpy as np
 from lipsync_lang.build.digests import digest, file_digest
 from lipsync_lang.build.needs import PairNeeds, told
 from lipsync_lang.build.planned_line import PlannedLine
-from lipsync_lang.build.records import Key, LineRecord, Records, Written
+from lipsync_lang.build.records import NEED, Key, LineRecord, Records, Written
 from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -133,14 +134,14 @@ def _changed_needs(
             grouped.setdefault((line.language, line.character), []).append(line.key)
     out: dict[Key, tuple[str, ...]] = {}
     for pair, keys in grouped.items():
-        arrays = [known[key].needs for key in keys]
-        every = np.concatenate(arrays)
+        each = [known[key].needs for key in keys]
+        every = np.frombuffer(b"".join(each), NEED)
         numbers, at = np.unique(every["number"], return_inverse=True)
         values = [needs[pair].current(records.names[number]) for number in numbers.tolist()]
         now = np.frombuffer(b"".join(values), "<u8")
         other = np.flatnonzero(now[at.reshape(-1)] != every["digest"])
         if other.size:
-            ends = np.cumsum([len(one) for one in arrays])
+            ends = np.cumsum([len(one) for one in each]) // NEED.itemsize
             for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
                 name = records.names[int(every["number"][place])]
                 out[keys[row]] = (*out.get(keys[row], ()), name)
@@ -167,7 +168,7 @@ class _Planner:
         else:
             reasons += self._inputs_changed(inputs, record)
             reasons += _in_words(changed)
-            if record.result.get("outcome") == "failed":
+            if record.verdict == "failed":
                 reasons.append("it failed in the last build")
         if self.force:
             reasons.append("everything is asked for")
@@ -183,7 +184,7 @@ class _Planner:
         return PlannedStep(line, inputs, tuple(reasons), tuple(kept), tuple(unknown), record)
 
     def _inputs_changed(self, inputs: Mapping[str, Any], record: LineRecord) -> Iterator[str]:
-        if record.result.get("outcome") == "failed":
+        if record.verdict == "failed":
             return
         for part, words in INPUTS.items():
             now, then = inputs.get(part), record.inputs.get(part)
@@ -196,9 +197,10 @@ class _Planner:
         if part not in ("timings", "audio") or not now or not then or now[0] != then[0]:
             return False
         try:
-            return file_digest(self.folder / now[0]) == record.contents.get(now[0])
+            now_digest = file_digest(self.folder / now[0])
         except OSError:
             return False
+        return bool(now_digest == json.loads(record.contents).get(now[0]))
 
     def _state(self, path: str, written: Written | None) -> str:
         """Return the state of an output: `sound`, or one of `AGAIN` or `STANDING`."""
@@ -235,11 +237,11 @@ def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[s
     }
     for part, path in (("timings", line.timings), ("audio", line.audio)):
         if path is not None:
-            inputs[part] = [str(path), *_stamp(folder / path)]
+            inputs[part] = [str(path), *_stamp(os.path.join(folder, path))]  # noqa: PTH118
     return inputs
 
 
-def _stamp(path: Path) -> tuple[int, int]:
+def _stamp(path: str) -> tuple[int, int]:
     """Return size and time of a file; a missing one has neither."""
     try:
         stat = os.stat(path)  # noqa: PTH116 as above

@@ -9,12 +9,13 @@ import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
+from lipsync_lang.build.planned_line import Verdict
 from lipsync_lang.errors import LipsyncError, OutputError
 
 FOLDER = ".lipsync_lang"
@@ -22,7 +23,7 @@ FOLDER = ".lipsync_lang"
 
 FILE = "build.sqlite"
 
-FORM = 1
+FORM = 2
 """Form of the tables; a record of another form is put aside."""
 
 Key = tuple[str, str, str]
@@ -36,7 +37,7 @@ CREATE TABLE IF NOT EXISTS need (number INTEGER PRIMARY KEY, name TEXT NOT NULL 
 CREATE TABLE IF NOT EXISTS line (
   language TEXT NOT NULL, character TEXT NOT NULL, name TEXT NOT NULL,
   at INTEGER NOT NULL, inputs TEXT NOT NULL, contents TEXT NOT NULL, needs BLOB NOT NULL,
-  outputs TEXT NOT NULL, result TEXT NOT NULL,
+  outputs TEXT NOT NULL, verdict TEXT NOT NULL, result TEXT NOT NULL,
   PRIMARY KEY (language, character, name)
 ) WITHOUT ROWID;
 """
@@ -60,18 +61,20 @@ class LineRecord:
     Parameters
     ----------
     inputs : what the project says of the line, and sizes and times of its files
-    contents : digest of each file that it was made from, by path
-    needs : (n,) needs with their digests
+    contents : digest of each file that it was made from, by path; JSON
+    needs : bytes of (n,) `NEED`: needs with their digests
     outputs : by path from the project's folder
-    result : what a report shows of it
+    verdict : of the line
+    result : what a report shows of it; JSON, which is decoded where a report wants it
     at : when it was made, in nanoseconds
     """
 
     inputs: Mapping[str, Any]
-    contents: Mapping[str, str]
-    needs: Any
+    contents: str
+    needs: bytes
     outputs: Mapping[str, Written]
-    result: Mapping[str, Any] = field(default_factory=dict)
+    verdict: Verdict
+    result: str
     at: int = 0
 
 
@@ -116,23 +119,26 @@ class Records:
     def lines(self) -> dict[Key, LineRecord]:
         """Return every record."""
         rows = self._base.execute(
-            "SELECT language, character, name, at, inputs, contents, needs, outputs, result "
-            "FROM line"
+            "SELECT language, character, name, at, inputs, contents, needs, outputs, verdict, "
+            "result FROM line"
         )
         return {
             (language, character, name): LineRecord(
                 json.loads(inputs),
-                json.loads(contents),
-                np.frombuffer(needs, NEED),
+                contents,
+                needs,
                 {path: Written(*one) for path, one in json.loads(outputs).items()},
-                json.loads(result),
+                verdict,
+                result,
                 at,
             )
-            for language, character, name, at, inputs, contents, needs, outputs, result in rows
-        }
+            for (
+                language, character, name, at, inputs, contents, needs, outputs, verdict, result
+            ) in rows
+        }  # fmt: skip
 
-    def packed(self, needs: Mapping[str, bytes]) -> Any:
-        """Return needs as an array, and give numbers to those that have none yet."""
+    def packed(self, needs: Mapping[str, bytes]) -> bytes:
+        """Return needs as bytes of `NEED`, and give numbers to those that have none yet."""
         new = [name for name in needs if name not in self.numbers]
         for name in new:
             number = len(self.numbers)
@@ -145,16 +151,16 @@ class Records:
         out = np.empty(len(needs), NEED)
         out["number"] = [self.numbers[name] for name in needs]
         out["digest"] = np.frombuffer(b"".join(needs.values()), "<u8")
-        return out
+        return out.tobytes()
 
     def put(self, records: Iterable[tuple[Key, LineRecord]]) -> None:
         """Write records in one transaction, safe from a loss of power."""
         now = time.time_ns()
         self._base.executemany(
-            "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+            "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
             [
-                (*key, now, _json(one.inputs), _json(one.contents), one.needs.tobytes(),
-                 _json(one.outputs), _json(one.result))
+                (*key, now, as_json(one.inputs), one.contents, one.needs, as_json(one.outputs),
+                 one.verdict, one.result)
                 for key, one in records
             ],
         )  # fmt: skip
@@ -168,7 +174,8 @@ class Records:
         self._base.commit()
 
 
-def _json(value: object) -> str:
+def as_json(value: object) -> str:
+    """Return a value as the record holds it."""
     return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 
 

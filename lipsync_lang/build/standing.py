@@ -5,7 +5,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from lipsync_lang.build.archives import Member, members, rewrite, split_archive
-from lipsync_lang.build.digests import file_digest
+from lipsync_lang.build.digests import output_digest, output_file_digest
 
 
 class StandingOutputs:
@@ -18,6 +18,7 @@ class StandingOutputs:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._home = str(folder)
         self._listed: dict[str, dict[str, Member]] = {}
 
     def stamp(self, path: str) -> tuple[int, int] | None:
@@ -27,7 +28,7 @@ class StandingOutputs:
             found = self._members(split[0]).get(split[1])
             return None if found is None else (found.size, found.crc)
         try:
-            stat = os.stat(self.folder / path)  # noqa: PTH116 ten thousands of them
+            stat = os.stat(os.path.join(self._home, path))  # noqa: PTH116, PTH118 ten thousands
         except OSError:
             return None
         return stat.st_size, stat.st_mtime_ns
@@ -37,9 +38,9 @@ class StandingOutputs:
         split = split_archive(path)
         if split is not None:
             found = self._members(split[0]).get(split[1])
-            return "" if found is None else member_digest(found.crc)
+            return "" if found is None else output_digest(found.crc, found.size)
         with suppress(OSError):
-            return file_digest(self.folder / path)
+            return output_file_digest(self.folder / path)
         return ""
 
     def delete(self, paths: list[str]) -> None:
@@ -59,8 +60,3 @@ class StandingOutputs:
         if archive not in self._listed:
             self._listed[archive] = members(self.folder / archive)
         return self._listed[archive]
-
-
-def member_digest(crc: int) -> str:
-    """Return the digest of a member of an archive, which the archive itself lists."""
-    return f"crc-{crc:08x}"

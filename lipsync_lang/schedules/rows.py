@@ -88,6 +88,8 @@ def with_words(schedule: Schedule, spans: Sequence[tuple[str, float, float]]) ->
     """Return a schedule with words from (text, start, end); silent words are left out."""
     from dataclasses import replace
 
+    if not spans and not schedule.words:
+        return schedule
     found = words_from_spans(schedule, list(spans))
     heard = [w for w in found if set(schedule.labels[w.first : w.stop]) != {SILENCE}]
     return replace(schedule, words=tuple(heard))
