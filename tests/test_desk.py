@@ -14,7 +14,7 @@ from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.packs.splicing import ABSENT, SplicedText, plain
 from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.packs.yaml.source import read_yaml
-from lipsync_lang.studio import desk as desk_module
+from lipsync_lang.studio import edit_journal
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.merging import EditConflict, SaveConflict, differences
 
@@ -217,7 +217,7 @@ def test_a_damaged_journal_is_put_aside(content, why, bank, journal):
 
 
 def test_a_long_journal_is_written_anew(bank, journal, monkeypatch):
-    monkeypatch.setattr(desk_module, "MAX_JOURNAL_LINES", 5)
+    monkeypatch.setattr(edit_journal, "MAX_JOURNAL_LINES", 5)
     desk = Desk(journal)
     for number in range(1, 20):
         desk.change(f"Step {number}", [(bank, BOUNDARY, number / 20)])
@@ -244,7 +244,7 @@ def test_a_drag_is_one_line_of_the_journal(bank, journal):
 
 
 def test_a_drag_goes_on_in_a_journal_written_anew(bank, journal, monkeypatch):
-    monkeypatch.setattr(desk_module, "MAX_JOURNAL_LINES", 2)
+    monkeypatch.setattr(edit_journal, "MAX_JOURNAL_LINES", 2)
     desk = Desk(journal)
     for number in range(1, 9):
         loc = BOUNDARY if number % 2 else ("bigrams", "p-yu", "boundary")

@@ -9,31 +9,24 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import unified_diff
-from itertools import zip_longest
 from pathlib import Path
-from typing import Any
 from weakref import finalize
 
 from lipsync_lang.errors import LipsyncError, OutputError, PackError
-from lipsync_lang.files import write_all
 from lipsync_lang.files.locking import claim
-from lipsync_lang.files.targets import file_behind
-from lipsync_lang.packs.finding import Finder
 from lipsync_lang.packs.splicing import SplicedText, get
 from lipsync_lang.packs.yaml.faults import shown
 from lipsync_lang.packs.yaml.source import Loc
 from lipsync_lang.studio.edit_journal import (
     JournalError,
+    JournalKeeper,
     Line,
-    append,
-    base_line,
     edit_of,
     line_of,
     put_aside,
     read_journal,
-    whole,
-    write_journal,
 )
+from lipsync_lang.studio.editable_files import refuse, shipped_folders, write_together
 from lipsync_lang.studio.merging import (
     Choices,
     EditConflict,
@@ -57,9 +50,6 @@ from lipsync_lang.studio.sheets import (
 
 RESTORED = "edits found again"
 """Title of a step that a journal keeps as a whole text."""
-
-MAX_JOURNAL_LINES = 250
-"""Lines after which a journal is written anew with the texts alone; a line takes 10 ms to read."""
 
 MAX_TOUCHED = 10_000
 """Latest edits that are remembered to find conflicts between tabs."""
@@ -97,12 +87,9 @@ class Desk:
         self._done: list[Step] = []
         self._undone: list[Step] = []
         self._touched: deque[tuple[int, str, Path, Loc]] = deque(maxlen=MAX_TOUCHED)
-        self._shipped = _installed() if shipped is None else tuple(shipped)
-        self._journal: Path | None = None
-        self._lines = 0
-        self._opened: set[Path] = set()
-        self._last: tuple[Line, int] | None = None
-        self._stale = self._replaying = False
+        self._shipped = shipped_folders() if shipped is None else tuple(shipped)
+        self._journal: JournalKeeper | None = None
+        self._replaying = False
         held = None if journal is None else claim(journal.with_name(f"{journal.name}.lock"))
         if held is not None:
             finalize(self, os.close, held)
@@ -112,8 +99,8 @@ class Desk:
                 "here are lost if this one is killed before you save"
             )
         elif journal is not None:
-            self._restore(journal)
-            self._journal = journal
+            lines = self._restore(journal)
+            self._journal = JournalKeeper(journal, lines, {*self._sheets})
 
     # What there is
 
@@ -323,25 +310,7 @@ class Desk:
         return Sheet(path, disk, saved, saved)
 
     def _refuse(self, path: Path) -> None:
-        """Raise an error for a file that may not be edited."""
-        if not path.is_absolute() or path.suffix != ".yaml":
-            raise OutputError(f"{path}: is no pack's file; name it in full, ending in .yaml")
-        real = Path(os.path.realpath(path))
-        folder = next((root for root in self._shipped if real.is_relative_to(root)), None)
-        if folder is not None:
-            raise OutputError(
-                f"{shown(path)}: is shipped with a distribution, and an update would undo edits; "
-                f"copy it to {real.relative_to(folder)} in your project and edit it there"
-            )
-        try:
-            file_behind(path)
-        except OSError as error:
-            raise OutputError(f"{shown(path)}: {error.strerror or error}") from None
-        other = next(
-            (p for p in self._sheets if p != path and Path(os.path.realpath(p)) == real), None
-        )
-        if other is not None:
-            raise OutputError(f"{shown(path)}: is the file {shown(other)}; edit it by that name")
+        refuse(path, self._shipped, self._sheets)
 
     # Saving
 
@@ -380,7 +349,7 @@ class Desk:
             for sheet, disk, plan in plans
             if plan.text.parts and plan.text.content != disk
         }
-        _write_all(written)
+        write_together(written)
         for sheet, disk, plan in plans:
             text = plan.text
             if disk != sheet.base:
@@ -395,7 +364,8 @@ class Desk:
     ) -> None:
         """Put what changed on the disk into every text that undo and redo reach."""
         taken = differences(sheet.saved.data, theirs.data)
-        self._stale = True
+        if self._journal is not None:
+            self._journal.stale = True
         self._touch([(sheet.path, loc) for loc, _ in taken], "")
         try:
             rebase([*self._done, *reversed(self._undone)], sheet, theirs, now, dropped)
@@ -408,45 +378,36 @@ class Desk:
     # The journal
 
     def _write(self, step: Step, line: Line) -> None:
-        """Append a line to the journal, after the content of files that it does not have yet."""
+        """Keep an edit in the journal."""
         if self._journal is None:
             return
-        if self._stale or self._lines >= MAX_JOURNAL_LINES or not step.journaled:
+        if self._journal.full or not step.journaled:
             self._compact()
-            return
-        opened = [
-            base_line(sheet) for path, sheet in self._sheets.items() if path not in self._opened
-        ]
-        self._opened |= {*self._sheets}
-        again = self._last is not None and not opened and _states_again(self._last[0], line)
-        self._lines += not again
-        at = self._last[1] if self._last is not None and again else None
-        self._last = line, append(self._journal, [*opened, line], at)
+        else:
+            self._journal.add(line, self._sheets.values())
 
     def _compact(self) -> None:
         """Write the journal anew: the files with unsaved edits, without steps."""
         if self._journal is None:
             return
-        edited = [sheet for sheet in self._sheets.values() if sheet.edited]
-        write_journal(self._journal, (line for sheet in edited for line in whole(sheet)))
-        self._opened = {sheet.path for sheet in edited}
-        self._lines, self._stale, self._last = 2 * len(edited), False, None
+        self._journal.rewrite(sheet for sheet in self._sheets.values() if sheet.edited)
         for step in [*self._done, *self._undone]:
             step.journaled = False
 
-    def _restore(self, journal: Path) -> None:
-        """Make the edits of a journal again; put a damaged one aside."""
+    def _restore(self, journal: Path) -> int:
+        """Make the edits of a journal again, and count its lines; put a damaged one aside."""
+        lines: list[Line] = []
         try:
             lines = read_journal(journal)
             self._replaying = True
             for line in lines:
                 self._replay(line)
-            self._lines, self._opened = len(lines), {*self._sheets}
         except (LipsyncError, KeyError, TypeError, ValueError) as error:
             self._sheets.clear()
             self._done.clear()
             self._undone.clear()
             self._touched.clear()
+            lines = []
             why = str(error) if isinstance(error, LipsyncError) else "is damaged"
             try:
                 where = f"it is kept as {put_aside(journal)}"
@@ -456,6 +417,7 @@ class Desk:
         finally:
             self._replaying = False
         self.restored = len(self._done)
+        return len(lines)
 
     def _replay(self, line: Line) -> None:
         """Make one line of a journal again."""
@@ -483,39 +445,3 @@ class Desk:
             self.redo()
         else:
             raise JournalError("has lines of a newer version")
-
-
-def _write_all(contents: Mapping[Path, bytes]) -> None:
-    """Write files together; folders that are missing are made."""
-
-    def writer(content: bytes) -> Any:
-        return lambda stream: stream.write(content)
-
-    for path in contents:
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            why = error.strerror or error
-            raise OutputError(f"{path.parent}: cannot be made: {why}") from None
-    write_all({path: writer(content) for path, content in contents.items()}, durable=True)
-
-
-def _installed() -> tuple[Path, ...]:
-    """Return the folders of packs that come with distributions, the program's own among them."""
-    found = Finder().roots
-    return tuple(
-        root.path.resolve() for root in found if root.origin.startswith(("built-in", "installed"))
-    )
-
-
-def _states_again(last: Line, line: Line) -> bool:
-    """Return True if a line makes the one before it needless: the next move of the same drag."""
-    drag = "merge" in line and line["merge"] and not last.get("create", True)
-    keys = ("change", "merge", "tab")
-    return bool(drag) and all(
-        [last[key] for key in keys] == [line[key] for key in keys]
-        and (one["file"], one["at"]) == (other["file"], other["at"])
-        for one, other in zip_longest(
-            last["edits"], line["edits"], fillvalue={"file": "", "at": ()}
-        )
-    )

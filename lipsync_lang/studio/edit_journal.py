@@ -6,6 +6,7 @@ Each line is JSON. A line is appended at each edit, so a kill loses at most the 
 import json
 import os
 from collections.abc import Iterable, Mapping
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +21,57 @@ HEADER = {"journal": "lipsync-lang studio", "format": 1}
 MAX_JOURNAL_BYTES = 64 * 2**20
 """Largest journal that is read."""
 
+MAX_JOURNAL_LINES = 250
+"""Lines after which a journal is written anew with the texts alone; a line takes 10 ms to read."""
+
 Line = dict[str, Any]
 
 
 class JournalError(LipsyncError):
     """A journal is damaged, or another program's file."""
+
+
+class JournalKeeper:
+    """A journal that edits are added to.
+
+    Parameters
+    ----------
+    path : the file
+    lines : number of its lines
+    opened : files whose content it has
+
+    Attributes
+    ----------
+    stale : True if the content of a file in it is no longer that of the disk
+    """
+
+    def __init__(self, path: Path, lines: int, opened: set[Path]) -> None:
+        self.path = path
+        self.stale = False
+        self._lines = lines
+        self._opened = opened
+        self._last: tuple[Line, int] | None = None
+
+    @property
+    def full(self) -> bool:
+        """True if the next edit is better kept by writing the journal anew."""
+        return self.stale or self._lines >= MAX_JOURNAL_LINES
+
+    def add(self, line: Line, sheets: Iterable[Sheet]) -> None:
+        """Append a line, after the content of files that the journal does not have yet."""
+        new = [sheet for sheet in sheets if sheet.path not in self._opened]
+        self._opened |= {sheet.path for sheet in new}
+        again = self._last is not None and not new and _states_again(self._last[0], line)
+        self._lines += not again
+        at = self._last[1] if self._last is not None and again else None
+        self._last = line, append(self.path, [*map(base_line, new), line], at)
+
+    def rewrite(self, edited: Iterable[Sheet]) -> None:
+        """Write the journal anew with the texts of files alone."""
+        kept = [*edited]
+        write_journal(self.path, (line for sheet in kept for line in whole(sheet)))
+        self._opened = {sheet.path for sheet in kept}
+        self._lines, self.stale, self._last = 2 * len(kept), False, None
 
 
 def read_journal(path: Path) -> list[Line]:
@@ -92,6 +139,19 @@ def put_aside(path: Path) -> Path:
 
 def _row(line: Mapping[str, Any]) -> bytes:
     return json.dumps(line, ensure_ascii=False, separators=(",", ":")).encode() + b"\n"
+
+
+def _states_again(last: Line, line: Line) -> bool:
+    """Return True if a line makes the one before it needless: the next move of the same drag."""
+    drag = "merge" in line and line["merge"] and not last.get("create", True)
+    keys = ("change", "merge", "tab")
+    return bool(drag) and all(
+        [last[key] for key in keys] == [line[key] for key in keys]
+        and (one["file"], one["at"]) == (other["file"], other["at"])
+        for one, other in zip_longest(
+            last["edits"], line["edits"], fillvalue={"file": "", "at": ()}
+        )
+    )
 
 
 # Lines

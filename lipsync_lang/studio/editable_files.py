@@ -1,0 +1,62 @@
+"""Files that the studio may edit, and writing them together."""
+
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files import write_all
+from lipsync_lang.files.targets import file_behind
+from lipsync_lang.packs.finding import Finder
+from lipsync_lang.packs.yaml.faults import shown
+
+
+def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
+    """Raise `OutputError` for a file that may not be edited.
+
+    Parameters
+    ----------
+    shipped : folders of distributions
+    others : files that are edited already; one file is edited by one name
+    """
+    if not path.is_absolute() or path.suffix != ".yaml":
+        raise OutputError(f"{path}: is no pack's file; name it in full, ending in .yaml")
+    real = Path(os.path.realpath(path))
+    folder = next((root for root in shipped if real.is_relative_to(root)), None)
+    if folder is not None:
+        raise OutputError(
+            f"{shown(path)}: is shipped with a distribution, and an update would undo edits; "
+            f"copy it to {real.relative_to(folder)} in your project and edit it there"
+        )
+    try:
+        file_behind(path)
+    except OSError as error:
+        raise OutputError(f"{shown(path)}: {error.strerror or error}") from None
+    other = next((p for p in others if p != path and Path(os.path.realpath(p)) == real), None)
+    if other is not None:
+        raise OutputError(f"{shown(path)}: is the file {shown(other)}; edit it by that name")
+
+
+def shipped_folders() -> tuple[Path, ...]:
+    """Return the folders of packs that come with distributions, the program's own among them."""
+    return tuple(
+        root.path.resolve()
+        for root in Finder().roots
+        if root.origin.startswith(("built-in", "installed"))
+    )
+
+
+def write_together(contents: Mapping[Path, bytes]) -> None:
+    """Write files, all or none; folders that are missing are made."""
+
+    def writer(content: bytes) -> Any:
+        return lambda stream: stream.write(content)
+
+    for path in contents:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            why = error.strerror or error
+            raise OutputError(f"{path.parent}: cannot be made: {why}") from None
+    write_all({path: writer(content) for path, content in contents.items()}, durable=True)
