@@ -2,14 +2,17 @@
 
 import os
 from pathlib import Path
+from shutil import rmtree
 from zipfile import ZipFile
 
 import numpy as np
 import pytest
-from build_project import SOUNDS, Game
+from build_project import SOUNDS, Game, left_behind
 
 from lipsync_lang.build import keeping, making, needs
 from lipsync_lang.build.archives import rewrite
+from lipsync_lang.build.making import LineBatch
+from lipsync_lang.build.project_build import ProjectBuild
 from lipsync_lang.build.records import NEED, Records
 from lipsync_lang.cli import main
 
@@ -223,6 +226,33 @@ def test_a_full_disk_ends_the_build_with_what_was_made(game, monkeypatch):
     monkeypatch.undo()
     monkeypatch.chdir(game.folder)
     assert "map" in game.build().built
+
+
+def test_what_killed_builds_and_workers_left_is_deleted(game, monkeypatch):
+    before = left_behind(game.folder / "takes")
+    real, during = making.created, []
+
+    def created(temporary, target):
+        if not during:
+            during.append(left_behind(Path(target).parent, "y.csv"))
+        return real(temporary, target)
+
+    monkeypatch.setattr(making, "created", created)
+    assert game.build().built == ALL
+    assert not before.exists()
+    assert not during[0].exists()
+
+
+def test_a_worker_that_outlives_a_build_makes_lost_folders_again(game):
+    project = ProjectBuild.open()
+    batch = LineBatch("english", ("facefx",), tuple(project.lines))
+    maker, pairs = project.maker, {"facefx": project.pairs["english", "facefx"]}
+    assert {made.built.outcome for made in maker(batch, pairs)} == {"built"}
+    rmtree(game.folder / "takes")
+    assert {made.built.outcome for made in maker(batch, pairs)} == {"built"}
+    rmtree(game.folder / "takes")
+    (game.folder / "takes").symlink_to(game.folder.parent)
+    assert {made.built.outcome for made in maker(batch, pairs)} == {"failed"}
 
 
 def test_outputs_of_removed_lines_are_named_and_pruned_on_request(built):

@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import pytest
 import toy_work
+from build_project import left_behind
 from lanes import full
 
 import lipsync_lang as ll
@@ -156,6 +158,9 @@ def test_a_worker_that_does_not_see_the_folder_is_named(tmp_path):
     with dask_cluster.sight_mark(tmp_path) as mark, pytest.raises(LipsyncError, match=words):
         dask_cluster.check_sight(Blind(), tmp_path, mark)
     assert list(tmp_path.iterdir()) == []
+    left_behind(tmp_path, "seen")
+    with dask_cluster.sight_mark(tmp_path) as mark:
+        assert list(tmp_path.iterdir()) == [Path(mark)], "a killed build left its mark"
     with pytest.raises(LipsyncError, match="does not see this folder"):
         dask_cluster.run_there(mark, b"")
 
@@ -211,6 +216,7 @@ def alive(process):
 
 ENDLESS = """
 import toy_work
+from build_project import left_behind
 from lipsync_lang.build.workers import run_batches
 from lipsync_lang.files.signals import Terminated, terminating
 if __name__ == "__main__":
@@ -314,6 +320,15 @@ def test_a_scheduler_that_is_absent_is_named(monkeypatch, address, words):
     monkeypatch.setattr(dask_cluster, "LIMIT_SECONDS", 1)
     with pytest.raises(LipsyncError, match=words):
         list(run_batches(toy_work.doubled, [(1,)], scheduler=address))
+
+
+@full
+def test_a_server_that_is_no_scheduler_is_named(monkeypatch):
+    monkeypatch.setattr(dask_cluster, "LIMIT_SECONDS", 1)
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        address = f"tcp://127.0.0.1:{mute.getsockname()[1]}"
+        with pytest.raises(LipsyncError, match=f"{address}: no Dask scheduler answers within 1 s"):
+            list(run_batches(toy_work.doubled, [(1,)], scheduler=address))
 
 
 @full

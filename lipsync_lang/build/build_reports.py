@@ -73,9 +73,14 @@ def _name(project: ProjectBuild) -> str:
     return project.project.name if stated else project.folder.name
 
 
+def pages_folder(report: Path) -> Path:
+    """Return the folder of the pages that a report links to."""
+    return report.with_name(f"{report.stem}-lines")
+
+
 def _pages(project: ProjectBuild, outcome: BuildOutcome, report: Path) -> dict[Key, Path]:
     """Write the pages of the worst lines beside a report; those of unchanged lines stay."""
-    folder = report.with_name(f"{report.stem}-lines")
+    folder = pages_folder(report)
     pages: dict[Key, Path] = {}
     for built in worst_lines(outcome.lines(), MAX_PAGES):
         line = built.line

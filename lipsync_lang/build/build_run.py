@@ -144,7 +144,7 @@ def make(  # noqa: PLR0913 a plan, its means, and where to tell
         scheduler=scheduler,
         folder=maker.folder,
     )
-    with closing(running), keeper:  # type: ignore[type-var]  # a generator
+    with _swept_after(maker, stale), closing(running), keeper:  # type: ignore[type-var]  # a generator
         for found in running:
             results = _lost(found) if isinstance(found, LostBatch) else found
             outcome.kept += keeper.keep(results)
@@ -232,8 +232,17 @@ def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
             yield LineBatch(language, characters, tuple(lines[first : first + stride]))
 
 
-def _sweep(folder: Path, stale: Iterable[PlannedStep]) -> None:
+@contextmanager
+def _swept_after(maker: LineMaker, stale: Iterable[PlannedStep]) -> Iterator[None]:
+    """Delete at the end, also after an error, what workers made and nobody put in place."""
+    try:
+        yield
+    finally:
+        _sweep(maker.folder, stale, ended=maker.owner)
+
+
+def _sweep(folder: Path, stale: Iterable[PlannedStep], ended: str = "") -> None:
     """Delete what killed builds left in the folders of outputs."""
     paths = (path for step in stale for _, path in step.line.outputs)
     for parent in {parent_of(folder, path) for path in paths}:
-        sweep(parent)
+        sweep(parent, again=True, ended=ended)

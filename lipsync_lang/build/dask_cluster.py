@@ -21,6 +21,7 @@ from uuid import uuid4
 
 from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, Parcel, run_job
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.temporary import sweep, temporary_name
 from lipsync_lang.version import __version__
 
 if TYPE_CHECKING:
@@ -43,8 +44,8 @@ CHECKED = ("distributed", "numpy")
 
 PACKAGE = "lipsync-lang"
 
-MARK = ".lipsync-seen-"
-"""Start of the name of the file by which workers show that they see the project's folder."""
+MARK = "seen"
+"""Name of the file by which workers show that they see the project's folder."""
 
 
 def run_on_cluster(jobs: Iterator[Job], address: str, folder: Path | None) -> Iterator[Any]:
@@ -82,6 +83,7 @@ def _client(address: str) -> "Iterator[Client]":
 
     start = "start one with `dask scheduler`, and name the address that it prints"
     try:
+        _greet(address)
         client = Calm(address, timeout=LIMIT_SECONDS, set_as_default=False)
     except (ValueError, TypeError, KeyError) as error:
         raise LipsyncError(
@@ -89,14 +91,30 @@ def _client(address: str) -> "Iterator[Client]":
             "tcp://host:8786"
         ) from None
     except (OSError, RuntimeError) as error:
+        why = f" ({error})" if str(error) else ""
         raise LipsyncError(
-            f"{address}: no Dask scheduler answers within {LIMIT_SECONDS} s ({error}); {start}"
+            f"{address}: no Dask scheduler answers within {LIMIT_SECONDS} s{why}; {start}"
         ) from None
     try:
         yield client
     finally:
         with suppress(Exception):
             client.close(timeout=LIMIT_SECONDS)
+
+
+def _greet(address: str) -> None:
+    """Shake hands with a server of Dask; a client would wait without end for one that is none."""
+    import asyncio
+
+    from distributed import Security
+    from distributed.comm import connect
+
+    async def greeting() -> None:
+        security = Security().get_connection_args("client")
+        comm = await connect(address, timeout=LIMIT_SECONDS, **security)
+        comm.abort()
+
+    asyncio.run(asyncio.wait_for(greeting(), LIMIT_SECONDS + 1))
 
 
 def check_versions(client: "Client", address: str) -> None:
@@ -140,7 +158,8 @@ def sight_mark(folder: Path | None) -> Iterator[str]:
     if folder is None:
         yield ""
         return
-    path = folder.resolve() / f"{MARK}{uuid4().hex}"
+    path = folder.resolve() / temporary_name(MARK)
+    sweep(path.parent, again=True)  # the mark of a killed build
     try:
         path.touch()
     except OSError as error:

@@ -23,7 +23,7 @@ from lipsync_lang.build.needs import BuildSettings, PairNeeds
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.temporary import temporary_name
+from lipsync_lang.files.temporary import temporary_name, this_process
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -81,17 +81,20 @@ class LineMaker:
     ----------
     folder : the project's
     settings : of the build
+    owner : the process that puts outputs in place, or deletes them if it is interrupted
     """
 
     folder: Path
     settings: BuildSettings
+    owner: str = field(default_factory=this_process)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickle the fields alone."""
-        return {name: vars(self)[name] for name in ("folder", "settings")}
+        return {name: vars(self)[name] for name in ("folder", "settings", "owner")}
 
     def __call__(self, batch: LineBatch, pairs: Mapping[str, PairNeeds]) -> list[MadeLine]:
         """Make the lines of a batch, in order; `pairs` has the needs of each character."""
+        self._folders.clear()  # a worker outlives a build, and folders may go or become links
         first = {line.name: line for line in reversed(batch.lines)}
         contents = {name: self._contents(line) for name, line in first.items()}  # before reading
         timed = list(zip(batch.lines, self._timed(batch.lines, pairs), strict=True))
@@ -210,7 +213,8 @@ class LineMaker:
             content = stream.getbuffer()
             within, _, last = path.rpartition("/")
             parent = self._waiting(within, path)
-            temporary = os.path.join(parent, temporary_name(last))  # noqa: PTH118 once a file
+            hidden = temporary_name(last, self.owner)
+            temporary = os.path.join(parent, hidden)  # noqa: PTH118 once a file
             with created(temporary, os.path.join(parent, last)) as out:  # noqa: PTH118
                 files.append(MadeFile(path, temporary, 0, 0, ""))
                 out.write(content)
@@ -253,7 +257,7 @@ class LineMaker:
 
     @cached_property
     def _folders(self) -> dict[str, str]:
-        """Folders in which outputs wait, known to lie within the project's, by path of theirs."""
+        """Folders in which outputs wait, found within the project's by this batch, by path."""
         return {}
 
 

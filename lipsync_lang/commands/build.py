@@ -3,14 +3,15 @@
 import json
 import sys
 from argparse import Namespace
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
 from lipsync_lang.commands.output import FAULTS, SOUND, count
-from lipsync_lang.errors import LipsyncError
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
@@ -27,16 +28,23 @@ LOG_SECONDS = 10.0
 
 def build(options: Namespace) -> int:
     """Make what changed since the last build, and report on all of it."""
-    return _watch(options) if options.watch else _once(options)
+    if options.watch:
+        return watch_project(options, partial(_once, options))
+    return _once(options, StandingRemarks(), MadeByBuilds())
 
 
-def _once(options: Namespace) -> int:
+def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> int:
     from lipsync_lang.build.build_run import locked, make
     from lipsync_lang.build.keeping import prune
     from lipsync_lang.build.records import Records
 
     teller = BuildTeller(as_events=options.json)
-    project = _opened(options)
+    project = _opened(options, remarks)
+    reports = options.reports or [project.folder / path for path in project.project.reports]
+    if options.watch:
+        made.learn(project, reports)
+    for fault in project.unsound.values():
+        remarks(str(fault))
     lock = nullcontext() if options.dry_run else locked(project.folder, teller)
     with lock, Records.open(project.folder, write=not options.dry_run) as records:
         plan = project.plan(records, force=options.force, overwrite=options.overwrite)
@@ -52,10 +60,10 @@ def _once(options: Namespace) -> int:
             tell=teller,
         )
         deleted = prune(plan, project.folder, records) if options.prune else []
-    return _ended(options, project, outcome, teller, deleted)
+    return _ended(options, project, outcome, teller, Ended(reports, deleted, remarks.changed))
 
 
-def _opened(options: Namespace) -> "ProjectBuild":
+def _opened(options: Namespace, remarks: StandingRemarks) -> "ProjectBuild":
     from lipsync_lang.build.project_build import ProjectBuild, Selection
 
     selection = Selection(
@@ -65,7 +73,7 @@ def _opened(options: Namespace) -> "ProjectBuild":
         paths=options.path,
         selection=selection,
         tts=options.tts,
-        remark=lambda text: print(text, file=sys.stderr),
+        remark=remarks,
     )
 
 
@@ -125,9 +133,7 @@ def _listed(plan: "BuildPlan", project: "ProjectBuild", *, as_events: bool) -> i
         else:
             print(f"{line.language} {line.character} {line.name}: {_reasons(step.reasons)}")
     told = f"{count(len(stale), 'line')} of {len(plan.steps)} would be made"
-    _tell_all(
-        [f"{told}; {_kept(plan.kept)}" if plan.kept else told, *map(str, project.unsound.values())]
-    )
+    _tell_all([f"{told}; {_kept(plan.kept)}" if plan.kept else told])
     return FAULTS if project.unsound else SOUND
 
 
@@ -136,20 +142,34 @@ def _reasons(reasons: tuple[str, ...]) -> str:
     return f"{shown} and {len(reasons) - 3} more" if len(reasons) > 3 else shown  # noqa: PLR2004
 
 
+class Ended(NamedTuple):
+    """Results of a build besides its lines.
+
+    Parameters
+    ----------
+    reports : files to write
+    deleted : outputs of lines that the script no longer has
+    changed : True if its remarks are others than those of the build before
+    """
+
+    reports: Sequence[Path]
+    deleted: list[str]
+    changed: bool
+
+
 def _ended(
     options: Namespace,
     project: "ProjectBuild",
     outcome: "BuildOutcome",
     teller: BuildTeller,
-    deleted: list[str],
+    ended: "Ended",
 ) -> int:
     """Tell the outcome, write the reports, and return the exit code."""
     from lipsync_lang.build.build_reports import report
 
     wipe()
-    reports = options.reports or [project.folder / path for path in project.project.reports]
     refused = project.refused()
-    tally, over = report(project, outcome, refused, reports, SHOWN_LINES)
+    tally, over = report(project, outcome, refused, ended.reports, SHOWN_LINES)
     figures = {
         "lines": len(project.lines),
         "built": sum(one.outcome == "built" for one in outcome.built.values()),
@@ -159,14 +179,14 @@ def _ended(
         "doubted": tally.doubtful,
         "kept": outcome.kept,
         "gone": [] if options.prune else _gone(outcome),
-        "deleted": deleted,
-        "reports": [str(path) for path in reports],
+        "deleted": ended.deleted,
+        "reports": [str(path) for path in ended.reports],
         "seconds": round(outcome.seconds, 3),
     }
     if options.json:
         teller("end", figures)
-    elif outcome.built or not options.watch:
-        _tell_all(_in_words(figures, project, over))
+    elif outcome.built or ended.changed or not options.watch:
+        _tell_all(_in_words(figures, over))
     return SOUND if tally.passed() else FAULTS
 
 
@@ -175,10 +195,7 @@ def _gone(outcome: "BuildOutcome") -> list[str]:
     return [path for _, record in outcome.plan.gone for path in record.outputs]
 
 
-def _in_words(
-    figures: Mapping[str, Any], project: "ProjectBuild", over: list[Any]
-) -> Iterator[str]:
-    yield from map(str, project.unsound.values())
+def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
     told = f"{count(figures['built'], 'line')} built in {figures['seconds']:.1f} s"
     yield f"{told}, {figures['current']} up to date, {figures['failed']} failed"
     for one in over:
@@ -215,39 +232,3 @@ def _some(paths: Any) -> str:
 def _tell_all(lines: Any) -> None:
     for line in lines:
         print(line, file=sys.stderr)
-
-
-def _watch(options: Namespace) -> int:
-    """Build whenever something changes, until it is interrupted."""
-    try:
-        from watchfiles import watch
-    except ImportError:
-        raise LipsyncError("--watch needs watchfiles: pip install 'lipsync-lang[watch]'") from None
-    from lipsync_lang.packs.project import find_project
-
-    file = find_project()
-    code = _tried(options)
-    folders = [
-        path for path in ((file or Path.cwd()).absolute().parent, *options.path) if path.exists()
-    ]
-    print("watching; end it with Ctrl-C", file=sys.stderr)
-    for _ in watch(*folders, watch_filter=_is_input, raise_interrupt=True):
-        code = _tried(options)
-    return code
-
-
-def _tried(options: Namespace) -> int:
-    """Build once; a fault of the project or its packs is told, and watching goes on."""
-    try:
-        return _once(options)
-    except LipsyncError as error:
-        print(f"lipsync-lang: {error}", file=sys.stderr)
-        return FAULTS
-
-
-def _is_input(_change: Any, path: str) -> bool:
-    """Return True for a file that a build may depend on."""
-    from lipsync_lang.build.records import FOLDER
-    from lipsync_lang.files.temporary import SUFFIX
-
-    return not path.endswith(SUFFIX) and FOLDER not in Path(path).parts

@@ -34,20 +34,31 @@ _TEMPORARY = re.compile(
 )
 
 
-def temporary_name(name: str) -> str:
-    """Return a unique hidden file name, with an ending by which `sweep` finds it."""
-    owner = f"{_host()}-{os.getpid()}"
-    return f".{name[:MAX_NAME_CHARS]}.{owner}-{os.urandom(4).hex()}{SUFFIX}"
+def this_process() -> str:
+    """Return the machine and the process, as names of temporary files have them."""
+    return f"{_host()}-{os.getpid()}"
 
 
-def sweep(folder: Path) -> None:
-    """Delete the temporary files of dead processes in a folder.
+def temporary_name(name: str, owner: str = "") -> str:
+    """Return a unique hidden file name, with an ending by which `sweep` finds it.
+
+    Parameters
+    ----------
+    name : of the output
+    owner : the process that puts it in place, if it is another than this one
+    """
+    whose = owner or this_process()
+    return f".{name[:MAX_NAME_CHARS]}.{whose}-{os.urandom(4).hex()}{SUFFIX}"
+
+
+def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
+    """Delete the temporary files of dead processes in a folder, and those of the owner `ended`.
 
     A process looks into the same folder once a minute at most, so that 10,000 outputs into one
-    folder do not each list all others.
+    folder do not each list all others; `again` looks at once.
     """
     now = time.monotonic()
-    if now < _swept.get(folder, -SWEEP_SECONDS) + SWEEP_SECONDS:
+    if not again and now < _swept.get(folder, -SWEEP_SECONDS) + SWEEP_SECONDS:
         return
     if len(_swept) >= MAX_SWEPT:
         _swept.clear()
@@ -58,8 +69,9 @@ def sweep(folder: Path) -> None:
             if found:
                 with suppress(OSError):
                     age = time.time() - entry.stat(follow_symlinks=False).st_mtime
-                    ours = found["host"] == _host()
-                    if age > STALE_SECONDS or (ours and _is_dead(int(found["process"]))):
+                    host, process = found["host"], found["process"]
+                    dead = host == _host() and _is_dead(int(process))
+                    if age > STALE_SECONDS or dead or f"{host}-{process}" == ended:
                         Path(entry.path).unlink()
 
 
