@@ -173,3 +173,16 @@ def test_calls_grow_at_most_with_the_lines_of_a_batch():
     many = calls(lambda: performer.perform_many(lines))
     assert many <= 4 * few
     assert many < sum(calls(lambda one=one: performer.perform(one)) for one in lines)
+
+
+def test_the_labels_of_a_line_are_read_once(monkeypatch):
+    performer = ll.resolve("english", "facefx")
+    schedule = Schedule(("M", "AA", "P"), [0, 0.1, 0.3, 0.4])
+    reader, read = type(performer.labels), []
+    real = reader._read_all
+    monkeypatch.setattr(
+        reader, "_read_all", lambda self, some: read.append(len(some)) or real(self, some)
+    )
+    ll.check(performer.perform(schedule))
+    performer.common_phonemes(schedule)
+    assert read == [1]

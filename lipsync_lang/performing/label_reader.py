@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, cast
+from typing import TYPE_CHECKING, Literal
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -69,14 +69,17 @@ class LabelReader:
         ScheduleError
             A label is in no notation of the language, or all labels of a schedule are mute.
         """
-        values, marks = self._read_all(schedules)
-        found = self._sounds.sounds(values, marks, [one.times for one in schedules])
-        for schedule, sounds in zip(schedules, found, strict=True):
-            if sounds is None:
-                raise ScheduleError(
-                    f"{schedule.source}: all its labels are mute; there is no sound in it"
-                )
-        return cast("list[LabelSounds]", found)
+        new = [one for one in schedules if one not in self._heard]
+        if new:
+            values, marks = self._read_all(new)
+            found = self._sounds.sounds(values, marks, [one.times for one in new])
+            for schedule, sounds in zip(new, found, strict=True):
+                if sounds is None:
+                    raise ScheduleError(
+                        f"{schedule.source}: all its labels are mute; there is no sound in it"
+                    )
+                self._heard[schedule] = sounds
+        return [self._heard[one] for one in schedules]
 
     def _read_all(self, schedules: Sequence[Schedule]) -> tuple[Ints, Ints]:
         """Return numbers of values and marks of all labels: (n,) each."""
@@ -258,6 +261,11 @@ class LabelReader:
     @cached_property
     def _numbers(self) -> dict[str, int]:
         return self.compiled.numbers(shades=self.shades)
+
+    @cached_property
+    def _heard(self) -> "WeakKeyDictionary[Schedule, LabelSounds]":
+        """Sounds of the schedules that were read: performing and judging a line read it thrice."""
+        return WeakKeyDictionary()
 
     @cached_property
     def _recognised(self) -> "WeakKeyDictionary[Schedule, str]":

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
-from lipsync_lang.quality.face_columns import Touch
 from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.measures import (
     Measured,
@@ -16,7 +15,6 @@ from lipsync_lang.quality.measures import (
     one,
     places,
     runs,
-    share,
     unjudged,
 )
 from lipsync_lang.quality.take import Take
@@ -47,8 +45,7 @@ def contacts(scene: Take) -> Iterable[Measured]:
         value = missed / demanded
     """
     unmade = scene.demanded & ~(scene.highest(scene.margin) >= 0)
-    wanted = scene.demanded.sum(axis=1).tolist()
-    for number, (touch, count) in enumerate(zip(scene.face.touches, wanted, strict=True)):
+    for number, (touch, count) in enumerate(zip(scene.face.touches, scene.wanted, strict=True)):
         if not count:
             yield from unjudged("no sound of the line demands it", of=touch.name)
             continue
@@ -56,7 +53,7 @@ def contacts(scene: Take) -> Iterable[Measured]:
         yield Measured(
             len(missed) / count,
             {"made": count - len(missed), "missed": len(missed)},
-            tuple(_missed(scene, number, missed)),
+            tuple(_missed(scene, number, missed)) if len(missed) else (),
             of=touch.name,
         )
     if not scene.face.touches:
@@ -93,20 +90,23 @@ def false_contacts(scene: Take) -> Iterable[Measured]:
     middles = (scene.track.bounds[:-1] + scene.track.bounds[1:]) / 2
     frames = scene.times.searchsorted(middles - scene.frame / 2)
     making = scene.margin[:, np.minimum(frames, len(scene.times) - 1)] >= 0
-    for number, touch in enumerate(scene.face.touches):
-        if not touch.raised:
-            yield from unjudged("a face at rest makes it", of=touch.name)
-            continue
-        others = scene.sounds & ~touch.phonemes[scene.track.ids]
-        made = np.flatnonzero(others & making[number])
-        yield Measured(
-            len(made) / max(1, int(others.sum())),
-            {"made": len(made)} if len(made) else {},
-            tuple(places(scene, dict.fromkeys(made.tolist(), f"makes '{touch.name}'"))),
-            of=touch.name,
-        )
     if not scene.face.touches:
         yield from unjudged(NO_CONTACT)
+        return
+    others = scene.sounds & ~scene.face.demanding[:, scene.track.ids]
+    wrong = others & making
+    counts = zip(wrong.sum(axis=1).tolist(), others.sum(axis=1).tolist(), strict=True)
+    for number, (touch, (count, sounds)) in enumerate(zip(scene.face.touches, counts, strict=True)):
+        if not scene.face.raised[number]:
+            yield from unjudged("a face at rest makes it", of=touch.name)
+            continue
+        made = np.flatnonzero(wrong[number]).tolist() if count else []
+        yield Measured(
+            count / max(1, sounds),
+            {"made": count} if count else {},
+            tuple(places(scene, dict.fromkeys(made, f"makes '{touch.name}'"))),
+            of=touch.name,
+        )
 
 
 class Offset(NamedTuple):
@@ -121,17 +121,14 @@ class Offset(NamedTuple):
 @once
 def offsets(scene: Take) -> tuple[Offset, ...]:
     """Return the offset of each closure of an animation."""
-    touches = enumerate(scene.face.touches)
-    return tuple(offset for number, touch in touches for offset in _offsets(scene, number, touch))
+    asked = [number for number, count in enumerate(scene.wanted) if count]
+    return tuple(offset for number in asked for offset in _offsets(scene, number))
 
 
-def _offsets(scene: Take, contact: int, touch: Touch) -> Iterator[Offset]:
-    bounds = scene.track.bounds
-    begin, past = runs(
-        scene.demanded[contact]
-    )  # neighbours that demand the contact share one closure
-    if not begin.size:
-        return
+def _offsets(scene: Take, contact: int) -> Iterator[Offset]:
+    bounds, raised = scene.track.bounds, scene.face.raised[contact]
+    # Neighbours that demand the contact share one closure.
+    begin, past = runs(scene.demanded[contact])
     first, stop = runs(scene.margin[contact] >= 0)
     if not first.size:
         return
@@ -140,25 +137,28 @@ def _offsets(scene: Take, contact: int, touch: Touch) -> Iterator[Offset]:
     owner = _nearest(middles, (start + end) / 2)
     sound = middles[owner]
     off = (start + end) / 2 - sound
-    if (
-        not touch.raised
-    ):  # the rest before and after a sound makes the contact too, so its middle says nothing
+    if not raised:
+        # The rest before and after a sound makes the contact too, so its middle says nothing.
         owner = np.arange(len(begin))
         start, end = _covering(start, end, middles)
         sound = middles
         off = np.maximum(0, start - sound) + np.minimum(0, end - sound)
     crowded = np.searchsorted(bounds[begin], end) - np.searchsorted(bounds[past], start) > 1
     away = np.maximum(start - bounds[past][owner], bounds[begin][owner] - end)
-    off[(crowded & touch.raised) | (away > SEARCH_SECONDS)] = np.inf
+    off[(crowded & raised) | (away > SEARCH_SECONDS)] = np.inf
+    least: dict[int, float] = {}
+    for number, seconds in zip(owner.tolist(), off.tolist(), strict=True):
+        if abs(seconds) < abs(least.get(number, np.inf)):
+            least[number] = seconds
+    name = scene.face.touches[contact].name
     for number, phoneme in enumerate(begin.tolist()):
-        own = off[owner == number]
-        if own.size and np.isfinite(own).any():
-            yield Offset(float(own[np.abs(own).argmin()]), phoneme, touch.name)
+        if number in least:
+            yield Offset(least[number], phoneme, name)
 
 
 def _covering(start: Floats, end: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Return start and end of the run that covers each time, or of the nearest run."""
-    before = (np.searchsorted(start, at, side="right") - 1).clip(0)
+    before = np.maximum(start.searchsorted(at, side="right") - 1, 0)
     after = np.minimum(before + 1, len(start) - 1)
     nearer = (start[after] - at < at - end[before]) & (at > end[before])
     chosen = np.where(nearer, after, before)
@@ -169,7 +169,7 @@ def _nearest(places: Floats, to: Floats) -> Ints:
     """Return the index of the nearest of `places`, which rise, for each of `to`."""
     if len(places) == 1:
         return np.zeros(len(to), np.intp)
-    after = np.searchsorted(places, to).clip(1, len(places) - 1)
+    after = np.minimum(np.maximum(places.searchsorted(to), 1), len(places) - 1)
     nearer: Bools = to - places[after - 1] <= places[after] - to
     return np.where(nearer, after - 1, after)
 
@@ -254,10 +254,11 @@ def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     room = np.minimum(shown - rule.get("at_least", -np.inf), rule.get("at_most", np.inf) - shown)
     best = scene.highest(room)[which]
     missed = ~(best >= -RULE_TOLERANCE)
+    count = int(np.count_nonzero(missed))
     descriptions = {
         int(number): f"misses it by {-short:.2f} of {rule['measure']}"
         for number, short in zip(which[missed], best[missed], strict=True)
     }
-    parts = {"kept": int((~missed).sum()), "missed": int(missed.sum())}
+    parts = {"kept": len(which) - count, "missed": count}
     found = tuple(places(scene, descriptions))
-    return [Measured(share(missed), parts, found, of=name, limit=rule["missed"])]
+    return [Measured(count / len(which), parts, found, of=name, limit=rule["missed"])]

@@ -51,7 +51,7 @@ def high_share(curve: Floats, fps: float) -> float:
     return float(power[above].sum() / max(power.sum(), sys.float_info.min))
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=64)  # the lengths of the lines of a script
 def _spectrum(count: int, fps: float) -> tuple[Floats, Bools]:
     """Return the window of so many frames, and the part of the spectrum above `HIGH_HERTZ`."""
     return np.hanning(count), np.fft.rfftfreq(count, 1 / fps) > HIGH_HERTZ
@@ -78,7 +78,7 @@ def open_frames(curve: Floats) -> tuple[Bools, Bools]:
     The first and the last frame count for neither.
     """
     opened, still = np.zeros((2, len(curve)), bool)
-    steps = np.abs(np.diff(curve))
+    steps = np.abs(curve[1:] - curve[:-1])
     opened[1:-1] = curve[1:-1] > SHUT_SHARE
     still[1:-1] = opened[1:-1] & (np.maximum(steps[1:], steps[:-1]) < STILL_STEP)
     return opened, still

@@ -42,11 +42,6 @@ class Touch(NamedTuple):
     high: Floats
     """(C,) upper bound of each column."""
 
-    @property
-    def raised(self) -> bool:
-        """True if the contact raises a column; a face at rest makes all other contacts."""
-        return bool(np.isfinite(self.low).any())
-
 
 class Roles(NamedTuple):
     """The pose set's facts about its poses and phonemes, for measures of motion."""
@@ -100,6 +95,16 @@ class Face:
     """By rule, (N,) True for its common phonemes and their shades."""
     roles: Roles | None = None
     """None for the channels of a rig."""
+
+    @cached_property
+    def raised(self) -> tuple[bool, ...]:
+        """Of each contact, whether it raises a column; a face at rest makes all others."""
+        return tuple(bool(np.isfinite(touch.low).any()) for touch in self.touches)
+
+    @cached_property
+    def demanding(self) -> Bools:
+        """(contacts, N) True for common phonemes that demand a contact."""
+        return np.stack([touch.phonemes for touch in self.touches])
 
     @cached_property
     def bounded(self) -> "Bounded":

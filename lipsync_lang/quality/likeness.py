@@ -70,9 +70,17 @@ LEAST_SOUNDS = 3
 """Medians are taken over no fewer sounds."""
 
 
+class Opening(NamedTuple):
+    """The columns that open the mouth, as one."""
+
+    curve: Floats
+    """(T,) their sum."""
+    peak: float
+
+
 @once
-def _opening(scene: Take) -> Floats | str:
-    """Return the sum of the columns that open the mouth, (T,), or the reason for none."""
+def _opening(scene: Take) -> Opening | str:
+    """Return the opening of the mouth, or the reason for none."""
     roles = scene.face.roles
     if roles is None:
         return "channels of a rig have no roles; check the poses"
@@ -81,9 +89,8 @@ def _opening(scene: Take) -> Floats | str:
     if not roles.opening.any():
         return "the pose set does not say which poses open the mouth (`intensity`)"
     curve: Floats = scene.curves[roles.opening].sum(axis=0)
-    if statistics.peak(curve) < VISIBLE_SHARE:
-        return "the mouth does not open"
-    return curve
+    peak = statistics.peak(curve)
+    return "the mouth does not open" if peak < VISIBLE_SHARE else Opening(curve, peak)
 
 
 @once
@@ -92,14 +99,14 @@ def _jaws(scene: Take) -> list[Jaw] | str:
 
     A rate of several times the captures' gives several jaws, each a frame later.
     """
-    curve = _opening(scene)
-    if isinstance(curve, str):
-        return curve
+    opening = _opening(scene)
+    if isinstance(opening, str):
+        return opening
     if 1 / scene.frame < LEAST_FPS:
         return f"captures have {CAPTURE_FPS:g} frames per second, this has fewer"
     if scene.seconds < LEAST_SECONDS:
         return f"{scene.seconds:.1f} s of speech are too short; statistics need {LEAST_SECONDS:g} s"
-    curve = curve / statistics.peak(curve)
+    curve = opening.curve / opening.peak
     phases = max(1, int(1 / scene.frame / CAPTURE_FPS + 0.01))
     starts = scene.times[0] + scene.frame * np.arange(phases)
     grids = [np.arange(start, scene.times[-1] + 1e-9, 1 / CAPTURE_FPS) for start in starts]
@@ -162,8 +169,9 @@ def shelves(scene: Take) -> Iterable[Measured]:
     def figure(jaws: list[Jaw]) -> list[Measured]:
         found: dict[int, float] = {}
         standing = counted = 0
+        lasting = scene.sounds & (scene.lengths > HELD_SECONDS)
         for jaw in jaws:
-            opened, still, owner = _still(scene, jaw)
+            opened, still, owner = _still(scene, jaw, lasting)
             standing += int(still.sum())
             counted += int(opened.sum())
             found |= dict(zip(owner[still].tolist(), jaw.times[still].tolist(), strict=True))
@@ -176,15 +184,14 @@ def shelves(scene: Take) -> Iterable[Measured]:
     return _judged(scene, figure)
 
 
-def _still(scene: Take, jaw: Jaw) -> tuple[Bools, Bools, Ints]:
+def _still(scene: Take, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
     """Return the frames with the jaw open, those in which it stands still, and their sounds.
 
-    Long sounds are left out: (F,) each.
+    Sounds that last are left out: (F,) each.
     """
     opened, still = statistics.open_frames(jaw.curve)
-    owner = np.searchsorted(scene.track.bounds, jaw.times, side="right") - 1
-    owner = owner.clip(0, len(scene.track.ids) - 1)
-    lasting = scene.sounds & (np.diff(scene.track.bounds) > HELD_SECONDS)
+    owner = scene.track.bounds.searchsorted(jaw.times, side="right") - 1
+    owner = np.minimum(np.maximum(owner, 0), len(scene.track.ids) - 1)
     short = ~lasting[owner]
     return opened & short, still & short, owner
 
@@ -261,16 +268,17 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
 
         value = frames with the jaw below 0.1 of its peak / frames of such sounds
     """
-    curve = _opening(scene)
-    if isinstance(curve, str):
-        return unjudged(curve)
+    opening = _opening(scene)
+    if isinstance(opening, str):
+        return unjudged(opening)
+    curve, level = opening.curve, statistics.SHUT_SHARE * opening.peak
     which = _beside(scene)
     if len(which) < LEAST_SOUNDS:
         return unjudged(f"fewer than {LEAST_SOUNDS} sounds beside a contact open the mouth")
     meant = np.zeros(len(scene.track.ids), bool)
     meant[which] = True
     inside = meant[scene.owner]
-    closed = inside & (curve < statistics.SHUT_SHARE * statistics.peak(curve))
+    closed = inside & (curve < level)
     counts = np.bincount(scene.owner[closed], minlength=len(scene.track.ids))
     worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
     told = {
@@ -319,13 +327,13 @@ def opening_lag(scene: Take) -> Iterable[Measured]:
 
         value = median over such sounds of (jaw opens - sound begins), at least 0
     """
-    curve = _opening(scene)
-    if isinstance(curve, str):
-        return unjudged(curve)
+    opening = _opening(scene)
+    if isinstance(opening, str):
+        return unjudged(opening)
+    curve, level = opening.curve, statistics.SHUT_SHARE * opening.peak
     which = np.flatnonzero(_opens(scene)[1:] & _touched(scene)[:-1]) + 1
     if len(which) < LEAST_SOUNDS:
         return unjudged(f"fewer than {LEAST_SOUNDS} sounds after a contact open the mouth")
-    level = statistics.SHUT_SHARE * statistics.peak(curve)
     lags = np.array([_lag(scene, curve, level, number) for number in which.tolist()])
     worst = np.argsort(-lags)[:MAX_PLACES]
     told = {int(which[n]): f"opens the mouth {lags[n]:.3f} s late" for n in worst}

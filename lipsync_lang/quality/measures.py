@@ -125,7 +125,7 @@ def unjudged(why: str, of: str = "") -> list[Measured]:
 
 def share(part: Bools) -> float:
     """Return the share of True; 0 for no elements."""
-    return float(part.mean()) if part.size else 0.0
+    return int(np.count_nonzero(part)) / part.size if part.size else 0.0
 
 
 def runs(mask: Bools) -> tuple[Ints, Ints]:

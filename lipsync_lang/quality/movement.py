@@ -240,9 +240,10 @@ def saturation(scene: Take) -> Iterable[Measured]:
     """
     if not scene.speaking.any():
         return unjudged(SILENT)
-    said = scene.curves[:, scene.speaking]
-    room = FULL_TOLERANCE * scene.face.span
-    full = said >= (scene.face.high - room)[:, None]
+    level = scene.face.high - FULL_TOLERANCE * scene.face.span
+    if (scene.curves.max(axis=1) < level).all():
+        return one(0.0)
+    full = scene.curves[:, scene.speaking] >= level[:, None]
     return one(share(np.asarray(full.any(axis=0))), named(scene.face.names, full.mean(axis=1)))
 
 

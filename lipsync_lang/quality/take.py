@@ -6,6 +6,7 @@ rise. The n phonemes are those of the track, silence first and last, with n + 1 
 
 from dataclasses import dataclass
 from functools import cached_property
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,12 +49,12 @@ class Take:
     @cached_property
     def steps(self) -> Floats:
         """(T - 1,) seconds from frame to frame."""
-        return np.diff(self.times)
+        return self.times[1:] - self.times[:-1]
 
     @cached_property
     def frame(self) -> float:
         """Seconds between frames."""
-        return float(np.median(self.steps)) if self.steps.size else 1.0
+        return median(self.steps.tolist()) if self.steps.size else 1.0
 
     @cached_property
     def sounds(self) -> Bools:
@@ -64,8 +65,8 @@ class Take:
     @cached_property
     def owner(self) -> Ints:
         """(T,) index of each frame's phoneme; the outermost silences have no end."""
-        at = np.searchsorted(self.track.bounds, self.times, side="right") - 1
-        return np.clip(at, 0, len(self.track.ids) - 1)
+        at = self.track.bounds.searchsorted(self.times, side="right") - 1
+        return np.minimum(np.maximum(at, 0), len(self.track.ids) - 1)
 
     @cached_property
     def speaking(self) -> Bools:
@@ -76,7 +77,12 @@ class Take:
     @cached_property
     def seconds(self) -> float:
         """Total duration of the sounds."""
-        return float(np.diff(self.track.bounds)[self.sounds].sum())
+        return float(self.lengths[self.sounds].sum())
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """(n,) seconds of each phoneme."""
+        return self.track.bounds[1:] - self.track.bounds[:-1]
 
     @cached_property
     def share(self) -> Floats:
@@ -86,7 +92,7 @@ class Take:
     @cached_property
     def changes(self) -> Floats:
         """(C, T - 1) shares from frame to frame."""
-        return np.diff(self.share, axis=1)
+        return self.share[:, 1:] - self.share[:, :-1]
 
     @cached_property
     def speeds(self) -> Floats:
@@ -97,9 +103,11 @@ class Take:
     def cuts(self) -> Ints:
         """(n, 2) first frame of each phoneme and the frame past its last, half a frame wider."""
         half, bounds = self.frame / 2 + 1e-9, self.track.bounds
-        first = self.times.searchsorted(bounds[:-1] - half)
-        stop = self.times.searchsorted(bounds[1:] + half, side="right")
-        return np.stack((first, np.maximum(first, stop)), axis=1)
+        cuts = np.empty((len(bounds) - 1, 2), np.intp)
+        cuts[:, 0] = self.times.searchsorted(bounds[:-1] - half)
+        cuts[:, 1] = self.times.searchsorted(bounds[1:] + half, side="right")
+        np.maximum(cuts[:, 0], cuts[:, 1], out=cuts[:, 1])
+        return cuts
 
     def highest(self, values: Floats) -> Floats:
         """Return the highest of (..., T) values in the frames of each phoneme: (..., n).
@@ -133,9 +141,14 @@ class Take:
         """(contacts, n) True for phonemes that demand a contact."""
         if not self.face.touches:
             return np.zeros((0, len(self.track.ids)), bool)
-        every = np.stack([touch.phonemes for touch in self.face.touches])
-        demanded: Bools = every[:, self.track.ids] & ~self.track.waived
+        demanded: Bools = self.face.demanding[:, self.track.ids] & ~self.track.waived
         return demanded
+
+    @cached_property
+    def wanted(self) -> list[int]:
+        """Number of phonemes that demand each contact."""
+        counts: list[int] = self.demanded.sum(axis=1).tolist()
+        return counts
 
 
 def scene_of(animation: "Animation", performer: "Performer") -> Take:
@@ -151,7 +164,7 @@ def scene_of(animation: "Animation", performer: "Performer") -> Take:
     times, weights = animation.times, animation.weights
     if len(times) < 2:  # noqa: PLR2004 one frame does not move
         raise LipsyncError("the animation has fewer than two frames; there is nothing to judge")
-    if not np.isfinite(weights).all() or (np.diff(times) <= 0).any():
+    if not np.isfinite(weights).all() or (times[1:] <= times[:-1]).any():
         raise LipsyncError("the animation has times that do not rise, or weights that are none")
     asked = animation.asked if animation.performer is not None else {}
     track = performer.track(animation.schedule, line=asked.get("line"), styles=asked.get("styles"))
