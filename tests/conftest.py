@@ -11,6 +11,7 @@ import lanes  # noqa: F401 its profiles are known before Hypothesis is told whic
 import pytest
 
 from lipsync_lang.cli import main
+from lipsync_lang.pipeline import kernel
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = "LIPSYNC_LANG_TEST_DATA"
@@ -84,3 +85,10 @@ def cli(capsys):
         return ended
 
     return run
+
+
+@pytest.fixture(params=["compiled", "numpy"])
+def arithmetic(request, monkeypatch):
+    """Run the stages in the compiled kernel, where there is one, or in numpy."""
+    if request.param == "numpy":
+        monkeypatch.setattr(kernel, "compiled", None)

@@ -1,6 +1,5 @@
 """Many schedules at once are what each is alone."""
 
-import sys
 from itertools import pairwise
 
 import numpy as np
@@ -13,16 +12,8 @@ import lipsync_lang as ll
 from lipsync_lang import LipsyncError, Schedule, Word
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.performing.stress import StressMarks, stresses_of
-from lipsync_lang.pipeline import kernel
 
 PAIRS = swept(["english on facefx", "korean on crab", "german on arkit", "mandarin on facefx"], 2)
-
-
-@pytest.fixture(params=["compiled", "numpy"])
-def arithmetic(request, monkeypatch):
-    """Run the stages in the compiled kernel, where there is one, or in numpy."""
-    if request.param == "numpy":
-        monkeypatch.setattr(kernel, "compiled", None)
 
 
 @pytest.fixture(scope="module", params=PAIRS)
@@ -126,53 +117,6 @@ def test_lines_are_named_for_each_schedule_or_for_none():
         performer.perform_many([line, line], lines=[None, "x"])
     with pytest.raises(LipsyncError, match="0 frames per second"):
         performer.perform_many([line], 0)
-
-
-class Calls:
-    """Counts the calls of functions while it is active."""
-
-    def __enter__(self):
-        self.count = 0
-        sys.setprofile(self._called)
-        return self
-
-    def __exit__(self, *_):
-        sys.setprofile(None)
-
-    def _called(self, _frame, event, _argument):
-        self.count += event in {"call", "c_call"}
-
-
-def line_of(count):
-    labels = tuple(("M", "AA", "S", "IY0", "EL", "_")[n % 6] for n in range(count))
-    return Schedule(labels, np.arange(count + 1) * 0.09, notation="arpabet")
-
-
-def calls(act):
-    act()
-    with Calls() as counted:
-        act()
-    return counted.count
-
-
-@pytest.mark.usefixtures("arithmetic")
-def test_calls_do_not_grow_with_the_phonemes_of_a_line():
-    performer = ll.resolve("english", "facefx")
-    short, long = line_of(40), line_of(160)
-    least = calls(lambda: performer.perform(short))
-    most = calls(lambda: performer.perform(long))
-    # numpy's stages look at each contact that is held
-    assert most <= least + (0 if kernel.compiled is not None else 12 * 120)
-
-
-@pytest.mark.usefixtures("arithmetic")
-def test_calls_grow_at_most_with_the_lines_of_a_batch():
-    performer = ll.resolve("english", "facefx")
-    lines = [line_of(40 + n % 5) for n in range(40)]
-    few = calls(lambda: performer.perform_many(lines[:10]))
-    many = calls(lambda: performer.perform_many(lines))
-    assert many <= 4 * few
-    assert many < sum(calls(lambda one=one: performer.perform(one)) for one in lines)
 
 
 def test_the_labels_of_a_line_are_read_once(monkeypatch):
