@@ -85,8 +85,8 @@ lint: $(VENV)/ready ## check style
 types: $(VENV)/ready ## check types
 	$(BIN)/mypy
 
-bench: $(VENV)/ready ## print how fast things are
-	$(BIN)/python benchmarks/speed.py
+bench: $(VENV)/ready ## print how fast things are: make bench SECTION=stream LINES=10000 JSON=file
+	$(BIN)/python benchmarks/speed.py $(SECTION:%=--only %) $(LINES:%=--lines %) $(JSON:%=--json %)
 
 articulography: $(VENV)/ready ## compare curves with recordings of real mouths: make articulography RECORDINGS=folder
 	$(BIN)/python benchmarks/articulography.py $(RECORDINGS)

@@ -1,149 +1,133 @@
-"""Print how fast things are: medians on one core, beside their goals.
+"""Print how fast things are, beside their goals.
 
-python benchmarks/speed.py [--quick]
+python benchmarks/speed.py [--only SECTION] [--lines N] [--json FILE] [--page FILE]
+
+Each section runs in a process of its own, so that its peak memory is its own. Times are the least
+of some runs. The column `no kernel` has them with LIPSYNC_LANG_KERNEL=off, `peak` the memory of the
+largest process, and `loop` the time of an empty loop of 3,000,000, taken right after.
 """
 
+import argparse
+import json
 import os
-import resource
+import platform
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
-if hasattr(os, "sched_setaffinity"):
-    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
 
-import numpy as np
+import speed_builds
+import speed_game
+import speed_performing
+from speed_table import HEAD, Figures, Row, read_rows
 
-import lipsync_lang as ll
+from lipsync_lang.pipeline import kernel
+from lipsync_lang.version import __version__
 
-LABELS = [
-    "HH",
-    "AH",
-    "L",
-    "OW",
-    "W",
-    "ER",
-    "L",
-    "D",
-    "P",
-    "L",
-    "IY",
-    "Z",
-    "B",
-    "AY",
-    "F",
-    "AY",
-    "V",
-    "M",
-    "AO",
-    "R",
-]
-LENGTH = 0.083
-"""Seconds of a phoneme, as in running speech."""
+Section = Callable[[Figures, argparse.Namespace], None]
+
+SECTIONS: dict[str, Section] = {
+    "utterance": speed_performing.utterance,
+    "batch": speed_performing.batch,
+    "stream": speed_performing.stream,
+    "resolve": speed_performing.resolve,
+    "start": speed_performing.start,
+    "hour": speed_performing.hour,
+    "build": speed_builds.build,
+    "spoken": speed_builds.spoken,
+    "dask": speed_builds.dask,
+}
+
+LINES = 200
+"""Lines of a build, unless others are asked for."""
 
 
-def schedule(count: int) -> ll.Schedule:
-    """Make a schedule of some phonemes of uneven length, with a pause now and then."""
-    labels = [("_" if i % 40 == 39 else LABELS[i % len(LABELS)]) for i in range(count)]
-    lengths = LENGTH * (0.6 + 0.8 * np.random.default_rng(count).random(count))
-    times = np.concatenate(([0.0], np.cumsum(lengths)))
-    return ll.Schedule(tuple(labels), times, notation="arpabet")
+def machine() -> dict[str, str | int]:
+    """Return what the figures were measured on."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return {
+        "cores": cores or 1,
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "lipsync-lang": __version__,
+        "stages": kernel.summary(),
+    }
 
 
-def median(act: Callable[[], object], runs: int) -> float:
-    """Return the median seconds of some runs, after one that is not counted."""
-    act()
-    spent = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        act()
-        spent.append(time.perf_counter() - start)
-    return float(np.median(spent))
+def measure(section: str, options: argparse.Namespace) -> int:
+    """Measure a section in this process."""
+    try:
+        SECTIONS[section](Figures(section, options.rows), options)
+    except speed_builds.BuildError as error:
+        print(f"{section}: {error}", file=sys.stderr)
+        return 1
+    return 0
 
 
-def show(what: str, seconds: float, goal: float | None = None) -> None:
-    """Print one row."""
-    unit, scale = ("us", 1e6) if seconds < 1e-3 else ("ms", 1e3) if seconds < 1 else ("s", 1)
-    wanted = f"{goal * scale:>10.5g} {unit}" if goal else ""
-    print(f"{what:<44}{seconds * scale:>10.1f} {unit:<3}{wanted}", flush=True)
+def parsed() -> argparse.Namespace:
+    """Parse the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", action="append", choices=SECTIONS, help="may be repeated [all]")
+    parser.add_argument("--lines", type=int, default=LINES, help="lines of a build [%(default)s]")
+    parser.add_argument("--json", type=Path, help="file for the figures")
+    parser.add_argument("--page", type=Path, help="page whose first text block the figures replace")
+    parser.add_argument("--rows", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.lines < 2 * speed_builds.EDITED:
+        parser.error(f"--lines: at least {2 * speed_builds.EDITED}")
+    return options
 
 
-def performing(performer: ll.Performer, *, quick: bool) -> None:
-    """Time performances of growing length, 60 frames per second."""
-    goals = {40: 300e-6, 2_560: 15e-3}
-    spent = {}
-    for count in (40, 160, 640, 2_560, 10_240, 40_960, 100_000):
-        if quick and count > 10_240:
-            break
-        line = schedule(count)
-        runs = max(3, min(300, 400_000 // count // 10))
-        spent[count] = median(lambda line=line: performer.perform(line), runs)
-        show(f"perform {count:,} phonemes", spent[count], goals.get(count))
-    long = [n for n in spent if n >= 2_560]
-    slope = np.polyfit(np.log(long), np.log([spent[n] for n in long]), 1)[0]
-    print(f"{'exponent of growth from 2,560 phonemes':<44}{slope:>10.2f}    {1.05:>10}")
+def heading(section: str) -> str:
+    """Return the line above the figures of a section."""
+    return f"\n{section}: {(SECTIONS[section].__doc__ or '').rstrip('.')}"
 
 
-def command(*arguments: str, **environment: str) -> Callable[[], object]:
-    """Return a whole process to time."""
-    whole = [sys.executable, "-m", "lipsync_lang.cli", *arguments]
-    kept = {**os.environ, **environment}
-    return lambda: subprocess.run(whole, check=True, capture_output=True, env=kept)  # noqa: S603
+def top(there: Mapping[str, str | int]) -> str:
+    """Return the lines above all figures."""
+    return ", ".join(f"{name} {value}" for name, value in there.items()) + f"\n{HEAD}"
 
 
-def processes() -> None:
-    """Time whole commands."""
+def write_page(page: Path, there: Mapping[str, str | int], rows: Sequence[Row]) -> None:
+    """Put the figures into the first text block of a page."""
+    lines = [top(there)]
+    for section in SECTIONS:
+        own = [str(row) for row in rows if row.section == section]
+        lines += [heading(section), *own] if own else []
+    block = "\n".join([*lines, *speed_game.calculation(rows)])
+    before, rest = page.read_text("utf-8").split("```text\n", 1)
+    page.write_text(f"{before}```text\n{block}\n```{rest.partition('```')[2]}", "utf-8")
+
+
+def main() -> int:
+    """Measure each section in a process of its own; return 1 if one of them failed."""
+    options = parsed()
+    if options.rows:
+        return measure(options.only[0], options)
+    there = machine()
+    print(top(there), flush=True)
+    failed = False
     with tempfile.TemporaryDirectory() as folder:
-        line = Path(folder) / "line.json"
-        rows = schedule(120)
-        phonemes = [
-            f'{{"label": "{label}", "start": {start:.4f}, "end": {end:.4f}}}'
-            for label, start, end in zip(rows.labels, rows.times, rows.times[1:], strict=False)
-        ]
-        line.write_text('{"phonemes": [' + ", ".join(phonemes) + "]}", encoding="utf-8")
-        pair = ("-l", "english", "-c", "facefx")
-        to_csv = ("run", "--schedule", str(line), *pair, "-o", str(Path(folder) / "line.csv"))
-        show("lipsync-lang --help, whole process", median(command("--help"), 7), 0.3)
-        warm = command(*to_csv, LIPSYNC_LANG_CACHE=folder)
-        show("run --schedule to CSV, whole process, warm", median(warm, 7), 0.8)
-        cold = command(*to_csv, LIPSYNC_LANG_CACHE="off")
-        show("run --schedule to CSV, whole process, cold", median(cold, 3))
-
-
-def hour() -> None:
-    """Perform an hour of speech in a process of its own, and print its peak memory."""
-    count = int(3600 / LENGTH)
-    code = (
-        "import resource, runpy, sys, lipsync_lang as ll; speed = runpy.run_path(sys.argv[1]);"
-        f"ll.resolve('english', 'facefx').perform(speed['schedule']({count}));"
-        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
-    )
-    done = subprocess.run(  # noqa: S603
-        [sys.executable, "-c", code, __file__], check=True, capture_output=True, text=True
-    )
-    peak = int(done.stdout) / (1024 if sys.platform != "darwin" else 1024**2)
-    print(f"{'an hour of speech, peak memory':<44}{peak:>10.0f} MB {300:>10} MB")
-
-
-def main() -> None:
-    """Print the table."""
-    print(f"{'':<44}{'median':>10}    {'goal':>10}")
-    with tempfile.TemporaryDirectory() as folder:
-        os.environ["LIPSYNC_LANG_CACHE"] = folder
-        start = time.perf_counter()
-        performer = ll.resolve("english", "facefx")
-        show("resolve, cold", time.perf_counter() - start, 3.0)
-        show("resolve, warm", median(lambda: ll.resolve("english", "facefx"), 30), 20e-3)
-    performing(performer, quick="--quick" in sys.argv)
-    processes()
-    hour()
-    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
-    print(f"{'this process, peak memory':<44}{used:>10} MB")
+        os.environ["LIPSYNC_LANG_CACHE"] = str(Path(folder) / "cache")
+        file = Path(folder) / "rows.jsonl"
+        for section in options.only or SECTIONS:
+            print(heading(section), flush=True)
+            own = [__file__, "--only", section, "--lines", str(options.lines), "--rows", str(file)]
+            failed |= bool(subprocess.call([sys.executable, *own]))  # noqa: S603 ourselves
+        rows = read_rows(file)
+    for line in speed_game.calculation(rows):
+        print(line)
+    if options.json:
+        said = {"machine": there, "lines": options.lines, "rows": [asdict(row) for row in rows]}
+        options.json.write_text(json.dumps(said, indent=1) + "\n", "utf-8")
+    if options.page:
+        write_page(options.page, there, rows)
+    return int(failed)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -123,7 +123,7 @@ def test_the_labels_of_a_line_are_read_once(monkeypatch):
     performer = ll.resolve("english", "facefx")
     schedule = Schedule(("M", "AA", "P"), [0, 0.1, 0.3, 0.4])
     reader, read = type(performer.labels), []
-    real = reader._read_all
+    real = reader._read_all  # noqa: SLF001 the one place that reads them
     monkeypatch.setattr(
         reader, "_read_all", lambda self, some: read.append(len(some)) or real(self, some)
     )
