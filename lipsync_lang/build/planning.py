@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.build.digests import digest, file_digest
+from lipsync_lang.build.digests import digest, file_digest, joined
 from lipsync_lang.build.needs import PairNeeds, told
 from lipsync_lang.build.planned_line import PlannedLine
-from lipsync_lang.build.records import NEED, Key, LineRecord, Records, Written
+from lipsync_lang.build.records import NEED, Key, LineRecord, Records, Written, as_json
 from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -47,7 +47,7 @@ class PlannedStep:
     Parameters
     ----------
     line : as the project states it
-    inputs : what its record will say of it
+    inputs : what its record will say of it, as JSON
     reasons : in words
     kept : outputs that somebody changed since the last build, which are left alone
     unknown : outputs that stand where no build wrote
@@ -55,7 +55,7 @@ class PlannedStep:
     """
 
     line: PlannedLine
-    inputs: Mapping[str, Any]
+    inputs: str
     reasons: tuple[str, ...] = ()
     kept: tuple[str, ...] = ()
     unknown: tuple[str, ...] = ()
@@ -96,6 +96,7 @@ def plan(  # noqa: PLR0913 the lines, what is known of them, and what is asked f
     *,
     force: bool = False,
     overwrite: bool = False,
+    figures: bool = True,
 ) -> BuildPlan:
     """Find the lines that would not be made as they stand.
 
@@ -106,8 +107,9 @@ def plan(  # noqa: PLR0913 the lines, what is known of them, and what is asked f
     needs : what the packs say, for every pair of the lines
     force : make every line
     overwrite : write outputs that somebody changed, too
+    figures : keep the figures of all lines, for reports
     """
-    known = records.lines()
+    known = records.lines(figures=figures)
     planner = _Planner(folder, needs, force, overwrite, StandingOutputs(folder))
     changed = _changed_needs(lines, known, records, needs)
     steps = tuple(
@@ -136,10 +138,11 @@ def _changed_needs(
     for pair, keys in grouped.items():
         each = [known[key].needs for key in keys]
         every = np.frombuffer(b"".join(each), NEED)
-        numbers, at = np.unique(every["number"], return_inverse=True)
-        values = [needs[pair].current(records.names[number]) for number in numbers.tolist()]
-        now = np.frombuffer(b"".join(values), "<u8")
-        other = np.flatnonzero(now[at.reshape(-1)] != every["digest"])
+        used = np.flatnonzero(np.bincount(every["number"]))
+        values = [needs[pair].current(records.names[number]) for number in used.tolist()]
+        now = np.zeros(used.max(initial=0) + 1, "<u8")
+        now[used] = np.frombuffer(b"".join(values), "<u8")
+        other = np.flatnonzero(now[every["number"]] != every["digest"])
         if other.size:
             ends = np.cumsum([len(one) for one in each]) // NEED.itemsize
             for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
@@ -160,13 +163,14 @@ class _Planner:
         self, line: PlannedLine, record: LineRecord | None, changed: Sequence[str]
     ) -> PlannedStep:
         inputs = line_inputs(line, self.folder, self.needs[line.language, line.character].performer)
+        text = as_json(inputs)
         reasons: list[str] = []
         kept: list[str] = []
         unknown: list[str] = []
         if record is None:
             reasons.append("it is new")
         else:
-            reasons += self._inputs_changed(inputs, record)
+            reasons += self._inputs_changed(inputs, text, record)
             reasons += _in_words(changed)
             if record.verdict == "failed":
                 reasons.append("it failed in the last build")
@@ -181,13 +185,21 @@ class _Planner:
                 reasons.append(f"{path} {AGAIN[state]}")
         if line.outputs and len(kept) == len(line.outputs):
             reasons = []
-        return PlannedStep(line, inputs, tuple(reasons), tuple(kept), tuple(unknown), record)
+        return PlannedStep(line, text, tuple(reasons), tuple(kept), tuple(unknown), record)
 
-    def _inputs_changed(self, inputs: Mapping[str, Any], record: LineRecord) -> Iterator[str]:
-        if record.verdict == "failed":
+    def _inputs_changed(
+        self, inputs: Mapping[str, Any], text: str, record: LineRecord
+    ) -> Iterator[str]:
+        latest = max(
+            inputs["timings"][2] if "timings" in inputs else 0,
+            inputs["audio"][2] if "audio" in inputs else 0,
+        )
+        sure = text == record.inputs and latest <= record.at - TICK_NANOSECONDS
+        if sure or record.verdict == "failed":
             return
+        before = json.loads(record.inputs)
         for part, words in INPUTS.items():
-            now, then = inputs.get(part), record.inputs.get(part)
+            now, then = inputs.get(part), before.get(part)
             late = part in ("timings", "audio") and now and now[2] > record.at - TICK_NANOSECONDS
             if (now != then or late) and not self._same_content(part, now, then, record):
                 yield f"{words} changed"
@@ -230,7 +242,7 @@ def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[s
     words = {word: sounds for word, sounds in compiled.words.items() if word in text}
     edits = compiled.line_edits.get(line.name), compiled.line_deliveries.get(line.name)
     inputs: dict[str, Any] = {
-        "text": digest(line.text).hex(),
+        "text": joined(line.text.encode("utf-8", "surrogatepass")).hex(),
         "words": digest(words).hex() if words else "",
         "edits": digest(*edits).hex() if any(edits) else "",
         "outputs": [list(one) for one in line.outputs],

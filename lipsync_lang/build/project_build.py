@@ -143,11 +143,24 @@ class ProjectBuild:
         return LineMaker(self.folder, self.settings)
 
     def plan(
-        self, records: "Records", *, force: bool = False, overwrite: bool = False
+        self,
+        records: "Records",
+        *,
+        force: bool = False,
+        overwrite: bool = False,
+        figures: bool = True,
     ) -> BuildPlan:
-        """Compare the lines with the record of the last build."""
+        """Compare the lines with the record of the last build; see `planning.plan`."""
         sound = [line for line in self.lines if (line.language, line.character) in self.pairs]
-        made = plan(sound, self.folder, records, self.pairs, force=force, overwrite=overwrite)
+        made = plan(
+            sound,
+            self.folder,
+            records,
+            self.pairs,
+            force=force,
+            overwrite=overwrite,
+            figures=figures,
+        )
         stated = {line.key for line in self.lines}
         gone = tuple(one for one in made.gone if not self.selection and one[0] not in stated)
         return replace(made, gone=gone)

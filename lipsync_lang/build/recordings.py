@@ -23,6 +23,8 @@ class Listing(NamedTuple):
     names: dict[str, str]
     timings: dict[str, list[str]]
     used: set[str]
+    place: str
+    """The folder itself."""
 
 
 class Recordings:
@@ -41,7 +43,7 @@ class Recordings:
         if found is None:
             return None
         listing.used.add(found)
-        return Path(self._folder, at, found)
+        return Path(f"{listing.place}/{found}")
 
     def timings_beside(self, path: str, taken: Callable[[], Collection[str]]) -> Path | None:
         """Return the file of timings that has the stem of a recording, but none of `taken`.
@@ -89,7 +91,7 @@ class Recordings:
             for some in timings.values():
                 some.sort(key=lambda name: (not name.lower().endswith(RARE_SUFFIXES), name))
             known = {folded_name(name): name for name in reversed(names)}
-            self._listings[at] = Listing(known, timings, set())
+            self._listings[at] = Listing(known, timings, set(), str(self._folder / at))
         return self._listings[at]
 
 

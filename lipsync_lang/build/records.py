@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -43,6 +43,9 @@ CREATE TABLE IF NOT EXISTS line (
 """
 
 
+_ENCODER = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"))
+
+
 class Written(NamedTuple):
     """An output as a build left it."""
 
@@ -60,16 +63,17 @@ class LineRecord:
 
     Parameters
     ----------
-    inputs : what the project says of the line, and sizes and times of its files
+    inputs : what the project says of the line, and sizes and times of its files; JSON
     contents : digest of each file that it was made from, by path; JSON
     needs : bytes of (n,) `NEED`: needs with their digests
     outputs : by path from the project's folder
     verdict : of the line
-    result : what a report shows of it; JSON, which is decoded where a report wants it
+    result : what a report shows of it; JSON, which is decoded where a report wants it. Empty
+        where no report is asked for
     at : when it was made, in nanoseconds
     """
 
-    inputs: Mapping[str, Any]
+    inputs: str
     contents: str
     needs: bytes
     outputs: Mapping[str, Written]
@@ -116,26 +120,29 @@ class Records:
         finally:
             connection.close()
 
-    def lines(self) -> dict[Key, LineRecord]:
-        """Return every record."""
+    def lines(self, *, figures: bool = True) -> dict[Key, LineRecord]:
+        """Return every record; results of lines that are only counted are left out on request."""
         rows = self._base.execute(
             "SELECT language, character, name, at, inputs, contents, needs, outputs, verdict, "
-            "result FROM line"
-        )
+            "CASE WHEN ? OR verdict NOT IN ('passed', 'doubted') THEN result ELSE '' END FROM line",
+            (figures,),
+        ).fetchall()
+        outputs = json.loads(f"[{','.join([row[7] for row in rows])}]")  # at once: half the time
         return {
             (language, character, name): LineRecord(
-                json.loads(inputs),
+                inputs,
                 contents,
                 needs,
-                {path: Written(*one) for path, one in json.loads(outputs).items()},
+                {path: Written(*one) for path, one in written.items()},
                 verdict,
                 result,
                 at,
             )
             for (
-                language, character, name, at, inputs, contents, needs, outputs, verdict, result
-            ) in rows
-        }  # fmt: skip
+                (language, character, name, at, inputs, contents, needs, _, verdict, result),
+                written,
+            ) in zip(rows, outputs, strict=True)
+        }
 
     def packed(self, needs: Mapping[str, bytes]) -> bytes:
         """Return needs as bytes of `NEED`, and give numbers to those that have none yet."""
@@ -159,7 +166,7 @@ class Records:
         self._base.executemany(
             "INSERT OR REPLACE INTO line VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
             [
-                (*key, now, as_json(one.inputs), one.contents, one.needs, as_json(one.outputs),
+                (*key, now, one.inputs, one.contents, one.needs, as_json(one.outputs),
                  one.verdict, one.result)
                 for key, one in records
             ],
@@ -176,7 +183,7 @@ class Records:
 
 def as_json(value: object) -> str:
     """Return a value as the record holds it."""
-    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+    return _ENCODER.encode(value)
 
 
 def _connected(path: Path, *, write: bool) -> sqlite3.Connection:

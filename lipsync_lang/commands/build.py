@@ -40,14 +40,19 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
 
     teller = BuildTeller(as_events=options.json)
     project = _opened(options, remarks)
-    reports = options.reports or [project.folder / path for path in project.project.reports]
+    reports = _reports(options, project)
     if options.watch:
         made.learn(project, reports)
     for fault in project.unsound.values():
         remarks(str(fault))
     lock = nullcontext() if options.dry_run else locked(project.folder, teller)
     with lock, Records.open(project.folder, write=not options.dry_run) as records:
-        plan = project.plan(records, force=options.force, overwrite=options.overwrite)
+        plan = project.plan(
+            records,
+            force=options.force,
+            overwrite=options.overwrite,
+            figures=bool(_reports(options, project)) and not options.dry_run,
+        )
         if options.dry_run:
             return _listed(plan, project, as_events=options.json)
         outcome = make(
@@ -188,6 +193,11 @@ def _ended(
     elif outcome.built or ended.changed or not options.watch:
         _tell_all(_in_words(figures, over))
     return SOUND if tally.passed() else FAULTS
+
+
+def _reports(options: Namespace, project: "ProjectBuild") -> list[Path]:
+    """Return the files of the reports that are asked for."""
+    return options.reports or [project.folder / path for path in project.project.reports]
 
 
 def _gone(outcome: "BuildOutcome") -> list[str]:

@@ -65,7 +65,7 @@ def sweep(folder: Path, *, again: bool = False, ended: str = "") -> None:
     _swept[folder] = now
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            found = _TEMPORARY.fullmatch(entry.name)
+            found = entry.name.endswith(SUFFIX) and _TEMPORARY.fullmatch(entry.name)
             if found:
                 with suppress(OSError):
                     age = time.time() - entry.stat(follow_symlinks=False).st_mtime
