@@ -1,6 +1,7 @@
 """Builds: what is made, what is made again and why, and what is never touched."""
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from shutil import rmtree
 from zipfile import ZipFile
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 from build_project import SOUNDS, Game, left_behind
 
+import lipsync_lang as ll
 from lipsync_lang.build import keeping, making, needs
 from lipsync_lang.build.archives import rewrite
 from lipsync_lang.build.making import LineBatch
@@ -367,3 +369,16 @@ def test_a_damaged_archive_is_named_and_kept(archived):
     assert told.code != 0
     assert "takes/facefx.zip: is no sound archive" in told.err
     assert (archived.folder / "takes/facefx.zip").read_bytes() == b"PK no archive"
+
+
+def test_a_style_that_moves_in_its_file_is_no_change_of_the_face():
+    performer = ll.resolve("english", "facefx")
+
+    def face(**changed):
+        drafts = {n: one | changed for n, one in performer.compiled.style_drafts.items()}
+        other = replace(performer, compiled=replace(performer.compiled, style_drafts=drafts))
+        return needs.PairNeeds(other, needs.BuildSettings(30, {})).current("face")
+
+    assert performer.compiled.style_drafts
+    assert face(place="posesets/facefx/poseset.yaml:99:1") == face()
+    assert face(scale=[1.0] * len(performer.poses)) != face()

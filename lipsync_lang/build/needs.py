@@ -144,6 +144,11 @@ class PairNeeds:
         own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
         rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
         face = {name: value for name, value in own.items() if name not in OF_LINES}
+        places = {name: draft["place"] for name, draft in compiled.style_drafts.items()}
+        face["style_drafts"] = [
+            (name, {key: value for key, value in draft.items() if key != "place"})
+            for name, draft in compiled.style_drafts.items()
+        ]
         tables = {name: value for name, value in rules.items() if name not in OF_ROWS}
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
         said = performer.motion, performer.shades, performer.unknown
@@ -155,7 +160,7 @@ class PairNeeds:
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(file_digest(model) if model and model.is_file() else None),
             "voice": digest(manner, self.settings.tts),
-            "places": digest(compiled.origins, compiled.style_origins),
+            "places": digest(compiled.origins, compiled.style_origins, places),
             "labels": digest(known, compiled.silences),
         }
 
