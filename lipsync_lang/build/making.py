@@ -6,7 +6,7 @@ recorded them. A line that fails does not disturb the others.
 
 import errno
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -46,6 +46,13 @@ class LineBatch(NamedTuple):
     language: str
     characters: tuple[str, ...]
     lines: tuple[PlannedLine, ...]
+
+
+class LineJudgement(NamedTuple):
+    """Needs of a performed line, and its figures of quality."""
+
+    needs: Mapping[str, bytes]
+    figures: tuple[JudgedFigure, ...]
 
 
 class MadeFile(NamedTuple):
@@ -101,8 +108,11 @@ class LineMaker:
         made: dict[tuple[str, str, str], MadeLine] = {}
         for character, pair in pairs.items():
             own = [(line, said) for line, said in timed if line.character == character]
-            for line, animation in self._performed(pair.performer, own):
-                made[line.key] = self._made(pair, line, animation, contents[line.name])
+            performed = [*self._performed(pair.performer, own)]
+            # Megabytes of outputs drive small arrays out of the processor's cache: judge all first.
+            judged = [self._judged(pair, *one) for one in performed]
+            for (line, animation), found in zip(performed, judged, strict=True):
+                made[line.key] = self._made(pair, line, animation, found, contents[line.name])
         return [made[line.key] for line in batch.lines]
 
     def animation(self, line: PlannedLine, pair: PairNeeds) -> Animation:
@@ -151,39 +161,56 @@ class LineMaker:
         for line, said in timed:
             yield line, said if isinstance(said, Exception) else next(animations)
 
+    def _judged(
+        self, pair: PairNeeds, line: PlannedLine, animation: Animation | Exception
+    ) -> LineJudgement | Exception:
+        """Return the needs and figures of a line, or why it has none."""
+        if isinstance(animation, Exception):
+            return animation
+        return attempt(partial(self._judgement, pair, line, animation))
+
+    def _judgement(self, pair: PairNeeds, line: PlannedLine, animation: Animation) -> LineJudgement:
+        reasons = any(WRITERS[name].reasons for name, _ in line.outputs)
+        needs = pair.of(animation.schedule, spoken=line.timings is None, reasons=reasons)
+        return LineJudgement(needs, self._figures(animation))
+
     def _made(
         self,
         pair: PairNeeds,
         line: PlannedLine,
         animation: Animation | Exception,
+        judged: LineJudgement | Exception,
         contents: Mapping[str, str],
     ) -> MadeLine:
-        """Judge and write a line; whatever fails is told of this line alone."""
+        """Write a line; whatever fails is told of this line alone."""
         if isinstance(animation, Exception):
-            return MadeLine(BuiltLine(line, "failed", self._why(line, animation)))
+            return self._failed(line, animation)
+        if isinstance(judged, Exception):
+            return self._failed(line, judged)
         schedule = animation.schedule
         files: list[MadeFile] = []
         try:
-            needs = pair.of(schedule, spoken=line.timings is None, reasons=_reasoned(line.outputs))
-            figures = self._judged(animation)
             self._write(line, pair.performer.rigged(animation), files)
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
             for file in files:
                 Path(file.temporary).unlink(missing_ok=True)
-            fatal = isinstance(error, OSError) and error.errno in ENDING
-            return MadeLine(BuiltLine(line, "failed", self._why(line, error)), fatal=fatal)
+            return self._failed(line, error)
         built = BuiltLine(
             line,
             "built",
             "; ".join(schedule.remarks),
             float(animation.times[-1] - animation.times[0]),
             schedule.confidence,
-            figures,
+            judged.figures,
             {file.path: file.digest for file in files},
         )
-        return MadeLine(built, tuple(files), contents, needs)
+        return MadeLine(built, tuple(files), contents, judged.needs)
 
-    def _judged(self, animation: Animation) -> tuple[JudgedFigure, ...]:
+    def _failed(self, line: PlannedLine, error: Exception) -> MadeLine:
+        fatal = isinstance(error, OSError) and error.errno in ENDING
+        return MadeLine(BuiltLine(line, "failed", self._why(line, error)), fatal=fatal)
+
+    def _figures(self, animation: Animation) -> tuple[JudgedFigure, ...]:
         from lipsync_lang.quality.check_animation import check
 
         limits = {name: most for name, most in self.settings.limits.items() if name != CONFIDENCE}
@@ -259,10 +286,6 @@ class LineMaker:
     def _folders(self) -> dict[str, str]:
         """Folders in which outputs wait, found within the project's by this batch, by path."""
         return {}
-
-
-def _reasoned(outputs: Iterable[tuple[str, str]]) -> bool:
-    return any(WRITERS[name].reasons for name, _ in outputs)
 
 
 def parent_of(folder: Path, path: str) -> Path:
