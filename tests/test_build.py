@@ -1,6 +1,8 @@
 """Builds: what is made, what is made again and why, and what is never touched."""
 
 import os
+import sqlite3
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from shutil import rmtree
@@ -281,6 +283,74 @@ def test_a_damaged_record_is_named(built):
     assert told.code == 2
     assert str(record) in told.err
     assert "move it away" in told.err
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("inputs", "[1]"),
+        ("inputs", "{"),
+        ("inputs", "[" * 10_000),
+        ("inputs", '{"text": 1, "timings": 5}'),
+        ("inputs", '{"timings": [{}]}'),
+        ("inputs", '{"timings": []}'),
+        ("contents", "3"),
+        ("outputs", '{"takes/map.csv": [1]}'),
+        ("outputs", '{"takes/map.csv": 1}'),
+        ("outputs", '{"takes/map.csv": [[], {}, null]}'),
+        ("result", "[]"),
+        ("result", '{"outcome": "built"}'),
+        ("needs", b"abc"),
+        ("needs", "text"),
+        ("needs", b"\xff" * 12),
+        ("verdict", b"\xff"),
+        ("at", "x"),
+    ],
+)
+def test_a_record_is_not_believed(built, column, value):
+    tamper(built, f"UPDATE line SET {column} = ? WHERE name = 'map'", value)  # noqa: S608 our own
+    os.utime(built.folder / "vo/map.json", (1, 1))
+    takes = built.takes()
+    told = built.build("--report", "report.html")
+    assert told.code in {0, 2}
+    assert told.code == 0 or "move it away" in told.err
+    assert built.takes() == takes
+
+
+def tamper(game, statement, value):
+    """Change the record of a project as a stranger may have."""
+    with closing(sqlite3.connect(game.folder / ".lipsync_lang/build.sqlite")) as base:
+        base.execute(statement, (value,))
+        base.commit()
+
+
+@pytest.mark.parametrize("name", ["bigram", "bigram l", "label", "word", "face x", "nothing", ""])
+def test_a_need_of_another_form_makes_its_lines_again(built, name):
+    tamper(built, "UPDATE need SET name = ? WHERE name = 'bigram l ow'", name)
+    assert built.build().built == ["low"]
+
+
+@pytest.mark.parametrize("link", [False, True])
+def test_pruning_deletes_nothing_outside_the_project(built, link):
+    victim = built.folder.parent / f"{built.folder.name}-precious.csv"
+    path = f"../{victim.name}"
+    if link:
+        (built.folder / "up").symlink_to(built.folder.parent)
+        path = f"up/{victim.name}"
+    precious = (built.folder / "takes/map.csv").read_bytes()
+    victim.write_bytes(precious)
+    tamper(built, "UPDATE line SET outputs = replace(outputs, 'takes/map.csv', ?)", path)
+    built.script(["low"])
+    assert sorted(built.build("--prune").end["deleted"]) == ["takes/home.csv", "takes/mail.csv"]
+    assert victim.read_bytes() == precious
+
+
+def test_a_folder_in_the_place_of_an_output_fails_its_line_alone(game):
+    (game.folder / "takes/map.csv").mkdir(parents=True)
+    told = game.build()
+    assert (told.code, told.built) == (1, ["home", "low", "mail"])
+    (failed,) = (e for e in told.events if e.get("outcome") == "failed")
+    assert failed["message"] == "script.csv:3: takes/map.csv: Is a directory"
 
 
 def test_a_dry_run_writes_nothing(game):

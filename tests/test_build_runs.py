@@ -9,10 +9,13 @@ from hashlib import blake2b
 from pathlib import Path
 from shutil import rmtree
 
+import numpy as np
 import pytest
-from build_project import PROJECT, Game
+from build_project import BANK, PROJECT, Game
 from lanes import full
 from test_workers import cluster
+
+from lipsync_lang.build.records import NEED, Records
 
 pytestmark = full
 
@@ -43,6 +46,7 @@ def contents(folder):
         str(path.relative_to(folder)): blake2b(path.read_bytes()).hexdigest()
         for part in ("takes", "glb")
         for path in (folder / part).rglob("*")
+        if path.is_file()
     }
 
 
@@ -82,6 +86,91 @@ def test_a_killed_build_resumes_and_leaves_nothing_behind(game):
     assert 0 < len(told.built) < LINES, "something was made before"
     assert told.end["kept"] == []
     assert contents(game.folder) == expected, "and nothing else lies there"
+
+
+COLUMNS = {
+    "english": "en",
+    "mandarin": "schinese",
+    "cantonese": "tchinese",
+    **{
+        name: name
+        for name in (
+            "czech", "danish", "french", "italian", "japanese", "korean", "malay", "russian",
+            "spanish", "ukrainian",
+        )
+    },
+}  # fmt: skip
+"""Languages of a game's script by their columns."""
+
+GAME = """\
+kind: project
+format: 1
+lines: script.tsv
+columns: {{id: line_id}}
+languages: {languages}
+cast: {{"*": [facefx, crab, arkit]}}
+outputs: ["takes/{{language}}/{{character}}/{{id}}.csv"]
+reports: [build/report.html, build/junit.xml]
+"""
+
+
+@pytest.fixture
+def real(tmp_path, monkeypatch, data, capsys):
+    """A game's script in 13 languages on three characters; a few of its lines."""
+    monkeypatch.chdir(tmp_path)
+    script = (data / "text/the_question_lines.tsv").read_text("utf-8").splitlines(keepends=True)
+    made = Game(tmp_path, capsys)
+    made.write("script.tsv", "".join([script[0], *script[12:15]]))
+    made.write("lipsync.yaml", GAME.format(languages=json.dumps(COLUMNS)))
+    return made
+
+
+def test_a_real_script_in_13_languages_is_built_killed_and_resumed(real):
+    every = 3 * 3 * len(COLUMNS)
+    whole = subprocess.run(command(), capture_output=True, text=True, check=True)
+    assert json.loads(whole.stdout.splitlines()[-1])["built"] == every == 117
+    expected = contents(real.folder)
+    assert len({name for name in expected if name.endswith(".csv")}) == every
+    for part in ("takes", ".lipsync_lang", "build"):
+        rmtree(real.folder / part)
+    running = subprocess.Popen(command(), stdout=subprocess.PIPE, text=True, start_new_session=True)
+    assert running.stdout is not None
+    for _ in range(every // 3):
+        running.stdout.readline()
+    os.killpg(running.pid, 9)
+    running.communicate()
+    told = real.build("--workers", "1")
+    assert told.code == 0
+    assert 0 < len(told.built) < every
+    assert contents(real.folder) == expected
+    assert {path.name for path in (real.folder / "build").glob("*.*")} == {
+        "report.html",
+        "junit.xml",
+    }
+
+
+def test_an_edited_bigram_of_a_real_script_remakes_exactly_its_lines(real):
+    only = ("-l", "english", "-c", "facefx", "--workers", "1")
+    assert len(real.build(*only).built) == 3
+    with Records.open(real.folder, write=False) as records:
+        needs = {
+            key[2]: {records.names[n] for n in np.frombuffer(one.needs, NEED)["number"].tolist()}
+            for key, one in records.lines().items()
+        }
+    bigrams = sorted({one for some in needs.values() for one in some if one.startswith("bigram ")})
+    counts = {one: [name for name in needs if one in needs[name]] for one in bigrams}
+    rare, holders = next(
+        (one, lines) for one, lines in counts.items() if len(lines) == 1 and "_" not in one
+    )
+    before = contents(real.folder)
+    own = "-".join(rare.split()[1:])
+    real.write("posesets/facefx/banks/common.yaml", BANK.format(level=0.9).replace("l-ow", own))
+    assert real.build(*only).built == holders
+    after = contents(real.folder)
+    changed = [name for name in after if before[name] != after[name]]
+    assert [Path(name).stem for name in changed] == holders
+    assert len(real.build(*only, "--force").built) == 3
+    assert contents(real.folder) == after, "no other line had to be made"
 
 
 def test_two_builds_at_once_share_the_work(game):

@@ -169,3 +169,12 @@ def test_editors_may_write_every_form():
     fields = schema("project")["properties"]
     assert {"type": "number", "minimum": 1} in fields["fps"]["anyOf"]
     assert {"type": "string"} in fields["motion"]["anyOf"]
+
+
+@pytest.mark.parametrize("field", ["scheduler", "to"])
+def test_a_project_names_no_machine(cli, tmp_path, monkeypatch, field):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lipsync.yaml").write_text(f"{PROJECT}{field}: tcp://10.0.0.5:8786\n", "utf-8")
+    ended = cli("validate", "lipsync.yaml")
+    assert ended.code == 1
+    assert f"P101 unknown field `{field}`" in ended.out

@@ -1,6 +1,5 @@
 """Put what workers made in place: record it first, then rename it or pack it into archives."""
 
-import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +10,15 @@ from lipsync_lang.build.archives import rewrite, split_archive
 from lipsync_lang.build.making import MadeLine
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, PlannedStep
-from lipsync_lang.build.records import Key, LineRecord, Records, Written, as_json
+from lipsync_lang.build.records import (
+    Key,
+    LineRecord,
+    Records,
+    Written,
+    as_json,
+    from_json,
+    unusable,
+)
 from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.files.signals import undisturbed
 
@@ -105,7 +112,7 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
         path
         for _, record in plan.gone
         for path, written in record.outputs.items()
-        if standing.digest(path) == written.digest
+        if standing.is_within(path) and standing.digest(path) == written.digest
     ]
     standing.delete(deleted)
     records.forget(key for key, _ in plan.gone)
@@ -125,16 +132,19 @@ def result_of(built: BuiltLine) -> dict[str, Any]:
 
 def restored(line: PlannedLine, record: LineRecord) -> BuiltLine:
     """Return a line of an earlier build from its record."""
-    result = json.loads(record.result)
-    return BuiltLine(
-        line,
-        result["outcome"],
-        result["message"],
-        result["seconds"],
-        result["confidence"],
-        tuple(
-            JudgedFigure(name, value, unit, limit, tuple(at), words, binding)
-            for name, value, unit, limit, at, words, binding in result["figures"]
-        ),
-        {path: one.digest for path, one in record.outputs.items()},
-    )
+    result = from_json(record.result)
+    try:
+        return BuiltLine(
+            line,
+            result["outcome"],
+            result["message"],
+            result["seconds"],
+            result["confidence"],
+            tuple(
+                JudgedFigure(name, value, unit, limit, tuple(at), words, binding)
+                for name, value, unit, limit, at, words, binding in result["figures"]
+            ),
+            {path: one.digest for path, one in record.outputs.items()},
+        )
+    except (KeyError, TypeError, ValueError):
+        raise unusable() from None

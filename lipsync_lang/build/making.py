@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 from io import BytesIO
 from pathlib import Path
+from stat import S_ISDIR
 from typing import Any, BinaryIO, NamedTuple
 from zlib import crc32
 
@@ -274,7 +275,8 @@ class LineMaker:
             return f"{line.place}: {error}".replace(f"{self.folder}{os.sep}", "")
         if isinstance(error, OSError):
             where = f"{error.filename}: " if error.filename else ""
-            return f"{line.place}: {where}{error.strerror or error}"
+            told = f"{line.place}: {where}{error.strerror or error}"
+            return told.replace(f"{self.folder}{os.sep}", "")
         if isinstance(error, MemoryError):
             return f"{line.place}: out of memory; give fewer --workers, or split the line"
         kind = type(error).__name__
@@ -304,7 +306,10 @@ def _made_file(path: str, temporary: str, content: memoryview) -> MadeFile:
 def created(temporary: str, target: str) -> BinaryIO:
     """Open a new file with the permissions of the file that it will replace."""
     try:
-        mode = os.stat(target).st_mode & 0o666  # noqa: PTH116 once a file
+        found = os.stat(target).st_mode  # noqa: PTH116 once a file
+        if S_ISDIR(found):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), target)
+        mode = found & 0o666
     except FileNotFoundError:
         mode = 0o666
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)

@@ -195,4 +195,4 @@ def told(name: str) -> str:
         return f"the bigram {rest.replace(' ', '-')}"
     if kind == "label":
         return f"the sound of {rest.partition(' ')[2]}"
-    return f"the word {rest}" if kind == "word" else TOLD[kind]
+    return f"the word {rest}" if kind == "word" else TOLD.get(kind, f"'{name}'")

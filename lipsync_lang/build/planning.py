@@ -1,6 +1,5 @@
 """Compare the lines of a script with the record of the last build: which are stale, and why."""
 
-import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +11,16 @@ import numpy as np
 from lipsync_lang.build.digests import digest, file_digest, joined
 from lipsync_lang.build.needs import PairNeeds, told
 from lipsync_lang.build.planned_line import PlannedLine
-from lipsync_lang.build.records import NEED, Key, LineRecord, Records, Written, as_json
+from lipsync_lang.build.records import (
+    NEED,
+    Key,
+    LineRecord,
+    Records,
+    Written,
+    as_json,
+    from_json,
+    unusable,
+)
 from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -138,15 +146,17 @@ def _changed_needs(
     for pair, keys in grouped.items():
         each = [known[key].needs for key in keys]
         every = np.frombuffer(b"".join(each), NEED)
+        if every["number"].max(initial=0) > len(records.names):
+            raise unusable()
         used = np.flatnonzero(np.bincount(every["number"]))
-        values = [needs[pair].current(records.names[number]) for number in used.tolist()]
+        values = [needs[pair].current(records.name(number)) for number in used.tolist()]
         now = np.zeros(used.max(initial=0) + 1, "<u8")
         now[used] = np.frombuffer(b"".join(values), "<u8")
         other = np.flatnonzero(now[every["number"]] != every["digest"])
         if other.size:
             ends = np.cumsum([len(one) for one in each]) // NEED.itemsize
             for place, row in zip(other.tolist(), ends.searchsorted(other, "right"), strict=True):
-                name = records.names[int(every["number"][place])]
+                name = records.name(int(every["number"][place]))
                 out[keys[row]] = (*out.get(keys[row], ()), name)
     return out
 
@@ -197,7 +207,7 @@ class _Planner:
         sure = text == record.inputs and latest <= record.at - TICK_NANOSECONDS
         if sure or record.verdict == "failed":
             return
-        before = json.loads(record.inputs)
+        before = from_json(record.inputs)
         for part, words in INPUTS.items():
             now, then = inputs.get(part), before.get(part)
             late = part in ("timings", "audio") and now and now[2] > record.at - TICK_NANOSECONDS
@@ -206,13 +216,15 @@ class _Planner:
 
     def _same_content(self, part: str, now: Any, then: Any, record: LineRecord) -> bool:
         """Return True if a file has another time, but the content of the last build."""
-        if part not in ("timings", "audio") or not now or not then or now[0] != then[0]:
+        if part not in ("timings", "audio") or not now or not isinstance(then, list):
+            return False
+        if now[:1] != then[:1]:
             return False
         try:
             now_digest = file_digest(self.folder / now[0])
         except OSError:
             return False
-        return bool(now_digest == json.loads(record.contents).get(now[0]))
+        return bool(now_digest == from_json(record.contents).get(now[0]))
 
     def _state(self, path: str, written: Written | None) -> str:
         """Return the state of an output: `sound`, or one of `AGAIN` or `STANDING`."""

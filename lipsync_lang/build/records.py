@@ -7,11 +7,11 @@ that was there before. So a build killed at any moment can tell its own files fr
 import json
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -127,22 +127,16 @@ class Records:
             "CASE WHEN ? OR verdict NOT IN ('passed', 'doubted') THEN result ELSE '' END FROM line",
             (figures,),
         ).fetchall()
-        outputs = json.loads(f"[{','.join([row[7] for row in rows])}]")  # at once: half the time
-        return {
-            (language, character, name): LineRecord(
-                inputs,
-                contents,
-                needs,
-                {path: Written(*one) for path, one in written.items()},
-                verdict,
-                result,
-                at,
-            )
-            for (
-                (language, character, name, at, inputs, contents, needs, _, verdict, result),
-                written,
-            ) in zip(rows, outputs, strict=True)
-        }
+        try:
+            return _records(rows)
+        except (ValueError, TypeError, AttributeError, RecursionError):
+            raise unusable() from None
+
+    def name(self, number: int) -> str:
+        """Return the name of a need."""
+        if number not in self.names:
+            raise unusable()
+        return self.names[number]
 
     def packed(self, needs: Mapping[str, bytes]) -> bytes:
         """Return needs as bytes of `NEED`, and give numbers to those that have none yet."""
@@ -184,6 +178,56 @@ class Records:
 def as_json(value: object) -> str:
     """Return a value as the record holds it."""
     return _ENCODER.encode(value)
+
+
+def from_json(text: Any) -> dict[str, Any]:
+    """Return what `as_json` made of a mapping.
+
+    Raises
+    ------
+    LipsyncError
+        The record holds something else: it is damaged, or a stranger made it.
+    """
+    try:
+        value = json.loads(text)
+    except (ValueError, TypeError, RecursionError):
+        raise unusable() from None
+    if not isinstance(value, dict):
+        raise unusable()
+    return value
+
+
+def _records(rows: Sequence[tuple[Any, ...]]) -> dict[Key, LineRecord]:
+    outputs = json.loads(f"[{','.join([row[7] for row in rows])}]")  # at once: half the time
+    found = {
+        (language, character, name): LineRecord(
+            inputs,
+            contents,
+            needs,
+            {path: Written(*one) for path, one in written.items()},
+            verdict,
+            result,
+            at,
+        )
+        for (
+            (language, character, name, at, inputs, contents, needs, _, verdict, result),
+            written,
+        ) in zip(rows, outputs, strict=True)
+    }
+    for one in found.values():
+        if type(one.at) is not int or type(one.needs) is not bytes:
+            raise TypeError
+        if len(one.needs) % NEED.itemsize:
+            raise ValueError
+    return found
+
+
+def unusable(why: object = "it is damaged") -> LipsyncError:
+    """Return the error of a record that no build wrote as it is."""
+    return LipsyncError(
+        f"{FOLDER}/{FILE}: the record of builds cannot be used ({why}); move it away: the next "
+        "build compares the files that are there with new ones, and keeps those that differ"
+    )
 
 
 def _connected(path: Path, *, write: bool) -> sqlite3.Connection:

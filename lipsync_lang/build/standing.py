@@ -20,6 +20,7 @@ class StandingOutputs:
         self.folder = folder
         self._home = str(folder)
         self._listed: dict[str, dict[str, Member]] = {}
+        self._within: dict[str, bool] = {}
 
     def stamp(self, path: str) -> tuple[int, int] | None:
         """Return size and time of change of a file, size and CRC of a member; None if absent."""
@@ -42,6 +43,14 @@ class StandingOutputs:
         with suppress(OSError):
             return output_file_digest(self.folder / path)
         return ""
+
+    def is_within(self, path: str) -> bool:
+        """Return True if an output lies in the folder; a record may come from a stranger."""
+        parent = str(Path(path).parent)
+        if parent not in self._within:
+            there = (self.folder / path).parent.resolve()
+            self._within[parent] = there.is_relative_to(self.folder.resolve())
+        return self._within[parent]
 
     def delete(self, paths: list[str]) -> None:
         """Delete outputs; absent ones do not matter."""
