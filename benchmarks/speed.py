@@ -23,6 +23,7 @@ os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 import speed_builds
 import speed_game
 import speed_performing
+import speed_script
 from speed_table import HEAD, Figures, Row, read_rows
 
 from lipsync_lang.pipeline import kernel
@@ -42,7 +43,7 @@ SECTIONS: dict[str, Section] = {
     "dask": speed_builds.dask,
 }
 
-LINES = 200
+LINES = 400
 """Lines of a build, unless others are asked for."""
 
 
@@ -62,7 +63,7 @@ def measure(section: str, options: argparse.Namespace) -> int:
     """Measure a section in this process."""
     try:
         SECTIONS[section](Figures(section, options.rows), options)
-    except speed_builds.BuildError as error:
+    except speed_script.BuildError as error:
         print(f"{section}: {error}", file=sys.stderr)
         return 1
     return 0
@@ -77,8 +78,8 @@ def parsed() -> argparse.Namespace:
     parser.add_argument("--page", type=Path, help="page whose first text block the figures replace")
     parser.add_argument("--rows", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.lines < 2 * speed_builds.EDITED:
-        parser.error(f"--lines: at least {2 * speed_builds.EDITED}")
+    if options.lines < 2 * speed_script.EDITED:
+        parser.error(f"--lines: at least {2 * speed_script.EDITED}")
     return options
 
 

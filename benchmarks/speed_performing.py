@@ -101,7 +101,7 @@ def played(performer: ll.Performer, line: ll.Schedule, ahead: float) -> tuple[np
             stream.finish()
         stream.frames()
         spent.append((time.perf_counter() - start, time.thread_time() - begun))
-        wait = max(wait, now - (stream.final_until if stream.given else 0.0))
+        wait = max(wait, now - (stream.final_until or 0.0))
     return np.array(spent), wait
 
 

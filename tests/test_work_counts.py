@@ -22,7 +22,7 @@ FEW_AND_MANY = 4, 24
 MAX_READ_PACKS = 10
 """Packs that an unchanged build reads; those of a pair are 5, some for the script and its cache."""
 
-MAX_PLANNING_CALLS = 800
+MAX_PLANNING_CALLS = 400
 """Calls that an unchanged line may take."""
 
 LONG_AGO = 1_000_000_000
