@@ -13,12 +13,14 @@ import pytest
 from build_project import SOUNDS, Game, left_behind
 
 import lipsync_lang as ll
-from lipsync_lang.build import keeping, making, needs
+from lipsync_lang.build import build_run, keeping, making, needs
 from lipsync_lang.build.archives import rewrite
 from lipsync_lang.build.making import LineBatch
 from lipsync_lang.build.project_build import ProjectBuild
 from lipsync_lang.build.records import NEED, Records
+from lipsync_lang.build.workers import LostBatch
 from lipsync_lang.cli import main
+from lipsync_lang.commands import build as build_command
 
 ALL = sorted(SOUNDS)
 
@@ -343,6 +345,53 @@ def test_pruning_deletes_nothing_outside_the_project(built, link):
     built.script(["low"])
     assert sorted(built.build("--prune").end["deleted"]) == ["takes/home.csv", "takes/mail.csv"]
     assert victim.read_bytes() == precious
+
+
+def test_lines_whose_workers_died_fail_and_are_made_by_the_next_build(game, monkeypatch):
+    def lose(work, batches, *, shared, **_):
+        for batch in batches:
+            if any(line.name == "map" for line in batch.lines):
+                yield LostBatch(batch, "its worker process died")
+            else:
+                yield work(batch, shared(batch))
+
+    with monkeypatch.context() as context:
+        context.setattr(build_run, "run_batches", lose)
+        told = game.build("--workers", "2")
+    assert told.code == 1
+    assert "map" not in told.built
+    messages = [e["message"] for e in told.events if e.get("outcome") == "failed"]
+    assert "script.csv:3: its worker process died" in messages
+    again = game.build()
+    assert again.code == 0
+    assert sorted({*told.built, *again.built}) == sorted(game.takes()) == ALL
+
+
+@pytest.mark.parametrize(
+    ("place", "code", "words"),
+    [
+        (".lipsync_lang", 2, "build.lock: cannot be written: File exists; a build keeps"),
+        ("takes", 1, "script.csv:2: takes: File exists"),
+        ("build", 2, "build: cannot be made: File exists; name another place"),
+    ],
+)
+def test_a_file_in_the_place_of_a_folder_is_named_and_kept(game, capsys, place, code, words):
+    game.write(place, "mine")
+    assert main(["build", "--report", "build/report.html"]) == code
+    assert words in capsys.readouterr().err
+    assert (game.folder / place).read_text("utf-8") == "mine"
+    assert not list(game.folder.rglob("*.lipsync-tmp"))
+
+
+def test_a_fault_of_all_lines_does_not_fill_the_screen(game, capsys, monkeypatch):
+    monkeypatch.setattr(build_command, "SHOWN_FAILURES", 2)
+    for name in ALL:
+        game.say(name, "XYZ")
+    assert main(["build"]) == 1
+    told = capsys.readouterr().err.splitlines()
+    assert sum(line.startswith("script.csv:") for line in told) == 2
+    assert told.count("more lines fail; a report or --json names them all") == 1
+    assert "4 failed" in told[-1]
 
 
 def test_a_folder_in_the_place_of_an_output_fails_its_line_alone(game):

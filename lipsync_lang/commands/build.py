@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 SHOWN_LINES = 20
 """Lines of one kind that text lists."""
 
+SHOWN_FAILURES = 100
+"""Failed lines that are named as they fail; a fault of all lines would fill screens."""
+
 LOG_SECONDS = 10.0
 """Pause between two lines of progress in a log."""
 
@@ -39,7 +42,9 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
     from lipsync_lang.build.records import Records
 
     teller = BuildTeller(as_events=options.json)
+    teller.begin("reading the script")
     project = _opened(options, remarks)
+    wipe()
     reports = _reports(options, project)
     if options.watch:
         made.learn(project, reports)
@@ -47,6 +52,7 @@ def _once(options: Namespace, remarks: StandingRemarks, made: MadeByBuilds) -> i
         remarks(str(fault))
     lock = nullcontext() if options.dry_run else locked(project.folder, teller)
     with lock, Records.open(project.folder, write=not options.dry_run) as records:
+        teller.begin(f"comparing {len(project.lines):,} lines with the last build")
         plan = project.plan(
             records,
             force=options.force,
@@ -88,6 +94,12 @@ class BuildTeller:
     def __init__(self, *, as_events: bool) -> None:
         self.as_events = as_events
         self._told = monotonic()
+        self._failures = 0
+
+    def begin(self, text: str) -> None:
+        """Show what goes on before the first line is made; a million lines take a while."""
+        if not self.as_events:
+            progress(text)
 
     def __call__(self, name: str, values: Mapping[str, Any]) -> None:
         """Tell of an event."""
@@ -98,8 +110,15 @@ class BuildTeller:
         elif name == "waiting":
             print("another build of this project is running; waiting for it", file=sys.stderr)
         elif values.get("outcome") == "failed":
+            self._failed(values["message"])
+
+    def _failed(self, message: str) -> None:
+        self._failures += 1
+        if self._failures <= SHOWN_FAILURES:
             wipe()
-            print(values["message"], file=sys.stderr)
+            print(message, file=sys.stderr)
+        elif self._failures == SHOWN_FAILURES + 1:
+            print("more lines fail; a report or --json names them all", file=sys.stderr)
 
     def _progress(self, values: Mapping[str, Any]) -> None:
         done, of, seconds = values["done"], values["of"], values["seconds"]
@@ -129,6 +148,7 @@ def _clock(seconds: float) -> str:
 
 def _listed(plan: "BuildPlan", project: "ProjectBuild", *, as_events: bool) -> int:
     """Print the lines that a build would make, each with its reasons."""
+    wipe()
     stale = plan.stale
     for step in stale:
         line = step.line
