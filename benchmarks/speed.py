@@ -19,6 +19,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # every command would compile every module
 
 import speed_builds
 import speed_game
