@@ -82,6 +82,19 @@ def test_a_changed_line_is_made_again_by_itself(built, change, reason):
     assert built.build().built == []
 
 
+def test_a_moved_project_is_as_it_was(built, monkeypatch):
+    moved = built.folder.with_name("moved")
+    built.folder.rename(moved)
+    monkeypatch.chdir(moved)
+    assert built.build("--dry-run").stale == {}
+
+
+def test_a_worker_that_begins_its_build_again_is_told_so(game, monkeypatch):
+    monkeypatch.setattr(build_run, "parent_process", lambda: "the build")
+    monkeypatch.setattr(build_run, "claim", lambda _: None)
+    assert "if __name__ == '__main__'" in game.build().err
+
+
 def test_a_touched_file_changes_nothing(built):
     os.utime(built.folder / "vo/map.json", (1, 1))
     os.utime(built.folder / "takes/low.csv", (1, 1))

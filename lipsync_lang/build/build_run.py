@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
+from multiprocessing import parent_process
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -16,7 +17,7 @@ from lipsync_lang.build.planned_line import BuiltLine, PlannedLine
 from lipsync_lang.build.planning import BuildPlan, Needs, PlannedStep
 from lipsync_lang.build.records import FOLDER, Records
 from lipsync_lang.build.workers import LostBatch, run_batches
-from lipsync_lang.errors import OutputError
+from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files.locking import claim
 from lipsync_lang.files.temporary import sweep
 
@@ -87,6 +88,11 @@ def locked(folder: Path, tell: Tell) -> Iterator[None]:
     waiting = False
     try:
         while (held := claim(path)) is None:
+            if parent_process() is not None:
+                raise LipsyncError(
+                    "a worker of this build runs the script that began it once more; begin the "
+                    "build below `if __name__ == '__main__':`"
+                )
             if not waiting:
                 tell("waiting", {"folder": str(folder)})
             waiting = True

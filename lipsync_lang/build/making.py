@@ -21,6 +21,7 @@ from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.build.archives import split_archive
 from lipsync_lang.build.digests import file_digest, output_digest
 from lipsync_lang.build.needs import BuildSettings, PairNeeds
+from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
@@ -266,7 +267,8 @@ class LineMaker:
         for path in (line.timings, line.audio):
             if path is not None:
                 with suppress(OSError):  # the reader of the file says why
-                    contents[str(path)] = file_digest(self.folder / path)
+                    name = recorded_path(self.folder, path)
+                    contents[name] = file_digest(self.folder / path)
         return contents
 
     def _why(self, line: PlannedLine, error: Exception) -> str:

@@ -77,3 +77,12 @@ def check_links(paths: set[str], folder: Path, faults: ScriptFaults) -> None:
         real = os.path.realpath(os.path.join(home, head))  # noqa: PTH118 links are followed here
         if os.path.commonpath([home, real]) != home:
             faults.add(FILE, f"outputs: {head} leads outside {folder} by a link; remove the link")
+
+
+def recorded_path(folder: Path, path: Path) -> str:
+    """Return a file as records name it: from the project's folder, or in full outside of it.
+
+    >>> recorded_path(Path("/game"), Path("/game/vo/l1.wav"))
+    'vo/l1.wav'
+    """
+    return str(path).removeprefix(f"{folder}{os.sep}")

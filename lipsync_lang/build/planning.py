@@ -10,6 +10,7 @@ import numpy as np
 
 from lipsync_lang.build.digests import digest, file_digest, joined
 from lipsync_lang.build.needs import PairNeeds, told
+from lipsync_lang.build.output_paths import recorded_path
 from lipsync_lang.build.planned_line import PlannedLine
 from lipsync_lang.build.records import (
     NEED,
@@ -261,7 +262,7 @@ def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[s
     }
     for part, path in (("timings", line.timings), ("audio", line.audio)):
         if path is not None:
-            inputs[part] = [str(path), *_stamp(os.path.join(folder, path))]  # noqa: PTH118
+            inputs[part] = [recorded_path(folder, path), *_stamp(os.path.join(folder, path))]  # noqa: PTH118
     return inputs
 
 
