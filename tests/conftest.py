@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 from pathlib import Path
 from random import randrange
 from tempfile import TemporaryDirectory
@@ -23,6 +24,8 @@ def pytest_configure(config):
 
     One cache serves the workers of a run: they are started later, and inherit the environment.
     """
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # as in jobs in the background
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if hasattr(config, "workerinput"):
         return
     cache = TemporaryDirectory(prefix="lipsync-lang-cache-")

@@ -104,6 +104,7 @@ def test_a_fault_is_told_once_and_the_watching_goes_on(game, watched):
     assert "2 up to date" in said[3]
 
 
+@full
 def test_faults_of_packs_and_of_the_project_are_told_too(game, watched):
     stated = (game.folder / "lipsync.yaml").read_text("utf-8")
     said = watched(
@@ -118,6 +119,7 @@ def test_faults_of_packs_and_of_the_project_are_told_too(game, watched):
     assert "0 lines built" in said[4]
 
 
+@full
 def test_remarks_of_a_script_are_said_once(game, watched):
     said = watched(
         lambda: table(game, "low,low", "more,", "map,map"),

@@ -536,9 +536,12 @@ def test_processes_may_write_at_once(store):
 def test_nothing_is_unpickled_or_executed():
     banned = {"pickle", "marshal", "shelve", "dill", "joblib", "cloudpickle"}
     package = Path(ll.__file__).parent
-    # what it unpickles is part of a pickle that the caller has chosen to load
-    pickled = package / "resolver" / "compiled.py"
-    for path in set(package.rglob("*.py")) - {pickled}:
+    pickled = {
+        package / "resolver" / "compiled.py",  # part of a pickle that the caller has chosen to load
+        package / "build" / "dask_cluster.py",  # batches of a scheduler that the user has named
+        package / "build" / "workers.py",  # what this build sends to its own processes
+    }
+    for path in set(package.rglob("*.py")) - pickled:
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             if isinstance(node, ast.Import):
                 assert not banned & {alias.name for alias in node.names}, path

@@ -119,7 +119,7 @@ LAYERED = [
 """Bigrams that hide each other: layers, files, shades and their parents, added sounds, styles."""
 
 
-@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("order", swept([1, -1]))
 def test_layers_and_shades_hide_each_other_one_by_one(tmp_path, order):
     plant(tmp_path)
     shades = "shades:\n  ae: {like: a, ipa: [æ], reason: r}\n  b: {like: p, ipa: [b], reason: r}\n"

@@ -42,6 +42,7 @@ try {
   result.title = await page.textContent(".bigram-head h2");
   result.ghosts = await page.$$eval(".ghosts button", (all) => all.map((one) => one.textContent));
   result.draft = { status: await status(), origin: await page.textContent(".origin"), points: await points() };
+  await page.waitForSelector(".now[visibility=visible]", { state: "attached", timeout: 60000 });
   result.playhead = await page.getAttribute(".now", "visibility");
 
   // a point is dragged, and nudged; the word and the status follow

@@ -58,6 +58,9 @@ const differing = (a, b) => a.filter((one, n) => Math.abs(one - b[n]) > 24).leng
 /** The points of the pose in front, as [time, value]. */
 const points = (page) => page.$$eval(".curve-plot g.front [data-index]", (all) => all.map((one) => one.getAttribute("aria-valuetext")));
 
+/** Wait until the pose in front has these points. */
+const become = (page, wanted) => page.waitForFunction((told) => JSON.stringify([...document.querySelectorAll(".curve-plot g.front [data-index]")].map((one) => one.getAttribute("aria-valuetext"))) === told, JSON.stringify(wanted), { timeout: 60000 });
+
 /** Drag a point of the pose in front by pixels. */
 async function drag(page, index, right, down) {
   const box = await page.locator(`.curve-plot g.front [data-index="${index}"]`).boundingBox();
@@ -110,10 +113,11 @@ const stories = {
     const after = await points(page);
     await page.keyboard.press("Control+z");
     await saved(page);
-    await settle(page);
+    await become(page, before);
     const undone = await points(page);
     await page.keyboard.press("Control+Shift+z");
     await unsaved(page);
+    await become(page, after);
     await page.click('[data-status="approved"]');
     await page.waitForFunction(() => document.querySelector('[data-status="approved"]').getAttribute("aria-pressed") === "true");
     await page.keyboard.press("Control+s");
@@ -164,7 +168,7 @@ const stories = {
     await other.evaluate(() => dispatchEvent(new Event("focus")));
     await other.bringToFront();
     await unsaved(other);
-    await settle(other);
+    await become(other, await points(one));
     await one.bringToFront();
     const shared = JSON.stringify(await points(one)) === JSON.stringify(await points(other));
     await one.keyboard.press("Control+s");
