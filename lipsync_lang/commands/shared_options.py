@@ -73,8 +73,14 @@ def _add_said(said: Options) -> None:
         "--audio", metavar="FILE", type=Path,
         help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
     )  # fmt: skip
-    said.add_argument("--aligner", metavar="NAME", help="another aligner than the language's")
-    said.add_argument("--recogniser", metavar="NAME", help="another recogniser than the language's")
+    said.add_argument(
+        "--aligner", metavar="NAME[:MODEL]",
+        help="another aligner than the language's, and its model",
+    )  # fmt: skip
+    said.add_argument(
+        "--recogniser", metavar="NAME[:MODEL]",
+        help="another recogniser than the language's, and its model",
+    )  # fmt: skip
     said.add_argument(
         "--schedule",
         metavar="FILE",

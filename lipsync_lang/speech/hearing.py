@@ -14,6 +14,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused, tried
 from lipsync_lang.speech.speaking import Speaker, with_emphasis
 
@@ -57,7 +58,7 @@ def align(
     audio : the recording, or a file of it; or several
     text : what is said in it; or what is said in each
     language : a language pack's name, tag or file
-    aligner : another aligner than the pack's
+    aligner : another aligner than the pack's; `NAME:MODEL` names its model as well
     paths : a folder to search for packs before all others, or several
 
     Returns
@@ -124,7 +125,7 @@ def recognise(
     ----------
     audio : the recording, or a file of it; or several
     language : a language pack's name, tag or file
-    recogniser : another recogniser than the pack's
+    recogniser : another recogniser than the pack's; `NAME:MODEL` names its model as well
     paths : a folder to search for packs before all others, or several
 
     Returns
@@ -170,12 +171,11 @@ def align_many(
     from lipsync_lang.speech.align.aligners import ALIGNERS, BatchAligner
 
     stated = speaker.manner.audio
-    name = aligner or stated.align
     try:
-        chosen = ALIGNERS.find(name, SpeechError)
+        name, model = engine_and_model(aligner, stated.align, stated.model)
+        chosen = ALIGNERS.find(name or "", SpeechError)
     except SpeechError as error:
         return refused(recordings, error)
-    model = stated.model if name == stated.align else None
 
     def align_one(pair: tuple[Callable[[], Audio], str]) -> Schedule:
         return chosen.align(pair[0](), pair[1], speaker, model)
@@ -223,13 +223,12 @@ def _recogniser(speaker: Speaker, name: str | None) -> "tuple[Recogniser, str | 
     from lipsync_lang.speech.recognise.recognisers import RECOGNISERS
 
     stated = speaker.manner.audio
-    name = name or stated.recognise
+    name, model = engine_and_model(name, stated.recognise, stated.model)
     if name is None:
         raise SpeechError(
             f"{speaker.manner.language} has no recogniser: give the text that is said as well, or "
             "name a recogniser in its pack (`audio: {recognise: ...}`)"
         )
-    model = stated.model if name == stated.recognise else None
     return RECOGNISERS.find(name, SpeechError), model
 
 

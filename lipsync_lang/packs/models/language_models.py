@@ -222,9 +222,11 @@ class AudioFields(Strict):
     """The conversion of recordings to phonemes."""
 
     align: Text | None = None
-    """The aligner, which finds the times of a text in a recording; `warp` unless stated."""
+    """The aligner, which finds the times of a text in a recording; `warp` unless stated.
+    `NAME:MODEL` names its model as well."""
     recognise: Text | None = None
-    """The recogniser, which finds the words of a recording without a text."""
+    """The recogniser, which finds the words of a recording without a text; `NAME:MODEL` names its
+    model as well."""
     model: Text | None = None
     """The name of the language's model, for both aligner and recogniser."""
     notation: Text | None = None
