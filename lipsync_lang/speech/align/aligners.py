@@ -45,6 +45,7 @@ ALIGNERS: Extensions[Aligner] = Extensions(
     "aligners",
     "aligner",
     modules={
+        "mfa": f"{__package__}.mfa_aligner",
         "pocketsphinx": f"{__package__}.pocketsphinx_aligner",
         "warp": f"{__package__}.warping",
     },

@@ -1,0 +1,205 @@
+"""Forced alignment by the Montreal Forced Aligner, with models and dictionaries of its user.
+
+All recordings of a batch are one corpus, because the program starts slowly. Each is a speaker of
+its own there, so that its times do not depend on the others of the batch. Files have numbers for
+names. The answers are TextGrids.
+
+Labels are those of the dictionary. Their notation is the pack's `audio.notation` if the pack names
+this aligner; otherwise the language recognises it by the labels, as in a file of timings.
+"""
+
+import os
+import wave
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.errors import ScheduleError, SpeechError
+from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule, Word
+from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.align.mfa_command import MfaModels, run_mfa
+from lipsync_lang.speech.engine_names import engine_and_model
+from lipsync_lang.speech.in_turn import batches, each, raised, refused, tried
+from lipsync_lang.speech.speaking import BATCH_TEXTS
+
+if TYPE_CHECKING:
+    from lipsync_lang.speech.speaking import Speaker
+
+NAME = "mfa"
+
+UNKNOWN = "spn"
+"""Label of a word that the dictionary lacks."""
+
+SILENCES = frozenset({SILENCE, "sil", "sp", "spn"})
+"""Labels without a phoneme."""
+
+MAX_SHOWN_WORDS = 8
+
+Given = tuple[Callable[[], Audio], str]
+"""A function that reads a recording, and the text that is said in it."""
+
+
+@aligner(NAME)
+class MfaAligner:
+    """Aligner for any language that has an acoustic model and a dictionary of MFA."""
+
+    def align(
+        self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
+    ) -> Schedule:
+        """Find the times of a text's phonemes in a recording.
+
+        Parameters
+        ----------
+        audio : the recording
+        text : the spoken text
+        speaker : its language
+        model : `MODEL` or `MODEL,DICTIONARY`, each a name that MFA knows, or a file
+
+        Raises
+        ------
+        SpeechError
+            MFA is missing or failed, a model is unknown, or the text does not fit the sound.
+        """
+        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
+        return raised(found)
+
+    def align_many(
+        self, recordings: Iterable[Given], speaker: "Speaker", model: str | None = None
+    ) -> Iterator[Schedule | SpeechError]:
+        """Align as `align` does; MFA starts once for up to 500 recordings, each read twice."""
+        engine, stated = engine_and_model(None, speaker.manner.audio.align)
+        stated = stated or (speaker.manner.audio.model if engine == NAME else None)
+
+        def named(model: str | None) -> MfaModels:
+            # MFA runs code of the model files that it is given: those are the user's to name.
+            return MfaModels.of(model, files=model != stated)
+
+        models = tried(named)(model)
+        if isinstance(models, SpeechError):
+            yield from refused(recordings, models)
+            return
+        notation = speaker.manner.audio.notation if engine == NAME else ""
+        for batch in batches(recordings, BATCH_TEXTS):
+            for found in _aligned(batch, models):
+                yield (
+                    found
+                    if isinstance(found, SpeechError)
+                    else replace(found, notation=notation or None, language=speaker.manner.language)
+                )
+
+
+def _aligned(batch: Sequence[Given], models: MfaModels) -> Iterator[Schedule | SpeechError]:
+    """Align a batch in a folder that is deleted afterwards."""
+    with TemporaryDirectory(prefix="lipsync-lang-", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        output = folder / "output"
+        write = tried(partial(_written, folder / "corpus"))
+        lasts = [write(one) for one in enumerate(batch)]
+        sounds = [seconds for seconds in lasts if not isinstance(seconds, SpeechError)]
+        jobs = max(1, min(len(sounds), os.cpu_count() or 1))
+        try:
+            if sounds:
+                run_mfa(folder / "corpus", models, output, seconds=sum(sounds), jobs=jobs)
+        except SpeechError as error:
+            yield from (one if isinstance(one, SpeechError) else error for one in lasts)
+            return
+        numbers = (
+            one if isinstance(one, SpeechError) else number for number, one in enumerate(lasts)
+        )
+        yield from each(numbers, lambda number: _read(output, number, *batch[number]))
+
+
+def _file_name(number: int) -> str:
+    return f"{number:05d}"
+
+
+def _written(corpus: Path, numbered: tuple[int, Given]) -> float:
+    """Write a sound and its text as a speaker of the corpus; return the length in seconds."""
+    number, (sound, text) = numbered
+    if not any(map(str.isalnum, text)):
+        raise SpeechError(f"'{text[:60]}' has no words to align; give what is said")
+    audio = sound()
+    place = corpus / _file_name(number)
+    place.mkdir(parents=True)
+    with wave.open(str(place / f"{place.name}.wav"), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(audio.samples.dtype.itemsize)
+        file.setframerate(audio.rate)
+        file.writeframes(audio.samples.astype("<i2", copy=False).tobytes())
+    spoken = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    (place / f"{place.name}.lab").write_text(spoken, "utf-8")
+    return audio.seconds
+
+
+def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> Schedule:
+    """Read the answer for a recording."""
+    from lipsync_lang.schedules.timing_readers import read_schedule
+
+    file = next(output.rglob(f"{_file_name(number)}.TextGrid"), None)
+    if file is None:
+        raise SpeechError(_unfit(text))
+    try:
+        read = read_schedule(file, read_as="textgrid")
+    except ScheduleError as error:
+        told = str(error).replace(str(file), "TextGrid")
+        raise SpeechError(f"the answer of MFA for '{text[:60]}' cannot be read: {told}") from None
+    if all(label in SILENCES for label in read.labels) and UNKNOWN not in read.labels:
+        raise SpeechError(_unfit(text))
+    audio = sound()
+    whole = _to_the_end(read, audio.seconds)
+    whole = replace(whole, words=tuple(_as_written(whole.words, text)))
+    return replace(
+        whole, audio=audio, source="recording", remarks=(*whole.remarks, *_lacking(whole))
+    )
+
+
+def _unfit(text: str) -> str:
+    return (
+        f"MFA laid nothing of '{text[:60]}' on the sound; is it the text of this recording, and is "
+        "the recording whole?"
+    )
+
+
+def _to_the_end(schedule: Schedule, seconds: float) -> Schedule:
+    """Return a schedule that ends with its sound."""
+    kept = schedule.times[:-1] < seconds - SNAP_SECONDS
+    labels = [label for label, keep in zip(schedule.labels, kept, strict=True) if keep]
+    times = [*schedule.times[:-1][kept], min(schedule.end, seconds)]
+    if seconds - times[-1] < SNAP_SECONDS or labels[-1] in SILENCES:
+        times[-1] = seconds
+    else:
+        labels.append(SILENCE)
+        times.append(seconds)
+    words = [w for w in schedule.words if w.stop <= len(labels)]
+    return replace(
+        schedule, labels=tuple(labels), times=np.array(times), words=tuple(words), lines=()
+    )
+
+
+def _as_written(words: Iterable[Word], text: str) -> Iterator[Word]:
+    """Give words the capitals of the text; MFA writes small letters."""
+    small = text.lower()
+    small = small if len(small) == len(text) else text
+    at = 0
+    for word in words:
+        start = small.find(word.text.lower(), at)
+        if start >= 0:
+            at = start + len(word.text)
+        yield replace(word, text=text[start:at]) if start >= 0 else word
+
+
+def _lacking(schedule: Schedule) -> Iterator[str]:
+    """Yield a remark on the words that the dictionary lacks."""
+    found = [w.text for w in schedule.words if set(schedule.labels[w.first : w.stop]) == {UNKNOWN}]
+    if found:
+        names = list(dict.fromkeys(found))
+        more = ", ..." if len(names) > MAX_SHOWN_WORDS else ""
+        yield (
+            f"the dictionary of MFA lacks {', '.join(names[:MAX_SHOWN_WORDS])}{more}: the mouth "
+            "rests there; add what lacks to the dictionary"
+        )
