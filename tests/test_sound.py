@@ -110,6 +110,13 @@ def test_a_header_that_leaves_the_length_open_is_believed(tmp_path):
 
 
 @full
+def test_samples_that_an_mp3_states_and_does_not_have_are_not_made_up(data):
+    file = data / "recordings/mfa_tests/common_voice_en_22058267.mp3"
+    sound = read_audio(file)
+    assert len(sound.samples) == len(soundfile.read(file)[0])
+    assert len(sound.samples) < soundfile.info(file).frames
+
+
 def test_a_recording_of_more_than_two_hours_is_refused_unread(tmp_path):
     rate = SLOWEST
     path = tmp_path / "a.flac"

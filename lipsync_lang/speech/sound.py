@@ -12,6 +12,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import Audio, Schedule
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from types import ModuleType
 
 SLOWEST, FASTEST = 8_000, 192_000
@@ -31,6 +32,9 @@ SAMPLES_PER_BYTE = {"MP3": 64}
 
 MAX_CHANNELS = 64
 """Maximum number of channels."""
+
+MP3, MP3_SLACK = "MP3", 2 * 1152
+"""Format whose header may state some samples more than there are: those of its frames' padding."""
 
 BLOCK = 1 << 20
 """Block size of reading, in samples over all channels."""
@@ -96,20 +100,23 @@ def _read(path: str | Path, sound: Any) -> Audio:
             f"{path}: has {sound.frames:,} samples on {sound.channels} channels, and "
             f"{MAX_SAMPLES:,} on {MAX_CHANNELS} are the most; resample it to 48000 Hz, mono"
         )
-    blocks = [
-        _mono(block)
-        for block in sound.blocks(BLOCK // sound.channels, dtype="float32", always_2d=True)
-        if len(block)
-    ]
+    blocks = [*map(_mono, _blocks(sound))]
     count = sum(map(len, blocks))
     if count == 0:
         raise SpeechError(f"{path}: holds no sound; record it anew")
-    if count < sound.frames or _cut_short(sound):
+    slack = MP3_SLACK if sound.format == MP3 else 0
+    if count < stated - slack or _cut_short(sound):
         raise SpeechError(
             f"{path}: ends after {count / rate:.2f} s, before its own header says it does; "
             "copy or save it anew"
         )
     return Audio(np.concatenate(blocks), rate)
+
+
+def _blocks(sound: Any) -> "Iterator[npt.NDArray[np.float32]]":
+    """Yield the samples that the file has, (N, C), however many it states."""
+    while len(block := sound.read(BLOCK // sound.channels, dtype="float32", always_2d=True)):
+        yield block
 
 
 def _mono(block: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
