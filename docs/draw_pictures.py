@@ -8,10 +8,12 @@
     crab-motion each sound of two English lines on the crab, before and now
     crab        bigrams of the crab as drafted and as edited, with frames
     sheet       a sheet of stills
+    recording   a natural recording with its spectrogram and boundaries
 
 "Before" is today's targets with the motion settings of version 0.1: valleys filled, thresholds of
 0.5, no softening, no look-ahead, no stress, no loudness, and every shade as its parent. Lines are
-spoken by eSpeak NG; the pictures need the extras `plot` and `speech`.
+spoken by eSpeak NG; the pictures need the extras `plot` and `speech`. The recording is of the
+folder that LIPSYNC_LANG_TEST_DATA names, and needs the extra `audio` as well.
 """
 
 # ruff: noqa: INP001 - a script, not in a package
@@ -19,6 +21,7 @@ spoken by eSpeak NG; the pictures need the extras `plot` and `speech`.
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -36,6 +39,7 @@ from lipsync_lang.quality.curve_statistics import HIGH_HERTZ
 from lipsync_lang.quality.likeness import CAPTURE_FPS
 from lipsync_lang.render.model.camera import close_up
 from lipsync_lang.render.model.picture import Artist
+from lipsync_lang.render.plot import plot
 from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import SILENCE
 
@@ -269,6 +273,16 @@ def sheet(path: Path) -> None:
     _save(Image.open(path).convert("RGB"), path)
 
 
+def recording(path: Path) -> None:
+    """Draw what `--plot` shows of a sentence of LibriSpeech (CC BY 4.0)."""
+    folder = Path(os.environ["LIPSYNC_LANG_TEST_DATA"], "recordings", "mfa_tests")
+    text = (folder / "61-70968-0000.lab").read_text("utf-8").strip()
+    schedule = ll.align(folder / "61-70968-0000.flac", text.lower(), "english")
+    with path.open("wb") as stream:
+        plot(ll.resolve("english", "facefx").perform(schedule), stream)
+    _save(Image.open(path).convert("RGB"), path)
+
+
 def _save(page: Image.Image, path: Path) -> None:
     """Write a picture of 256 colours, for small files."""
     page.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
@@ -281,6 +295,7 @@ PICTURES = {
     "crab-motion": ("motion-crab.png", crab_motion),
     "crab": ("crab-edits.png", crab),
     "sheet": ("still-sheet.png", sheet),
+    "recording": ("recording.png", recording),
 }
 
 

@@ -17,6 +17,8 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.pipeline.motion import PRESETS
 from lipsync_lang.render.plot import FORMATS, STAGES, plot
+from lipsync_lang.render.sound_panel import Spectrogram, draw_spectrogram
+from lipsync_lang.render.view import View
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 
 MAGIC = {
@@ -136,7 +138,6 @@ def test_the_bigrams_are_those_that_the_stitched_curve_joins(performer, schedule
     from matplotlib.figure import Figure
 
     from lipsync_lang.render.plot import _bigrams
-    from lipsync_lang.render.view import View
 
     view = View(performer.with_motion({"warp": warp, "stitch": "max"}).perform(schedule, 240))
     axes = Figure().add_axes((0, 0, 1, 1), xlim=(view.begin, view.end))
@@ -166,6 +167,71 @@ def test_neither_sound_nor_words_are_needed(performer, schedule):
     assert "words" not in shown
     assert " ".join(schedule.labels) in shown
     assert any("times are estimated" in text for text in shown)
+
+
+def test_a_spectrogram_shows_when_and_how_high_a_tone_is():
+    rate = 16_000
+    tone = (8000 * np.sin(2 * np.pi * 2000 * np.arange(rate) / rate)).astype(np.int16)
+    audio = Audio(np.concatenate([np.zeros(rate, np.int16), tone]), rate)
+    found = Spectrogram.of(audio, -0.25, 3.0, 200.0)
+    rows, columns = found.image.shape
+    assert (found.start, columns) == (0.0, 400)
+    middles = found.start + (np.arange(columns) + 0.5) * found.step
+    loud, quiet = found.image[:, middles > 1.01], found.image[:, middles < 0.99]
+    hertz = found.image[:, 300].argmax() / (rows - 1) * found.highest
+    assert hertz == pytest.approx(2000, abs=40)
+    assert loud.max(axis=0).min() > 0.95
+    assert quiet.max() == 0
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0.5, 1.5), (2.5, 3.0), (-1.0, 0.0), (0.0, 0.0001)])
+@pytest.mark.parametrize("rate", [8000, 44_100])
+def test_a_spectrogram_of_a_part_is_that_part(begin, end, rate):
+    noise = np.random.default_rng(1).integers(-9000, 9000, 2 * rate).astype(np.int16)
+    audio = Audio(noise, rate)
+    part = Spectrogram.of(audio, begin, end, 100.0)
+    whole = Spectrogram.of(audio, 0.0, 2.0, 100.0)
+    assert part.highest == min(5500, rate / 2)
+    assert part.image.shape == (len(whole.image), 100 if begin == 0.5 else 0)
+    if begin == 0.5:  # loudness is relative to the loudest moment that is shown
+        away = part.image - whole.image[:, 50:150]
+        assert np.abs(away - np.median(away)).max() < 0.02
+
+
+@drawn
+def test_a_sound_has_its_boundaries_on_its_spectrogram(performer, schedule, animation):
+    from matplotlib.collections import LineCollection
+    from matplotlib.figure import Figure
+
+    view = View(animation)
+    axes = Figure().add_axes((0, 0, 1, 1), xlim=(view.begin, view.end), ylim=(view.height, 0))
+    draw_spectrogram(axes, view)
+    (image,) = axes.images
+    left, right, *_ = image.get_extent()
+    assert left == 0
+    assert right == pytest.approx(schedule.end, abs=view.spectrogram.step)
+    drawn_at = [
+        segment[0, 0]
+        for lines in axes.collections
+        if isinstance(lines, LineCollection)
+        for segment in lines.get_segments()
+    ]
+    edges = {schedule.times[n] for word in schedule.words for n in (word.first, word.stop)}
+    assert sorted(drawn_at) == sorted([*schedule.times, *edges])
+    assert {"sound", "spectrum", "boundaries"} <= set(texts(animation))
+    bare = texts(performer.perform(replace(schedule, audio=None)))
+    assert not {"sound", "spectrum", "boundaries"} & set(bare)
+
+
+@drawn
+@pytest.mark.parametrize(("confidence", "doubt"), [(None, False), (0.9, False), (0.2, True)])
+def test_words_in_doubt_are_hatched_and_underlined(performer, schedule, confidence, doubt):
+    words = tuple(replace(word) for word in schedule.words)
+    object.__setattr__(words[1], "confidence", confidence)
+    animation = performer.perform(replace(schedule, words=words))
+    assert ("word in doubt" in texts(animation)) == doubt
+    spans = [(float(schedule.times[5]), float(schedule.times[9]))]
+    assert View(animation).doubts == (spans if doubt else [])
 
 
 @drawn

@@ -1,8 +1,8 @@
 """Plot of a line: the spoken text and the curve of each pose through the stages (figures 6 to 10).
 
-The sound, the words and the phonemes run along the time axis, above a row per moving pose. A row
-shows the bigrams, the stitched curve and the final one. Shades mark the changes of the stages in
-between: additions lie under the final curve, removals above it.
+The sound with its spectrogram, the words and the phonemes run along the time axis, above a row per
+moving pose. A row shows the bigrams, the stitched curve and the final one. Shades mark the changes
+of the stages in between: additions lie under the final curve, removals above it.
 
 Units: x is seconds; y is inches from the top of a strip, the scale of a printed page.
 """
@@ -20,6 +20,13 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
+from lipsync_lang.render.sound_panel import (
+    EDGES,
+    IN_DOUBT,
+    draw_doubts,
+    draw_spectrogram,
+    draw_waveform,
+)
 from lipsync_lang.render.view import (
     AXIS,
     FOOT,
@@ -29,6 +36,7 @@ from lipsync_lang.render.view import (
     RIGHT,
     SHOWN,
     SOUND,
+    SPECTRUM,
     VISIBLE,
     WIDTH,
     View,
@@ -77,7 +85,7 @@ STAGES = {
 }
 """Labels and colours of the stages (tints of Okabe and Ito's colour-blind safe palette)."""
 
-FINAL, INK, SOUND_INK = "black", "#333333", "#777777"
+FINAL, INK = "black", "#333333"
 RULE, SILENT, OUTSIDE = "#c4c4c4", "#f5f5f5", "#e6e6e6"
 STITCHED: dict[str, Any] = {"lw": 1.0, "ls": (0, (1, 1))}
 THIN: dict[str, Any] = {"color": RULE, "lw": 0.6, "zorder": 0.5}
@@ -143,7 +151,10 @@ def _page(view: View) -> "Figure":
         place = (view.left / WIDTH, bottom / height)
         size = (1 - (view.left + RIGHT) / WIDTH, view.height / height)
         axes = figure.add_axes((*place, *size), xlim=limits, ylim=(view.height, 0))
-        for draw in (_scales, _grounds, _sound, _labels, _bigrams, _changes, _curves):
+        for draw in (
+            _scales, _grounds, draw_doubts, draw_waveform, draw_spectrogram, _labels, _bigrams,
+            _changes, _curves,
+        ):  # fmt: skip
             draw(axes, view)
     return figure
 
@@ -180,6 +191,10 @@ def _legend(figure: "Figure", view: View, top: float) -> None:
     }
     if view.gates:
         entries["bounds of a contact"] = Patch(**GATE)
+    if view.spectrogram is not None:
+        entries["boundaries"] = Line2D([], [], **EDGES)
+    if view.doubts:
+        entries["word in doubt"] = Patch(**IN_DOUBT)
     figure.legend(
         list(entries.values()), list(entries), ncols=len(entries), loc="upper left",
         bbox_to_anchor=(LEFT / WIDTH, top), frameon=False, borderpad=0, borderaxespad=0,
@@ -198,9 +213,12 @@ def _scales(axes: "Axes", view: View) -> None:
 
     names = [(band.name, (band.top + band.bottom) / 2) for band in view.bands]
     names += [(view.animation.poses[p], view.y(row, 0.5)) for row, p in enumerate(view.moving)]
+    ends = [(view.y(row, end), f"{end}") for row in range(len(view.moving)) for end in (0, 1)]
+    if view.spectrogram is not None:
+        names += [("sound", SOUND / 2), ("spectrum", SOUND + SPECTRUM / 2)]
+        ends += [(SOUND + SPECTRUM, "0"), (SOUND, f"{view.spectrogram.highest / 1000:g}k")]
     axes.set_yticks([at for _, at in names], [name for name, _ in names], size=10)
     axes.tick_params(axis="y", length=0, pad=22)
-    ends = [(view.y(row, end), f"{end}") for row in range(len(view.moving)) for end in (0, 1)]
     axes.set_yticks([at for at, _ in ends], [end for _, end in ends], minor=True, size=7)
     for row in range(len(view.moving)):
         axes.axhline(view.y(row, 0), **THIN | {"color": INK})
@@ -221,24 +239,6 @@ def _grounds(axes: "Axes", view: View) -> None:
         if start < end:
             axes.axvspan(start, end, color=colour, lw=0, zorder=0)
     axes.vlines(track.bounds, view.bands[-1].bottom, view.height, **THIN)
-
-
-def _sound(axes: "Axes", view: View) -> None:
-    """Draw the waveform: minimum and maximum per column of pixels."""
-    audio = view.animation.schedule.audio
-    if audio is None:
-        return
-    start, stop = (int(t * audio.rate) for t in np.clip(axes.get_xlim(), 0, audio.seconds))
-    step = max(1, round(audio.rate / (view.scale * DPI)))
-    count = (stop - start) // step
-    loudest = max(
-        1.0, *np.abs([audio.samples.min(initial=0), audio.samples.max(initial=0)], dtype=float)
-    )
-    columns = audio.samples[start : start + count * step].reshape(count, step) / loudest
-    if count:
-        times = (start + np.arange(count) * step) / audio.rate
-        low, high = (SOUND * (0.5 - 0.45 * take(columns, axis=1)) for take in (np.min, np.max))
-        axes.fill_between(times, low, high, color=SOUND_INK, lw=0.4)
 
 
 def _labels(axes: "Axes", view: View) -> None:

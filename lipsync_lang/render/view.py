@@ -15,14 +15,22 @@ from lipsync_lang.pipeline.perform import Performance, Stage
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.render.sound_panel import Spectrogram
+    from lipsync_lang.schedules.schedule import Schedule
 
 STRIP, SHOWN = 6.5, 60.0
 """Seconds: length of a strip, after which a line wraps, and maximum length of the plot."""
 
 WIDTH, HEAD, AXIS, FOOT, LEFT, RIGHT = 15.0, 0.9, 0.5, 0.1, 0.15, 0.25
-SOUND, LANE, GAP, APART = 0.45, 0.18, 0.15, 0.04
+SOUND, SPECTRUM, LANE, GAP, APART = 0.45, 1.1, 0.18, 0.15, 0.04
 ROW, LOW_ROW, ALL_ROWS = 0.8, 0.3, 80.0
 """Inches: page and margins; bands; a row, and its minimum height on a full page."""
+
+DOUBTFUL = 0.5
+"""Confidence below which a word is in doubt."""
+
+COLUMNS_PER_INCH = 100.0
+"""Columns of the spectrogram."""
 
 LANES = 3
 """Number of text lanes for the crowded labels of a band."""
@@ -67,6 +75,8 @@ class View:
         self.resting = [animation.poses[i] for i in np.flatnonzero(tops <= VISIBLE)]
         self.gates = list(_gates(self))
         self.bands = _bands(self)
+        self.spectrogram = _spectrogram(self)
+        self.doubts = list(_doubts(animation.schedule))
         self.row = float(np.clip(ALL_ROWS / self.strips / max(1, len(self.moving)), LOW_ROW, ROW))
         first = self.bands[-1].bottom + GAP
         self.tops = first + np.arange(len(self.moving)) * (self.row + GAP)
@@ -86,6 +96,24 @@ def _stages(performance: Performance, end: float) -> tuple[Floats, list[Stage]]:
         stop = performance.frames.count
     stages = performance.stages(0, stop)
     return times, [Stage(name, curves[:, : len(times)]) for name, curves in stages]
+
+
+def _spectrogram(view: View) -> "Spectrogram | None":
+    """Analyse the sound of the visible part."""
+    from lipsync_lang.render.sound_panel import Spectrogram
+
+    audio = view.animation.schedule.audio
+    if audio is None:
+        return None
+    return Spectrogram.of(audio, view.begin, view.end, view.scale * COLUMNS_PER_INCH)
+
+
+def _doubts(schedule: "Schedule") -> Iterator[tuple[float, float]]:
+    """Yield start and end of each word whose confidence is low."""
+    for word in schedule.words:
+        confidence = getattr(word, "confidence", None)
+        if confidence is not None and confidence < DOUBTFUL:
+            yield float(schedule.times[word.first]), float(schedule.times[word.stop])
 
 
 def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:
@@ -117,7 +145,7 @@ def _bands(view: View) -> list[Band]:
     ]
     bands: list[Band] = []
     for name, texts, spans, size in rows[0 if words else 1 :]:
-        top = bands[-1].bottom if bands else SOUND if schedule.audio else 0.0
+        top = bands[-1].bottom if bands else SOUND + SPECTRUM if schedule.audio else 0.0
         bands.append(_band(view, name, texts, spans, size, top))
     return bands
 
