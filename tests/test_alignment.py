@@ -8,10 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lanes import full, swept
+from shipped import LANGUAGES
 
 import lipsync_lang as ll
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.speech.align.aligners import ALIGNERS
+from lipsync_lang.speech.align.pocketsphinx_aligner import WordReader
 from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.speaking import Speaker
@@ -250,8 +254,6 @@ def test_aligners_and_models_that_are_not_there_are_told(english, spoken):
     audio = spoken[TEXTS[0]].audio
     with pytest.raises(ll.SpeechError, match="did you mean 'pocketsphinx'"):
         aligned(english, audio, TEXTS[0], aligner="pocketsfinks")
-    with pytest.raises(ll.SpeechError, match="the language names none"):
-        ll.align(audio, "moi", "finnish", aligner="pocketsphinx")
     with pytest.raises(ll.SpeechError, match="has no model 'en-xx'; did you mean 'en-us'"):
         ALIGNERS["pocketsphinx"].align(audio, TEXTS[0], english, "en-xx")
 
@@ -398,7 +400,7 @@ def test_what_a_pack_says_of_recordings_is_checked(cli, tmp_path, monkeypatch, a
 
 def test_a_dialect_is_heard_as_its_parent_unless_it_says_otherwise(english):
     assert Speaker.of("english-uk").manner.audio == english.manner.audio
-    assert Speaker.of("finnish").manner.audio.align == "warp"
+    assert Speaker.of("dutch").manner.audio.align == ("pocketsphinx", "warp")
     assert Speaker.of("finnish").manner.audio.recognise is None
 
 
@@ -408,6 +410,104 @@ def test_a_performer_aligns_as_its_language_does(english, spoken):
     assert performer.speaker.manner.audio == english.manner.audio
     found = aligned(performer.speaker, spoken[TEXTS[0]].audio, TEXTS[0])
     assert performer.perform(found).weights.max() > 0.3
+
+
+def reader_of(speaker):
+    """Return the reader of a language for the model of every language."""
+    return WordReader(find_models(model_phones().model), speaker)
+
+
+def names_of(reader, label):
+    names = reader.models.model.names
+    return [names[number] for number in reader.numbers(label)]
+
+
+@pytest.mark.parametrize(
+    ("language", "label", "phones"),
+    [
+        ("german", "pf", ["P", "F"]),
+        ("german", "yː", ["UW"]),
+        ("german", "ɔʏ", ["OY"]),
+        ("french", "ɑ̃", ["AA"]),
+        ("italian", "ts", ["T", "S"]),
+        ("mandarin", "zh", ["CH"]),
+        ("japanese", "カ", ["K", "AE"]),
+    ],
+)
+def test_a_label_of_any_language_is_heard_as_the_phones_that_sound_most_like_it(
+    language, label, phones
+):
+    assert names_of(reader_of(Speaker.of(language)), label) == phones
+
+
+def test_a_pack_says_better_how_a_label_is_heard(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "languages").mkdir()
+    pack = (
+        "kind: language\nformat: 1\nname: kin\ntag: de-x-kin\nextends: german\n"
+        "audio: {phones: {ʁ: [HH, R]}}\n"
+    )
+    (tmp_path / "languages" / "kin.yaml").write_text(pack, encoding="utf-8")
+    assert names_of(reader_of(Speaker.of("kin")), "ʁ") == ["HH", "R"]
+
+
+@pytest.mark.parametrize("language", swept(LANGUAGES, 2))
+def test_every_label_of_ipa_is_heard_and_pressed_lips_are_heard_as_such(language):
+    reader = reader_of(Speaker.of(language))
+    near = model_phones().nearest
+    closed = near.features.names.index("closure")
+    pressed = {
+        name
+        for name, letters in near.candidates.items()
+        if near.features.read(letters[0]).sounds[0].features[closed] == 1
+    }
+    for label in reader.speaker.notations["ipa"].table:
+        sounds = near.features.read(label).sounds
+        found = names_of(reader, label) if reader.speaker.manner.notation == "ipa" else None
+        found = found if found is not None else [one for one, _ in near.value(label) or ()]
+        assert found or not sounds, label
+        shut = any(sound.features[closed] == 1 for sound in sounds)
+        assert not shut or pressed & {*found}, label
+
+
+def laid_by(monkeypatch, name, confidence):
+    """Stand in for an aligner with one that is so sure, or fails."""
+
+    class StandIn:
+        def align(self, audio, text, speaker, model=None):  # noqa: ARG002 as aligners are called
+            if confidence is None:
+                raise SpeechError(f"{name} finds nothing")
+            return ll.Schedule(
+                ("m",), [0.0, 1.0], audio=audio, source=name, confidence=confidence,
+                language=speaker.manner.language,
+            )  # fmt: skip
+
+    monkeypatch.setitem(ALIGNERS.known, name, StandIn())
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "kept", "told"),
+    [
+        (0.9, 1.0, "pocketsphinx", None),
+        (0.3, 0.6, "warp", "aligned by warp, the surest of: pocketsphinx 0.30, warp 0.60"),
+        (0.3, 0.2, "pocketsphinx", "aligned by pocketsphinx, the surest of"),
+        (None, 0.4, "warp", "aligned by warp, the surest of: pocketsphinx failed, warp 0.40"),
+    ],
+)
+def test_where_one_aligner_is_not_sure_the_next_is_asked(monkeypatch, first, second, kept, told):
+    laid_by(monkeypatch, "pocketsphinx", first)
+    laid_by(monkeypatch, "warp", second)
+    found = aligned(Speaker.of("german"), ll.Audio(np.zeros(16000, np.int16), 16000), "Mama")
+    assert found.source == kept
+    assert [told in remark for remark in found.remarks] == ([True] if told else [])
+
+
+def test_an_aligner_that_is_named_is_the_only_one(monkeypatch):
+    laid_by(monkeypatch, "pocketsphinx", 0.1)
+    laid_by(monkeypatch, "warp", 0.9)
+    silence = ll.Audio(np.zeros(16000, np.int16), 16000)
+    found = aligned(Speaker.of("german"), silence, "Mama", aligner="pocketsphinx")
+    assert (found.source, found.remarks) == ("pocketsphinx", ())
 
 
 def test_every_phoneme_that_a_pack_gives_for_the_model_is_one_of_its_own(english):

@@ -56,7 +56,7 @@ class Noted:
 def test_a_model_reaches_its_engine(monkeypatch):
     for known in (ALIGNERS.known, RECOGNISERS.known):
         monkeypatch.setitem(known, "noted", Noted())
-    speaker = Speaker(Manner("letters", audio=Hearing("noted:big", "noted", "small")), {})
+    speaker = Speaker(Manner("letters", audio=Hearing(("noted:big",), "noted", "small")), {})
     assert aligned(speaker, SOUND, "a").labels == ("big",)
     assert aligned(speaker, SOUND, "a", aligner="noted:huge").labels == ("huge",)
     assert recognised(speaker, SOUND).labels == ("small",)

@@ -21,6 +21,9 @@ from lipsync_lang.phonology.labels import normalise
 CARRIER = "\u25cc"
 """The dotted circle on which data writes a mark that needs a carrier."""
 
+VOICE, VOICELESS = "voice", "without-voice"
+"""A property that is heard and not seen, and the word of letters without it."""
+
 Numbers = tuple[float | None, ...]
 """Features of one sound, in order; None where they do not apply."""
 
@@ -340,3 +343,31 @@ def _case(case: Mapping[str, Any], names: tuple[str, ...]) -> Case:
         time=case.get("time") or 1.0,
         lost=case.get("lost") or "",
     )
+
+
+def by_ear(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data of the IPA with the weights of the ear, and voice.
+
+    Parameters
+    ----------
+    data : the pack of the IPA with its section on hearing, as JSON or YAML hold it
+    """
+    hearing = data["hearing"]
+    weights, silent = hearing["weights"], frozenset(hearing["voiceless"].split())
+    seen = {
+        name: feature | {"weight": weights.get(name, 0.0)}
+        for name, feature in data["features"].items()
+    }
+    of_the_eye: dict[str, Any] = {"prefer": {}, "aside": {}, "beside": {}, "joins": []}
+    return {
+        **data,
+        **of_the_eye,
+        "features": seen | {VOICE: {"weight": hearing["voice"], "otherwise": 1.0}},
+        "terms": data["terms"] | {VOICELESS: {VOICE: 0.0}},
+        "letters": {
+            letter: f"{words} {VOICELESS}" if letter in silent else words
+            for letter, words in data["letters"].items()
+        },
+        "another": hearing["another"],
+        "later": hearing["later"],
+    }

@@ -14,14 +14,14 @@ class Hearing:
 
     Parameters
     ----------
-    align : the aligner
+    align : the aligners: the first, and those to ask where it is not sure
     recognise : the recogniser; None where nothing recognises words
-    model : what both call their model of the language
+    model : what they call their model of the language
     notation : of the labels that come out; empty for that of the G2P
-    phones : for labels that the G2P writes, those of the model
+    phones : for labels that the G2P writes, those of the model; others go by their sound
     """
 
-    align: str = "warp"
+    align: tuple[str, ...] = ("pocketsphinx", "warp")
     recognise: str | None = None
     model: str | None = None
     notation: str = ""

@@ -1,6 +1,7 @@
 """Mapping labels by features: the phonemes that packs offer, and mappings that disagree."""
 
 from collections.abc import Collection, Mapping, Sequence
+from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, NamedTuple
 from weakref import WeakKeyDictionary
@@ -9,7 +10,7 @@ from lipsync_lang.errors import PackError
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.finding import IPA, Paths
 from lipsync_lang.packs.yaml.faults import PackFaults
-from lipsync_lang.phonology.ipa import Features, key
+from lipsync_lang.phonology.ipa import Features, by_ear, key
 from lipsync_lang.phonology.labels import Value
 from lipsync_lang.phonology.nearest import NearestPhonemes
 from lipsync_lang.resolver.language_tables import value_of
@@ -136,6 +137,34 @@ def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes
             "shades": shades_among(common, known),
         }
     )
+
+
+class ModelPhones(NamedTuple):
+    """An acoustic model, and a search for its phones that sound most like a label."""
+
+    model: str
+    nearest: NearestPhonemes
+
+
+@cache
+def model_phones() -> ModelPhones | None:
+    """Return the search for phones of the acoustic model that hears every language.
+
+    None where the pack of the IPA names no such model.
+
+    Raises
+    ------
+    PackError
+        The pack of the IPA is unsound or missing.
+    """
+    from lipsync_lang.packs.library import Library
+
+    data = _features(Library())
+    hearing = data["hearing"]
+    if hearing is None:
+        return None
+    plain = {"features": by_ear(data), "candidates": hearing["phones"], "labels": ()}
+    return ModelPhones(hearing["model"], NearestPhonemes.from_plain(plain))
 
 
 def candidates(language: "models.Language", common: "models.Phonemes") -> dict[str, list[str]]:

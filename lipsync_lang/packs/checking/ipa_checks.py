@@ -30,6 +30,8 @@ def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
                 yield from _words(ipa, ("joins", index, side, number), phrase)
     yield from _marks(ipa)
     yield from _letters(ipa)
+    if model.hearing is not None:
+        yield from _features(ipa, ("hearing", "weights"), model.hearing.weights)
     yield from _phonemes(ipa, common)
 
 
@@ -64,6 +66,7 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
     model = ipa.model
     letters = {_plain(letter) for letter in model.letters}
     marks = {_plain(mark) for mark in model.marks}
+    hearing = model.hearing
     named: list[tuple[Loc, str]] = [
         *((("prefer", letter, "as"), p.letter) for letter, p in model.prefer.items()),
         *((("alone", mark), letter) for mark, letter in model.alone.items()),
@@ -78,6 +81,10 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
             for mark, cases in model.marks.items()
             for index, case in enumerate(cases)
             if case.then is not None
+        ),
+        *(
+            (("hearing", "voiceless"), one)
+            for one in (hearing.voiceless.split() if hearing else ())
         ),
     ]
     for loc, letter in named:
@@ -95,12 +102,21 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
             for name, signs in model.notations.items()
             for sign, meant in signs.items()
         ),
+        *(
+            (("hearing", "phones", phone), label)
+            for phone, labels in (hearing.phones.items() if hearing else ())
+            for label in labels
+        ),
     ]
     for loc, meant in spelled:
         rest = _unread(_plain(meant), letters | marks)
         if rest:
             what = f"'{rest[0]}' is neither a letter nor a mark"
             yield ipa.fault(loc, "P223", what, "put it under one of them")
+
+
+def _voiceless(model: "Ipa") -> list[str]:
+    return model.hearing.voiceless.split() if model.hearing else []
 
 
 def _unread(text: str, known: Collection[str]) -> str:

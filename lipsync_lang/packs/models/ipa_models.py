@@ -119,6 +119,25 @@ Cases = Annotated[
 """The effects of a mark; the first case that fits the letter applies."""
 
 
+class HearingFields(Strict):
+    """The similarity of sounds to the ear, for acoustic models of another language."""
+
+    model: Text
+    """The acoustic model."""
+    weights: dict[Text, NotNegative]
+    """The weight of each visible property in what is heard."""
+    voice: NotNegative
+    """The weight of voice."""
+    voiceless: Text
+    """The letters without voice, separated by spaces."""
+    another: NotNegative
+    """The cost of each further phone in a label."""
+    later: Unit = 1.0
+    """The weight of letters after the first, if several letters map to one phone."""
+    phones: dict[Label, Annotated[tuple[Label, ...], OrOne]]
+    """The letters that each phone of the model sounds like."""
+
+
 class Ipa(PackModel):
     """The effect of each letter and mark of the IPA on lips, jaw and tongue."""
 
@@ -134,6 +153,8 @@ class Ipa(PackModel):
     """The cost of each further common phoneme in a label."""
     later: Unit = 1.0
     """The weight of letters after the first, if several letters map to one common phoneme."""
+    hearing: HearingFields | None = None
+    """The similarity of sounds to the ear."""
     terms: dict[Text, dict[Text, Unit]]
     """The features of each word that descriptions use."""
     letters: dict[Label, Text]

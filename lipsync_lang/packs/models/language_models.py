@@ -221,9 +221,10 @@ class TTS(Strict):
 class AudioFields(Strict):
     """The conversion of recordings to phonemes."""
 
-    align: Text | None = None
-    """The aligner, which finds the times of a text in a recording; `warp` unless stated.
-    `NAME:MODEL` names its model as well."""
+    align: Annotated[tuple[Text, ...], OrOne] = ()
+    """The aligner, which finds the times of a text in a recording, or several: where the first is
+    not sure, the next is asked, and the surer result is kept. `NAME:MODEL` names its model as well.
+    Unless stated, `[pocketsphinx, warp]`."""
     recognise: Text | None = None
     """The recogniser, which finds the words of a recording without a text; `NAME:MODEL` names its
     model as well."""
@@ -232,7 +233,8 @@ class AudioFields(Strict):
     notation: Text | None = None
     """The notation of the resulting labels."""
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
-    """The model's phones for labels written by `g2p`."""
+    """The model's phones for labels written by `g2p`; other labels go to the phones that sound most
+    like them (`hearing` in the pack of the IPA)."""
 
 
 class Test(Strict):

@@ -72,8 +72,10 @@ class MfaAligner:
         self, recordings: Iterable[Given], speaker: "Speaker", model: str | None = None
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does; MFA starts once for up to 500 recordings, each read twice."""
-        engine, stated = engine_and_model(None, speaker.manner.audio.align)
-        stated = stated or (speaker.manner.audio.model if engine == NAME else None)
+        audio = speaker.manner.audio
+        engines = [engine_and_model(None, one) for one in audio.align]
+        stated = next((own or audio.model for name, own in engines if name == NAME), None)
+        notation = audio.notation if stated else ""
 
         def named(model: str | None) -> MfaModels:
             # MFA runs code of the model files that it is given: those are the user's to name.
@@ -83,7 +85,6 @@ class MfaAligner:
         if isinstance(models, SpeechError):
             yield from refused(recordings, models)
             return
-        notation = speaker.manner.audio.notation if engine == NAME else ""
         for batch in batches(recordings, BATCH_TEXTS):
             for found in _aligned(batch, models):
                 yield (

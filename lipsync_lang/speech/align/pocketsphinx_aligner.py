@@ -6,9 +6,11 @@ package selects the most likely variant and its times.
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules.schedule import Audio, Schedule
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lipsync_lang.phonology.g2p.g2p_engines import Said
+    from lipsync_lang.phonology.labels import Value
     from lipsync_lang.speech.speaking import Speaker, Transcript
 
 NOTHING = 0.12
@@ -65,15 +68,15 @@ class PocketsphinxAligner:
         model: str | None = None,
     ) -> Iterator[Schedule | SpeechError]:
         """Align as `align` does, with many texts read at once."""
-        models = tried(find_models)(model)
+        models = tried(find_models)(model or _every_language())
         if isinstance(models, SpeechError):
             yield from refused(recordings, models)
             return
         for batch in batches(recordings, BATCH_TEXTS):
-            yield from self._batch(batch, _Reader(models, speaker.remembering()))
+            yield from self._batch(batch, WordReader(models, speaker.remembering()))
 
     def _batch(
-        self, batch: "Sequence[tuple[Callable[[], Audio], str]]", reader: "_Reader"
+        self, batch: "Sequence[tuple[Callable[[], Audio], str]]", reader: "WordReader"
     ) -> Iterator[Schedule | SpeechError]:
         """Read all texts of a batch, then align one after the other."""
         read = list(reader.speaker.transcribe_many(text for _, text in batch))
@@ -84,7 +87,7 @@ class PocketsphinxAligner:
         )
         yield from each(pairs, lambda pair: self._aligned(pair[0](), pair[1], reader))
 
-    def _aligned(self, audio: Audio, transcript: "Transcript", reader: "_Reader") -> Schedule:
+    def _aligned(self, audio: Audio, transcript: "Transcript", reader: "WordReader") -> Schedule:
         """Align a text that is read."""
         models, speaker, text = reader.models, reader.speaker, transcript.text
         sayings = reader.sayings(transcript.words)
@@ -110,7 +113,8 @@ class PocketsphinxAligner:
                 0, f"text and sound hardly agree (confidence {sure:.2f}): is it the right text?"
             )
         found = laid(models, heard, sayings, audio.seconds)
-        manner, notation = speaker.manner, speaker.manner.audio.notation
+        manner = speaker.manner
+        notation = manner.audio.notation or manner.notation
         return Schedule(
             *found,
             notation=notation,
@@ -124,16 +128,19 @@ class PocketsphinxAligner:
         )
 
 
-class _Reader:
+class WordReader:
     """Pronunciation lookup for words of a language."""
 
     def __init__(self, models: Models, speaker: "Speaker") -> None:
         self.models = models
         self.speaker = speaker
         manner = speaker.manner
+        self.own = bool(manner.audio.notation)
         self.labels = speaker.notations[manner.notation]
-        own = speaker.notations.get(manner.audio.notation)
-        self.alike = {value: name for name, value in reversed([*own.table.items()] if own else [])}
+        ipa = speaker.notations.get(IPA)
+        self.typical = {
+            value: name for name, value in reversed([*ipa.table.items()] if ipa else [])
+        }
         self.stated = Notation(
             {
                 label: tuple((name, 1 / len(names)) for name in names)
@@ -160,24 +167,60 @@ class _Reader:
                 else [said]
             )
         ]
-        sayings = (Saying(said.text, self.ways(said.text, said.labels)) for said in apart)
+        sayings = (self.saying(said) for said in apart)
         return [saying for saying in sayings if saying.ways]
 
-    def ways(self, word: str, labels: "Sequence[str]") -> tuple[tuple[int, ...], ...]:
-        """Return pronunciation variants of a word: from the dictionary and from the G2P."""
-        read = tuple(number for label in labels for number in self.numbers(label))
-        return tuple(dict.fromkeys([*self.models.ways(plain(word)), read])) if read else ()
+    def saying(self, said: "Said") -> Saying:
+        """Return a word with its pronunciations.
+
+        In the model's own language the dictionary comes first; elsewhere the G2P alone counts.
+        """
+        numbers = [self.numbers(label) for label in said.labels]
+        read = tuple(number for some in numbers for number in some)
+        if not read:
+            return Saying(said.text, ())
+        if self.own:
+            ways = tuple(dict.fromkeys([*self.models.ways(plain(said.text)), read]))
+            return Saying(said.text, ways)
+        spelled = tuple(
+            (label, len(some)) for label, some in zip(said.labels, numbers, strict=True) if some
+        )
+        return Saying(said.text, (read,), spelled)
 
     def numbers(self, label: str) -> list[int]:
         """Map a G2P label to phoneme numbers of the model.
 
-        Without an entry in the pack: the first phonemes with the same common phonemes.
+        Without an entry in the pack: the phones that sound most like the label, or, where that is
+        not in IPA, like the IPA of its common phonemes.
         """
         found = self.stated.find(label)
         if found is None:
-            common = self.labels.find(label) or ()
-            found = tuple((self.alike.get(((name, 1.0),), ""), 1.0) for name, _ in common)
+            said = [label] if self.speaker.manner.notation == IPA else self._typical(label)
+            found = tuple(one for ipa in said for one in self.by_ear(ipa) or ())
         return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
+
+    def _typical(self, label: str) -> list[str]:
+        """Return the IPA of the common phonemes of a label."""
+        common = self.labels.find(label) or ()
+        return [self.typical.get(((name, 1.0),), "") for name, _ in common]
+
+    @cached_property
+    def by_ear(self) -> "Callable[[str], Value | None]":
+        """The model's phones for a label of the IPA."""
+        from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+        known = model_phones()
+        if known is None or known.model != self.models.folder.name:
+            return lambda _: None
+        return known.nearest.value
+
+
+def _every_language() -> str | None:
+    """Return the model that hears languages without one of their own, by name."""
+    from lipsync_lang.resolver.nearest_phonemes import model_phones
+
+    known = model_phones()
+    return known.model if known else None
 
 
 def _joined(words: "Iterable[Said]") -> set[str]:

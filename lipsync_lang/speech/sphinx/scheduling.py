@@ -1,6 +1,6 @@
 """Conversion of aligned phonemes to schedules, shared by aligner and recogniser."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -43,10 +43,15 @@ SHOWN = 5
 
 
 class Saying(NamedTuple):
-    """A word in its own spelling, with pronunciations as phoneme numbers."""
+    """A word in its own spelling, with pronunciations as phoneme numbers.
+
+    `spelled` are the labels of its one pronunciation, each with its number of phonemes; without
+    it, the model's own names are the labels.
+    """
 
     text: str
     ways: tuple[tuple[int, ...], ...]
+    spelled: tuple[tuple[str, int], ...] = ()
 
 
 def prepared(audio: Audio) -> Floats:
@@ -81,8 +86,13 @@ def laid(
 ) -> Laid:
     """Convert phonemes to labels from 0 to the end of the sound, with adjacent pauses merged."""
     rows: list[tuple[str, int, float]] = []
+    spelled = {number: _spelled(one) for number, one in enumerate(sayings) if one.spelled}
     for one in heard:
         label = SILENCE if one.phone in models.quiet else models.model.names[one.phone]
+        if label != SILENCE and one.word in spelled:
+            label = next(spelled[one.word])
+            if not label:  # another phoneme of the label before
+                continue
         if label != SILENCE or not rows or rows[-1][0] != SILENCE:
             rows.append((label, one.word, one.first * FRAME + CENTRE))
     starts = [0.0, *(start for _, _, start in rows[1:]), seconds]
@@ -101,6 +111,12 @@ def laid(
         if own:
             words.append(Word(saying.text, own[0], own[-1] + 1))
     return Laid(labels, np.array(times), tuple(words))
+
+
+def _spelled(saying: Saying) -> Iterator[str]:
+    """Yield the label of each phoneme of a word; nothing where it belongs to the label before."""
+    for label, count in saying.spelled:
+        yield from (label, *[""] * (count - 1))
 
 
 def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str]:
