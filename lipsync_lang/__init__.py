@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
     from lipsync_lang.schedules.timing_readers import read_schedule
     from lipsync_lang.speech.hearing import align, recognise
+    from lipsync_lang.speech.sound import read_audio
     from lipsync_lang.speech.speaking import Transcript, speak, transcribe
 
 _HOMES = {
@@ -65,6 +66,7 @@ _HOMES = {
     "Word": "lipsync_lang.schedules.schedule",
     "align": "lipsync_lang.speech.hearing",
     "check": "lipsync_lang.quality.check_animation",
+    "read_audio": "lipsync_lang.speech.sound",
     "read_schedule": "lipsync_lang.schedules.timing_readers",
     "recognise": "lipsync_lang.speech.hearing",
     "resolve": "lipsync_lang.performing.resolving",
@@ -97,6 +99,7 @@ __all__ = [
     "__version__",
     "align",
     "check",
+    "read_audio",
     "read_schedule",
     "recognise",
     "resolve",

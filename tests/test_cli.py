@@ -11,6 +11,7 @@ import sys
 import wave
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -255,6 +256,22 @@ def test_what_a_schedule_does_not_say_is_said_for_it(animate, cli, folder):
     (folder / "line.odd").write_text("0 1600 HH\n", "utf-8")
     assert cli("run", *PAIR, "--schedule", "line.odd", "--read-as", "timit").code == 0
     refused(cli("run", *PAIR, "--schedule", "line.odd"), "may be htk or timit; say which")
+
+
+def test_a_channel_of_a_recording_is_chosen(animate, folder):
+    soundfile = pytest.importorskip("soundfile", reason="the extra `audio` is not installed")
+    both = np.stack([np.full(9600, 1000), np.full(9600, 3000)], axis=1).astype(np.int16)
+    soundfile.write(folder / "two.wav", both, 16_000)
+
+    def loudest(*options):
+        assert animate("--audio", "two.wav", "-o", "a.wav", *options).code == 0
+        return soundfile.read(folder / "a.wav", dtype="int16")[0].max()
+
+    assert loudest() == 2000
+    assert loudest("--audio-channel", "2") == 3000
+    ended = animate("--audio", "two.wav", "--audio-channel", "3")
+    refused(ended, "two.wav: has no channel 3; its channels are numbered 1 to 2")
+    refused(animate("--audio-channel", "1"), "--audio-channel is of a recording; give it with")
 
 
 def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):

@@ -215,16 +215,20 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
             return schedule
         from lipsync_lang.speech.sound import with_sound
 
-        return with_sound(schedule, options.audio)
+        return with_sound(schedule, options.audio, options.audio_channel)
     if options.audio is None:
         return performer.speaker.speak(options.text, engine=options.tts)
     from lipsync_lang.speech.hearing import aligned, recognised
+    from lipsync_lang.speech.sound import read_audio
 
     speaker = performer.speaker
+    audio = options.audio
+    if options.audio_channel is not None:
+        audio = read_audio(audio, options.audio_channel)
     with working(f"listening to {options.audio}"):
         if options.text is None:
-            return recognised(speaker, options.audio, recogniser=options.recogniser)
-        return aligned(speaker, options.audio, options.text, aligner=options.aligner)
+            return recognised(speaker, audio, recogniser=options.recogniser)
+        return aligned(speaker, audio, options.text, aligner=options.aligner)
 
 
 def _refuse_idle(options: Namespace) -> None:
@@ -245,6 +249,8 @@ def _refuse_idle(options: Namespace) -> None:
             option = f"--{name.replace('_', '-')}"
             given = "a TEXT" if text else "a recording alone"
             raise LipsyncError(f"{option} is of a --schedule; leave it out with {given}")
+    if options.audio_channel is not None and not audio:
+        raise LipsyncError("--audio-channel is of a recording; give it with --audio")
     if options.aligner is not None and not (text and audio):
         raise LipsyncError("--aligner lays a TEXT on a recording; give both, TEXT and --audio")
     if options.recogniser is not None and (text or schedule):

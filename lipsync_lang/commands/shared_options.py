@@ -74,6 +74,10 @@ def _add_said(said: Options) -> None:
         help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
     )  # fmt: skip
     said.add_argument(
+        "--audio-channel", metavar="N", type=int,
+        help="the recording's channel to hear, counted from 1 [all, mixed]",
+    )  # fmt: skip
+    said.add_argument(
         "--aligner", metavar="NAME[:MODEL]",
         help="another aligner than the language's, and its model",
     )  # fmt: skip

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.sound_forms import OPEN_BYTES, surplus_seconds, unread
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -39,11 +40,11 @@ MP3, MP3_SLACK = "MP3", 2 * 1152
 BLOCK = 1 << 20
 """Block size of reading, in samples over all channels."""
 
+CANCELLED = 0.05
+"""Least power of a mix, as a share of that of its channels; a reversed plug leaves none of it."""
+
 LOUDEST = 2.0**16
 """Amplitude limit of a sample; damaged files hold floats with infinite sums."""
-
-OPEN = 0x7FFF_0000
-"""Placeholder sizes in bytes, written by streaming programs in place of the unknown size."""
 
 FULL = 32_768
 """Magnitude of int16 full scale."""
@@ -52,36 +53,49 @@ LATE_SECONDS = 0.1
 """Excess of a schedule over its sound that is tolerated without a remark."""
 
 
-def read_audio(path: str | Path) -> Audio:
-    """Read a recording in a libsndfile format (WAV, FLAC, OGG, MP3), mixed down to mono.
+def read_audio(path: str | Path, channel: int | None = None) -> Audio:
+    """Read a recording in a libsndfile format (WAV, FLAC, OGG, Opus, MP3).
+
+    Parameters
+    ----------
+    channel : the channel to take, counted from 1; None to mix all down to mono. Channels that
+        cancel each other out are not mixed: then the loudest is taken
 
     Raises
     ------
     SpeechError
-        The file is missing, not audio, truncated, empty, too long or of an unsupported rate; or
-        soundfile is missing.
+        The file is missing, not audio, truncated, empty, too long or of an unsupported rate; it
+        lacks the channel; or soundfile is missing.
+
+    Examples
+    --------
+    >>> _ = ll.resolve("english", "facefx").perform(ll.speak("map", "english")).save("map.wav")
+    >>> ll.read_audio("map.wav").rate
+    22050
     """
     soundfile = _soundfile()
     try:
-        # libsndfile seeks in the file itself: through a Python stream, a header that points before
-        # the start of the file prints a traceback.
-        with Path(path).open("rb") as stream:
+        # libsndfile seeks in the file itself, without a buffer of ours: through a Python stream, a
+        # header that points before the start of the file prints a traceback.
+        with Path(path).open("rb", buffering=0) as stream:
             if not stream.seekable():
                 raise SpeechError(f"{path}: is a pipe; put the recording into a file first")
+            surplus = surplus_seconds(stream)
+            stream.seek(0)
             with soundfile.SoundFile(stream.fileno(), closefd=False) as sound:
-                return _read(path, sound)
+                _refuse_odd(path, sound, surplus)
+                return _read(path, sound, channel)
     except OSError as error:
         raise SpeechError(
             f"{path}: cannot be read: {error.strerror or error}; check the path"
         ) from None
     except soundfile.LibsndfileError as error:
-        raise SpeechError(
-            f"{path}: no sound that can be read ({error.error_string}); "
-            "save it as WAV, FLAC, OGG or MP3"
-        ) from None
+        told = unread(Path(path), error.error_string)
+        raise SpeechError(f"{path}: no sound that can be read ({told}") from None
 
 
-def _read(path: str | Path, sound: Any) -> Audio:
+def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
+    """Refuse a file by what its header states."""
     rate = sound.samplerate
     if not SLOWEST <= rate <= FASTEST:
         raise SpeechError(
@@ -100,7 +114,20 @@ def _read(path: str | Path, sound: Any) -> Audio:
             f"{path}: has {sound.frames:,} samples on {sound.channels} channels, and "
             f"{MAX_SAMPLES:,} on {MAX_CHANNELS} are the most; resample it to 48000 Hz, mono"
         )
-    blocks = [*map(_mono, _blocks(sound))]
+    if surplus:
+        raise SpeechError(
+            f"{path}: goes on for {surplus:.2f} s after the {stated / rate:.2f} s that its header "
+            "states; mend the header: open the file as raw sound in an editor, and save it anew"
+        )
+
+
+def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
+    rate, stated = sound.samplerate, sound.frames
+    if channel is not None and not 1 <= channel <= sound.channels:
+        raise SpeechError(
+            f"{path}: has no channel {channel}; its channels are numbered 1 to {sound.channels}"
+        )
+    blocks = _mixed(path, sound) if channel is None else _taken(path, sound, channel - 1)
     count = sum(map(len, blocks))
     if count == 0:
         raise SpeechError(f"{path}: holds no sound; record it anew")
@@ -113,16 +140,36 @@ def _read(path: str | Path, sound: Any) -> Audio:
     return Audio(np.concatenate(blocks), rate)
 
 
-def _blocks(sound: Any) -> "Iterator[npt.NDArray[np.float32]]":
+def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]":
     """Yield the samples that the file has, (N, C), however many it states."""
+    count = 0
     while len(block := sound.read(BLOCK // sound.channels, dtype="float32", always_2d=True)):
-        yield block
+        count += len(block)
+        if count > MAX_SAMPLES:
+            raise SpeechError(
+                f"{path}: has more than {MAX_SAMPLES:,} samples, the most; cut it into lines"
+            )
+        yield np.clip(np.nan_to_num(block), -LOUDEST, LOUDEST)
 
 
-def _mono(block: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
-    """Mix channels (N, C) from -1 to 1 down to int16."""
-    sound = np.clip(np.nan_to_num(block), -LOUDEST, LOUDEST)
-    return _whole(sound.mean(axis=1) * FULL)
+def _taken(path: str | Path, sound: Any, channel: int) -> "list[npt.NDArray[np.int16]]":
+    """Read one channel."""
+    return [_whole(block[:, channel] * FULL) for block in _blocks(path, sound)]
+
+
+def _mixed(path: str | Path, sound: Any) -> "list[npt.NDArray[np.int16]]":
+    """Mix the channels down, or take the loudest of channels that cancel each other out."""
+    blocks: list[npt.NDArray[np.int16]] = []
+    powers, left = np.zeros(sound.channels), 0.0
+    for block in _blocks(path, sound):
+        mean = block.mean(axis=1)
+        powers += np.square(block, dtype=np.float64).sum(axis=0)
+        left += float(np.square(mean, dtype=np.float64).sum())
+        blocks.append(_whole(mean * FULL))
+    if left >= CANCELLED * powers.mean():
+        return blocks
+    sound.seek(0)
+    return _taken(path, sound, int(powers.argmax()))
 
 
 def _whole(samples: npt.NDArray[np.float32]) -> npt.NDArray[np.int16]:
@@ -140,7 +187,7 @@ def _cut_short(sound: Any) -> bool:
         chunk, _, sizes = line.partition(":")
         stated, corrected, there = sizes.partition("(should be")
         if chunk.strip() in ("data", "SSND") and corrected:
-            return int(there.strip(" )")) < int(stated) < OPEN
+            return int(there.strip(" )")) < int(stated) < OPEN_BYTES
     return False
 
 
@@ -179,15 +226,15 @@ def _missing(name: str) -> str:
     )
 
 
-def with_sound(schedule: Schedule, file: Path) -> Schedule:
-    """Attach a recording to a schedule, with a remark if the schedule is longer.
+def with_sound(schedule: Schedule, file: Path, channel: int | None = None) -> Schedule:
+    """Attach a recording, or a channel of it, to a schedule; remark if the schedule is longer.
 
     Raises
     ------
     SpeechError
         The recording cannot be read.
     """
-    audio = read_audio(file)
+    audio = read_audio(file, channel)
     remarks = schedule.remarks
     if schedule.end > audio.seconds + LATE_SECONDS:
         told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"
