@@ -175,10 +175,12 @@ def test_a_damaged_answer_is_told(played):
 
 
 def test_the_notation_is_the_packs_where_it_names_mfa(played):
-    stated = Hearing("mfa:some_mfa", notation="arpabet")
+    stated = Hearing(("mfa:some_mfa",), notation="arpabet")
     speaker = Speaker(Manner("letters", audio=stated), {})
     assert aligned(speaker, SOUND, TEXT).notation == "arpabet"
-    other = Speaker(Manner("letters", audio=Hearing("warp", notation="arpabet")), {})
+    other = Speaker(
+        Manner("letters", audio=Hearing(("warp", "mfa:some_mfa"), notation="arpabet")), {}
+    )
     assert aligned(other, SOUND, TEXT, aligner="mfa:some_mfa").notation is None
     assert len(played.given) == 2
 
@@ -243,11 +245,17 @@ def test_a_pack_names_no_model_file(played, tmp_path):
     model, words = tmp_path / "mine.zip", tmp_path / "mine.dict"
     model.touch()
     words.touch()
-    for stated in (Hearing(f"mfa:{model},{words}"), Hearing("mfa", model=f"{model},{words}")):
+    for stated in (
+        Hearing((f"mfa:{model},{words}",)),
+        Hearing(("mfa",), model=f"{model},{words}"),
+    ):
         speaker = Speaker(Manner("letters", audio=stated), {})
         with pytest.raises(SpeechError, match="a language pack names downloaded models of MFA"):
             aligned(speaker, SOUND, TEXT)
     assert not played.given
+    two = Speaker(Manner("letters", audio=Hearing(("mfa:a", f"mfa:{model},{words}"))), {})
+    with pytest.raises(SpeechError, match="a language pack names downloaded models of MFA"):
+        aligned(two, SOUND, TEXT, aligner=f"mfa:{model},{words}")
     aligned(SPEAKER, SOUND, TEXT, aligner=f"mfa:{model},{words}")
     assert played.given[0][2] == (str(model), str(words))
 

@@ -4,8 +4,8 @@ All recordings of a batch are one corpus, because the program starts slowly. Eac
 its own there, so that its times do not depend on the others of the batch. Files have numbers for
 names. The answers are TextGrids.
 
-Labels are those of the dictionary. Their notation is the pack's `audio.notation` if the pack names
-this aligner; otherwise the language recognises it by the labels, as in a file of timings.
+Labels are those of the dictionary. Their notation is the pack's `audio.notation` if this aligner is
+the pack's first; otherwise the language recognises it by the labels, as in a file of timings.
 """
 
 import os
@@ -74,12 +74,12 @@ class MfaAligner:
         """Align as `align` does; MFA starts once for up to 500 recordings, each read twice."""
         audio = speaker.manner.audio
         engines = [engine_and_model(None, one) for one in audio.align]
-        stated = next((own or audio.model for name, own in engines if name == NAME), None)
-        notation = audio.notation if stated else ""
+        notation = audio.notation if engines and engines[0][0] == NAME else ""
+        stated = {own for name, own in engines if name == NAME} | {audio.model}
 
         def named(model: str | None) -> MfaModels:
             # MFA runs code of the model files that it is given: those are the user's to name.
-            return MfaModels.of(model, files=model != stated)
+            return MfaModels.of(model, files=model not in stated)
 
         models = tried(named)(model)
         if isinstance(models, SpeechError):
