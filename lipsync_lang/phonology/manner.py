@@ -19,6 +19,7 @@ class Hearing:
     model : what they call their model of the language
     notation : of the labels that come out; empty for that of the G2P
     phones : for labels that the G2P writes, those of the model; others go by their sound
+    code : of the language in Whisper, or its tag
     """
 
     align: tuple[str, ...] = ("pocketsphinx", "warp")
@@ -26,6 +27,7 @@ class Hearing:
     model: str | None = None
     notation: str = ""
     phones: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    code: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Tables and settings of a language pack for reading and speaking its text."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.packs.finding import IPA, beside
@@ -39,22 +40,31 @@ def manner_of(
         kinds={name: phoneme.sound or "" for name, phoneme in phonemes.items()},
         durations={str(k): v for k, v in {**common.durations, **model.durations}.items()},
         words=words,
-        audio=_hearing(model),
+        audio=_hearing(language),
         stress_digits=model.stress_digits,
     )
 
 
-def _hearing(model: "models.Language") -> Hearing:
-    stated = model.audio
+def _hearing(language: "Pack[models.Language]") -> Hearing:
+    model, stated = language.model, language.model.audio
     if stated is None:
-        return Hearing()
+        return Hearing(code=model.tag)
     return Hearing(
         stated.align or Hearing.align,
-        stated.recognise,
+        _beside(language.where(("audio", "recognise")).file, stated.recognise),
         stated.model,
         stated.notation or "",
         dict(stated.phones),
+        stated.code or model.tag,
     )
+
+
+def _beside(pack: Path, spelling: str | None) -> str | None:
+    """Return `NAME:FOLDER` with a relative folder placed beside the pack; others as they are."""
+    name, _, folder = (spelling or "").partition(":")
+    if "/" not in folder or folder.startswith("~") or Path(folder).is_absolute():
+        return spelling
+    return f"{name}:{pack.parent / folder}"
 
 
 def _settings(language: "Pack[models.Language]") -> Settings:

@@ -235,6 +235,8 @@ class AudioFields(Strict):
     phones: dict[Label, Annotated[tuple[Label, ...], OrOne]] = Field(default={})
     """The model's phones for labels written by `g2p`; other labels go to the phones that sound most
     like them (`hearing` in the pack of the IPA)."""
+    code: Text | None = None
+    """The language's code in Whisper, where it is not the first part of the tag."""
 
 
 class Test(Strict):

@@ -9,6 +9,9 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
     from lipsync_lang.speech.speaking import Speaker
 
+SHOWN_CHARS = 200
+"""Maximum length of recognised text in a remark."""
+
 
 class Recogniser(Protocol):
     """Interface of a recogniser; register implementations with `recogniser`."""
@@ -27,6 +30,7 @@ RECOGNISERS: Extensions[Recogniser] = Extensions(
     "recogniser",
     modules={
         "pocketsphinx": f"{__package__}.pocketsphinx_recogniser",
+        "whisper": f"{__package__}.whisper_recogniser",
     },
 )
 """Recognisers by name."""
@@ -42,3 +46,10 @@ def recogniser(name: str) -> Callable[[type[R]], type[R]]:
         return made
 
     return register
+
+
+def heard_remark(text: str) -> str:
+    """Return a remark that repeats recognised words, or says that there are none."""
+    if not text:
+        return "no words were heard"
+    return f"heard: {text[:SHOWN_CHARS]}{' ...' if len(text) > SHOWN_CHARS else ''}"

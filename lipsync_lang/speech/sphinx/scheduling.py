@@ -128,7 +128,7 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
         if one.word == one.phone == OUTSIDE and (one.stop - one.first) * FRAME >= LASTING
     ]
     if others:
-        remarks.append(f"sound that the text does not have: {_listed(others)}")
+        remarks.append(f"sound that the text does not have: {listed(others)}")
     said: dict[int, list[HeardPhoneme]] = {}
     for one in heard:
         said.setdefault(one.word, []).append(one)
@@ -138,10 +138,11 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
         if len(said.get(number, ())) >= TELLING and not any(map(_borne_out, said[number]))
     ]
     if missing:
-        remarks.append(f"words that are not heard: {_listed(missing)}")
+        remarks.append(f"words that are not heard: {listed(missing)}")
     return remarks
 
 
-def _listed(places: Sequence[str]) -> str:
+def listed(places: Sequence[str]) -> str:
+    """List the first places in a remark, and the number of the others."""
     more = len(places) - SHOWN
     return ", ".join(places[:SHOWN]) + (f" and {more} more" if more > 0 else "")

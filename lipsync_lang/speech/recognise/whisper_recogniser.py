@@ -1,0 +1,165 @@
+"""Recognition by Whisper: its words, aligned by the language's own aligner.
+
+Whisper's own times are some 0.1 s off. They divide the sound into stretches between pauses; within
+a stretch the aligner finds the times.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
+from lipsync_lang.speech.hearing import align_many
+from lipsync_lang.speech.recognise.recognisers import SHOWN_CHARS, heard_remark, recogniser
+from lipsync_lang.speech.recognise.stretches import (
+    RecognisedWord,
+    Stretch,
+    joined,
+    part,
+    stretches,
+)
+from lipsync_lang.speech.recognise.whisper_models import language_code, whisper_model
+from lipsync_lang.speech.sound import FULL, resampled
+from lipsync_lang.speech.sphinx.scheduling import listed
+
+if TYPE_CHECKING:
+    from lipsync_lang.speech.speaking import Speaker
+
+RATE = 16_000
+"""Sample rate of the models in hertz."""
+
+SPEECH = 0.15
+"""Probability of speech above which sound is heard at all: a whisper passes, noise does not."""
+
+NO_SPEECH = 0.6
+"""Probability of no speech above which words are invented; those of noise have 0.8 and more."""
+
+REPETITION = 2.4
+"""Compression ratio of text above which the model repeats itself, as it does in music and noise."""
+
+SETTINGS = {
+    "beam_size": 5,
+    "temperature": 0.0,  # the same words each time
+    "condition_on_previous_text": False,  # so that a mistake does not spread
+    "word_timestamps": True,
+    "vad_filter": True,
+    "vad_parameters": {"threshold": SPEECH},
+}
+"""Options of transcription."""
+
+NOISES = re.compile(r"\[[^\]]*\]|\([^)]*\)|[♪♫*]")
+"""Text of a model for sounds that are no words."""
+
+PUNCTUATION = ' .,;:!?…"-'
+"""Signs around words, which remarks leave out."""
+
+DOUBTFUL = 0.4
+"""Probability below which a word is named as doubtful; about every second one is wrong."""
+
+FITTING = 0.5
+"""Confidence of an aligner from which on words fit their sound."""
+
+
+@recogniser("whisper")
+class WhisperRecogniser:
+    """Recogniser for every language that a Whisper model knows."""
+
+    def recognise(self, audio: Audio, speaker: "Speaker", model: str | None = None) -> Schedule:
+        """Recognise the words of a recording.
+
+        Parameters
+        ----------
+        audio : the recording
+        speaker : its language
+        model : folder of a Whisper model; None for one that a Python package ships
+
+        Raises
+        ------
+        SpeechError
+            There is no such model, it does not know the language, or no stretch can be aligned.
+        """
+        loaded = whisper_model(model)
+        code = language_code(loaded, speaker.manner.audio.code, speaker.manner.language)
+        heard = stretches(_words(loaded, audio, code), audio)
+        if not heard:
+            return Schedule(
+                (SILENCE,),
+                np.array([0.0, audio.seconds]),
+                language=speaker.manner.language,
+                audio=audio,
+                source="recording",
+                remarks=(heard_remark(""),),
+                recognised=True,
+                confidence=0.0,
+            )
+        return _laid(heard, audio, speaker)
+
+
+def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
+    """Return the words that a model hears, without those that it makes up where nobody speaks."""
+    samples = resampled(audio, RATE).samples.astype(np.float32) / FULL
+    segments, _ = model.transcribe(samples, language=code, **SETTINGS)
+    return [
+        RecognisedWord(
+            text,
+            min(float(word.start), audio.seconds),
+            min(float(word.end), audio.seconds),
+            float(word.probability),
+        )
+        for segment in segments
+        if segment.no_speech_prob <= NO_SPEECH and segment.compression_ratio <= REPETITION
+        for word in segment.words or ()
+        if any(map(str.isalnum, text := NOISES.sub(" ", word.word)))
+    ]
+
+
+def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedule:
+    """Align each stretch, and join them; words that do not fit their sound are left out."""
+    parts = [(part(audio, one), one.text) for one in heard]
+    found = [*align_many(speaker, parts)]
+    if len({one.notation for one in found if isinstance(one, Schedule)}) > 1:
+        found = [*align_many(speaker, parts, aligner=speaker.manner.audio.align[0])]
+    both = [*zip(heard, found, strict=True)]
+    laid = [(stretch, one) for stretch, one in both if isinstance(one, Schedule)]
+    if not laid:
+        text = " ".join(stretch.text for stretch in heard)
+        raise SpeechError(f"heard '{text[:SHOWN_CHARS]}', but {found[0]}")
+    whole = joined([(stretch.start, one) for stretch, one in laid], audio)
+    lost = [
+        _at(stretch.text, stretch.start) for stretch, one in both if isinstance(one, SpeechError)
+    ]
+    doubtful = [
+        _at(word.text, word.start)
+        for stretch, _ in laid
+        for word in stretch.words
+        if word.chance < DOUBTFUL
+    ]
+    remarks = [heard_remark(" ".join(stretch.text for stretch, _ in laid))]
+    remarks += [f"words in doubt: {listed(doubtful)}"] if doubtful else []
+    remarks += [f"left out, for the sound does not bear it out: {listed(lost)}"] if lost else []
+    count = sum(len(stretch.words) for stretch in heard)
+    return replace(
+        whole,
+        unread=tuple(dict.fromkeys(sign for _, one in laid for sign in one.unread)),
+        remarks=tuple(remarks),
+        recognised=True,
+        confidence=sum(_agreed(stretch, one) for stretch, one in laid) / count,
+    )
+
+
+def _agreed(stretch: Stretch, laid: Schedule) -> float:
+    """Return how many words of a stretch are right, as far as recogniser and aligner agree.
+
+    Of words with a probability of 0.3, 0.5, 0.7 and 0.99, some 0.32, 0.47, 0.67 and 0.94 are right.
+    The aligner lowers this only where the words hardly fit the sound.
+    """
+    fit = 1.0 if laid.confidence is None else min(1.0, laid.confidence / FITTING)
+    return fit * sum(word.chance for word in stretch.words)
+
+
+def _at(text: str, seconds: float) -> str:
+    return f"'{text.strip(PUNCTUATION)}' at {seconds:.1f} s"
