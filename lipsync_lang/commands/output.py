@@ -27,6 +27,15 @@ def working(what: str) -> Iterator[None]:
         wipe()
 
 
+@contextmanager
+def listening(what: str) -> Iterator[None]:
+    """Show a progress message with the share of a sound that has been heard, as `working` does."""
+    from lipsync_lang.speech.listening import followed
+
+    with working(what), followed(lambda share: progress(f"{what}: {share:.0%} ...")):
+        yield
+
+
 def lines_of(file: Path | None) -> list[str]:
     """Return the non-blank lines of a file or of standard input."""
     if file is None:

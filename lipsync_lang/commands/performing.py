@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, working
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, listening
 from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files import STANDARD_STREAM
@@ -225,7 +225,7 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
     audio = options.audio
     if options.audio_channel is not None:
         audio = read_audio(audio, options.audio_channel)
-    with working(f"listening to {options.audio}"):
+    with listening(f"listening to {options.audio}"):
         if options.text is None:
             return recognised(speaker, audio, recogniser=options.recogniser)
         return aligned(speaker, audio, options.text, aligner=options.aligner)

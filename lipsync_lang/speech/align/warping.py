@@ -26,6 +26,7 @@ from lipsync_lang.speech.align.spectrum import (
     samples_of,
 )
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
+from lipsync_lang.speech.listening import tell
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
@@ -280,6 +281,7 @@ def _edges(a: Floats, b: Floats, path: Ints) -> Floats:
     near = np.interp(np.arange(len(b) + 1) / step, np.arange(len(coarse)), coarse) * step
     out = np.empty(len(b))
     for low in range(0, len(b), PART):
+        tell(low, len(b))
         high = min(low + PART, len(b))
         first, last = max(0, low - MARGIN), min(len(b), high + MARGIN)
         begin = int(near[first]) if first else 0

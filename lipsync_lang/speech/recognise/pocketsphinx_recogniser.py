@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech import listening
 from lipsync_lang.speech.recognise.recognisers import recogniser
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import RATE, STEP, Floats, features
@@ -61,7 +62,9 @@ class PocketsphinxRecogniser:
             part = sound[start:stop]
             words = _words(decoder, models, part)
             said = [Saying(word, models.ways(word)) for word in words]
-            found = lay(models.model, features(part), [one.ways for one in said]) if said else None
+            with listening.part(start, stop, len(sound)):
+                listening.tell(0, 1)
+                found = lay(models.model, features(part), [s.ways for s in said]) if said else None
             if found is None:
                 said, found = [], _phones(decoder, models, part)
             heard += [_moved(one, start // STEP, len(sayings)) for one in found]

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lipsync_lang.speech.listening import tell
 from lipsync_lang.speech.sphinx.acoustic_model import (
     OUTSIDE,
     STATES,
@@ -132,6 +133,7 @@ def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[H
     heard: list[HeardPhoneme] = []
     at = done = 0
     while at < len(features):
+        tell(at, len(features))
         found = _window(model, features[at:], words, done)
         if found is None:
             return None
