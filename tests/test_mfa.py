@@ -106,6 +106,25 @@ def test_the_answer_is_a_schedule_of_the_sound(played):
     assert not played.folder.exists(), "its folder is deleted"
 
 
+def test_words_that_the_dictionary_lacks_are_read_by_the_language(played):
+    tagalog = Speaker.of("tagalog")
+    schedule = aligned(tagalog, SOUND, "Buy mamma, now!", aligner="mfa:some_mfa")
+    assert [word.text for word in schedule.words] == ["Buy", "zorks", "now"]
+    played.answer = played.answer.replace("zorks", "mamma")
+    schedule = aligned(tagalog, SOUND, "Buy mamma, now!", aligner="mfa:some_mfa")
+    (said,) = tagalog.transcribe(["mamma"])
+    assert schedule.labels == (SILENCE, "b", "aj", *said.labels, "n", "aw", SILENCE)
+    first, stop = schedule.words[1].first, schedule.words[1].stop
+    assert schedule.labels[first:stop] == said.labels
+    assert schedule.times[first:stop + 1] == pytest.approx(
+        np.linspace(0.5, 0.8, len(said.labels) + 1)
+    )  # fmt: skip
+    assert [(word.first, word.stop) for word in schedule.words[::2]] == [(1, 3), (stop, stop + 2)]
+    assert schedule.notation == tagalog.manner.notation
+    (remark,) = schedule.remarks
+    assert "lacks mamma: the language reads them instead" in remark
+
+
 def test_files_have_numbers_and_each_recording_is_a_speaker(played):
     pairs = [(SOUND, "buy\nzorks \x1b now"), (SOUND, "../$(rm *) `x` now")]
     assert all(not isinstance(one, SpeechError) for one in many(pairs))

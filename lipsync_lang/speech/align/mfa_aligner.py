@@ -23,6 +23,7 @@ from lipsync_lang.errors import ScheduleError, SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.speech.align.aligners import aligner
 from lipsync_lang.speech.align.mfa_command import MfaModels, run_mfa
+from lipsync_lang.speech.align.mfa_words import SILENCES, UNKNOWN, with_lacking
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import batches, each, raised, refused, tried
 from lipsync_lang.speech.speaking import BATCH_TEXTS
@@ -31,14 +32,6 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 NAME = "mfa"
-
-UNKNOWN = "spn"
-"""Label of a word that the dictionary lacks."""
-
-SILENCES = frozenset({SILENCE, "sil", "sp", "spn"})
-"""Labels without a phoneme."""
-
-MAX_SHOWN_WORDS = 8
 
 Given = tuple[Callable[[], Audio], str]
 """A function that reads a recording, and the text that is said in it."""
@@ -85,13 +78,13 @@ class MfaAligner:
         if isinstance(models, SpeechError):
             yield from refused(recordings, models)
             return
+
+        def whole(found: Schedule) -> Schedule:
+            stated = replace(found, notation=notation or None, language=speaker.manner.language)
+            return with_lacking(stated, speaker)
+
         for batch in batches(recordings, BATCH_TEXTS):
-            for found in _aligned(batch, models):
-                yield (
-                    found
-                    if isinstance(found, SpeechError)
-                    else replace(found, notation=notation or None, language=speaker.manner.language)
-                )
+            yield from each(_aligned(batch, models), whole)
 
 
 def _aligned(batch: Sequence[Given], models: MfaModels) -> Iterator[Schedule | SpeechError]:
@@ -154,9 +147,7 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
     audio = sound()
     whole = _to_the_end(read, audio.seconds)
     whole = replace(whole, words=tuple(_as_written(whole.words, text)))
-    return replace(
-        whole, audio=audio, source="recording", remarks=(*whole.remarks, *_lacking(whole))
-    )
+    return replace(whole, audio=audio, source="recording")
 
 
 def _unfit(text: str) -> str:
@@ -192,15 +183,3 @@ def _as_written(words: Iterable[Word], text: str) -> Iterator[Word]:
         if start >= 0:
             at = start + len(word.text)
         yield replace(word, text=text[start:at]) if start >= 0 else word
-
-
-def _lacking(schedule: Schedule) -> Iterator[str]:
-    """Yield a remark on the words that the dictionary lacks."""
-    found = [w.text for w in schedule.words if set(schedule.labels[w.first : w.stop]) == {UNKNOWN}]
-    if found:
-        names = list(dict.fromkeys(found))
-        more = ", ..." if len(names) > MAX_SHOWN_WORDS else ""
-        yield (
-            f"the dictionary of MFA lacks {', '.join(names[:MAX_SHOWN_WORDS])}{more}: the mouth "
-            "rests there; add what lacks to the dictionary"
-        )
