@@ -189,6 +189,24 @@ def test_any_language_with_a_voice_is_aligned(speakers):
 
 
 @full
+@pytest.mark.parametrize("other", ["noise", "another line"])
+def test_other_sound_around_a_line_does_not_move_it(speakers, recording, other):
+    rate = recording.audio.rate
+    if other == "noise":
+        sound = np.random.default_rng(4).normal(0, 3000, 5 * rate).astype(np.int16)
+    else:
+        line = "Four hours of steady work faced us, and the box was thrown beside the truck."
+        sound = speak(line, "en-us+m3").audio.samples
+    clean = WARP.align(recording.audio, TEXT, speakers["english"])
+    joined = Audio(np.concatenate([sound, recording.audio.samples, sound]), rate)
+    found = WARP.align(joined, TEXT, speakers["english"])
+    starts = [np.array([w.times[one.first] for one in w.words]) for w in (clean, found)]
+    assert np.median(np.abs(starts[1] - len(sound) / rate - starts[0])) < 0.02
+    told = [remark for remark in found.remarks if "sound that the text does not have" in remark]
+    assert told[0].count(" to ") == 2
+
+
+@full
 def test_a_long_recording_is_aligned_in_parts_as_well_as_a_short_one(speakers):
     text = " ".join([TEXT, "Four hours of steady work faced us. The box was thrown."] * 6)
     recording = speak(text, "en-us+f3", words_per_minute=140)

@@ -42,6 +42,12 @@ SPOKEN = 0.25
 LEAST = 2.0
 """Minimum decibels from noise level to speech level; a smaller range means no speech."""
 
+PAUSE = 0.2
+"""Minimum pause in seconds; a shorter silence counts as a closure."""
+
+ISLAND = 0.06
+"""Minimum sound between two pauses in seconds; a shorter sound counts as a click."""
+
 _EMPHASIS = 0.97
 _POINTS = 512
 _BLOCK = 4096
@@ -127,6 +133,17 @@ def listen(samples: Floats) -> SpeechSpectrum:
         The recording has no speech.
     """
     (power,) = mel_power(samples)
+    return heard_in(power)
+
+
+def heard_in(power: Floats) -> SpeechSpectrum:
+    """Detect the speech in a stretch of a recording by its levels alone; `power` is (T, BANDS).
+
+    Raises
+    ------
+    SpeechError
+        The stretch has no speech.
+    """
     loudness = _smooth(power.sum(axis=1))
     noise = power[loudness <= np.percentile(loudness, QUIET)].mean(axis=0)
     loud = power[loudness >= np.percentile(loudness, 100 - QUIET)].mean(axis=0)
@@ -175,3 +192,22 @@ def cepstra(log_power: Floats) -> Floats:
     behind = [around[_AROUND - n : _AROUND - n + len(out)] for n in steps]
     change = sum(n * (a - b) for n, a, b in zip(steps, ahead, behind, strict=True))
     return np.hstack([out, change])
+
+
+def speech_frames(spoken: Bools) -> Ints:
+    """Return indices of the frames to compare: speech and short silences, without clicks."""
+    kept = [run for run in runs(np.flatnonzero(spoken)) if len(run) * HOP >= ISLAND]
+    return np.concatenate(kept) if kept else np.flatnonzero(spoken)
+
+
+def runs(frames: Ints) -> list[Ints]:
+    """Split frames into runs at pauses, with shorter silences filled."""
+    cuts = np.flatnonzero(np.diff(frames) * HOP >= PAUSE) + 1
+    return [np.arange(run[0], run[-1] + 1) for run in np.split(frames, cuts)]
+
+
+def pooled(frames: Floats, step: int) -> Floats:
+    """Return the mean of each group of `step` frames."""
+    starts = np.arange(0, len(frames), step)
+    counts = np.diff([*starts, len(frames)])
+    return np.add.reduceat(frames, starts) / counts[:, None]

@@ -7,38 +7,32 @@ Pauses come from the recording.
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
 from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.align.locating import spans
 from lipsync_lang.speech.align.spectrum import (
     HOP,
-    Bools,
     Floats,
     Ints,
     SpeechSpectrum,
     alike,
-    listen,
+    heard_in,
     mel_power,
+    pooled,
     samples_of,
+    speech_frames,
 )
+from lipsync_lang.speech.align.spoken_voice import TRACTS, SpokenVoice
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
 from lipsync_lang.speech.listening import tell
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
-
-TRACTS = (0.88, 0.94, 1.0, 1.06)
-"""Candidate vocal tract lengths of the voice; the best fit is used."""
-
-PAUSE = 0.2
-"""Minimum pause in seconds; a shorter silence counts as a closure."""
-
-ISLAND = 0.06
-"""Minimum sound between two pauses in seconds; a shorter sound counts as a click."""
 
 REACH = 0.15
 """Maximum distance in seconds from a pause to the word start after it."""
@@ -64,49 +58,17 @@ TEMPO = (0.4, 2.5)
 DOUBTFUL = 0.5
 """Confidence limit for a remark."""
 
+SURE = 0.9
+"""Confidence above which the text is not looked for in parts of the recording."""
 
-class SpokenVoice(NamedTuple):
-    """Synthetic speech of a text: phonemes without pauses, and sound."""
+LIKELY = 0.4
+"""Least confidence of a text in a part of the recording."""
 
-    labels: tuple[str, ...]
-    words: tuple[Word, ...]
-    starts: Floats
-    """(n,) start times in seconds."""
-    ends: Floats
-    """(n,) end times in seconds."""
-    samples: Floats
-    schedule: Schedule
+BETTER = 0.1
+"""Gain of confidence that a part of the recording must bring."""
 
-    @classmethod
-    def of(cls, said: Schedule) -> Self:
-        """Take what the language's voice says."""
-        if said.audio is None:
-            raise SpeechError(
-                f"{said.language} has no voice to compare the recording with; give its "
-                "pack a `tts`, or align with another program and give its file (`schedule`)"
-            )
-        kept = [n for n, label in enumerate(said.labels) if label != SILENCE]
-        place = {n: at for at, n in enumerate(kept)}
-        spans = [[place[n] for n in range(w.first, w.stop) if n in place] for w in said.words]
-        return cls(
-            tuple(said.labels[n] for n in kept),
-            tuple(
-                Word(word.text, span[0], span[-1] + 1)
-                for word, span in zip(said.words, spans, strict=True)
-                if span
-            ),
-            said.times[kept],
-            said.times[1:][kept],
-            samples_of(said.audio),
-            said,
-        )
-
-    def frames(self, hop: float, count: int) -> tuple[Bools, Ints]:
-        """Return the mask of sounding frames (M,) and phoneme starts among these (n,)."""
-        times = np.arange(count) * hop
-        phone = np.searchsorted(self.starts, times, side="right") - 1
-        sounding = (phone >= 0) & (times < self.ends[np.maximum(phone, 0)])
-        return sounding, np.searchsorted(phone[sounding], np.arange(len(self.labels)))
+LASTING = 0.5
+"""Minimum seconds of sound without text for a remark."""
 
 
 class Fit(NamedTuple):
@@ -162,46 +124,91 @@ class Warp:
 
     @staticmethod
     def _warped(audio: Audio, said: Schedule) -> Schedule:
-        """Lay what the voice says on the recording."""
+        """Lay what the voice says on the recording, or on the part of it that has the text."""
         voice = SpokenVoice.of(said)
-        heard = listen(samples_of(audio))
-        kept = _speech(heard.spoken)
-        if len(kept) * HOP < len(voice.labels) * SHORTEST:
-            raise SpeechError(
-                f"the recording has {len(kept) * HOP:.2f} s of speech, too short for the "
-                f"{len(voice.labels)} phonemes of the text; is it another line's?"
-            )
-        fit = _fit(heard, kept, voice)
-        labels, times, words = _laid(fit.edges, kept, voice, audio.seconds)
-        lasts = np.diff(times)[[label != SILENCE for label in labels]]
-        confidence = _confidence(fit, lasts, voice.ends - voice.starts)
-        doubt = (
-            f"the recording and the text hardly agree (confidence {confidence:.2f}); "
-            f"is it this text that is said, and in {said.language}?"
-        )
+        (power,) = mel_power(samples_of(audio))
+        best = raised_late = None
+        try:
+            best = _bent(power, 0, voice, audio.seconds)
+        except SpeechError as error:
+            raised_late = error
+        if best is None or best.confidence < SURE:
+            for first, last in spans(power, voice):
+                part = _part(power, first, last, voice, audio.seconds)
+                least = max(LIKELY, best.confidence + BETTER if best else 0)
+                if part and part.confidence > least:
+                    best = part
+                    if best.confidence >= SURE:
+                        break
+        if best is None:
+            assert raised_late is not None  # noqa: S101 nothing was found
+            raise raised_late
         return replace(
             voice.schedule,
-            labels=labels,
-            times=times,
-            words=words,
-            stress=_stress(labels, voice.schedule),
+            labels=best.labels,
+            times=best.times,
+            words=best.words,
+            stress=_stress(best.labels, voice.schedule),
             audio=audio,
             source="recording",
-            remarks=(doubt,) if confidence < DOUBTFUL else (),
-            confidence=confidence,
+            remarks=tuple(_doubts(best, power, said.language)),
+            confidence=best.confidence,
         )
 
 
-def _speech(spoken: Bools) -> Ints:
-    """Return indices of the frames to compare: speech and short silences, without clicks."""
-    kept = [run for run in _runs(np.flatnonzero(spoken)) if len(run) * HOP >= ISLAND]
-    return np.concatenate(kept) if kept else np.flatnonzero(spoken)
+class Bent(NamedTuple):
+    """A text laid on a recording or a part of it."""
+
+    labels: tuple[str, ...]
+    times: Floats
+    words: tuple[Word, ...]
+    confidence: float
+    span: tuple[int, int]
+    """First and last frame of the part."""
 
 
-def _runs(frames: Ints) -> list[Ints]:
-    """Split frames into runs at pauses, with shorter silences filled."""
-    cuts = np.flatnonzero(np.diff(frames) * HOP >= PAUSE) + 1
-    return [np.arange(run[0], run[-1] + 1) for run in np.split(frames, cuts)]
+def _bent(power: Floats, first: int, voice: SpokenVoice, seconds: float) -> Bent:
+    """Lay the voice on a part of a recording, (T, BANDS) from frame `first` on."""
+    heard = heard_in(power)
+    kept = speech_frames(heard.spoken)
+    if len(kept) * HOP < len(voice.labels) * SHORTEST:
+        raise SpeechError(
+            f"the recording has {len(kept) * HOP:.2f} s of speech, too short for the "
+            f"{len(voice.labels)} phonemes of the text; is it another line's?"
+        )
+    fit = _fit(heard, kept, voice)
+    labels, times, words = _laid(fit.edges, kept + first, voice, seconds)
+    lasts = np.diff(times)[[label != SILENCE for label in labels]]
+    confidence = _confidence(fit, lasts, voice.ends - voice.starts)
+    return Bent(labels, times, words, confidence, (first, first + len(power)))
+
+
+def _part(power: Floats, first: int, last: int, voice: SpokenVoice, seconds: float) -> Bent | None:
+    """Lay the voice on one part of a recording; None where it does not fit in."""
+    try:
+        return _bent(power[first:last], first, voice, seconds)
+    except SpeechError:
+        return None
+
+
+def _doubts(bent: Bent, power: Floats, language: str | None) -> Iterator[str]:
+    """Describe mismatches of sound and text in messages."""
+    if bent.confidence < DOUBTFUL:
+        yield (
+            f"the recording and the text hardly agree (confidence {bent.confidence:.2f}); "
+            f"is it this text that is said, and in {language}?"
+        )
+    places = []
+    for first, last in ((0, bent.span[0]), (bent.span[1], len(power))):
+        try:
+            sounding = np.flatnonzero(heard_in(power).spoken[first:last])
+        except SpeechError:
+            continue
+        if len(sounding) * HOP >= LASTING:
+            begin, end = (first + sounding[[0, -1]]) * HOP
+            places.append(f"{begin:.1f} to {end:.1f} s")
+    if places:
+        yield f"sound that the text does not have: {', '.join(places)}"
 
 
 def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
@@ -231,14 +238,7 @@ def _step(a: Floats, b: Floats) -> int:
 def _coarse(a: Floats, b: Floats) -> tuple[Ints, float]:
     """Return the best path through two pooled sounds, and its mean cost."""
     step = _step(a, b)
-    return _path(_pool(a, step), _pool(b, step))
-
-
-def _pool(frames: Floats, step: int) -> Floats:
-    """Return the mean of each group of `step` frames."""
-    starts = np.arange(0, len(frames), step)
-    counts = np.diff([*starts, len(frames)])
-    return np.add.reduceat(frames, starts) / counts[:, None]
+    return _path(pooled(a, step), pooled(b, step))
 
 
 def _path(a: Floats, b: Floats) -> tuple[Ints, float]:

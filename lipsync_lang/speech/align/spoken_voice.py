@@ -1,0 +1,56 @@
+"""A text as the language's voice says it: the half of a warp that is known."""
+
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
+from lipsync_lang.speech.align.spectrum import Bools, Floats, Ints, samples_of
+
+TRACTS = (0.88, 0.94, 1.0, 1.06)
+"""Candidate vocal tract lengths of the voice; the best fit is used."""
+
+
+class SpokenVoice(NamedTuple):
+    """Synthetic speech of a text: phonemes without pauses, and sound."""
+
+    labels: tuple[str, ...]
+    words: tuple[Word, ...]
+    starts: Floats
+    """(n,) start times in seconds."""
+    ends: Floats
+    """(n,) end times in seconds."""
+    samples: Floats
+    schedule: Schedule
+
+    @classmethod
+    def of(cls, said: Schedule) -> Self:
+        """Take what the language's voice says."""
+        if said.audio is None:
+            raise SpeechError(
+                f"{said.language} has no voice to compare the recording with; give its "
+                "pack a `tts`, or align with another program and give its file (`schedule`)"
+            )
+        kept = [n for n, label in enumerate(said.labels) if label != SILENCE]
+        place = {n: at for at, n in enumerate(kept)}
+        spans = [[place[n] for n in range(w.first, w.stop) if n in place] for w in said.words]
+        return cls(
+            tuple(said.labels[n] for n in kept),
+            tuple(
+                Word(word.text, span[0], span[-1] + 1)
+                for word, span in zip(said.words, spans, strict=True)
+                if span
+            ),
+            said.times[kept],
+            said.times[1:][kept],
+            samples_of(said.audio),
+            said,
+        )
+
+    def frames(self, hop: float, count: int) -> tuple[Bools, Ints]:
+        """Return the mask of sounding frames (M,) and phoneme starts among these (n,)."""
+        times = np.arange(count) * hop
+        phone = np.searchsorted(self.starts, times, side="right") - 1
+        sounding = (phone >= 0) & (times < self.ends[np.maximum(phone, 0)])
+        return sounding, np.searchsorted(phone[sounding], np.arange(len(self.labels)))
