@@ -19,7 +19,7 @@ from lipsync_lang.speech.recognise import pocketsphinx_recogniser
 from lipsync_lang.speech.recognise.recognisers import RECOGNISERS
 from lipsync_lang.speech.speaking import Speaker
 
-MANNER = Manner("letters", audio=Hearing("ruler", "ruler"))
+MANNER = Manner("letters", audio=Hearing(("ruler",), "ruler"))
 SOUND = Audio(np.zeros(800, np.int16), 8000)
 
 

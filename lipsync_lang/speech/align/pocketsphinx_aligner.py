@@ -136,7 +136,7 @@ class WordReader:
         self.speaker = speaker
         manner = speaker.manner
         self.own = bool(manner.audio.notation)
-        self.labels = speaker.notations[manner.notation]
+        self.labels = speaker.notations.get(manner.notation, Notation({}))
         ipa = speaker.notations.get(IPA)
         self.typical = {
             value: name for name, value in reversed([*ipa.table.items()] if ipa else [])
