@@ -35,6 +35,7 @@ def write_json(animation: Animation, out: TextIO) -> None:
         "words": [
             {"text": w.text, "start": times[w.first], "end": times[w.stop]}
             | ({"emphasis": w.emphasis} if w.emphasis else {})
+            | ({} if w.confidence is None else {"confidence": round(w.confidence, 2)})
             for w in schedule.words
         ],
     }

@@ -97,7 +97,7 @@ class Manner:
                 "settings": made,
                 "voice": tuple(data["voice"]) if data["voice"] else None,
                 "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
-                "audio": Hearing(**{**audio, "phones": phones}),
+                "audio": Hearing(**{**audio, "align": tuple(audio["align"]), "phones": phones}),
                 "stress_digits": tuple(data["stress_digits"]),
             }
         )

@@ -55,12 +55,14 @@ class Word:
     """A word and its phonemes: ``labels[first:stop]``.
 
     `emphasis` opens the mouth wider over the word: 0 not at all, 1 as the pose set says, up to 2.
+    `confidence` is the probability that the word is said there, in [0, 1]; None if unknown.
     """
 
     text: str
     first: int
     stop: int
     emphasis: float = 0.0
+    confidence: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

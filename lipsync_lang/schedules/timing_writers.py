@@ -16,7 +16,7 @@ LabelSpan = tuple[str, float, float]
 
 
 def json_text(schedule: Schedule) -> str:
-    """Return a schedule as JSON: phonemes with stress, words with emphasis.
+    """Return a schedule as JSON: phonemes with stress, words with emphasis and confidence.
 
     Examples
     --------
@@ -38,6 +38,7 @@ def json_text(schedule: Schedule) -> str:
     words = [
         {"text": text, "start": start, "end": end}
         | ({"emphasis": word.emphasis} if word.emphasis else {})
+        | ({} if word.confidence is None else {"confidence": round(word.confidence, 2)})
         for (text, start, end), word in zip(_words(schedule), schedule.words, strict=True)
     ]
     stated = {"notation": schedule.notation, "language": schedule.language}

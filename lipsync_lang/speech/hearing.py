@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 DOUBTFUL = 0.5
 """Confidence below which an alignment is in doubt: the next aligner is asked."""
 
+SHOWN_WORDS = 5
+"""Maximum number of words in doubt that are named."""
+
 Recording = str | Path | Audio
 """A sound, or a file of it."""
 
@@ -242,16 +245,33 @@ def _surest(
         results.append((engine.name, _sureness(other)))
         if _sureness(other) > _sureness(best):
             best = other
-    schedule = raised(best)
+    schedule = _doubted(raised(best))
     if len(results) > 1:
-        tried_too = ", ".join(
+        asked = ", ".join(
             f"{name} {'failed' if sure < 0 else f'{sure:.2f}'}" for name, sure in results
         )
         kept = max(results, key=lambda one: one[1])[0]
-        schedule = replace(
-            schedule, remarks=(*schedule.remarks, f"aligned by {kept}, the surest of: {tried_too}")
-        )
+        remark = f"aligned by {kept}, the surest of: {asked}"
+        schedule = replace(schedule, remarks=(*schedule.remarks, remark))
     return with_emphasis(text, schedule)
+
+
+def _doubted(schedule: Schedule) -> Schedule:
+    """Return a schedule with a remark if it is in doubt, and the words that are least sure."""
+    sure = schedule.confidence
+    if sure is None or sure >= DOUBTFUL:
+        return schedule
+    words = [
+        (word.confidence, f"'{word.text}' at {schedule.times[word.first]:.1f} s")
+        for word in schedule.words
+        if word.confidence is not None and word.confidence < DOUBTFUL
+    ]
+    least = [place for _, place in sorted(words)[:SHOWN_WORDS]]
+    told = (
+        f"text and sound hardly agree (confidence {sure:.2f}): is it the right text, in "
+        f"{schedule.language}?" + (f" In doubt: {', '.join(least)}" if least else "")
+    )
+    return replace(schedule, remarks=(told, *schedule.remarks))
 
 
 def _sureness(result: Schedule | SpeechError) -> float:

@@ -22,6 +22,7 @@ from lipsync_lang.speech.sphinx.features import features
 from lipsync_lang.speech.sphinx.folder import Models, find_models
 from lipsync_lang.speech.sphinx.forced import lay
 from lipsync_lang.speech.sphinx.scheduling import Saying, confidence, doubts, laid, prepared
+from lipsync_lang.speech.sphinx.sureness import line_confidence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,10 +32,7 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker, Transcript
 
 NOTHING = 0.12
-"""Confidence limit of rejection, at the level of a chance match."""
-
-DOUBTFUL = 0.5
-"""Confidence limit for a remark."""
+"""Share of phonemes borne out by the sound that is no more than chance."""
 
 
 @aligner("pocketsphinx")
@@ -100,17 +98,12 @@ class PocketsphinxAligner:
                 f"the text has {phonemes} phonemes, more than can be said in {audio.seconds:.2f} "
                 "s: is it the text of this recording, and is the recording whole?"
             )
-        sure = confidence(models, heard)
-        if sure < NOTHING:
+        agreeing = confidence(models, heard)
+        if agreeing < NOTHING:
             raise SpeechError(
-                f"nothing of the text fits the sound (confidence {sure:.2f}): is it the text of "
-                "this recording, in this language, and can the voice be heard? Another aligner "
-                "may do better (`aligner`)"
-            )
-        remarks = doubts(heard, sayings)
-        if sure < DOUBTFUL:
-            remarks.insert(
-                0, f"text and sound hardly agree (confidence {sure:.2f}): is it the right text?"
+                f"nothing of the text fits the sound ({agreeing:.0%} of its phonemes): is it the "
+                "text of this recording, in this language, and can the voice be heard? Another "
+                "aligner may do better (`aligner`)"
             )
         found = laid(models, heard, sayings, audio.seconds)
         manner = speaker.manner
@@ -123,8 +116,8 @@ class PocketsphinxAligner:
             source="recording",
             unread=transcript.unread,
             stress=stress_read(transcript, found.labels, notation, manner, speaker.notations),
-            remarks=tuple(remarks),
-            confidence=sure,
+            remarks=tuple(doubts(heard, sayings)),
+            confidence=line_confidence(heard),
         )
 
 
@@ -196,7 +189,7 @@ class WordReader:
         found = self.stated.find(label)
         if found is None:
             said = [label] if self.speaker.manner.notation == IPA else self._typical(label)
-            found = tuple(one for ipa in said for one in self.by_ear(ipa) or ())
+            found = tuple(one for ipa in said for one in self.by_ear(ipa))
         return [self.models.numbers[name] for name, _ in found if name in self.models.numbers]
 
     def _typical(self, label: str) -> list[str]:
@@ -205,14 +198,14 @@ class WordReader:
         return [self.typical.get(((name, 1.0),), "") for name, _ in common]
 
     @cached_property
-    def by_ear(self) -> "Callable[[str], Value | None]":
+    def by_ear(self) -> "Callable[[str], Value]":
         """The model's phones for a label of the IPA."""
         from lipsync_lang.resolver.nearest_phonemes import model_phones
 
         known = model_phones()
         if known is None or known.model != self.models.folder.name:
-            return lambda _: None
-        return known.nearest.value
+            return lambda _: ()
+        return lambda label: known.nearest.nearest(label).value  # signs that are no IPA are mute
 
 
 def _every_language() -> str | None:

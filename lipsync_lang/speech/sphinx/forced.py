@@ -38,6 +38,15 @@ OTHER = -5.0
 TURN = -20.0
 """Log score for entering other sound; it keeps badly spoken phonemes in their word."""
 
+SKIPPED = -160.0
+"""Log score for leaving a word out; a word that is only badly spoken is cheaper to keep."""
+
+FOREIGN = 100
+"""Frames of sound without text from which its cepstra are kept out of their mean."""
+
+AROUND = 30
+"""Frames before and after words whose cepstra are in that mean."""
+
 Word = Sequence[tuple[int, ...]]
 """Pronunciations of a word, each a tuple of phoneme numbers."""
 
@@ -46,8 +55,10 @@ class HeardPhoneme(NamedTuple):
     """A phoneme, a pause or other sound, with its frames.
 
     `word` is the word number, or `OUTSIDE` between words; `phone` is the phoneme number in
-    the model, or `OUTSIDE` for other sound. `fit` is the mean log likelihood ratio per frame to the
-    likeliest context-independent phoneme.
+    the model, or `OUTSIDE` for other sound, which stands for a word that is left out where it has a
+    word number. `fit` is the mean log likelihood ratio per frame to the likeliest
+    context-independent phoneme; for other sound that of silence and noises, so it is low if the
+    sound is speech.
     """
 
     word: int
@@ -90,6 +101,11 @@ class _Graph:
         self.before[quiet].append(loud)
         return [quiet, loud]
 
+    def skip(self, number: int, before: Sequence[int]) -> list[int]:
+        """Add other sound in place of a word."""
+        silence = self.model.silence
+        return [self.add(Node(number, OUTSIDE, WordPosition.ALONE), silence, silence, before)]
+
     def word(
         self, number: int, ways: Word, left: int, right: int, before: Sequence[int]
     ) -> list[int]:
@@ -106,7 +122,7 @@ class _Graph:
 
 
 def _phone(model: AcousticModel, node: Node, left: int, right: int) -> Phone:
-    if node.word == OUTSIDE:
+    if OUTSIDE in (node.word, node.phone):
         return model.alone(model.silence)
     return model.phone(node.phone, left, right, node.place)
 
@@ -128,8 +144,34 @@ def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[H
 
     Returns
     -------
-    Phonemes from frame 0 to T, with every word included; None if the sound is too short
+    Phonemes from frame 0 to T, with every word included, as other sound where it is left out;
+    None if the sound is too short
     """
+    heard = _lay(model, features, words)
+    if heard is None or sum(_length(one) for one in heard if one.phone == OUTSIDE) < FOREIGN:
+        return heard
+    # the mean of cepstra is that of the voice, whatever music or noise is beside it
+    own = np.zeros(len(features), bool)
+    for one in heard:
+        if OUTSIDE not in (one.word, one.phone):
+            own[max(one.first - AROUND, 0) : one.stop + AROUND] = True
+    for one in heard:
+        own[one.first : one.stop] &= one.phone != OUTSIDE
+    if not own.any():
+        return heard
+    moved = features.copy()
+    moved[:, 0] -= features[own, 0].mean(axis=0)
+    return _lay(model, moved, words)
+
+
+def _length(one: HeardPhoneme) -> int:
+    return one.stop - one.first
+
+
+def _lay(
+    model: AcousticModel, features: Floats, words: Sequence[Word]
+) -> list[HeardPhoneme] | None:
+    """Align words to a sound, window by window."""
     heard: list[HeardPhoneme] = []
     at = done = 0
     while at < len(features):
@@ -178,32 +220,45 @@ def _spell(graph: _Graph, words: Sequence[Word], start: int, stop: int) -> list[
     for number in range(start, stop):
         left = words[number - 1][0][-1] if number > start else silence
         right = words[number + 1][0][0] if number + 1 < stop else silence
-        pause = graph.pause(before)
-        before = graph.word(number, words[number], left, right, [*before, *pause])
+        before = [*before, *graph.pause(before)]
+        ends = graph.word(number, words[number], left, right, before)
+        before = [*ends, *graph.skip(number, before)]
     return [*(n for n in before if n != START), *graph.pause(before)]
 
 
-def _loop(sound: Listening) -> Singles:
-    """Return log likelihoods of the likeliest context-independent phoneme per frame."""
+class _Loop(NamedTuple):
+    """Log likelihoods per frame of the likeliest context-independent phoneme, (T,) each."""
+
+    speech: Singles
+    quiet: Singles
+    """Silence and noises instead of phonemes of speech."""
+
+
+def _loop(sound: Listening) -> _Loop:
     model = sound.model
     speech = [number for number in range(len(model.names)) if number not in model.fillers]
-    scores = sound.scores([model.alone(number) for number in speech])
-    likeliest: Singles = scores.max(axis=(1, 2))
-    return likeliest
+    return _Loop(
+        *(
+            sound.scores([model.alone(number) for number in numbers]).max(axis=(1, 2))
+            for numbers in (speech, sorted(model.fillers))
+        )
+    )
 
 
 def _likeliest(  # noqa: PLR0913, PLR0917 what a way depends on
     model: AcousticModel,
     scores: Singles,
-    loop: Singles,
+    loop: _Loop,
     nodes: Sequence[Node],
     before: Sequence[Sequence[int]],
     ends: Sequence[int] | None,
 ) -> list[Run] | None:
     other = np.array([node.phone == OUTSIDE for node in nodes])
-    scores[:, other] = (loop + np.float32(OTHER))[:, None, None]
+    scores[:, other] = (loop.speech + np.float32(OTHER))[:, None, None]
     names = [model.silence if node.phone == OUTSIDE else node.phone for node in nodes]
-    return likeliest_way(scores, model.stay[names], before, ends, np.where(other, TURN, 0.0))
+    skipped = np.array([node.word != OUTSIDE for node in nodes]) & other
+    entered = np.where(skipped, SKIPPED, np.where(other, TURN, 0.0))
+    return likeliest_way(scores, model.stay[names], before, ends, entered)
 
 
 def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
@@ -222,7 +277,7 @@ def _kept(way: Sequence[Run], nodes: Sequence[Node], limit: int) -> list[Run]:
     return [*way[: min(cuts, default=len(way))]]
 
 
-def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> list[HeardPhoneme]:
+def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> list[HeardPhoneme]:
     """Align phonemes again, each with its actual neighbours as context."""
     model, stop = sound.model, way[-1][1].stop
     nodes = [node for node, _ in way]
@@ -231,11 +286,13 @@ def _again(sound: Listening, loop: Singles, way: Sequence[tuple[Node, Run]]) -> 
     phones = [_phone(model, node, around[n], around[n + 2]) for n, node in enumerate(nodes)]
     scores = sound.scores(phones)[:stop]
     before = [[n - 1] for n in range(len(nodes))]
-    chain = _likeliest(model, scores, loop[:stop], nodes, before, [len(nodes) - 1])
+    loop = _Loop(loop.speech[:stop], loop.quiet[:stop])
+    chain = _likeliest(model, scores, loop, nodes, before, [len(nodes) - 1])
     runs = chain or [run._replace(phone=n) for n, (_, run) in enumerate(way)]
     heard = []
     for node, run in zip(nodes, runs, strict=True):
-        here = scores[run.first : run.stop, run.phone].max(axis=1)
-        fit = float((here - loop[run.first : run.stop]).mean())
+        span = slice(run.first, run.stop)
+        here = loop.quiet[span] if node.phone == OUTSIDE else scores[span, run.phone].max(axis=1)
+        fit = float((here - loop.speech[span]).mean())
         heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit))
     return heard

@@ -10,6 +10,7 @@ from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.features import FRAME, RATE, WINDOW, Floats
 from lipsync_lang.speech.sphinx.forced import HeardPhoneme
+from lipsync_lang.speech.sphinx.sureness import HURRIED, word_confidence
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.sphinx.folder import Models
@@ -28,9 +29,6 @@ PAUSE = 0.06
 
 UNLIKE = -5.0
 """Fit limit; a lower value means a mismatch of phoneme and sound."""
-
-HURRIED = 3
-"""Frames; a phoneme of no more has the minimum duration of the model."""
 
 LASTING = 0.5
 """Minimum seconds of sound without text for a remark."""
@@ -104,13 +102,22 @@ def laid(
     labels = tuple(rows[n][0] for n in kept)
     # dropped silences are merged into the next sound
     times = [0.0, *(starts[before + 1] for before in kept[:-1]), seconds]
-    owners = [rows[n][1] for n in kept]
+    owners = [rows[n][1] if rows[n][0] != SILENCE else OUTSIDE for n in kept]
+    found = _by_word(heard)
     words = []
     for number, saying in enumerate(sayings):
         own = [n for n, owner in enumerate(owners) if owner == number]
         if own:
-            words.append(Word(saying.text, own[0], own[-1] + 1))
+            sure = word_confidence(found[number])
+            words.append(Word(saying.text, own[0], own[-1] + 1, confidence=sure))
     return Laid(labels, np.array(times), tuple(words))
+
+
+def _by_word(heard: Sequence[HeardPhoneme]) -> dict[int, list[HeardPhoneme]]:
+    words: dict[int, list[HeardPhoneme]] = {}
+    for one in heard:
+        words.setdefault(one.word, []).append(one)
+    return words
 
 
 def _spelled(saying: Saying) -> Iterator[str]:
@@ -129,16 +136,20 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
     ]
     if others:
         remarks.append(f"sound that the text does not have: {listed(others)}")
-    said: dict[int, list[HeardPhoneme]] = {}
-    for one in heard:
-        said.setdefault(one.word, []).append(one)
-    missing = [
-        f"'{saying.text}' at {said[number][0].first * FRAME:.1f} s"
-        for number, saying in enumerate(sayings)
-        if len(said.get(number, ())) >= TELLING and not any(map(_borne_out, said[number]))
-    ]
-    if missing:
-        remarks.append(f"words that are not heard: {listed(missing)}")
+    said = _by_word(heard)
+    absent: list[str] = []
+    unlike: list[str] = []
+    for number, saying in enumerate(sayings):
+        own = said.get(number, [])
+        place = f"'{saying.text}' at {own[0].first * FRAME:.1f} s" if own else ""
+        if any(one.phone == OUTSIDE for one in own):
+            absent.append(place)
+        elif len(own) >= TELLING and not any(map(_borne_out, own)):
+            unlike.append(place)
+    if absent:
+        remarks.append(f"words that are not said, and left out: {listed(absent)}")
+    if unlike:
+        remarks.append(f"words that are not heard: {listed(unlike)}")
     return remarks
 
 
