@@ -280,7 +280,10 @@ def recording(path: Path) -> None:
     schedule = ll.align(folder / "61-70968-0000.flac", text.lower(), "english")
     with path.open("wb") as stream:
         plot(ll.resolve("english", "facefx").perform(schedule), stream)
-    _save(Image.open(path).convert("RGB"), path)
+    page = Image.open(path).convert("RGB")  # by the octree, for the many greys take no colour away
+    page.quantize(256, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(
+        path, optimize=True
+    )
 
 
 def _save(page: Image.Image, path: Path) -> None:

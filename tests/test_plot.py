@@ -226,8 +226,7 @@ def test_a_sound_has_its_boundaries_on_its_spectrogram(performer, schedule, anim
 @drawn
 @pytest.mark.parametrize(("confidence", "doubt"), [(None, False), (0.9, False), (0.2, True)])
 def test_words_in_doubt_are_hatched_and_underlined(performer, schedule, confidence, doubt):
-    words = tuple(replace(word) for word in schedule.words)
-    object.__setattr__(words[1], "confidence", confidence)
+    words = schedule.words[0], replace(schedule.words[1], confidence=confidence)
     animation = performer.perform(replace(schedule, words=words))
     assert ("word in doubt" in texts(animation)) == doubt
     spans = [(float(schedule.times[5]), float(schedule.times[9]))]

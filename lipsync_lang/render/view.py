@@ -12,6 +12,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.perform import Performance, Stage
+from lipsync_lang.schedules.schedule import DOUBTFUL
 
 if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
@@ -25,9 +26,6 @@ WIDTH, HEAD, AXIS, FOOT, LEFT, RIGHT = 15.0, 0.9, 0.5, 0.1, 0.15, 0.25
 SOUND, SPECTRUM, LANE, GAP, APART = 0.45, 1.1, 0.18, 0.15, 0.04
 ROW, LOW_ROW, ALL_ROWS = 0.8, 0.3, 80.0
 """Inches: page and margins; bands; a row, and its minimum height on a full page."""
-
-DOUBTFUL = 0.5
-"""Confidence below which a word is in doubt."""
 
 COLUMNS_PER_INCH = 100.0
 """Columns of the spectrogram."""
@@ -111,8 +109,7 @@ def _spectrogram(view: View) -> "Spectrogram | None":
 def _doubts(schedule: "Schedule") -> Iterator[tuple[float, float]]:
     """Yield start and end of each word whose confidence is low."""
     for word in schedule.words:
-        confidence = getattr(word, "confidence", None)
-        if confidence is not None and confidence < DOUBTFUL:
+        if word.confidence is not None and word.confidence < DOUBTFUL:
             yield float(schedule.times[word.first]), float(schedule.times[word.stop])
 
 

@@ -17,6 +17,9 @@ from lipsync_lang.errors import ScheduleError
 SILENCE = "_"
 """The label of silence, in every notation."""
 
+DOUBTFUL = 0.5
+"""Confidence below which a line, or a word, is in doubt."""
+
 STRESSES = (None, 0, 1, 2)
 """Values of stress: unmarked, none, primary and secondary."""
 

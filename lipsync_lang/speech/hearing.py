@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, overload
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.phonology.emphasis import EmphasisedText, emphasised
-from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused, tried
 from lipsync_lang.speech.speaking import Speaker, with_emphasis
@@ -22,9 +22,6 @@ from lipsync_lang.speech.speaking import Speaker, with_emphasis
 if TYPE_CHECKING:
     from lipsync_lang.speech.align.aligners import Aligner
     from lipsync_lang.speech.recognise.recognisers import Recogniser
-
-DOUBTFUL = 0.5
-"""Confidence below which an alignment is in doubt: the next aligner is asked."""
 
 SHOWN_WORDS = 5
 """Maximum number of words in doubt that are named."""
