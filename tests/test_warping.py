@@ -12,11 +12,12 @@ from lanes import full
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align as match
-from lipsync_lang.schedules import SILENCE, Audio, Schedule
+from lipsync_lang.schedules import SILENCE, Audio, Schedule, Word
 from lipsync_lang.speech import speak
 from lipsync_lang.speech.align.aligners import ALIGNERS
 from lipsync_lang.speech.align.spectrum import RATE, listen, mel_power, samples_of
-from lipsync_lang.speech.align.warping import SHORTEST, _spaced
+from lipsync_lang.speech.align.spoken_voice import SpokenVoice
+from lipsync_lang.speech.align.warping import SHORTEST, _coarse, _edges, _pauses, _spaced
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.speech.speaking import Speaker
 
@@ -258,6 +259,36 @@ def test_a_language_without_a_voice_is_told(speakers, recording):
 def test_a_model_is_none_of_its_business(speakers, recording):
     with pytest.raises(SpeechError, match="warping needs no model, but 'en' is given"):
         WARP.align(recording.audio, TEXT, speakers["english"], "en")
+
+
+def pausing_voice(rest):
+    """Four words of two sounds; the voice pauses before the third."""
+    labels = tuple("ababab" if rest is None else "abab_ab") + tuple("ab")
+    steps = [0.1 if label != SILENCE else rest for label in labels]
+    words = [
+        Word(f"w{n}", at, at + 2)
+        for n, at in enumerate(i for i, x in enumerate(labels) if x == "a")
+    ]
+    audio = Audio(np.zeros(RATE, np.int16), RATE)
+    return SpokenVoice.of(Schedule(labels, np.cumsum([0.0, *steps]), tuple(words), audio=audio))
+
+
+@pytest.mark.parametrize(("rest", "word"), [(0.3, 4), (0.11, 2), (None, 2)])
+def test_a_pause_belongs_to_the_word_before_which_the_voice_pauses(rest, word):
+    kept = np.array([*range(30), *range(80, 130)])
+    edges = np.array([0.0, 10.0, 28.0, 34.0, 44.0, 50.0, 60.0, 70.0])
+    assert list(_pauses(edges, kept, pausing_voice(rest))) == [word]
+
+
+def test_a_long_sound_is_refined_in_steps(monkeypatch):
+    monkeypatch.setattr("lipsync_lang.speech.align.warping.WHOLE", 60)
+    monkeypatch.setattr("lipsync_lang.speech.align.warping.PART", 40)
+    monkeypatch.setattr("lipsync_lang.speech.align.warping.MARGIN", 10)
+    said = np.cumsum(np.random.default_rng(1).normal(size=(900, 6)), axis=0)
+    heard = np.repeat(said, [1, 1, 2] * 300, axis=0)
+    path, _ = _coarse(heard, said)
+    starts = np.flatnonzero(np.diff(np.repeat(np.arange(900), [1, 1, 2] * 300), prepend=-1))
+    assert np.abs(_edges(heard, said, path) - starts).max() <= 3
 
 
 @given(st.lists(st.floats(-1, 5), min_size=1, max_size=60).map(sorted), st.floats(0.05, 6))

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio
 
 Floats = npt.NDArray[np.float64]
+Sound = npt.NDArray[np.float32]
 Ints = npt.NDArray[np.intp]
 Bools = npt.NDArray[np.bool_]
 
@@ -76,16 +77,19 @@ class SpeechSpectrum:
         return features, said.mean(axis=0), said.std(axis=0) + 1e-3
 
 
-def samples_of(audio: "Audio") -> Floats:
+def samples_of(audio: "Audio") -> Sound:
     """Convert a sound to `RATE`, zero mean and amplitudes within 1."""
     from lipsync_lang.speech.sound import resampled
 
-    sound: Floats = resampled(audio, RATE).samples / 2.0**15
-    sound -= sound.mean()
+    sound = resampled(audio, RATE).samples.astype(np.float32)
+    sound -= sound.mean(dtype=np.float64)
+    sound /= 2.0**15
     return sound
 
 
-def mel_power(samples: Floats, hop: float = HOP, tracts: Sequence[float] = (1.0,)) -> Floats:
+def mel_power(
+    samples: Sound | Floats, hop: float = HOP, tracts: Sequence[float] = (1.0,)
+) -> Floats:
     """Return the power in mel bands for each tract: (len(tracts), T, BANDS).
 
     Parameters
@@ -95,14 +99,14 @@ def mel_power(samples: Floats, hop: float = HOP, tracts: Sequence[float] = (1.0,
     tracts : vocal tract lengths relative to the nominal one
     """
     width = int(WINDOW * RATE)
-    sound = np.append(samples[:1], samples[1:] - _EMPHASIS * samples[:-1])
-    sound = np.pad(sound, (width // 2, width))
+    sound = np.pad(samples, (width // 2 + 1, width))
     starts = (np.arange(int(len(samples) / RATE / hop) + 1) * hop * RATE).astype(np.intp)
     banks = [_bank(tract) for tract in tracts]
-    window, steps = np.hanning(width), np.arange(width)
+    window, steps = np.hanning(width), np.arange(width + 1)
     out = np.empty((len(tracts), len(starts), BANDS))
     for low in range(0, len(starts), _BLOCK):
-        frames = sound[starts[low : low + _BLOCK, None] + steps] * window
+        frames = sound[starts[low : low + _BLOCK, None] + steps].astype(np.float64)
+        frames = (frames[:, 1:] - _EMPHASIS * frames[:, :-1]) * window
         power = np.abs(np.fft.rfft(frames, _POINTS)) ** 2
         for number, bank in enumerate(banks):
             out[number, low : low + _BLOCK] = power @ bank

@@ -6,10 +6,13 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Schedule, Word
-from lipsync_lang.speech.align.spectrum import Bools, Floats, Ints, samples_of
+from lipsync_lang.speech.align.spectrum import Bools, Floats, Ints, Sound, samples_of
 
 TRACTS = (0.88, 0.94, 1.0, 1.06)
 """Candidate vocal tract lengths of the voice; the best fit is used."""
+
+REST_SECONDS = 0.14
+"""Least pause of the voice at punctuation; before conjunctions it makes shorter ones."""
 
 
 class SpokenVoice(NamedTuple):
@@ -21,7 +24,9 @@ class SpokenVoice(NamedTuple):
     """(n,) start times in seconds."""
     ends: Floats
     """(n,) end times in seconds."""
-    samples: Floats
+    samples: Sound
+    rests: Ints
+    """Numbers of the phonemes before which the voice pauses."""
     schedule: Schedule
 
     @classmethod
@@ -45,6 +50,7 @@ class SpokenVoice(NamedTuple):
             said.times[kept],
             said.times[1:][kept],
             samples_of(said.audio),
+            np.flatnonzero(said.times[kept][1:] - said.times[1:][kept][:-1] >= REST_SECONDS) + 1,
             said,
         )
 

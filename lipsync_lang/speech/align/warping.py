@@ -29,13 +29,15 @@ from lipsync_lang.speech.align.spectrum import (
 )
 from lipsync_lang.speech.align.spoken_voice import TRACTS, SpokenVoice
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
-from lipsync_lang.speech.listening import tell
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 REACH = 0.15
 """Maximum distance in seconds from a pause to the word start after it."""
+
+REST = 0.35
+"""The same for a word before which the voice pauses, too; it comes first."""
 
 HESITATION = 0.4
 """Seconds; a longer pause needs no word start."""
@@ -52,13 +54,16 @@ WHOLE = 3000
 PART, MARGIN = 1500, 200
 """Frames per part, and frames of context on either side."""
 
+FINER = 5
+"""Gain of resolution from one refinement of a long sound to the next."""
+
 TEMPO = (0.4, 2.5)
 """Tempo limits of the voice relative to the recording, lowest and highest."""
 
 DOUBTFUL = 0.5
 """Confidence limit for a remark."""
 
-SURE = 0.9
+SURE = 0.8
 """Confidence above which the text is not looked for in parts of the recording."""
 
 LIKELY = 0.4
@@ -215,19 +220,27 @@ def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
     """Warp the voice onto the recording, at matched tempo and the best vocal tract length."""
     tempo = float((voice.ends - voice.starts).sum()) / (len(kept) * HOP)
     hop = HOP * float(np.clip(tempo, *TEMPO))
-    powers = mel_power(voice.samples, hop, TRACTS)
-    sounding, starts = voice.frames(hop, powers.shape[1])
-    best = None
-    for power in powers:
-        recorded, spoken = alike(heard, power, sounding)
-        a, b = recorded[kept], spoken[sounding]
+    best: tuple[float, float, Ints] | None = None
+    for tract in TRACTS:  # in turn, for the memory that long voices take
+        a, b, _ = _pair(heard, kept, voice, hop, tract)
         path, cost = _coarse(a, b)
-        if best is None or cost < best[-1]:
-            best = a, b, path, cost
+        if best is None or cost < best[0]:
+            best = cost, tract, path
     assert best is not None  # noqa: S101 there are tracts
-    a, b, path, cost = best
+    cost, tract, path = best
+    a, b, starts = _pair(heard, kept, voice, hop, tract)
     backwards = b[::-1] * np.repeat([1, -1], b.shape[1] // 2)
     return Fit(_edges(a, b, path)[starts], cost, _coarse(a, backwards)[1])
+
+
+def _pair(
+    heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice, hop: float, tract: float
+) -> tuple[Floats, Floats, Ints]:
+    """Return features of recorded and spoken frames, and the first frame of each phoneme."""
+    (power,) = mel_power(voice.samples, hop, (tract,))
+    sounding, starts = voice.frames(hop, len(power))
+    recorded, spoken = alike(heard, power, sounding)
+    return recorded[kept], spoken[sounding], starts
 
 
 def _step(a: Floats, b: Floats) -> int:
@@ -272,16 +285,22 @@ def _starts(path: Ints, count: int) -> Floats:
 def _edges(a: Floats, b: Floats, path: Ints) -> Floats:
     """Return the start in the recording of each voice frame, for any length: (M,).
 
-    `path` is that of `_coarse`.
+    `path` is that of `_coarse`. It is refined by `FINER` at a time, in parts that overlap.
     """
     step = _step(a, b)
-    coarse = _starts(path, -(-len(b) // step))
-    if step == 1:
-        return coarse
-    near = np.interp(np.arange(len(b) + 1) / step, np.arange(len(coarse)), coarse) * step
+    edges = _starts(path, -(-len(b) // step))
+    while step > 1:
+        finer = max(1, step // FINER)
+        at, b_finer = np.arange(len(edges)) * step / finer, pooled(b, finer)
+        near = np.interp(np.arange(len(b_finer) + 1), at, edges * step / finer)
+        edges, step = _refined(pooled(a, finer), b_finer, near), finer
+    return edges
+
+
+def _refined(a: Floats, b: Floats, near: Floats) -> Floats:
+    """Return the start in the first sound of each frame of the second, known roughly: (M,)."""
     out = np.empty(len(b))
     for low in range(0, len(b), PART):
-        tell(low, len(b))
         high = min(low + PART, len(b))
         first, last = max(0, low - MARGIN), min(len(b), high + MARGIN)
         begin = int(near[first]) if first else 0
@@ -335,14 +354,15 @@ def _stress(labels: tuple[str, ...], spoken: Schedule) -> tuple[int | None, ...]
 def _pauses(edges: Floats, kept: Ints, voice: SpokenVoice) -> dict[int, tuple[float, float]]:
     """Map phoneme numbers to the pause before each: start and end in seconds.
 
-    A pause precedes a word; a long pause without a word start nearby precedes a phoneme.
+    A pause precedes a word, rather one before which the voice pauses, too. A long pause without a
+    word start nearby precedes a phoneme.
     """
     found: dict[int, tuple[float, float]] = {}
     words = np.array([word.first for word in voice.words if word.first], np.intp)
     every = np.arange(1, len(edges))
     for at in np.flatnonzero(np.diff(kept) > 1):
         low, high = (kept[at] + 0.5) * HOP, (kept[at + 1] - 0.5) * HOP
-        for known, reach in ((words, REACH), (every, np.inf)):
+        for known, reach in ((voice.rests, REST), (words, REACH), (every, np.inf)):
             if not len(known) or (known is every and high - low < HESITATION):
                 continue
             apart = np.abs(edges[known] - (at + 0.5))
