@@ -85,7 +85,10 @@ def segment(*words, no_speech=0.1, compression=1.0):
         SimpleNamespace(word=text, start=start, end=end, probability=chance)
         for text, start, end, chance in words
     ]
-    return SimpleNamespace(words=told, no_speech_prob=no_speech, compression_ratio=compression)
+    end = max((one.end for one in told), default=0)
+    return SimpleNamespace(
+        words=told, end=end, no_speech_prob=no_speech, compression_ratio=compression
+    )
 
 
 class Model:

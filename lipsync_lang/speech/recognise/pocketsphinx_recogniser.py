@@ -1,38 +1,52 @@
 """Recognition by pocketsphinx: words where available, otherwise phonemes.
 
-The sound is decoded in parts, cut at the quietest frames. Recognised words are then force-aligned
-like a given text.
+Recognised words are force-aligned like a given text.
 """
 
-from collections.abc import Iterator, Sequence
-from threading import local
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech import listening
-from lipsync_lang.speech.recognise.recognisers import recogniser
+from lipsync_lang.speech.recognise.recognisers import (
+    DOUBTFUL,
+    doubt_remarks,
+    heard_remark,
+    recogniser,
+)
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
-from lipsync_lang.speech.sphinx.features import RATE, STEP, Floats, features
-from lipsync_lang.speech.sphinx.folder import Models, find_models, without_variant
+from lipsync_lang.speech.sphinx.decoders import decoded_phones, decoded_words, parts
+from lipsync_lang.speech.sphinx.features import FRAME, STEP, Floats, features
+from lipsync_lang.speech.sphinx.folder import Models, find_models
 from lipsync_lang.speech.sphinx.forced import HeardPhoneme, lay
-from lipsync_lang.speech.sphinx.scheduling import Saying, confidence, laid, prepared
+from lipsync_lang.speech.sphinx.scheduling import Saying, laid, prepared
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
-SHORTEST, LONGEST = 10 * RATE, 20 * RATE
-"""Target part length in samples."""
+CONSTANT, OF_POSTERIOR, OF_FIT = 0.4, 0.53, 0.6
+"""Logistic regression of right words on the logarithm of their posterior and on their fit.
 
-QUIET = 20
-"""Window of the loudness measure in frames."""
+Of 500 words in 38 natural recordings, half of them with noise, each predicted from the others:
+words said to be right in 12, 30, 50 and 70 of 100 cases were right in 14, 26, 46 and 82. The
+posterior alone is near 1 for many wrong words.
+"""
 
-threads = local()
-"""Decoders; each takes a second to load and some 100 MB, and serves one thread at a time."""
+NOTHING = 0.2
+"""Mean probability of words that are none."""
 
-SHOWN = 200
-"""Maximum length in characters of recognised text in a remark."""
+LEAST = 1e-6
+"""Least posterior of a word; the decoder rounds to 0."""
+
+
+class _Part(NamedTuple):
+    """Words and phonemes of a part of a sound."""
+
+    sayings: list[Saying]
+    chances: list[float]
+    heard: list[HeardPhoneme]
 
 
 @recogniser("pocketsphinx")
@@ -55,86 +69,58 @@ class PocketsphinxRecogniser:
         """
         models = find_models(model)
         sound = prepared(audio)
-        decoder = _decoder(models)
         heard: list[HeardPhoneme] = []
         sayings: list[Saying] = []
+        chances: list[float] = []
         for start, stop in parts(sound):
-            part = sound[start:stop]
-            words = _words(decoder, models, part)
-            said = [Saying(word, models.ways(word)) for word in words]
             with listening.part(start, stop, len(sound)):
-                listening.tell(0, 1)
-                found = lay(models.model, features(part), [s.ways for s in said]) if said else None
-            if found is None:
-                said, found = [], _phones(decoder, models, part)
-            heard += [_moved(one, start // STEP, len(sayings)) for one in found]
-            sayings += said
+                part = _heard(models, sound[start:stop])
+            heard += [_moved(one, start // STEP, len(sayings)) for one in part.heard]
+            sayings += part.sayings
+            chances += part.chances
         return Schedule(
             *laid(models, heard, sayings, audio.seconds),
             notation=speaker.manner.audio.notation,
             language=speaker.manner.language,
             audio=audio,
             source="recording",
-            remarks=(_told(sayings),),
+            remarks=_remarks(heard, sayings, chances),
             recognised=True,
-            confidence=confidence(models, heard),
+            confidence=float(np.mean(chances)) if chances else 0.0,
         )
 
 
-def parts(sound: Floats) -> Iterator[tuple[int, int]]:
-    """Yield start and stop samples of parts: whole frames, cut at the quietest frames."""
-    start = 0
-    while len(sound) - start > LONGEST:
-        energy = np.cumsum(np.square(sound[start + SHORTEST : start + LONGEST]))[::STEP]
-        quietest = int((energy[QUIET:] - energy[:-QUIET]).argmin())
-        stop = start + SHORTEST + (quietest + QUIET // 2) * STEP
-        yield start, stop
-        start = stop
-    yield start, len(sound)
+def _heard(models: Models, sound: Floats) -> _Part:
+    """Return the words of a part, or its phonemes where it has none."""
+    listening.tell(0, 1)
+    words = decoded_words(models, sound)
+    sayings = [Saying(word.text, models.ways(word.text)) for word in words]
+    found = lay(models.model, features(sound), [one.ways for one in sayings]) if sayings else None
+    if found is not None:
+        fits: list[list[HeardPhoneme]] = [[] for _ in words]
+        for one in found:
+            if one.word != OUTSIDE:
+                fits[one.word].append(one)
+        chances = [chance(w.posterior, own) for w, own in zip(words, fits, strict=True)]
+        if np.mean(chances) >= NOTHING:
+            return _Part(sayings, chances, found)
+    return _Part([], [], decoded_phones(models, sound))
 
 
-def _decoder(models: Models) -> Any:
-    """Return this thread's decoder of a model, which is loaded once, as good as new."""
-    from pocketsphinx import Decoder
+def chance(posterior: float, heard: Sequence[HeardPhoneme]) -> float:
+    """Return the probability that a word is right.
 
-    loaded: dict[Models, Any] = threads.__dict__.setdefault("loaded", {})
-    if models not in loaded:
-        loaded[models] = Decoder(
-            hmm=str(models.acoustic),
-            dict=str(models.dictionary),
-            lm=str(models.words),
-            loglevel="FATAL",
-        )
-    loaded[models].reinit_feat()
-    return loaded[models]
-
-
-def _segments(decoder: Any, sound: Floats) -> list[tuple[str, int]]:
-    """Return the decoder's segments: names with first frames."""
-    samples = np.clip(np.rint(sound), -(2**15), 2**15 - 1).astype(np.int16)
-    decoder.start_utt()
-    decoder.process_raw(samples.tobytes(), full_utt=True)
-    decoder.end_utt()
-    return [(one.word, one.start_frame) for one in decoder.seg() or ()]
-
-
-def _words(decoder: Any, models: Models, sound: Floats) -> list[str]:
-    """Return the recognised words; entries outside the dictionary are pauses or noises."""
-    decoder.activate_search()
-    names = (without_variant(name) for name, _ in _segments(decoder, sound))
-    return [name for name in names if models.ways(name)]
-
-
-def _phones(decoder: Any, models: Models, sound: Floats) -> list[HeardPhoneme]:
-    """Return the phonemes of a sound without words."""
-    decoder.add_allphone_file("phones", str(models.phones))
-    decoder.activate_search("phones")
-    names = _segments(decoder, sound) or [("", 0)]
-    stops = [first for _, first in names[1:]] + [-(-len(sound) // STEP)]
-    return [
-        HeardPhoneme(OUTSIDE, models.numbers.get(name, OUTSIDE), first, stop, 0.0)
-        for (name, first), stop in zip(names, stops, strict=True)
-    ]
+    Parameters
+    ----------
+    posterior : of the word, among those that the decoder considered
+    heard : its aligned phonemes
+    """
+    frames = [one.stop - one.first for one in heard]
+    if not frames:
+        return 0.0
+    fit = np.average([one.fit for one in heard], weights=frames)
+    odds = CONSTANT + OF_POSTERIOR * np.log(max(posterior, LEAST)) + OF_FIT * fit
+    return float(1 / (1 + np.exp(-odds)))
 
 
 def _moved(one: HeardPhoneme, frames: int, words: int) -> HeardPhoneme:
@@ -142,8 +128,17 @@ def _moved(one: HeardPhoneme, frames: int, words: int) -> HeardPhoneme:
     return one._replace(word=word, first=one.first + frames, stop=one.stop + frames)
 
 
-def _told(sayings: Sequence[Saying]) -> str:
-    words = " ".join(saying.text for saying in sayings)
-    if not words:
-        return "no words were heard; what moves the mouth are single sounds"
-    return f"heard: {words[:SHOWN]}{' ...' if len(words) > SHOWN else ''}"
+def _remarks(
+    heard: Sequence[HeardPhoneme], sayings: Sequence[Saying], chances: Sequence[float]
+) -> tuple[str, ...]:
+    if not sayings:
+        return (f"{heard_remark('')}; what moves the mouth are single sounds",)
+    starts: dict[int, float] = {}
+    for one in heard:
+        starts.setdefault(one.word, one.first * FRAME)
+    doubtful = [
+        (saying.text, starts[n])
+        for n, saying in enumerate(sayings)
+        if chances[n] < DOUBTFUL and n in starts
+    ]
+    return heard_remark(" ".join(one.text for one in sayings)), *doubt_remarks(doubtful)

@@ -1,9 +1,10 @@
 """Registry and interface of recognisers."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from lipsync_lang.extensions import Extensions
+from lipsync_lang.speech.sphinx.scheduling import listed
 
 if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio, Schedule
@@ -11,6 +12,12 @@ if TYPE_CHECKING:
 
 SHOWN_CHARS = 200
 """Maximum length of recognised text in a remark."""
+
+DOUBTFUL = 0.4
+"""Probability below which a word is named as doubtful; most of these words are wrong."""
+
+PUNCTUATION = ' .,;:!?…"-'
+"""Signs around words, which remarks leave out."""
 
 
 class Recogniser(Protocol):
@@ -30,6 +37,7 @@ RECOGNISERS: Extensions[Recogniser] = Extensions(
     "recogniser",
     modules={
         "pocketsphinx": f"{__package__}.pocketsphinx_recogniser",
+        "phones": f"{__package__}.phones_recogniser",
         "whisper": f"{__package__}.whisper_recogniser",
     },
 )
@@ -53,3 +61,13 @@ def heard_remark(text: str) -> str:
     if not text:
         return "no words were heard"
     return f"heard: {text[:SHOWN_CHARS]}{' ...' if len(text) > SHOWN_CHARS else ''}"
+
+
+def doubt_remarks(words: Sequence[tuple[str, float]]) -> list[str]:
+    """Return a remark that names doubtful words with their seconds; none without such words."""
+    return [f"words in doubt: {listed([placed(*word) for word in words])}"] if words else []
+
+
+def placed(text: str, seconds: float) -> str:
+    """Return a word with its time, for remarks."""
+    return f"'{text.strip(PUNCTUATION)}' at {seconds:.1f} s"

@@ -21,7 +21,6 @@ MARGIN_SECONDS = 0.5
 QUIET_SECONDS = 0.05
 """Window of the loudness measure."""
 
-
 QUIET = 0.1
 """Loudness of the quietest moment of a pause, at most, as a share of the words' own."""
 
@@ -49,11 +48,6 @@ class Stretch(NamedTuple):
     def text(self) -> str:
         """The words as written."""
         return "".join(word.text for word in self.words).strip()
-
-    @property
-    def chance(self) -> float:
-        """The mean probability of a word."""
-        return sum(word.chance for word in self.words) / len(self.words)
 
 
 def stretches(words: Sequence[RecognisedWord], audio: Audio) -> list[Stretch]:

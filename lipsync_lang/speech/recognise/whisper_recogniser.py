@@ -5,7 +5,7 @@ a stretch the aligner finds the times.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +13,16 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
+from lipsync_lang.speech import listening
 from lipsync_lang.speech.hearing import align_many
-from lipsync_lang.speech.recognise.recognisers import SHOWN_CHARS, heard_remark, recogniser
+from lipsync_lang.speech.recognise.recognisers import (
+    DOUBTFUL,
+    SHOWN_CHARS,
+    doubt_remarks,
+    heard_remark,
+    placed,
+    recogniser,
+)
 from lipsync_lang.speech.recognise.stretches import (
     RecognisedWord,
     Stretch,
@@ -53,12 +61,6 @@ SETTINGS = {
 
 NOISES = re.compile(r"\[[^\]]*\]|\([^)]*\)|[♪♫*]")
 """Text of a model for sounds that are no words."""
-
-PUNCTUATION = ' .,;:!?…"-'
-"""Signs around words, which remarks leave out."""
-
-DOUBTFUL = 0.4
-"""Probability below which a word is named as doubtful; about every second one is wrong."""
 
 FITTING = 0.5
 """Confidence of an aligner from which on words fit their sound."""
@@ -103,26 +105,28 @@ def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
     """Return the words that a model hears, without those that it makes up where nobody speaks."""
     samples = resampled(audio, RATE).samples.astype(np.float32) / FULL
     segments, _ = model.transcribe(samples, language=code, **SETTINGS)
-    return [
-        RecognisedWord(
-            text,
-            min(float(word.start), audio.seconds),
-            min(float(word.end), audio.seconds),
-            float(word.probability),
-        )
-        for segment in segments
-        if segment.no_speech_prob <= NO_SPEECH and segment.compression_ratio <= REPETITION
-        for word in segment.words or ()
-        if any(map(str.isalnum, text := NOISES.sub(" ", word.word)))
-    ]
+    return [word for one in segments for word in _of_segment(one, audio.seconds)]
+
+
+def _of_segment(segment: Any, seconds: float) -> Iterator[RecognisedWord]:
+    """Yield the words of a segment, within the length of the sound."""
+    listening.tell(float(segment.end), seconds)
+    if segment.no_speech_prob > NO_SPEECH or segment.compression_ratio > REPETITION:
+        return
+    for word in segment.words or ():
+        text = NOISES.sub(" ", word.word)
+        if any(map(str.isalnum, text)):
+            start, end = (min(float(at), seconds) for at in (word.start, word.end))
+            yield RecognisedWord(text, start, end, float(word.probability))
 
 
 def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedule:
     """Align each stretch, and join them; words that do not fit their sound are left out."""
     parts = [(part(audio, one), one.text) for one in heard]
-    found = [*align_many(speaker, parts)]
-    if len({one.notation for one in found if isinstance(one, Schedule)}) > 1:
-        found = [*align_many(speaker, parts, aligner=speaker.manner.audio.align[0])]
+    with listening.followed(lambda _: None):  # each stretch tells its own share
+        found = [*align_many(speaker, parts)]
+        if len({one.notation for one in found if isinstance(one, Schedule)}) > 1:
+            found = [*align_many(speaker, parts, aligner=speaker.manner.audio.align[0])]
     both = [*zip(heard, found, strict=True)]
     laid = [(stretch, one) for stretch, one in both if isinstance(one, Schedule)]
     if not laid:
@@ -130,16 +134,16 @@ def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedul
         raise SpeechError(f"heard '{text[:SHOWN_CHARS]}', but {found[0]}")
     whole = joined([(stretch.start, one) for stretch, one in laid], audio)
     lost = [
-        _at(stretch.text, stretch.start) for stretch, one in both if isinstance(one, SpeechError)
+        placed(stretch.text, stretch.start) for stretch, one in both if isinstance(one, SpeechError)
     ]
     doubtful = [
-        _at(word.text, word.start)
+        (word.text, word.start)
         for stretch, _ in laid
         for word in stretch.words
         if word.chance < DOUBTFUL
     ]
     remarks = [heard_remark(" ".join(stretch.text for stretch, _ in laid))]
-    remarks += [f"words in doubt: {listed(doubtful)}"] if doubtful else []
+    remarks += doubt_remarks(doubtful)
     remarks += [f"left out, for the sound does not bear it out: {listed(lost)}"] if lost else []
     count = sum(len(stretch.words) for stretch in heard)
     return replace(
@@ -159,7 +163,3 @@ def _agreed(stretch: Stretch, laid: Schedule) -> float:
     """
     fit = 1.0 if laid.confidence is None else min(1.0, laid.confidence / FITTING)
     return fit * sum(word.chance for word in stretch.words)
-
-
-def _at(text: str, seconds: float) -> str:
-    return f"'{text.strip(PUNCTUATION)}' at {seconds:.1f} s"
