@@ -573,7 +573,12 @@ def laid_by(monkeypatch, name, confidence):
         (0.9, 1.0, "pocketsphinx", None),
         (0.3, 0.6, "warp", "aligned by warp, the surest of: pocketsphinx 0.30, warp 0.60"),
         (0.3, 0.2, "pocketsphinx", "aligned by pocketsphinx, the surest of"),
-        (None, 0.4, "warp", "aligned by warp, the surest of: pocketsphinx failed, warp 0.40"),
+        (
+            None,
+            0.4,
+            "warp",
+            "aligned by warp, the surest of: pocketsphinx failed, warp 0.40 (pocketsphinx finds",
+        ),
     ],
 )
 def test_where_one_aligner_is_not_sure_the_next_is_asked(monkeypatch, first, second, kept, told):

@@ -249,6 +249,8 @@ def _surest(
         )
         kept = max(results, key=lambda one: one[1])[0]
         remark = f"aligned by {kept}, the surest of: {asked}"
+        if isinstance(first, SpeechError):
+            remark += f" ({first})"
         schedule = replace(schedule, remarks=(*schedule.remarks, remark))
     return with_emphasis(text, schedule)
 
