@@ -45,6 +45,9 @@ def test_words_that_are_said_are_heard(heard):
     said = ["he", "turned", "sharply", "and", "faced", "gregson", "across", "the", "table"]
     assert [word.text for word in heard.words] == said
     assert heard.confidence > 0.6
+    sure = [word.confidence for word in heard.words]
+    assert heard.confidence == pytest.approx(np.mean(sure))
+    assert min(sure) < max(sure)
 
 
 @full
@@ -144,7 +147,7 @@ def test_every_language_spells_the_phones_of_the_model(name):
     spelled = spellings(model_phones(), Speaker.of(name))
     notation = Speaker.of(name).notations["ipa"]
     assert len(spelled) == len(find_models("en-us").numbers)
-    assert all(notation.find(label) for label in spelled.values())
+    assert all(notation.find(label) is not None for label in spelled.values())
 
 
 def test_a_language_without_a_letter_takes_the_nearest():
@@ -184,6 +187,12 @@ def test_a_mouth_moves_in_a_language_that_nobody_recognises(data):
 def test_a_language_without_a_recogniser_says_what_can_be_done():
     with pytest.raises(ll.SpeechError, match=r"finnish has no recogniser: give the text"):
         ll.recognise(ll.Audio(np.zeros(RATE, np.int16), RATE), "finnish")
+
+
+def test_a_model_of_another_language_recognises_no_words():
+    sound = ll.Audio(np.zeros(RATE, np.int16), RATE)
+    with pytest.raises(ll.SpeechError, match="finnish is not the language of the model 'en-us'"):
+        ll.recognise(sound, "finnish", recogniser="pocketsphinx:en-us")
 
 
 def test_a_recogniser_that_is_not_there_is_told(english):

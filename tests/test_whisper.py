@@ -140,10 +140,22 @@ def test_words_are_heard_and_aligned(model, english):
     found = recognised(english, sound(1, 1, 1), recogniser="whisper")
     assert [word.text for word in found.words] == ["Good", "morning.", "Bob"]
     assert found.recognised
+    assert [word.confidence for word in found.words] == [0.9, 0.7, 1.0]
     assert found.remarks == ("heard: Good morning. Bob",)
     assert found.confidence == pytest.approx((0.9 + 0.7 + 1) / 3)
     assert (found.start, found.end, found.language) == (0, 3, None)
     assert made.asked == [(3 * RATE, np.float32, "en")]
+
+
+def test_long_recordings_are_transcribed_in_parts(model, english, monkeypatch):
+    monkeypatch.setattr(whisper_recogniser, "TAKEN", (RATE, 2 * RATE))
+    made = model(segment((" Good", 0, 0.5, 0.9)))
+    found = recognised(english, sound(1.4, 0.2, 1.4), recogniser="whisper")
+    (first, *_), (second, *_) = made.asked
+    assert first + second == 3 * RATE
+    assert 1.4 <= first / RATE <= 1.6
+    assert [word.text for word in found.words] == ["Good", "Good"]
+    assert found.times[found.words[1].first] == pytest.approx(first / RATE, abs=0.2)
 
 
 def test_words_in_doubt_are_named_with_their_time(model, english):
@@ -163,7 +175,14 @@ def test_words_that_do_not_fit_the_sound_are_left_out_and_named(model, english):
 def test_words_that_hardly_fit_the_sound_lower_the_confidence(model, english):
     model(segment((" Good?", 0, 1, 0.9)))
     found = recognised(english, sound(1), recogniser="whisper")
-    assert found.confidence == pytest.approx(0.45)
+    assert found.words[0].confidence == found.confidence == pytest.approx(0.45)
+
+
+def test_words_that_the_aligner_divides_share_their_confidence(model, english):
+    model(segment((" a b", 0, 1, 0.8), (" c", 1, 2, 0.6)))
+    found = recognised(english, sound(2), recogniser="whisper")
+    assert [word.confidence for word in found.words] == pytest.approx([0.7] * 3)
+    assert found.confidence == pytest.approx(0.7)
 
 
 def test_words_of_which_none_fits_the_sound_are_an_error(model, english):

@@ -317,7 +317,8 @@ def _recogniser(speaker: Speaker, name: str | None) -> "tuple[Recogniser, str | 
     if name is None:
         raise SpeechError(
             f"{speaker.manner.language} has no recogniser: give the text that is said as well, or "
-            "name a recogniser in its pack (`audio: {recognise: ...}`)"
+            "name a recogniser in its pack (`audio: {recognise: ...}`), such as `whisper:FOLDER`, "
+            "or `phones`, which hears single sounds"
         )
     return RECOGNISERS.find(name, SpeechError), model
 

@@ -4,18 +4,15 @@ Recognised words are force-aligned like a given text.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech import listening
-from lipsync_lang.speech.recognise.recognisers import (
-    DOUBTFUL,
-    doubt_remarks,
-    heard_remark,
-    recogniser,
-)
+from lipsync_lang.speech.recognise.recognisers import doubt_remarks, heard_remark, recogniser
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
 from lipsync_lang.speech.sphinx.decoders import decoded_phones, decoded_words, parts
 from lipsync_lang.speech.sphinx.features import FRAME, STEP, Floats, features
@@ -65,9 +62,15 @@ class PocketsphinxRecogniser:
         Raises
         ------
         SpeechError
-            The model is unknown.
+            The model is unknown, or of another language.
         """
-        models = find_models(model)
+        models, notation = find_models(model), speaker.manner.audio.notation
+        if not notation:
+            raise SpeechError(
+                f"{speaker.manner.language} is not the language of the model '{models.folder.name}'"
+                ", or its pack does not name the notation of the model's phones "
+                "(`audio: {notation: ...}`); `phones` hears single sounds in any language"
+            )
         sound = prepared(audio)
         heard: list[HeardPhoneme] = []
         sayings: list[Saying] = []
@@ -78,9 +81,17 @@ class PocketsphinxRecogniser:
             heard += [_moved(one, start // STEP, len(sayings)) for one in part.heard]
             sayings += part.sayings
             chances += part.chances
+        found = laid(models, heard, sayings, audio.seconds)
+        said = sorted({one.word for one in heard if OUTSIDE not in (one.word, one.phone)})
+        words = (
+            replace(word, confidence=chances[number])
+            for word, number in zip(found.words, said, strict=True)
+        )
         return Schedule(
-            *laid(models, heard, sayings, audio.seconds),
-            notation=speaker.manner.audio.notation,
+            found.labels,
+            found.times,
+            tuple(words),
+            notation=notation,
             language=speaker.manner.language,
             audio=audio,
             source="recording",
@@ -99,7 +110,7 @@ def _heard(models: Models, sound: Floats) -> _Part:
     if found is not None:
         fits: list[list[HeardPhoneme]] = [[] for _ in words]
         for one in found:
-            if one.word != OUTSIDE:
+            if OUTSIDE not in (one.word, one.phone):
                 fits[one.word].append(one)
         chances = [chance(w.posterior, own) for w, own in zip(words, fits, strict=True)]
         if np.mean(chances) >= NOTHING:

@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 SHOWN_CHARS = 200
 """Maximum length of recognised text in a remark."""
 
-DOUBTFUL = 0.4
-"""Probability below which a word is named as doubtful; most of these words are wrong."""
-
 PUNCTUATION = ' .,;:!?…"-'
 """Signs around words, which remarks leave out."""
 

@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
+from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, Audio, Schedule
 from lipsync_lang.speech import listening
 from lipsync_lang.speech.hearing import align_many
 from lipsync_lang.speech.recognise.recognisers import (
-    DOUBTFUL,
     SHOWN_CHARS,
     doubt_remarks,
     heard_remark,
@@ -32,6 +31,7 @@ from lipsync_lang.speech.recognise.stretches import (
 )
 from lipsync_lang.speech.recognise.whisper_models import language_code, whisper_model
 from lipsync_lang.speech.sound import FULL, resampled
+from lipsync_lang.speech.sphinx.decoders import parts
 from lipsync_lang.speech.sphinx.scheduling import listed
 
 if TYPE_CHECKING:
@@ -39,6 +39,9 @@ if TYPE_CHECKING:
 
 RATE = 16_000
 """Sample rate of the models in hertz."""
+
+TAKEN = 300 * RATE, 600 * RATE
+"""Least and most samples that are transcribed at once; an hour would take gigabytes."""
 
 SPEECH = 0.15
 """Probability of speech above which sound is heard at all: a whisper passes, noise does not."""
@@ -61,9 +64,6 @@ SETTINGS = {
 
 NOISES = re.compile(r"\[[^\]]*\]|\([^)]*\)|[♪♫*]")
 """Text of a model for sounds that are no words."""
-
-FITTING = 0.5
-"""Confidence of an aligner from which on words fit their sound."""
 
 
 @recogniser("whisper")
@@ -104,31 +104,36 @@ class WhisperRecogniser:
 def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
     """Return the words that a model hears, without those that it makes up where nobody speaks."""
     samples = resampled(audio, RATE).samples.astype(np.float32) / FULL
-    segments, _ = model.transcribe(samples, language=code, **SETTINGS)
-    return [word for one in segments for word in _of_segment(one, audio.seconds)]
+    found: list[RecognisedWord] = []
+    for start, stop in parts(samples, *TAKEN):
+        segments, _ = model.transcribe(samples[start:stop], language=code, **SETTINGS)
+        with listening.part(start, stop, len(samples)):
+            for segment in segments:
+                listening.tell(float(segment.end), (stop - start) / RATE)
+                found += _of_segment(segment, start / RATE, audio.seconds)
+    return found
 
 
-def _of_segment(segment: Any, seconds: float) -> Iterator[RecognisedWord]:
-    """Yield the words of a segment, within the length of the sound."""
-    listening.tell(float(segment.end), seconds)
+def _of_segment(segment: Any, first: float, seconds: float) -> Iterator[RecognisedWord]:
+    """Yield the words of a segment of a part that starts at a time, within the whole sound."""
     if segment.no_speech_prob > NO_SPEECH or segment.compression_ratio > REPETITION:
         return
     for word in segment.words or ():
         text = NOISES.sub(" ", word.word)
         if any(map(str.isalnum, text)):
-            start, end = (min(float(at), seconds) for at in (word.start, word.end))
+            start, end = (min(first + float(at), seconds) for at in (word.start, word.end))
             yield RecognisedWord(text, start, end, float(word.probability))
 
 
 def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedule:
     """Align each stretch, and join them; words that do not fit their sound are left out."""
-    parts = [(part(audio, one), one.text) for one in heard]
+    pairs = [(part(audio, one), one.text) for one in heard]
     with listening.followed(lambda _: None):  # each stretch tells its own share
-        found = [*align_many(speaker, parts)]
+        found = [*align_many(speaker, pairs)]
         if len({one.notation for one in found if isinstance(one, Schedule)}) > 1:
-            found = [*align_many(speaker, parts, aligner=speaker.manner.audio.align[0])]
+            found = [*align_many(speaker, pairs, aligner=speaker.manner.audio.align[0])]
     both = [*zip(heard, found, strict=True)]
-    laid = [(stretch, one) for stretch, one in both if isinstance(one, Schedule)]
+    laid = [(stretch, _sure(stretch, one)) for stretch, one in both if isinstance(one, Schedule)]
     if not laid:
         text = " ".join(stretch.text for stretch in heard)
         raise SpeechError(f"heard '{text[:SHOWN_CHARS]}', but {found[0]}")
@@ -151,15 +156,24 @@ def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedul
         unread=tuple(dict.fromkeys(sign for _, one in laid for sign in one.unread)),
         remarks=tuple(remarks),
         recognised=True,
-        confidence=sum(_agreed(stretch, one) for stretch, one in laid) / count,
+        confidence=sum((one.confidence or 0.0) * len(s.words) for s, one in laid) / count,
     )
 
 
-def _agreed(stretch: Stretch, laid: Schedule) -> float:
-    """Return how many words of a stretch are right, as far as recogniser and aligner agree.
+def _sure(stretch: Stretch, laid: Schedule) -> Schedule:
+    """Return an aligned stretch with the confidence on which recogniser and aligner agree.
 
     Of words with a probability of 0.3, 0.5, 0.7 and 0.99, some 0.32, 0.47, 0.67 and 0.94 are right.
-    The aligner lowers this only where the words hardly fit the sound.
+    The aligner lowers this where the words hardly fit the sound, or are not found in it.
     """
-    fit = 1.0 if laid.confidence is None else min(1.0, laid.confidence / FITTING)
-    return fit * sum(word.chance for word in stretch.words)
+    fit = 1.0 if laid.confidence is None else min(1.0, laid.confidence / DOUBTFUL)
+    chances = [fit * word.chance for word in stretch.words]
+    mean = sum(chances) / len(chances)
+    if len(chances) != len(laid.words):  # numbers, and words that the aligner divides or leaves out
+        chances = [mean] * len(laid.words)
+    words = zip(laid.words, chances, strict=True)
+    return replace(
+        laid,
+        words=tuple(replace(word, confidence=sure) for word, sure in words),
+        confidence=mean * min(1.0, len(laid.words) / len(stretch.words)),
+    )

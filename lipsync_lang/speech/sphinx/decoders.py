@@ -45,13 +45,15 @@ class DecodedWord(NamedTuple):
     posterior: float
 
 
-def parts(sound: Floats) -> Iterator[tuple[int, int]]:
+def parts(
+    sound: Floats, shortest: int = SHORTEST, longest: int = LONGEST
+) -> Iterator[tuple[int, int]]:
     """Yield start and stop samples of parts: whole frames, cut at the quietest frames."""
     start = 0
-    while len(sound) - start > LONGEST:
-        energy = np.cumsum(np.square(sound[start + SHORTEST : start + LONGEST]))[::STEP]
+    while len(sound) - start > longest:
+        energy = np.cumsum(np.square(sound[start + shortest : start + longest]))[::STEP]
         quietest = int((energy[QUIET:] - energy[:-QUIET]).argmin())
-        stop = start + SHORTEST + (quietest + QUIET // 2) * STEP
+        stop = start + shortest + (quietest + QUIET // 2) * STEP
         yield start, stop
         start = stop
     yield start, len(sound)
