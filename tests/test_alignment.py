@@ -327,12 +327,18 @@ def test_a_better_fit_is_surer(one, other, frames):
 
 def test_speech_that_the_text_does_not_have_lowers_confidence_and_noise_less():
     said = phonemes(-2, 10)
-    speech, noise = (HeardPhoneme(OUTSIDE, OUTSIDE, 50, 150, fit) for fit in (-3.0, 0.5))
+    speech, noise = (HeardPhoneme(OUTSIDE, OUTSIDE, 50, 150, -5.0, fit) for fit in (-8.0, 0.5))
     alone, beside_noise, beside_speech = (
         line_confidence([*said, *more]) for more in ((), (noise,), (speech,))
     )
     assert alone >= beside_noise > beside_speech
     assert beside_speech < DOUBTFUL
+
+
+def test_words_where_nobody_speaks_have_no_confidence():
+    said = phonemes(-2, 10)
+    assert line_confidence(said) > 0.9
+    assert line_confidence([one._replace(noise=1.0) for one in said]) < 0.01
 
 
 def test_a_line_of_which_nothing_is_said_has_no_confidence():

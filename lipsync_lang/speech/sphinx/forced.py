@@ -41,8 +41,11 @@ TURN = -20.0
 SKIPPED = -160.0
 """Log score for leaving a word out; a word that is only badly spoken is cheaper to keep."""
 
-FOREIGN = 100
-"""Frames of sound without text from which its cepstra are kept out of their mean."""
+FOREIGN = 0.1
+"""Share of sound without text from which its cepstra are kept out of their mean."""
+
+PACE = 4
+"""Frames per phoneme of the fastest speech over a whole window."""
 
 AROUND = 30
 """Frames before and after words whose cepstra are in that mean."""
@@ -57,8 +60,7 @@ class HeardPhoneme(NamedTuple):
     `word` is the word number, or `OUTSIDE` between words; `phone` is the phoneme number in
     the model, or `OUTSIDE` for other sound, which stands for a word that is left out where it has a
     word number. `fit` is the mean log likelihood ratio per frame to the likeliest
-    context-independent phoneme; for other sound that of silence and noises, so it is low if the
-    sound is speech.
+    context-independent phoneme; `noise` is that of silence and noises, which is low in speech.
     """
 
     word: int
@@ -66,6 +68,7 @@ class HeardPhoneme(NamedTuple):
     first: int
     stop: int
     fit: float
+    noise: float = -10.0
 
 
 class Node(NamedTuple):
@@ -148,7 +151,10 @@ def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[H
     None if the sound is too short
     """
     heard = _lay(model, features, words)
-    if heard is None or sum(_length(one) for one in heard if one.phone == OUTSIDE) < FOREIGN:
+    if heard is None:
+        return None
+    foreign = sum(one.stop - one.first for one in heard if one.phone == OUTSIDE)
+    if foreign < FOREIGN * len(features):
         return heard
     # the mean of cepstra is that of the voice, whatever music or noise is beside it
     own = np.zeros(len(features), bool)
@@ -162,10 +168,6 @@ def lay(model: AcousticModel, features: Floats, words: Sequence[Word]) -> list[H
     moved = features.copy()
     moved[:, 0] -= features[own, 0].mean(axis=0)
     return _lay(model, moved, words)
-
-
-def _length(one: HeardPhoneme) -> int:
-    return one.stop - one.first
 
 
 def _lay(
@@ -191,7 +193,7 @@ def _window(
     """Return the kept path of the window at the start of a sound, with earlier words done."""
     last = len(features) <= WINDOW
     features = features[:WINDOW]
-    stop = done + _room(words[done:], len(features))
+    stop = done + _room(words[done:], len(features), STATES if last else PACE)
     if last and stop < len(words):
         return None
     sound = Listening(model, features)
@@ -207,9 +209,9 @@ def _window(
     return _again(sound, loop, [(graph.nodes[run.phone], run) for run in way])
 
 
-def _room(words: Sequence[Word], frames: int) -> int:
-    """Return the number of words that fit into some frames at minimum duration."""
-    shortest = [STATES * min(map(len, ways)) for ways in words[: frames // STATES]]
+def _room(words: Sequence[Word], frames: int, pace: int) -> int:
+    """Return the number of words that fit into some frames, with so many for a phoneme."""
+    shortest = [pace * min(map(len, ways)) for ways in words[: frames // pace]]
     return int(np.searchsorted(np.cumsum(shortest), frames, side="right"))
 
 
@@ -292,7 +294,9 @@ def _again(sound: Listening, loop: _Loop, way: Sequence[tuple[Node, Run]]) -> li
     heard = []
     for node, run in zip(nodes, runs, strict=True):
         span = slice(run.first, run.stop)
-        here = loop.quiet[span] if node.phone == OUTSIDE else scores[span, run.phone].max(axis=1)
-        fit = float((here - loop.speech[span]).mean())
-        heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit))
+        fit, noise = (
+            float((here - loop.speech[span]).mean())
+            for here in (scores[span, run.phone].max(axis=1), loop.quiet[span])
+        )
+        heard.append(HeardPhoneme(node.word, node.phone, run.first, run.stop, fit, noise))
     return heard

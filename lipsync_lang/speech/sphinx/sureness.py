@@ -32,8 +32,12 @@ class WordWeights(NamedTuple):
 LINE = LineWeights(1.29, 15.4, -8.5)
 WORD = WordWeights(0.45, -1.4, 3.0)
 
-SPEECH = -1.0
-"""Fit of silence and noises below which other sound is speech."""
+SPEECH = -3.0
+"""Fit of silence and noises below which a sound is speech; that of speech is -5 to -10, and
+-3 to -7 with noise 10 dB below it."""
+
+DIN = 3.0
+"""Weight of the excess over that in the logit of a line's confidence."""
 
 HURRIED = 3
 """Frames; a phoneme of no more has the minimum duration of the model."""
@@ -42,15 +46,18 @@ HURRIED = 3
 def line_confidence(heard: Sequence[HeardPhoneme]) -> float:
     """Return the probability that the words are those that the sound has, in [0, 1].
 
-    The evidence: the mean fit of their phonemes, and their share of all speech.
+    The evidence: the mean fit of their phonemes, their share of all speech, and the fit of silence
+    and noises to them, which is high where nobody speaks.
     """
     said = [one for one in heard if _of_word(one)]
     if not said:
         return 0.0
     spoken = sum(map(_frames, said))
-    other = sum(_frames(one) for one in heard if one.phone == OUTSIDE and one.fit < SPEECH)
+    other = sum(_frames(one) for one in heard if one.phone == OUTSIDE and one.noise < SPEECH)
     fit = float(np.mean([one.fit for one in said]))
-    return _logistic(LINE.fit * fit + LINE.covered * spoken / (spoken + other) + LINE.base)
+    noise = sum(one.noise * _frames(one) for one in said) / spoken
+    din = DIN * max(0.0, noise - SPEECH)
+    return _logistic(LINE.fit * fit + LINE.covered * spoken / (spoken + other) + LINE.base - din)
 
 
 def word_confidence(phonemes: Sequence[HeardPhoneme]) -> float:
