@@ -52,6 +52,11 @@ def test_words_are_not_divided_where_it_is_as_loud_as_they_are():
     assert len(stretches(words, sound(3))) == 1
 
 
+def test_a_word_without_length_stays_with_the_words_before_it():
+    words = heard(("all", 0, 0.5), ("right", 0.5, 1), ("thanks", 2, 2))
+    assert [one.text for one in stretches(words, sound(1, 1, 1))] == ["all right thanks"]
+
+
 def test_no_words_have_no_stretches():
     assert stretches([], sound(1)) == []
 

@@ -75,8 +75,8 @@ def stretches(words: Sequence[RecognisedWord], audio: Audio) -> list[Stretch]:
 
 def _pause(audio: Audio, before: RecognisedWord, after: RecognisedWord) -> float | None:
     """Return the quietest moment between two words in seconds; None where they have no pause."""
-    if after.start - before.end < PAUSE_SECONDS:
-        return None
+    if after.start - before.end < PAUSE_SECONDS or after.end <= after.start:
+        return None  # a word without length is not where it was placed: the aligner looks for it
     first, last, stop = (
         round(seconds * audio.rate) for seconds in (before.end, after.start, after.end)
     )
