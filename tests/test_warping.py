@@ -15,9 +15,10 @@ from lipsync_lang.phonology.align import align as match
 from lipsync_lang.schedules import SILENCE, Audio, Schedule, Word
 from lipsync_lang.speech import speak
 from lipsync_lang.speech.align.aligners import ALIGNERS
+from lipsync_lang.speech.align.bending import _coarse, _edges
 from lipsync_lang.speech.align.spectrum import RATE, listen, mel_power, samples_of
 from lipsync_lang.speech.align.spoken_voice import SpokenVoice
-from lipsync_lang.speech.align.warping import SHORTEST, _coarse, _edges, _pauses, _spaced
+from lipsync_lang.speech.align.warping import SHORTEST, _pauses, _spaced
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.speech.speaking import Speaker
 
@@ -126,7 +127,7 @@ def test_a_long_pause_within_a_word_is_silence_there(speakers, recording):
 def test_of_vocal_tracts_the_one_that_fits_is_taken(speakers, recording, monkeypatch):
     found = []
     for tracts in ((1.0,), (0.5, 1.0, 1.8)):
-        monkeypatch.setattr("lipsync_lang.speech.align.warping.TRACTS", tracts)
+        monkeypatch.setattr("lipsync_lang.speech.align.bending.TRACTS", tracts)
         found.append(WARP.align(recording.audio, TEXT, speakers["english"]))
     np.testing.assert_array_equal(found[0].times, found[1].times)
 
@@ -281,9 +282,9 @@ def test_a_pause_belongs_to_the_word_before_which_the_voice_pauses(rest, word):
 
 
 def test_a_long_sound_is_refined_in_steps(monkeypatch):
-    monkeypatch.setattr("lipsync_lang.speech.align.warping.WHOLE", 60)
-    monkeypatch.setattr("lipsync_lang.speech.align.warping.PART", 40)
-    monkeypatch.setattr("lipsync_lang.speech.align.warping.MARGIN", 10)
+    monkeypatch.setattr("lipsync_lang.speech.align.bending.WHOLE", 60)
+    monkeypatch.setattr("lipsync_lang.speech.align.bending.PART", 40)
+    monkeypatch.setattr("lipsync_lang.speech.align.bending.MARGIN", 10)
     said = np.cumsum(np.random.default_rng(1).normal(size=(900, 6)), axis=0)
     heard = np.repeat(said, [1, 1, 2] * 300, axis=0)
     path, _ = _coarse(heard, said)

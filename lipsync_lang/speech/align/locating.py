@@ -32,6 +32,9 @@ TEMPOS = (0.8, 1.0, 1.25)
 WIDTHS = (1.4, 2.2)
 """Lengths of a stretch relative to the voice's speech; stretches overlap by two thirds."""
 
+SHORTEST_STRETCH = 150
+"""Frames of a stretch for a short text: levels need some sound to be measured."""
+
 LEAST_SPEECH = 0.5
 """Share of the voice's length that a stretch must have of speech."""
 
@@ -127,7 +130,7 @@ def _stretches(count: int, size: int) -> list[tuple[int, int]]:
     """Return overlapping stretches of a recording, for a voice of `size` frames."""
     found = {(0, count)}
     for width in WIDTHS:
-        length = int(width * size) + AROUND // 2
+        length = max(int(width * size), SHORTEST_STRETCH) + AROUND // 2
         if length < count:
             starts = np.linspace(0, count - length, -(-3 * (count - length) // length) + 1)
             found |= {(int(start), int(start) + length) for start in starts}
@@ -163,7 +166,7 @@ def subsequences(costs: list[Floats]) -> list[tuple[float, int, int]]:
     # two states: the voice went on, or it stood still once
     went, stood = np.full(shape, _FAR), np.full(shape, _FAR)
     went_from, stood_from = np.zeros(shape, np.intp), np.zeros(shape, np.intp)
-    best = [(_FAR, 0, 0)] * len(costs)
+    best, first, last = np.full(len(costs), _FAR), *np.zeros((2, len(costs)), np.intp)
     for t, cost in enumerate(table):
         on = went <= stood
         either, either_from = np.where(on, went, stood), np.where(on, went_from, stood_from)
@@ -174,12 +177,12 @@ def subsequences(costs: list[Floats]) -> list[tuple[float, int, int]]:
         less = skipped < went[:, 2:]
         went[:, 2:][less], went_from[:, 2:][less] = skipped[less], either_from[:, :-2][less]
         went += cost
-        for number, (one, other) in enumerate(zip(went[:, -1], stood[:, -1], strict=True)):
-            total = float(min(one, other)) / size
-            if total < best[number][0]:
-                start = went_from if one <= other else stood_from
-                best[number] = total, int(start[number, -1]), t
-    return best
+        total = np.minimum(went[:, -1], stood[:, -1])
+        start = np.where(went[:, -1] <= stood[:, -1], went_from[:, -1], stood_from[:, -1])
+        less = total < best
+        best[less], first[less], last[less] = total[less], start[less], t
+    means = np.where(best < _FAR / 2, best / size, _FAR)
+    return [(float(m), int(a), int(z)) for m, a, z in zip(means, first, last, strict=True)]
 
 
 def _bounded(power: Floats, voice: SpokenVoice, span: LikelySpan) -> tuple[int, int]:

@@ -59,4 +59,6 @@ class SpokenVoice(NamedTuple):
         times = np.arange(count) * hop
         phone = np.searchsorted(self.starts, times, side="right") - 1
         sounding = (phone >= 0) & (times < self.ends[np.maximum(phone, 0)])
-        return sounding, np.searchsorted(phone[sounding], np.arange(len(self.labels)))
+        starts = np.searchsorted(phone[sounding], np.arange(len(self.labels)))
+        # a last phoneme shorter than a frame shares the last one
+        return sounding, np.minimum(starts, max(int(sounding.sum()) - 1, 0))

@@ -14,22 +14,25 @@ import numpy as np
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
 from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.align.bending import fitted
 from lipsync_lang.speech.align.locating import spans
 from lipsync_lang.speech.align.spectrum import (
     HOP,
     Floats,
     Ints,
-    SpeechSpectrum,
-    alike,
     heard_in,
     mel_power,
-    pooled,
     samples_of,
     speech_frames,
 )
-from lipsync_lang.speech.align.spoken_voice import TRACTS, SpokenVoice
+from lipsync_lang.speech.align.spoken_voice import SpokenVoice
+from lipsync_lang.speech.align.warp_evidence import (
+    confidence_of,
+    evidence,
+    in_part,
+    word_confidence_of,
+)
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
-from lipsync_lang.speech.listening import tell
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
@@ -46,21 +49,6 @@ HESITATION = 0.4
 SHORTEST = 0.01
 """Minimum phoneme duration in seconds, where space allows."""
 
-PENALTY = 2.0
-"""Cost per frame of drift between the sounds; typical frame distance is 5."""
-
-WHOLE = 3000
-"""Frame limit of direct comparison; longer sounds are compared coarsely, then in parts."""
-
-PART, MARGIN = 1500, 200
-"""Frames per part, and frames of context on either side."""
-
-FINER = 5
-"""Gain of resolution from one refinement of a long sound to the next."""
-
-TEMPO = (0.4, 2.5)
-"""Tempo limits of the voice relative to the recording, lowest and highest."""
-
 DOUBTFUL = 0.5
 """Confidence limit for a remark."""
 
@@ -75,17 +63,6 @@ BETTER = 0.1
 
 LASTING = 0.5
 """Minimum seconds of sound without text for a remark."""
-
-
-class Fit(NamedTuple):
-    """Warping of the voice onto the recording, in frames of speech."""
-
-    edges: Floats
-    """(n,) start of each phoneme."""
-    cost: float
-    """Mean frame distance along the path."""
-    backwards: float
-    """Mean frame distance of the time-reversed voice, as a baseline for unrelated speech."""
 
 
 @aligner("warp")
@@ -133,22 +110,7 @@ class Warp:
         """Lay what the voice says on the recording, or on the part of it that has the text."""
         voice = SpokenVoice.of(said)
         (power,) = mel_power(samples_of(audio))
-        best = raised_late = None
-        try:
-            best = _bent(power, 0, voice, audio.seconds)
-        except SpeechError as error:
-            raised_late = error
-        if best is None or best.confidence < SURE:
-            for first, last in spans(power, voice):
-                part = _part(power, first, last, voice, audio.seconds)
-                least = max(LIKELY, best.confidence + BETTER if best else 0)
-                if part and part.confidence > least:
-                    best = part
-                    if best.confidence >= SURE:
-                        break
-        if best is None:
-            assert raised_late is not None  # noqa: S101 nothing was found
-            raise raised_late
+        best = _surest(power, voice, audio.seconds)
         return replace(
             voice.schedule,
             labels=best.labels,
@@ -160,6 +122,33 @@ class Warp:
             remarks=tuple(_doubts(best, power, said.language)),
             confidence=best.confidence,
         )
+
+
+def _surest(power: Floats, voice: SpokenVoice, seconds: float) -> "Bent":
+    """Lay the voice on a recording, (T, BANDS), or on the part of it that has the text."""
+    failed: SpeechError | None = None
+    whole: Bent | None = None
+    try:
+        whole = _bent(power, 0, voice, seconds)
+    except SpeechError as error:
+        failed = error
+    if whole and whole.confidence >= SURE:
+        return whole
+    best = whole
+    for first, last in spans(power, voice):
+        part = _part(power, first, last, voice, seconds)
+        least = max(LIKELY, best.confidence + BETTER if best else 0)
+        if part and part.confidence > least:
+            best = part
+            if best.confidence >= SURE:
+                break
+    if best is None:
+        assert failed is not None  # noqa: S101 nothing was found
+        raise failed
+    if best is whole:
+        return best
+    sure = in_part(best.confidence, len(voice.labels))
+    return best._replace(confidence=max(sure, whole.confidence if whole else 0.0))
 
 
 class Bent(NamedTuple):
@@ -182,11 +171,16 @@ def _bent(power: Floats, first: int, voice: SpokenVoice, seconds: float) -> Bent
             f"the recording has {len(kept) * HOP:.2f} s of speech, too short for the "
             f"{len(voice.labels)} phonemes of the text; is it another line's?"
         )
-    fit = _fit(heard, kept, voice)
+    fit = fitted(heard, kept, voice)
     labels, times, words = _laid(fit.edges, kept + first, voice, seconds)
     lasts = np.diff(times)[[label != SILENCE for label in labels]]
-    confidence = _confidence(fit, lasts, voice.ends - voice.starts)
-    return Bent(labels, times, words, confidence, (first, first + len(power)))
+    line, each_word = evidence(fit, lasts, voice)
+    surely = confidence_of(line)
+    sure_words = tuple(
+        replace(word, confidence=word_confidence_of(one, surely))
+        for word, one in zip(words, each_word, strict=True)
+    )
+    return Bent(labels, times, sure_words, surely, (first, first + len(power)))
 
 
 def _part(power: Floats, first: int, last: int, voice: SpokenVoice, seconds: float) -> Bent | None:
@@ -215,101 +209,6 @@ def _doubts(bent: Bent, power: Floats, language: str | None) -> Iterator[str]:
             places.append(f"{begin:.1f} to {end:.1f} s")
     if places:
         yield f"sound that the text does not have: {', '.join(places)}"
-
-
-def _fit(heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice) -> Fit:
-    """Warp the voice onto the recording, at matched tempo and the best vocal tract length."""
-    tempo = float((voice.ends - voice.starts).sum()) / (len(kept) * HOP)
-    hop = HOP * float(np.clip(tempo, *TEMPO))
-    best: tuple[float, float, Ints] | None = None
-    for tract in TRACTS:  # in turn, for the memory that long voices take
-        a, b, _ = _pair(heard, kept, voice, hop, tract)
-        path, cost = _coarse(a, b)
-        if best is None or cost < best[0]:
-            best = cost, tract, path
-    assert best is not None  # noqa: S101 there are tracts
-    cost, tract, path = best
-    a, b, starts = _pair(heard, kept, voice, hop, tract)
-    backwards = b[::-1] * np.repeat([1, -1], b.shape[1] // 2)
-    return Fit(_edges(a, b, path)[starts], cost, _coarse(a, backwards)[1])
-
-
-def _pair(
-    heard: SpeechSpectrum, kept: Ints, voice: SpokenVoice, hop: float, tract: float
-) -> tuple[Floats, Floats, Ints]:
-    """Return features of recorded and spoken frames, and the first frame of each phoneme."""
-    (power,) = mel_power(voice.samples, hop, (tract,))
-    sounding, starts = voice.frames(hop, len(power))
-    recorded, spoken = alike(heard, power, sounding)
-    return recorded[kept], spoken[sounding], starts
-
-
-def _step(a: Floats, b: Floats) -> int:
-    """Return the pooling factor that makes a direct comparison affordable."""
-    return -(-max(len(a), len(b)) // WHOLE)
-
-
-def _coarse(a: Floats, b: Floats) -> tuple[Ints, float]:
-    """Return the best path through two pooled sounds, and its mean cost."""
-    step = _step(a, b)
-    return _path(pooled(a, step), pooled(b, step))
-
-
-def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
-    """Return the best path through two sounds, (K, 2) frame numbers, and its mean cost."""
-    try:
-        from dtaidistance import dtw_ndim
-    except ImportError:
-        raise SpeechError(
-            "aligning by warping needs dtaidistance, which is not installed; "
-            'get it with: pip install "lipsync-lang[audio]"'
-        ) from None
-    way = dtw_ndim.warping_path(
-        np.ascontiguousarray(a),
-        np.ascontiguousarray(b),
-        use_c=True,
-        penalty=PENALTY,
-        inner_dist="euclidean",
-    )
-    path = np.array(way, np.intp)
-    apart = np.linalg.norm(a[path[:, 0]] - b[path[:, 1]], axis=1)
-    return path, float(apart.mean())
-
-
-def _starts(path: Ints, count: int) -> Floats:
-    """Return the start in the first sound of each frame of the second: (count,)."""
-    at = np.searchsorted(path[:, 1], np.arange(count))
-    starts: Floats = (path[at, 0] + path[np.maximum(at - 1, 0), 0]) / 2
-    return starts
-
-
-def _edges(a: Floats, b: Floats, path: Ints) -> Floats:
-    """Return the start in the recording of each voice frame, for any length: (M,).
-
-    `path` is that of `_coarse`. It is refined by `FINER` at a time, in parts that overlap.
-    """
-    step = _step(a, b)
-    edges = _starts(path, -(-len(b) // step))
-    while step > 1:
-        finer = max(1, step // FINER)
-        at, b_finer = np.arange(len(edges)) * step / finer, pooled(b, finer)
-        near = np.interp(np.arange(len(b_finer) + 1), at, edges * step / finer)
-        edges, step = _refined(pooled(a, finer), b_finer, near), finer
-    return edges
-
-
-def _refined(a: Floats, b: Floats, near: Floats) -> Floats:
-    """Return the start in the first sound of each frame of the second, known roughly: (M,)."""
-    out = np.empty(len(b))
-    for low in range(0, len(b), PART):
-        tell(low, len(b))
-        high = min(low + PART, len(b))
-        first, last = max(0, low - MARGIN), min(len(b), high + MARGIN)
-        begin = int(near[first]) if first else 0
-        end = max(int(near[last]), begin + 1) if last < len(b) else len(a)
-        found = _starts(_path(a[begin:end], b[first:last])[0], last - first)
-        out[low:high] = begin + found[low - first : high - first]
-    return np.maximum.accumulate(out)
 
 
 def _laid(
@@ -384,14 +283,3 @@ def _spaced(starts: Floats, end: float) -> Floats:
     out: Floats = np.minimum(starts, end - steps[::-1])
     out[0] = 0.0
     return out
-
-
-def _confidence(fit: Fit, lasts: Floats, said: Floats) -> float:
-    """Return the confidence from 0 to 1 that the recording contains the text.
-
-    A correct text fits better forwards than reversed, and its durations correlate with the voice's.
-    The weights separate correct texts from wrong texts.
-    """
-    better = 1 - fit.cost / fit.backwards
-    uneven = float(np.std(np.log(np.maximum(lasts, 0.02) / np.maximum(said, 0.02))))
-    return float(1 / (1 + np.exp(-25 * (better - 0.5 * uneven + 0.17))))
