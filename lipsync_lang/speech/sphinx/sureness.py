@@ -29,7 +29,7 @@ class WordWeights(NamedTuple):
     base: float
 
 
-LINE = LineWeights(1.29, 15.4, -8.5)
+LINE = LineWeights(1.75, 14.2, -5.5)
 WORD = WordWeights(0.45, -1.4, 3.0)
 
 SPEECH = -3.0
