@@ -141,6 +141,82 @@ def report(name: str, trials: list[Trial], speaker: Speaker, decibels: float | N
     )
 
 
+def music(seconds: float, rate: int) -> np.ndarray:
+    """Return chords with harmonics, and drums, at any level."""
+    random = np.random.default_rng(5)
+    time = np.arange(rate // 2) / rate
+    out = []
+    for beat in range(int(seconds * 2)):
+        root = 220 * 2 ** (random.choice([0, 2, 4, 5, 7, 9]) / 12)
+        tones = [root * third * order for third in (1, 1.26, 1.5) for order in range(1, 8)]
+        chord = sum(np.sin(2 * np.pi * tone * time) * root / tone for tone in tones)
+        drum = random.standard_normal(len(time)) * np.exp(-time * (40 if beat % 2 else 15)) * 3
+        out.append(chord * np.exp(-2 * time) + drum)
+    return np.concatenate(out)
+
+
+def beside(audio: Audio, sound: np.ndarray) -> tuple[Audio, float]:
+    """Return a recording with other sound of its level before and after it, and its start."""
+    line = audio.samples.astype(float)
+    other = sound * np.sqrt((line**2).mean() / (sound.astype(float) ** 2).mean())
+    samples = np.concatenate([other, line, other])
+    whole = Audio(np.clip(samples, -32768, 32767).astype(np.int16), audio.rate)
+    return whole, len(other) / audio.rate
+
+
+def moved(name: str, trials: list[Trial], speaker: Speaker) -> None:
+    """Print rows: how far 5 s of other sound on both sides move the boundaries."""
+    for kind in ("music", "noise", "another line"):
+        apart = []
+        for number, (text, true) in enumerate(trials):
+            rate = true.audio.rate
+            if kind == "music":
+                sound = music(5, rate)
+            elif kind == "noise":
+                sound = np.random.default_rng(6).standard_normal(5 * rate)
+            else:
+                sound = trials[(number + 1) % len(trials)][1].audio.samples.astype(float)
+            audio, start = beside(true.audio, sound)
+            clean, found = (Warp().align(one, text, speaker) for one in (true.audio, audio))
+            times = [
+                np.array([t for x, t in zip(one.labels, one.times, strict=False) if x != SILENCE])
+                for one in (clean, found)
+            ]
+            apart.append(np.abs(times[1] - start - times[0]) * 1000)
+        late = np.concatenate(apart)
+        print(
+            f"{name + ', ' + kind:<40}{len(late):>6}{np.median(late):>8.1f}"
+            f"{np.percentile(late, 90):>8.1f}{100 * np.mean(late > 20):>7.0f} %"
+        )
+
+
+def joined(name: str, trials: list[Trial], speaker: Speaker, repeats: int = 4) -> None:
+    """Print a row: sentence ends of a long take that are more than 300 ms off."""
+    random = np.random.default_rng(3)
+    rate = trials[0][1].audio.rate
+    order = [trials[n] for _ in range(repeats) for n in random.permutation(len(trials))]
+    sounds, ends, at = [], [], 0.0
+    for _, true in order:
+        pause = random.normal(0, 10, int(random.uniform(0.15, 1.2) * rate)).astype(np.int16)
+        ends += [at + true.times[true.words[0].first], at + true.times[true.words[-1].stop]]
+        sounds += [true.audio.samples, pause]
+        at += (len(true.audio.samples) + len(pause)) / rate
+    audio = Audio(np.concatenate(sounds), rate)
+    began = perf_counter()
+    found = Warp().align(audio, " ".join(text for text, _ in order), speaker)
+    speed = audio.seconds / (perf_counter() - began)
+    words, spans = 0, []
+    for _, true in order:
+        last = found.words[words + len(true.words) - 1]
+        spans += [found.times[found.words[words].first], found.times[last.stop]]
+        words += len(true.words)
+    late = np.abs(np.array(spans) - ends) * 1000
+    print(
+        f"{f'{name}, {audio.seconds:.0f} s at once':<40}{len(late):>6}{np.median(late):>8.1f}"
+        f"{100 * np.mean(late > 300):>7.1f} % {speed:>6.0f}x"
+    )
+
+
 def main(folder: Path) -> int:
     """Print the table."""
     speakers = {name: Speaker.of(name) for name in ("german", "english")}
@@ -159,6 +235,14 @@ def main(folder: Path) -> int:
             report(name, some, speaker)
             report(f"{name}, noise at 20 dB", some, speaker, 20)
             report(f"{name}, noise at 10 dB", some, speaker, 10)
+    print("How far other sound on both sides moves them, in ms; share of more than 20 ms")
+    for name, some, speaker in trials:
+        if len(some) > 1:
+            moved(name, some, speaker)
+    print("Sentence ends in a long take, in ms; share of more than 300 ms")
+    for name, some, speaker in trials:
+        if some and all(true.words for _, true in some):
+            joined(name, some, speaker)
     return 0
 
 
