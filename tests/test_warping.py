@@ -13,6 +13,7 @@ from lanes import full
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.align import align as match
 from lipsync_lang.schedules import SILENCE, Audio, Schedule, Word
+from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech import speak
 from lipsync_lang.speech.align.aligners import ALIGNERS
 from lipsync_lang.speech.align.bending import _coarse, _edges
@@ -179,8 +180,7 @@ def test_a_text_that_is_not_said_is_doubted(speakers, recording):
     )
     assert right.confidence > 0.9
     assert right.remarks == ()
-    assert wrong.confidence < 0.5
-    assert "hardly agree" in wrong.remarks[0]
+    assert wrong.confidence < DOUBTFUL
 
 
 def test_any_language_with_a_voice_is_aligned(speakers):

@@ -49,9 +49,6 @@ HESITATION = 0.4
 SHORTEST = 0.01
 """Minimum phoneme duration in seconds, where space allows."""
 
-DOUBTFUL = 0.5
-"""Confidence limit for a remark."""
-
 SURE = 0.8
 """Confidence above which the text is not looked for in parts of the recording."""
 
@@ -119,7 +116,7 @@ class Warp:
             stress=_stress(best.labels, voice.schedule),
             audio=audio,
             source="recording",
-            remarks=tuple(_doubts(best, power, said.language)),
+            remarks=_other_sound(best, power),
             confidence=best.confidence,
         )
 
@@ -191,13 +188,8 @@ def _part(power: Floats, first: int, last: int, voice: SpokenVoice, seconds: flo
         return None
 
 
-def _doubts(bent: Bent, power: Floats, language: str | None) -> Iterator[str]:
-    """Describe mismatches of sound and text in messages."""
-    if bent.confidence < DOUBTFUL:
-        yield (
-            f"the recording and the text hardly agree (confidence {bent.confidence:.2f}); "
-            f"is it this text that is said, and in {language}?"
-        )
+def _other_sound(bent: Bent, power: Floats) -> tuple[str, ...]:
+    """Describe sound before and after the text in a remark."""
     places = []
     for first, last in ((0, bent.span[0]), (bent.span[1], len(power))):
         try:
@@ -207,8 +199,7 @@ def _doubts(bent: Bent, power: Floats, language: str | None) -> Iterator[str]:
         if len(sounding) * HOP >= LASTING:
             begin, end = (first + sounding[[0, -1]]) * HOP
             places.append(f"{begin:.1f} to {end:.1f} s")
-    if places:
-        yield f"sound that the text does not have: {', '.join(places)}"
+    return (f"sound that the text does not have: {', '.join(places)}",) if places else ()
 
 
 def _laid(
