@@ -27,8 +27,8 @@ import numpy as np
 import warping
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.schedules.schedule import Audio, Schedule
-from lipsync_lang.speech.hearing import DOUBTFUL, aligned
+from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
+from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import read_audio, resampled
 from lipsync_lang.speech.speaking import Speaker
 

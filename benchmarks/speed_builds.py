@@ -134,7 +134,7 @@ def spoken(figures: Figures, options: Namespace) -> None:
 
 @contextmanager
 def _dask(*arguments: str, says: str) -> Iterator[str]:
-    """Run a program of Dask; yield the first group of what it says."""
+    """Run a program of Dask; yield the first group of a pattern in its output."""
     with subprocess.Popen(  # noqa: S603 our own commands
         [sys.executable, "-m", "dask", *arguments], stderr=subprocess.PIPE, text=True
     ) as started:

@@ -41,7 +41,7 @@ def schedule(count: int, seed: int = 0) -> ll.Schedule:
 
 
 def utterance(figures: Figures, _options: Namespace) -> None:
-    """One utterance, 10 to 100,000 phonemes at 60 frames per second."""
+    """Measure one utterance of 10 to 100,000 phonemes at 60 frames per second."""
     performer = ll.resolve(*PAIR)
     found: dict[int, tuple[float, float | None]] = {}
     for count in (10, 40, 100, 1_000, 2_560, 10_000, 100_000):

@@ -99,7 +99,7 @@ def read_rows(file: Path) -> list[Row]:
 
 
 def say(text: str) -> None:
-    """Say on stderr what is being measured."""
+    """Print the name of a measurement on stderr while it runs."""
     print(f"  ... {text}", file=sys.stderr, flush=True)
 
 

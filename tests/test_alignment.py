@@ -15,9 +15,10 @@ import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
+from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.align.aligners import ALIGNERS
 from lipsync_lang.speech.align.pocketsphinx_aligner import WordReader
-from lipsync_lang.speech.hearing import DOUBTFUL, aligned
+from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.speaking import Speaker
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE

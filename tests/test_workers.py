@@ -260,7 +260,7 @@ def test_a_signal_ends_every_process_without_a_traceback(tmp_path, number, code)
 
 @contextmanager
 def dask(*arguments, says):
-    """Run a program of Dask; yield it and the first group of what it says."""
+    """Run a program of Dask; yield it and the first group of a pattern in its output."""
     run = [sys.executable, "-m", "dask", *arguments]
     with subprocess.Popen(run, env=OURS, stderr=subprocess.PIPE, text=True) as started:
         try:

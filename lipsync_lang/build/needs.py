@@ -66,7 +66,7 @@ class PairNeeds:
         self._known: dict[str, bytes] = {}
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle what it was made of; digests are computed again where they are needed."""
+        """Pickle the performer and the settings; digests are computed again where needed."""
         return {"performer": self.performer, "settings": self.settings, "_known": {}}
 
     def of(self, schedule: Schedule, *, spoken: bool, reasons: bool) -> dict[str, bytes]:

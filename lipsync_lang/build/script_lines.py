@@ -221,7 +221,7 @@ class ScriptPlanner:
                 first.setdefault(key, line.place)
 
     def tell(self, remark: Remark) -> None:
-        """Say what is left out or missing, in counts."""
+        """Remark on the number of lines that are left out or lack a recording."""
         for what, told in LACKING.items():
             for index, found in self._lacking[what].items():
                 lines = f"{found.count:,} line{'s' * (found.count > 1)}"

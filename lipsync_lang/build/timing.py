@@ -18,7 +18,7 @@ Timed = Schedule | Exception
 def schedules(
     folder: Path, lines: Sequence[PlannedLine], speaker: Speaker, engine: str | None = None
 ) -> list[Timed]:
-    """Time the phonemes of lines, each by what it has: timings, a recording, or its text alone.
+    """Time the phonemes of lines: by their timings, their recordings, or their text alone.
 
     Parameters
     ----------

@@ -151,7 +151,7 @@ class Job(NamedTuple):
 def pack_jobs(
     work: Callable[..., Any], batches: Iterable[Batch], shared: Callable[[Batch], object] | None
 ) -> Iterator[Job]:
-    """Yield batches with their work and what they share, each pickled once."""
+    """Yield batches with their work and their shared state, each pickled once."""
     parcel = parcel_of(work)
     known: OrderedDict[int, tuple[object, Parcel]] = OrderedDict()  # keeps the object: ids recur
     for batch in batches:

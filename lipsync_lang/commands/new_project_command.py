@@ -10,7 +10,7 @@ from lipsync_lang.packs.project import FILE
 
 
 def new(options: Namespace) -> int:
-    """Write `lipsync.yaml` and say what it finds; faults of the script are told at once."""
+    """Write `lipsync.yaml`, and print the numbers of its lines and the faults of the script."""
     from lipsync_lang.build.new_project import new_project
     from lipsync_lang.build.script import read_script
     from lipsync_lang.files import write_all

@@ -100,7 +100,7 @@ class LivePlayer:
         return self.clock() - self.began
 
     def _step(self) -> None:
-        """Send what is due."""
+        """Send the frames whose time has come."""
         now = self._now()
         self._take_in(now)
         stream = self.stream

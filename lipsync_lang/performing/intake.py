@@ -119,7 +119,7 @@ class Intake:
 
 
 def second(here: str, value: object) -> float:
-    """Return a time as a float; refuse what is none."""
+    """Return a time as a float; other values are errors."""
     is_number = isinstance(value, (int, float, np.integer, np.floating))
     try:
         number = float(value) if is_number and not isinstance(value, bool) else nan  # type: ignore[arg-type]

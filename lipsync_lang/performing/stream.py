@@ -211,7 +211,7 @@ class Stream:
             self._heard.lasts(at)
 
     def revise(self, seconds: float) -> None:
-        """Take back what is known from a time on, to feed it anew.
+        """Forget the phonemes from a time on, so that others can be fed.
 
         A phoneme that lasts at that time ends there.
 

@@ -4,27 +4,22 @@
 a schedule with the sound, for performance like any other schedule.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator
 from functools import partial
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, overload
+from typing import TYPE_CHECKING, overload
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.finding import Paths
-from lipsync_lang.phonology.emphasis import EmphasisedText, emphasised
-from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
+from lipsync_lang.phonology.emphasis import emphasised
+from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused, tried
-from lipsync_lang.speech.speaking import Speaker, with_emphasis
+from lipsync_lang.speech.speaking import Speaker
 
 if TYPE_CHECKING:
-    from lipsync_lang.speech.align.aligners import Aligner
     from lipsync_lang.speech.recognise.recognisers import Recogniser
-
-SHOWN_WORDS = 5
-"""Maximum number of words in doubt that are named."""
 
 Recording = str | Path | Audio
 """A sound, or a file of it."""
@@ -173,8 +168,10 @@ def align_many(
     ------
     For each pair, in order, its schedule, or the error that `align` raises
     """
+    from lipsync_lang.speech.align.choosing import aligners, surest
+
     try:
-        engines = _aligners(speaker, aligner)
+        engines = aligners(speaker, aligner)
     except SpeechError as error:
         return refused(recordings, error)
     marked = ((partial(_sound, audio), emphasised(text)) for audio, text in recordings)
@@ -183,101 +180,7 @@ def align_many(
         marked,
         lambda good: ((one,) for one in engines[0].all(((s, t.text) for s, t in good), speaker)),
     )
-    return each(found, lambda pair: _surest(speaker, *pair[0], pair[1][0], engines))
-
-
-class _NamedAligner(NamedTuple):
-    """An aligner with its name, and its model of the language."""
-
-    name: str
-    aligner: "Aligner"
-    model: str | None
-
-    def all(
-        self, pairs: "Iterable[tuple[Callable[[], Audio], str]]", speaker: Speaker
-    ) -> "Iterable[Schedule | SpeechError]":
-        """Yield for each sound and text the schedule, or the error of aligning it."""
-        from lipsync_lang.speech.align.aligners import BatchAligner
-
-        if isinstance(self.aligner, BatchAligner):
-            return self.aligner.align_many(pairs, speaker, self.model)
-
-        def align_one(pair: tuple[Callable[[], Audio], str]) -> Schedule:
-            return self.aligner.align(pair[0](), pair[1], speaker, self.model)
-
-        return map(tried(align_one), pairs)
-
-
-def _aligners(speaker: Speaker, named: str | None) -> list[_NamedAligner]:
-    """Return the language's aligners in order, or the one that is named."""
-    from lipsync_lang.speech.align.aligners import ALIGNERS
-
-    stated = speaker.manner.audio
-    models = dict.fromkeys(stated.align) | {stated.align[0]: stated.model}
-    if named is not None:
-        models = {one: model for one, model in models.items() if named in (one, _name(one))} or {
-            named: None
-        }
-    pairs = [engine_and_model(named, one, model) for one, model in models.items()]
-    return [_NamedAligner(n or "", ALIGNERS.find(n or "", SpeechError), m) for n, m in pairs]
-
-
-def _name(engine: str) -> str:
-    return engine.partition(":")[0].strip()
-
-
-def _surest(
-    speaker: Speaker,
-    sound: Callable[[], Audio],
-    text: EmphasisedText,
-    first: Schedule | SpeechError,
-    engines: "Sequence[_NamedAligner]",
-) -> Schedule:
-    """Return the surest result of a language's aligners: the next is asked if one is not sure."""
-    best, results = first, [(engines[0].name, _sureness(first))]
-    for engine in engines[1:]:
-        if _sureness(best) >= DOUBTFUL:
-            break
-        (other,) = engine.all([(sound, text.text)], speaker)
-        results.append((engine.name, _sureness(other)))
-        if _sureness(other) > _sureness(best):
-            best = other
-    schedule = _doubted(raised(best))
-    if len(results) > 1:
-        asked = ", ".join(
-            f"{name} {'failed' if sure < 0 else f'{sure:.2f}'}" for name, sure in results
-        )
-        kept = max(results, key=lambda one: one[1])[0]
-        remark = f"aligned by {kept}, the surest of: {asked}"
-        if isinstance(first, SpeechError):
-            remark += f" ({first})"
-        schedule = replace(schedule, remarks=(*schedule.remarks, remark))
-    return with_emphasis(text, schedule)
-
-
-def _doubted(schedule: Schedule) -> Schedule:
-    """Return a schedule with a remark if it is in doubt, and the words that are least sure."""
-    sure = schedule.confidence
-    if sure is None or sure >= DOUBTFUL:
-        return schedule
-    words = [
-        (word.confidence, f"'{word.text}' at {schedule.times[word.first]:.1f} s")
-        for word in schedule.words
-        if word.confidence is not None and word.confidence < DOUBTFUL
-    ]
-    least = [place for _, place in sorted(words)[:SHOWN_WORDS]]
-    told = (
-        f"text and sound hardly agree (confidence {sure:.2f}): is it the right text, in "
-        f"{schedule.language}?" + (f" In doubt: {', '.join(least)}" if least else "")
-    )
-    return replace(schedule, remarks=(told, *schedule.remarks))
-
-
-def _sureness(result: Schedule | SpeechError) -> float:
-    """Return the confidence of a result: -1 for an error, 1 where an aligner states none."""
-    if isinstance(result, SpeechError):
-        return -1.0
-    return 1.0 if result.confidence is None else result.confidence
+    return each(found, lambda pair: surest(speaker, *pair[0], pair[1][0], engines))
 
 
 def recognised(speaker: Speaker, audio: Recording, *, recogniser: str | None = None) -> Schedule:

@@ -151,7 +151,8 @@ class Project(PackModel):
     columns: ScriptColumns = ScriptColumns()
     """Columns of tables, where their names do not tell."""
     encoding: Text | None = None
-    """Encoding of the script's files, such as cp1252. By default UTF-8, or what they say."""
+    """Encoding of the script's files, such as cp1252. By default UTF-8, or the one
+    that a file states."""
     audio: Recording | None = None
     """The recording of a line, such as `vo/{language}/{id}.wav`; lines without one are spoken."""
     timings: Recording | None = None
