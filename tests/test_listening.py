@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lipsync_lang.commands.output import listening
-from lipsync_lang.speech.align import warping
+from lipsync_lang.speech.align import bending
 from lipsync_lang.speech.listening import followed, part, tell
 from lipsync_lang.speech.sphinx import forced
 
@@ -54,11 +54,11 @@ def test_the_model_tells_of_each_window(monkeypatch):
 def test_the_warp_tells_of_each_part(monkeypatch):
     pytest.importorskip("dtaidistance", reason="the extra `audio` is not installed")
     for name, value in (("WHOLE", 100), ("PART", 100), ("MARGIN", 20)):
-        monkeypatch.setattr(warping, name, value)
+        monkeypatch.setattr(bending, name, value)
     frames = np.random.default_rng(1).normal(size=(400, 8))
     told = []
     with followed(told.append):
-        warping._edges(frames, frames, warping._coarse(frames, frames)[0])  # noqa: SLF001
+        bending._edges(frames, frames, bending._coarse(frames, frames)[0])  # noqa: SLF001
     assert told[-4:] == [0, 0.25, 0.5, 0.75]
 
 
