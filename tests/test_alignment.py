@@ -239,7 +239,6 @@ def test_words_that_nobody_says_are_left_out_and_named(english, spoken, more, pl
     moved = [found.times[word.first] for word in found.words]
     stayed = [right.times[word.first] for word in right.words]
     assert np.abs(np.subtract(moved, stayed)).max() <= 0.1
-    assert found.confidence < right.confidence
 
 
 def music(seconds):
