@@ -21,7 +21,9 @@ ELSEWHERE = {
     "coverage/forms/text.py": "the command's own report",
     "resolver/bank_diff.py": "the command's own report",
     "schedules/polly.py": "an option of another program",
+    "speech/align/mfa_command.py": "an option of another program",
     "speech/festival.py": "an option of another program",
+    "speech/recognise/whisper_models.py": "an option of another program",
 }
 """Modules whose strings may name options, and why."""
 
