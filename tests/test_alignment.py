@@ -13,10 +13,12 @@ from shipped import LANGUAGES
 
 import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import DOUBTFUL
 from lipsync_lang.speech.align.aligners import ALIGNERS
+from lipsync_lang.speech.align.choosing import NamedAligner, surest
 from lipsync_lang.speech.align.pocketsphinx_aligner import WordReader
 from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.sound import resampled
@@ -593,6 +595,17 @@ def test_where_one_aligner_is_not_sure_the_next_is_asked(monkeypatch, first, sec
     found = aligned(Speaker.of("german"), ll.Audio(np.zeros(16000, np.int16), 16000), "Mama")
     assert found.source == kept
     assert any(told in remark for remark in found.remarks) if told else not found.remarks
+
+
+def test_a_line_whose_words_fit_stays_where_it_is_whatever_is_beside_it(monkeypatch):
+    laid_by(monkeypatch, "warp", 0.9)
+    said = (ll.Word("Mama", 0, 1, confidence=0.8),)
+    first = ll.Schedule(("m",), [0.0, 1.0], words=said, confidence=0.2, language="german")
+    named = [NamedAligner(name, ALIGNERS[name], None) for name in ("pocketsphinx", "warp")]
+    silence = ll.Audio(np.zeros(16000, np.int16), 16000)
+    found = surest(Speaker.of("german"), lambda: silence, emphasised("Mama"), first, named)
+    assert found.words == said
+    assert "hardly agree" in found.remarks[0]
 
 
 def test_an_aligner_that_is_named_is_the_only_one(monkeypatch):

@@ -65,7 +65,7 @@ def surest(
     """Return the surest result of a language's aligners: the next is asked if one is not sure."""
     best, results = first, [(engines[0].name, _sureness(first))]
     for engine in engines[1:]:
-        if _sureness(best) >= DOUBTFUL:
+        if _sureness(best) >= DOUBTFUL or _words_fit(best):
             break
         (other,) = engine.all([(sound, text.text)], speaker)
         results.append((engine.name, _sureness(other)))
@@ -82,6 +82,13 @@ def surest(
             remark += f" ({first})"
         schedule = replace(schedule, remarks=(*schedule.remarks, remark))
     return with_emphasis(text, schedule)
+
+
+def _words_fit(result: Schedule | SpeechError) -> bool:
+    """Tell whether most words fit: then a line is in doubt for what is heard beside them."""
+    words = result.words if isinstance(result, Schedule) else ()
+    sure = sorted(word.confidence for word in words if word.confidence is not None)
+    return bool(sure) and sure[len(sure) // 2] >= DOUBTFUL
 
 
 def _doubted(schedule: Schedule) -> Schedule:
