@@ -1,4 +1,4 @@
-"""What recognisers hear in natural recordings: wrong words, lip closures, and the time it takes.
+"""Recognisers on natural recordings: wrong words, lip closures, and time.
 
     python benchmarks/recognition.py DATA [--recogniser NAME]... [--texts]
 

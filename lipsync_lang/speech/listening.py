@@ -35,7 +35,7 @@ def tell(done: float, of: float) -> None:
 
 @contextmanager
 def part(first: float, stop: float, of: float) -> Iterator[None]:
-    """Take what is told within the block for the share of a part, from `first` to `stop`."""
+    """Scale the shares told within the block to a part of the sound, from `first` to `stop`."""
     outer = _follower.get()
     if outer is None or of <= 0:
         yield

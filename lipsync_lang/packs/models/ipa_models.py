@@ -125,7 +125,7 @@ class HearingFields(Strict):
     model: Text
     """The acoustic model."""
     weights: dict[Text, NotNegative]
-    """The weight of each visible property in what is heard."""
+    """The weight of each visible property in the similarity of sounds."""
     voice: NotNegative
     """The weight of voice."""
     voiceless: Text

@@ -85,7 +85,7 @@ def surest(
 
 
 def _words_fit(result: Schedule | SpeechError) -> bool:
-    """Tell whether most words fit: then a line is in doubt for what is heard beside them."""
+    """Tell whether most words fit, so that other sound alone makes the line doubtful."""
     words = result.words if isinstance(result, Schedule) else ()
     sure = sorted(word.confidence for word in words if word.confidence is not None)
     return bool(sure) and sure[len(sure) // 2] >= DOUBTFUL
