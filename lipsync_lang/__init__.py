@@ -37,7 +37,9 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Report
     from lipsync_lang.rigs.channel import Channel
     from lipsync_lang.schedules.schedule import Audio, Schedule, Word
-    from lipsync_lang.schedules.timing_readers import read_schedule
+    from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
+    from lipsync_lang.schedules.timing_readers import read_schedule, read_timings
+    from lipsync_lang.speech.filling import fill_words
     from lipsync_lang.speech.hearing import align, recognise
     from lipsync_lang.speech.sound import read_audio
     from lipsync_lang.speech.speaking import Transcript, speak, transcribe
@@ -62,12 +64,16 @@ _HOMES = {
     "Schedule": "lipsync_lang.schedules.schedule",
     "ScheduleError": "lipsync_lang.errors",
     "SpeechError": "lipsync_lang.errors",
+    "TimedWord": "lipsync_lang.schedules.timed_words",
+    "TimedWords": "lipsync_lang.schedules.timed_words",
     "Transcript": "lipsync_lang.speech.speaking",
     "Word": "lipsync_lang.schedules.schedule",
     "align": "lipsync_lang.speech.hearing",
     "check": "lipsync_lang.quality.check_animation",
+    "fill_words": "lipsync_lang.speech.filling",
     "read_audio": "lipsync_lang.speech.sound",
     "read_schedule": "lipsync_lang.schedules.timing_readers",
+    "read_timings": "lipsync_lang.schedules.timing_readers",
     "recognise": "lipsync_lang.speech.hearing",
     "resolve": "lipsync_lang.performing.resolving",
     "speak": "lipsync_lang.speech.speaking",
@@ -94,13 +100,17 @@ __all__ = [
     "Schedule",
     "ScheduleError",
     "SpeechError",
+    "TimedWord",
+    "TimedWords",
     "Transcript",
     "Word",
     "__version__",
     "align",
     "check",
+    "fill_words",
     "read_audio",
     "read_schedule",
+    "read_timings",
     "recognise",
     "resolve",
     "speak",

@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from lipsync_lang.errors import ScheduleError
-from lipsync_lang.schedules import SILENCE, Schedule, read_schedule
+from lipsync_lang.schedules import SILENCE, Schedule, read_schedule, read_timings
 from lipsync_lang.schedules.textgrid import read_textgrid
 from lipsync_lang.schedules.timing_file import TimingFile
 
@@ -203,9 +203,10 @@ def test_words_that_run_backwards_are_refused_with_their_line():
         ([("phones", [("a", 0, 4e6)])], "milliseconds"),
         ([("phones", [])], "no phonemes"),
         (
-            [("words", WORDS)],
-            "no tier looks like phones; there is 'words'. Say which it is .`tier=.NAME.`",
+            [("notes", WORDS)],
+            "no tier looks like phones; there is 'notes'. Say which it is .`tier=.NAME.`",
         ),
+        ([("words", [("", 0, 0.6), ("<sil>", 0.6, 0.7)])], "no word"),
         ([], "has no phonemes in it; check that it was written to the end"),
     ],
 )
@@ -330,6 +331,14 @@ def test_a_file_is_known_by_its_suffix_in_any_case(tmp_path):
 
 OTHER = "no tier looks like phones; there is "
 TWO = "2 tiers look like phones: "
+WORDS_ALONE = {
+    "mfa_tests/words_tier_only",
+    "polyglotdb/textgrids/pronunc_variants_corpus",
+    "polyglotdb/textgrids/tobi",
+    "praatio/bobby_words",
+}
+"""Files with a tier of words and no phones."""
+
 REFUSED = {
     "mfa_tests/61-70968-0000": OTHER,
     "mfa_tests/michaelandsickmichael": OTHER,
@@ -346,7 +355,6 @@ REFUSED = {
     "mfa_tests/multilingual_ipa_us_5": OTHER,
     "mfa_tests/short_segments": OTHER,
     "mfa_tests/vietnamese": OTHER,
-    "mfa_tests/words_tier_only": OTHER,
     "polyglotdb/textgrids/2speakers": TWO,
     "polyglotdb/textgrids/fave/fave_stereo": TWO,
     "polyglotdb/textgrids/fave/fave_test": TWO,
@@ -354,10 +362,7 @@ REFUSED = {
     "polyglotdb/textgrids/mfa/invalid/mfa_test_phones_speaker1_speaker2_no": TWO,
     "polyglotdb/textgrids/mfa/valid/mfa_test_phones_speaker1_speaker2_yes": TWO,
     "polyglotdb/textgrids/overlapped_speech/overlapped": TWO,
-    "polyglotdb/textgrids/pronunc_variants_corpus": OTHER,
-    "polyglotdb/textgrids/tobi": OTHER,
     "praatio/all_tiers_have_the_same_name": OTHER,
-    "praatio/bobby_words": OTHER,
     "praatio/bobby_words_with_newlines": OTHER,
     "praatio/bobby_words_with_newlines_longfile": OTHER,
     "praatio/bobby_words_with_newlines_longfile_elan": OTHER,
@@ -375,12 +380,14 @@ def test_files_by_many_tools_are_read_or_refused_with_the_reason(data):
         path.relative_to(folder).with_suffix("").as_posix(): path
         for path in folder.rglob("*.TextGrid")
     }
-    assert found.keys() > REFUSED.keys()
+    assert found.keys() > REFUSED.keys() | WORDS_ALONE
     for name, path in found.items():
         if name in REFUSED:
             with pytest.raises(ScheduleError) as caught:
                 read_schedule(path)
             assert str(caught.value).startswith(f"{path}: {REFUSED[name]}"), name
+        elif name in WORDS_ALONE:
+            assert read_timings(path).words, name
         else:
             schedule = read_schedule(path)
             assert schedule.start == 0, name
@@ -404,7 +411,7 @@ def test_praatio_finds_the_same_in_files_by_many_tools(data):
     compared = 0
     for path in (data / "alignments").rglob("*.TextGrid"):
         name = path.relative_to(data / "alignments").with_suffix("").as_posix()
-        if name in REFUSED:
+        if name in {*REFUSED, *WORDS_ALONE}:
             continue
         other = textgrid.openTextgrid(path, includeEmptyIntervals=True, duplicateNamesMode="rename")
         theirs = [list(other.getTier(one).entries) for one in other.tierNames]

@@ -38,7 +38,7 @@ def schedules(
     silent: list[tuple[int, str]] = []
     for at, line in enumerate(lines):
         if line.timings is not None:
-            out[at] = attempt(partial(_from_timings, folder, line))
+            out[at] = attempt(partial(_from_timings, speaker, folder, line))
         elif line.audio is not None:
             audio = folder / line.audio
             if line.text:
@@ -64,10 +64,15 @@ def attempt(call: Callable[[], Made]) -> Made | Exception:
         return error
 
 
-def _from_timings(folder: Path, line: PlannedLine) -> Schedule:
-    from lipsync_lang.schedules.timing_readers import read_schedule
+def _from_timings(speaker: Speaker, folder: Path, line: PlannedLine) -> Schedule:
+    from lipsync_lang.schedules.timed_words import TimedWords
+    from lipsync_lang.schedules.timing_readers import read_timings
+    from lipsync_lang.speech.filling import filled
     from lipsync_lang.speech.sound import with_sound
 
     assert line.timings is not None  # noqa: S101 the caller asked for lines with timings
-    schedule = read_schedule(folder / line.timings)
-    return schedule if line.audio is None else with_sound(schedule, folder / line.audio)
+    found = read_timings(folder / line.timings)
+    audio = None if line.audio is None else folder / line.audio
+    if isinstance(found, TimedWords):
+        return filled(speaker, found, audio=audio)
+    return found if audio is None else with_sound(found, audio)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.delivery import Points
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.schedules.schedule import Schedule
+    from lipsync_lang.schedules.timed_words import TimedWords
 
 
 PAGE = "html"
@@ -210,12 +211,7 @@ def schedule_for(options: Namespace, performer: "Performer") -> "Schedule":
     """Return timed phonemes of a text, a schedule file or a recording."""
     _refuse_idle(options)
     if options.schedule is not None:
-        schedule = _read(options)
-        if options.audio is None:
-            return schedule
-        from lipsync_lang.speech.sound import with_sound
-
-        return with_sound(schedule, options.audio, options.audio_channel)
+        return _timed(options, performer)
     if options.audio is None:
         return performer.speaker.speak(options.text, engine=options.tts)
     from lipsync_lang.speech.hearing import aligned, recognised
@@ -257,10 +253,12 @@ def _refuse_idle(options: Namespace) -> None:
         raise LipsyncError("--recogniser hears --audio alone; leave out text and schedule with it")
 
 
-def _read(options: Namespace) -> "Schedule":
-    from lipsync_lang.schedules.timing_readers import read_schedule
+def _timed(options: Namespace, performer: "Performer") -> "Schedule":
+    """Return the timings of a file, with the recording; words alone are filled with phonemes."""
+    from lipsync_lang.schedules.timed_words import TimedWords
+    from lipsync_lang.schedules.timing_readers import read_timings
 
-    return read_schedule(
+    found = read_timings(
         options.schedule,
         options.notation,
         read_as=options.read_as,
@@ -268,6 +266,29 @@ def _read(options: Namespace) -> "Schedule":
         rate=options.rate,
         encoding=options.encoding,
     )
+    if isinstance(found, TimedWords):
+        return _filled(options, performer, found)
+    if options.audio is None:
+        return found
+    from lipsync_lang.speech.sound import with_sound
+
+    return with_sound(found, options.audio, options.audio_channel)
+
+
+def _filled(options: Namespace, performer: "Performer", words: "TimedWords") -> "Schedule":
+    from lipsync_lang.speech.filling import filled
+    from lipsync_lang.speech.sound import read_audio
+
+    if options.notation is not None:
+        raise LipsyncError(
+            f"{options.schedule} times words alone; leave out --notation, which is of phonemes"
+        )
+    if options.audio is None:
+        return filled(performer.speaker, words)
+    with listening(f"listening to {options.audio}"):
+        return filled(
+            performer.speaker, words, audio=read_audio(options.audio, options.audio_channel)
+        )
 
 
 def _summary(animation: "Animation", written: list[Path]) -> str:

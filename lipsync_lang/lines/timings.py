@@ -1,11 +1,12 @@
-"""Timed phonemes: each file is one line with its schedule."""
+"""Timings: each file is one line, with its schedule if its phonemes are timed."""
 
 from collections.abc import Iterator
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
-from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile, read_timings
-from lipsync_lang.schedules.timing_readers import READERS, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile, timing_bytes
+from lipsync_lang.schedules.timing_readers import READERS, timings_of
 
 NAME = "schedule"
 
@@ -22,10 +23,11 @@ def is_timed(source: LineFile) -> bool:
 
 @reader(NAME, suffixes=READERS.suffixes())
 def read(source: LineFile) -> Iterator[Line]:
-    """Timed phonemes, in every format that schedules are read from; a file is a line."""
-    content = read_timings(source.path) if source.content is None else source.content
-    schedule = schedule_of(TimingFile(source.path, content, encoding=source.encoding))
-    for remark in schedule.remarks:
+    """Timed phonemes or words, in every format that timings are read from; a file is a line."""
+    content = timing_bytes(source.path) if source.content is None else source.content
+    found = timings_of(TimingFile(source.path, content, encoding=source.encoding))
+    for remark in found.remarks:
         source.remark(remark)
-    text = " ".join(word.text for word in schedule.words)
+    schedule = found if isinstance(found, Schedule) else None
+    text = " ".join(word.text for word in found.words)
     yield Line(text, f"{source.path}:1", source.path.stem, schedule=schedule)

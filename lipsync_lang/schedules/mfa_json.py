@@ -7,10 +7,9 @@ Tiers are a mapping from names, or a list in which each has its name. Entries of
 from typing import Any
 
 from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 SHAPE = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
 
@@ -21,7 +20,7 @@ def sniff(source: TimingFile) -> bool:
 
 
 @reader("mfa-json", ".json", sniff=sniff, tiers=True)
-def read_mfa_json(source: TimingFile) -> Schedule:
+def read_mfa_json(source: TimingFile) -> Timings:
     """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
     document = source.json
     tiers = document.get("tiers") if isinstance(document, dict) else None

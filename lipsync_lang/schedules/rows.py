@@ -20,6 +20,9 @@ TYPICAL_SOUND_SECONDS = 0.08
 LONG_SOUND_SECONDS = 1.0
 """Longest plausible median duration in seconds; longer sounds are in another unit."""
 
+ROUNDING_SECONDS = 0.0101
+"""Seconds; aligners round times to 10 ms, so that neighbours overlap or part by that much."""
+
 LIKELY_RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second of files that do not count in seconds."""
 
@@ -65,7 +68,9 @@ def schedule_of(  # noqa: PLR0913 each says one thing that a format may
         raise source.fault("has no phonemes in it; check that it was written to the end")
     rate, told = source.rate or rate, tuple(remarks)
     if rate is None and guess:
-        rate, guessed = _guessed(source, phones)
+        rate, guessed = guessed_rate(
+            source, phones, "sounds", TYPICAL_SOUND_SECONDS, LONG_SOUND_SECONDS
+        )
         told += guessed
     if rate is not None:
         phones, spans = _seconds(phones, rate), _seconds(spans, rate)
@@ -111,16 +116,25 @@ def _lines(rows: Sequence[LabelRow]) -> tuple[int, ...]:
     return tuple(lines[::-1])
 
 
-def _guessed(source: TimingFile, rows: Sequence[LabelRow]) -> tuple[float | None, tuple[str, ...]]:
-    """Return the likely units per second and a remark about them; None for seconds."""
+def guessed_rate(
+    source: TimingFile, rows: Sequence[LabelRow], things: str, typical: float, longest: float
+) -> tuple[float | None, tuple[str, ...]]:
+    """Return the likely units per second and a remark about them; None for seconds.
+
+    Parameters
+    ----------
+    things : name of what the rows time, for the remark
+    typical : its usual duration in seconds
+    longest : the longest plausible median of its durations in seconds
+    """
     lengths = [row.end - row.start for row in rows if row.label and row.end > row.start]
-    typical = median(lengths) if lengths else 0.0
-    if typical <= LONG_SOUND_SECONDS:
+    middle = median(lengths) if lengths else 0.0
+    if middle <= longest:
         return None, ()
-    rate = min(LIKELY_RATES, key=lambda one: abs(log(typical / one / TYPICAL_SOUND_SECONDS)))
+    rate = min(LIKELY_RATES, key=lambda one: abs(log(middle / one / typical)))
     unit = "milliseconds" if rate == LIKELY_RATES[0] else f"frames at {rate:g} a second"
     told = (
-        f"{source.path}: its sounds would last {typical:g} s each, so its times are taken for "
+        f"{source.path}: its {things} would last {middle:g} s each, so its times are taken for "
         f"{unit}; if they are not, say how many make a second (`rate={rate:g}`)"
     )
     return rate, (told,)
@@ -136,24 +150,25 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
     end = 0.0
     for row in rows:
         label = row.label.strip() or SILENCE
-        if row.start < -SNAP_SECONDS:
-            raise source.fault(
-                f"{_told(row)}, starts below 0; shift all times so that the sound starts at 0",
-                row.line,
-            )
-        _check_order(source, row)
+        check_span(source, row)
         if row.end - row.start < SNAP_SECONDS and label == SILENCE:
             continue
+        middle = (row.start + end) / 2
+        rounded = SNAP_SECONDS < abs(row.start - end) <= ROUNDING_SECONDS
+        if filled and rounded and filled[-1].start < middle:
+            filled[-1] = filled[-1]._replace(end=middle)
+            row = row._replace(start=middle)  # noqa: PLW2901 it is mended here
+            end = middle
         if row.start < end - SNAP_SECONDS:
             before = filled[-1]
             raise source.fault(
-                f"{_told(row)}, starts before {before.label!r} ends ({before.end:g} s): they "
+                f"{told_row(row)}, starts before {before.label!r} ends ({before.end:g} s): they "
                 "overlap; move one of the two boundaries, or keep one speaker in the file",
                 row.line,
             )
         if row.end <= max(row.start, end):
             raise source.fault(
-                f"{_told(row)}, has no length; give it some time, or leave it out", row.line
+                f"{told_row(row)}, has no length; give it some time, or leave it out", row.line
             )
         if row.start > end + SNAP_SECONDS:
             _append(filled, LabelRow(SILENCE, end, row.start, None))
@@ -163,12 +178,23 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
     return filled
 
 
+def check_span(source: TimingFile, row: LabelRow) -> None:
+    """Refuse a row that starts below zero, or ends before it starts."""
+    if row.start < -SNAP_SECONDS:
+        raise source.fault(
+            f"{told_row(row)}, starts below 0; shift all times so that the sound starts at 0",
+            row.line,
+        )
+    _check_order(source, row)
+
+
 def _check_order(source: TimingFile, row: LabelRow) -> None:
     if row.end < row.start:
-        raise source.fault(f"{_told(row)}, ends before it starts; swap its times", row.line)
+        raise source.fault(f"{told_row(row)}, ends before it starts; swap its times", row.line)
 
 
-def _told(row: LabelRow) -> str:
+def told_row(row: LabelRow) -> str:
+    """Return a row with its times, for messages."""
     return f"{row.label.strip() or SILENCE!r}, {row.start:g} to {row.end:g} s"
 
 

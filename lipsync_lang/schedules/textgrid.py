@@ -12,10 +12,9 @@ from collections.abc import Iterator
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 TOKEN = re.compile(
     r"""
@@ -45,8 +44,8 @@ def sniff(source: TimingFile) -> bool:
 
 
 @reader("textgrid", ".textgrid", sniff=sniff, tiers=True)
-def read_textgrid(source: TimingFile) -> Schedule:
-    """Praat TextGrid with a tier of phones; words are taken along where there is a tier of them."""
+def read_textgrid(source: TimingFile) -> Timings:
+    """Praat TextGrid with a tier of phones, of words or of both."""
     if not sniff(source) or source.content.startswith(BINARY):
         raise source.fault("is no TextGrid in text; in Praat, use Save as text file")
     return read_tiers(source, list(_tiers(_Tokens(source))))

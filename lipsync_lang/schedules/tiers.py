@@ -12,14 +12,18 @@ from statistics import median
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings
 
 PHONES = re.compile(r"(phon(e(me)?)?s?|segments?|mau|phonalign)", re.IGNORECASE)
 """Names of phone tiers in MFA, FAVE, MAUS, SPPAS, and among users of Praat."""
 
 WORDS = re.compile(r"(words?|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
 """Names of word tiers in the same programs."""
+
+SILENT = re.compile(r"sil|sp|spn|<.*>|\[.*\]|#", re.IGNORECASE)
+"""Marks of silence and noise in tiers of words."""
 
 SPEAKER = re.compile(r"(?:(?P<speaker>.*\S)\s+-\s+)?(?P<role>.*)", re.DOTALL)
 """Aligners put the speaker before the tier's name: `Name - phones`."""
@@ -59,22 +63,41 @@ class Tier:
             and median(row.end - row.start for row in self.spoken) < 0.25  # noqa: PLR2004 seconds
         )
 
+    def holds_words(self) -> bool:
+        """Return True for a tier of words by name, or of labels that cannot be phones."""
+        if WORDS.fullmatch(self.role) or PHONES.fullmatch(self.role) or not self.spoken:
+            return bool(WORDS.fullmatch(self.role))
+        letters = [len(row.label.strip()) for row in self.spoken]
+        return median(letters) > 3  # noqa: PLR2004 letters; labels of phones have fewer
+
     def _part(self, group: str) -> str:
         match = SPEAKER.fullmatch(self.name)
         return ((match and match[group]) or "").strip()
 
 
-def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False) -> Schedule:
-    """Make a schedule of the phone tier, with the words of its speaker.
+def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False) -> Timings:
+    """Make a schedule of the phone tier, with the words of its speaker; or timed words.
 
     ``source.tier`` names the tier or a speaker. Without it, only one tier may look like phones.
-    `guess` is as in `schedule_of`.
+    A file without phones gives the words of its tier of words. `guess` is as in `schedule_of`.
     """
-    phones = only(source, tiers if source.tier is not None else _phones(source, tiers))
-    words = [t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == phones.speaker]
-    remarks = () if phones.spoken else (f"{source.path}: tier '{phones.name}' has no label in it",)
+    chosen = only(source, tiers if source.tier is not None else _phones(source, tiers))
+    if chosen.holds_words():
+        return _timed_words(source, chosen, guess=guess)
+    words = [t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker]
+    remarks = () if chosen.spoken else (f"{source.path}: tier '{chosen.name}' has no label in it",)
     spans = words[0].rows if len(words) == 1 else ()
-    return schedule_of(source, phones.rows, words=spans, guess=guess, remarks=remarks)
+    return schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
+
+
+def _timed_words(source: TimingFile, tier: Tier, *, guess: bool) -> TimedWords:
+    """Return the words of a tier, without its spellings of silence."""
+    words = [
+        TimedWord(row.label, row.start, row.end, line=row.line)
+        for row in tier.spoken
+        if not SILENT.fullmatch(row.label.strip())
+    ]
+    return timed_words_of(source, words, guess=guess)
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
@@ -86,9 +109,10 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
         raise source.fault("has no phonemes in it; check that it was written to the end")
     found = list(tiers)
     if source.tier is not None:
-        found = [tier for tier in tiers if tier.name == source.tier] or [
-            tier for tier in tiers if tier.speaker == source.tier and PHONES.fullmatch(tier.role)
-        ]
+        found = [tier for tier in tiers if tier.name == source.tier]
+        for role in () if found else (PHONES, WORDS):
+            own = (tier for tier in tiers if tier.speaker == source.tier)
+            found = found or [tier for tier in own if role.fullmatch(tier.role)]
     if not found:
         names = did_you_mean(str(source.tier), {tier.name for tier in tiers})
         raise source.fault(f"no tier is called '{source.tier}'; {names}")
@@ -108,10 +132,11 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
 
 
 def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
-    """Return the tiers that hold phones; raise an error if none of the tiers does."""
+    """Return the tiers that hold phones, or else words; raise an error if none of them does."""
     named = [tier for tier in tiers if PHONES.fullmatch(tier.role)]
     found = [tier for tier in named if tier.spoken] or named
     found = found or [tier for tier in tiers if tier.looks_like_phones()]
+    found = found or [tier for tier in tiers if WORDS.fullmatch(tier.role) and tier.spoken]
     if tiers and not found:
         raise source.fault(
             f"no tier looks like phones; there is {_list(tiers)}. Say which it is (`tier='NAME'`), "

@@ -192,11 +192,11 @@ class TimingFile:
         for one in (suffix, suffix.upper()):
             path = self.path.with_suffix(one)
             if path.is_file():
-                return replace(self, path=path, content=read_timings(path))
+                return replace(self, path=path, content=timing_bytes(path))
         return None
 
 
-def read_timings(path: Path) -> bytes:
+def timing_bytes(path: Path) -> bytes:
     """Return the bytes of a file of timings.
 
     Raises

@@ -13,11 +13,15 @@ from lipsync_lang.errors import ScheduleError
 from lipsync_lang.extensions import Format, Formats, summary
 from lipsync_lang.files import argument_path
 from lipsync_lang.schedules.schedule import Schedule
-from lipsync_lang.schedules.timing_file import TimingFile, read_timings
+from lipsync_lang.schedules.timed_words import TimedWords
+from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
 
 _log = logging.getLogger(__name__)
 
-Read = Callable[[TimingFile], Schedule]
+Timings = Schedule | TimedWords
+"""Timings of a file: of its phonemes, or of its words alone."""
+
+Read = Callable[[TimingFile], Timings]
 Sniff = Callable[[TimingFile], bool]
 
 
@@ -36,6 +40,8 @@ READERS: Formats[ScheduleReader] = Formats("readers", "format", room=__package__
 
 def reader(name: str, *suffixes: str, sniff: Sniff, tiers: bool = False) -> Callable[[Read], Read]:
     """Register a function ``(source) -> Schedule`` as the reader of a format.
+
+    A reader of words without phonemes returns `TimedWords` (`timed_words.timed_words_of`).
 
     `sniff` tells by its content whether a file is in it: quickly, by ``source.head`` or
     ``source.document``, and without raising. Only with `tiers` may one be asked for.
@@ -73,7 +79,8 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     Raises
     ------
     ScheduleError
-        The file is missing, too large, of no known format, or its timings are unsound.
+        The file is missing, too large, of no known format, or its timings are unsound; or it times
+        words alone (`read_timings` reads those).
 
     Examples
     --------
@@ -83,18 +90,54 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     >>> ll.read_schedule("line.json", "arpabet").labels
     ('M',)
     """
+    found = read_timings(path, notation, read_as=read_as, tier=tier, rate=rate, encoding=encoding)
+    if isinstance(found, TimedWords):
+        raise ScheduleError(
+            f"{found.source}: times words alone, and their phonemes depend on the language; let "
+            "its reader fill them (`fill_words(read_timings(PATH), LANGUAGE)`)"
+        )
+    return found
+
+
+def read_timings(  # noqa: PLR0913 as above
+    path: str | Path,
+    notation: str | None = None,
+    *,
+    read_as: str | None = None,
+    tier: str | None = None,
+    rate: float | None = None,
+    encoding: str | None = None,
+) -> Timings:
+    r"""Read timed phonemes from a file, or timed words if it has no phonemes.
+
+    Parameters and errors are those of `read_schedule`.
+
+    Returns
+    -------
+    A schedule, or `TimedWords` for `fill_words`
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> Path("words.csv").write_text("word,start,end\nmaps,0.1,0.6\n") > 0
+    True
+    >>> ll.read_timings("words.csv").words[0].text
+    'maps'
+    """
     from dataclasses import replace
 
     path = argument_path(path)
     if rate is not None and not 0 < rate < float("inf"):
         raise ScheduleError(f"{rate:g} units per second: give a number above 0")
-    source = TimingFile(path, read_timings(path), tier, rate, encoding)
-    schedule = schedule_of(source, read_as)
-    return replace(schedule, notation=notation) if notation else schedule
+    source = TimingFile(path, timing_bytes(path), tier, rate, encoding)
+    found = timings_of(source, read_as)
+    if notation is None or isinstance(found, TimedWords):
+        return found
+    return replace(found, notation=notation)
 
 
-def schedule_of(source: TimingFile, read_as: str | None = None) -> Schedule:
-    """Read timed phonemes from what a file holds; see `read_schedule`."""
+def timings_of(source: TimingFile, read_as: str | None = None) -> Timings:
+    """Read timings from what a file holds; see `read_timings`."""
     found = find_reader(source, read_as)
     _log.info("%s is read as %s", source.path, found.name)
     if source.tier is not None and not found.tiers:

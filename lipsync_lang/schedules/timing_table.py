@@ -4,7 +4,8 @@ A row is a phoneme. The first row names the columns. A table without names has t
 label first or last, or four: type, start, end and label. The delimiter is the most frequent one of
 tab, comma, semicolon and bar in the first row. Decimals may have a comma. Optional columns are
 
-- `word`, the word of a phoneme; successive rows with the same word are one word,
+- `word`, the word of a phoneme; successive rows with the same word are one word. Without labels,
+  the rows are words,
 - `type`, phone or word, and `speaker`.
 """
 
@@ -16,10 +17,9 @@ from io import StringIO
 from itertools import chain
 
 from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import WORDS, Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 COLUMNS = {
     "label": ("phoneme", "phone", "label"),
@@ -53,8 +53,8 @@ def sniff(source: TimingFile) -> bool:
 
 
 @reader("table", ".csv", ".tsv", sniff=sniff, tiers=True)
-def read_table(source: TimingFile) -> Schedule:
-    """Tables (CSV, TSV) of phonemes with start and end, and maybe words, types and speakers."""
+def read_table(source: TimingFile) -> Timings:
+    """Tables (CSV, TSV) of phonemes or words with start and end, and maybe types and speakers."""
     return read_tiers(source, _tiers(source), guess=True)
 
 
@@ -67,10 +67,11 @@ def _tiers(source: TimingFile) -> list[Tier]:
         raise source.fault("the first row names the columns; let it be: label,start,end", line)
     if NUMBER.fullmatch(first[columns["start"]]):
         rows = chain([(line, first)], rows)
+    only_words = columns["label"] == columns.get("word")
     tiers: dict[str, list[LabelRow]] = defaultdict(list)
     for line, cells in rows:
         row = _row(source, columns, line, cells)
-        kind = _cell(cells, columns, "type") or "phones"
+        kind = _cell(cells, columns, "type") or ("words" if only_words else "phones")
         who = [name] if (name := _cell(cells, columns, "speaker")) else []
         tiers[" - ".join([*who, kind])].append(row)
         if "word" in columns and not WORDS.fullmatch(kind):
@@ -132,6 +133,8 @@ def _columns(first: Sequence[str]) -> Mapping[str, int]:
         for name in reversed(known)
         if name in names
     }
+    if "word" in found and "label" not in found:
+        found["label"] = found["word"]
     if found.keys() >= {"label", "start"} and not found.keys().isdisjoint({"end", "duration"}):
         return found
     return UNNAMED.get(tuple(bool(NUMBER.fullmatch(cell)) for cell in first), {})

@@ -226,15 +226,18 @@ def _missing(name: str) -> str:
     )
 
 
-def with_sound(schedule: Schedule, file: Path, channel: int | None = None) -> Schedule:
-    """Attach a recording, or a channel of it, to a schedule; remark if the schedule is longer.
+def with_sound(
+    schedule: Schedule, recording: str | Path | Audio, channel: int | None = None
+) -> Schedule:
+    """Attach a recording, or a channel of its file, to a schedule; remark if it is too short.
 
     Raises
     ------
     SpeechError
         The recording cannot be read.
     """
-    audio = read_audio(file, channel)
+    audio = recording if isinstance(recording, Audio) else read_audio(recording, channel)
+    file = "the recording" if isinstance(recording, Audio) else recording
     remarks = schedule.remarks
     if schedule.end > audio.seconds + LATE_SECONDS:
         told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"

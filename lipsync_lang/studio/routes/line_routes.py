@@ -44,11 +44,14 @@ def speak(workshop: Workshop, asked: Wish) -> Packed:
 
 def timings(workshop: Workshop, asked: Wish) -> Packed:
     """Read timed phonemes of a file; a sound that was opened before stays with them."""
-    from lipsync_lang.schedules.timing_readers import read_schedule
+    from lipsync_lang.schedules.timed_words import TimedWords
+    from lipsync_lang.schedules.timing_readers import read_timings
+    from lipsync_lang.speech.filling import filled
 
     with TemporaryDirectory() as folder:
-        path = sent_file(asked, Path(folder))
-        schedule = read_schedule(path, asked.query.get("notation"))
+        found = read_timings(sent_file(asked, Path(folder)), asked.query.get("notation"))
+    speaker = workshop.performer.speaker
+    schedule = filled(speaker, found) if isinstance(found, TimedWords) else found
     workshop.performer.common_phonemes(schedule)  # refuses labels of no notation
     text = " ".join(word.text for word in schedule.words)
     workshop.take_up(schedule, text if len(text) <= MAX_TEXT_CHARS else "")

@@ -1,0 +1,137 @@
+"""Words with times, but without phonemes, as recognisers, subtitles and word tiers have them.
+
+A reader of timings returns `TimedWords` in place of a schedule if its file times words alone. The
+phonemes within each word depend on the language: `speech.filling` adds them.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from lipsync_lang.schedules.rows import (
+    ROUNDING_SECONDS,
+    LabelRow,
+    check_span,
+    guessed_rate,
+    told_row,
+)
+from lipsync_lang.schedules.timing_file import TimingFile
+
+TYPICAL_WORD_SECONDS = 0.3
+"""Typical duration of a word, in seconds."""
+
+LONG_WORD_SECONDS = 30.0
+"""Longest plausible median duration in seconds, of words and cues; longer is another unit."""
+
+
+@dataclass(frozen=True)
+class TimedWord:
+    """A word, or several with one pair of times, such as the text of a subtitle.
+
+    Parameters
+    ----------
+    text : as in the file
+    start, end : in the file's unit for `timed_words_of`, in seconds in `TimedWords`
+    confidence : the probability that it is said there, in [0, 1]; None if unknown
+    line : its line in the file, for messages
+    """
+
+    text: str
+    start: float
+    end: float
+    confidence: float | None = None
+    line: int | None = None
+
+
+@dataclass(frozen=True)
+class TimedWords:
+    """Words in order of time, not overlapping, each with a length; the rest is silence.
+
+    Parameters
+    ----------
+    words : at least one; times in seconds, from 0 on
+    source : name of the file in messages
+    remarks : doubts about the file
+    """
+
+    words: tuple[TimedWord, ...]
+    source: str
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The words with spaces between them."""
+        return " ".join(word.text for word in self.words)
+
+
+def timed_words_of(
+    source: TimingFile,
+    words: Iterable[TimedWord],
+    *,
+    rate: float | None = None,
+    guess: bool = False,
+    remarks: Iterable[str] = (),
+) -> TimedWords:
+    """Make timed words of the words of a file, in any order; blank ones are left out.
+
+    A word without length shares the time of its neighbour, as recognisers give such times to short
+    words. Neighbours that overlap by no more than `ROUNDING_SECONDS` meet in the middle.
+
+    Parameters
+    ----------
+    source : the file, for messages; its `rate`, if given, overrides that of the format
+    rate : units per second of all times; None for seconds
+    guess : guess the unit of a format that does not state one, and add a remark
+    remarks : doubts about the file
+
+    Raises
+    ------
+    ScheduleError
+        No word is left; or a time is below zero, runs backwards or overlaps another.
+    """
+    found = [replace(word, text=" ".join(word.text.split())) for word in words]
+    found = sorted((w for w in found if w.text), key=lambda word: (word.start, word.end))
+    if not found:
+        raise source.fault("has no words in it; check that it was written to the end")
+    rate, told = source.rate or rate, tuple(remarks)
+    if rate is None and guess:
+        rows = [_row(word) for word in found]
+        rate, guessed = guessed_rate(source, rows, "words", TYPICAL_WORD_SECONDS, LONG_WORD_SECONDS)
+        told += guessed
+    if rate is not None:
+        found = [replace(w, start=w.start / rate, end=w.end / rate) for w in found]
+    return TimedWords(tuple(_parted(source, found)), str(source.path), told)
+
+
+def _parted(source: TimingFile, words: list[TimedWord]) -> list[TimedWord]:
+    """Close overlaps due to rounding, and merge words without length with a neighbour."""
+    parted: list[TimedWord] = []
+    for word in words:
+        check_span(source, _row(word))
+        before = parted[-1] if parted else None
+        start = max(word.start, 0.0)
+        if before is not None and start < before.end:
+            if start < before.end - ROUNDING_SECONDS and word.end > word.start:
+                raise source.fault(
+                    f"{told_row(_row(word))}, starts before {before.text!r} ends "
+                    f"({before.end:g} s): they overlap; move one of the two boundaries, or keep "
+                    "one speaker in the file",
+                    word.line,
+                )
+            start = max((start + before.end) / 2, before.start)
+            if word.end > start > before.start:
+                parted[-1] = replace(before, end=start)
+        if before is not None and (before.end <= before.start or word.end <= start):
+            end = max(word.end, before.end)
+            parted[-1] = replace(before, text=f"{before.text} {word.text}", end=end)
+        else:
+            parted.append(replace(word, start=start))
+    if parted[-1].end <= parted[-1].start:
+        raise source.fault(
+            f"{told_row(_row(parted[-1]))}, has no length; give it some time, or leave it out",
+            parted[-1].line,
+        )
+    return parted
+
+
+def _row(word: TimedWord) -> LabelRow:
+    return LabelRow(word.text, word.start, word.end, word.line)

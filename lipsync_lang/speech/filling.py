@@ -1,0 +1,280 @@
+"""Phonemes of words whose times are known, read by the language's G2P within the given times.
+
+Words between two pauses are read together, because many are said differently alone. A word that the
+reader joins to its neighbour, or splits unlike the file, is read alone. The phonemes of a word keep
+their proportions, estimated or found in a recording, and fill the word's time.
+"""
+
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import accumulate
+from pathlib import Path
+
+import numpy as np
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.packs.finding import Paths
+from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
+from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
+from lipsync_lang.speech.hearing import Recording, align_many
+from lipsync_lang.speech.joining import join
+from lipsync_lang.speech.sound import read_audio, with_sound
+from lipsync_lang.speech.speaking import SILENT, Speaker
+
+PAUSE_SECONDS = 0.2
+"""Shortest gap between words that parts them into phrases, which are read one by one."""
+
+MARGIN_SECONDS = 0.05
+"""Sound around a phrase that an aligner hears, as given boundaries are not exact."""
+
+MAX_SHOWN = 5
+"""Words shown in a remark."""
+
+UNSPACED = (
+    (0x0E00, 0x109F),
+    (0x1780, 0x17FF),
+    (0x3005, 0x312F),
+    (0x3400, 0x9FFF),
+    (0xF900, 0xFAFF),
+)
+"""Blocks of Unicode whose scripts have no spaces between words, first and last code point."""
+
+Share = Schedule | SpeechError | None
+"""Phonemes of one given word, to fill its time; None if it has to be read alone."""
+
+
+def fill_words(
+    timed: TimedWords,
+    language: str | Path,
+    *,
+    audio: Recording | None = None,
+    paths: Paths = (),
+) -> Schedule:
+    """Read timed words, and fill the time of each with its phonemes.
+
+    Parameters
+    ----------
+    timed : words from `read_timings`
+    language : a language pack's name, tag or file
+    audio : the recording, in which an aligner finds the phonemes of each phrase; None to estimate
+        their times
+    paths : a folder to search for packs before all others, or several
+
+    Raises
+    ------
+    SpeechError
+        The language reads none of the words, or the recording cannot be read.
+
+    Examples
+    --------
+    >>> maps = ll.TimedWords((ll.TimedWord("maps", 0.1, 0.6),), "words.csv")
+    >>> schedule = ll.fill_words(maps, "english")
+    >>> schedule.labels, schedule.start, schedule.end
+    (('_', 'm', 'æ', 'p', 's'), 0.0, 0.6)
+    """
+    return filled(Speaker.of(language, paths), timed, audio=audio)
+
+
+def filled(speaker: Speaker, timed: TimedWords, *, audio: Recording | None = None) -> Schedule:
+    """Fill timed words as `fill_words` does, with a prepared language."""
+    sound = audio if audio is None or isinstance(audio, Audio) else read_audio(audio)
+    phrases = list(_phrases(timed.words))
+    texts = [_joined(phrase) for phrase in phrases]
+    whole: list[Schedule | SpeechError]
+    whole = list(speaker.speak_many(texts, engine=SILENT))
+    heard = [] if sound is None else _heard(speaker, phrases, texts, sound)
+    for number, schedule in heard:
+        whole[number] = schedule
+    shares = [one for pair in zip(phrases, whole, strict=True) for one in _shares(*pair)]
+    alone = [word.text for word, one in zip(timed.words, shares, strict=True) if one is None]
+    singly = speaker.speak_many(alone, engine=SILENT)
+    found = [next(singly) if one is None else one for one in shares]
+    made = _laid(timed, found, _told(timed, len(phrases), len(heard)))
+    return made if sound is None else with_sound(made, sound)
+
+
+def _phrases(words: Sequence[TimedWord]) -> Iterator[list[TimedWord]]:
+    """Yield the words between pauses."""
+    phrase: list[TimedWord] = []
+    for word in words:
+        if phrase and word.start - phrase[-1].end >= PAUSE_SECONDS:
+            yield phrase
+            phrase = []
+        phrase.append(word)
+    yield phrase
+
+
+def _joined(words: Sequence[TimedWord]) -> str:
+    """Return the text of a phrase, with spaces unless the script has none."""
+    text = words[0].text
+    for word in words[1:]:
+        dense = _is_unspaced(text[-1]) and _is_unspaced(word.text[0])
+        text += word.text if dense else f" {word.text}"
+    return text
+
+
+def _is_unspaced(character: str) -> bool:
+    return any(first <= ord(character) <= last for first, last in UNSPACED)
+
+
+def _heard(
+    speaker: Speaker, phrases: Sequence[Sequence[TimedWord]], texts: Sequence[str], sound: Audio
+) -> list[tuple[int, Schedule]]:
+    """Align each phrase with its part of the sound; return those found, with their numbers."""
+    cuts = ((_cut(sound, phrase), text) for phrase, text in zip(phrases, texts, strict=True))
+    found = [
+        (number, one)
+        for number, one in enumerate(align_many(speaker, cuts))
+        if isinstance(one, Schedule) and (one.confidence is None or one.confidence >= DOUBTFUL)
+    ]
+    return [(number, _in_notation(speaker, texts[number], one)) for number, one in found]
+
+
+def _in_notation(speaker: Speaker, text: str, heard: Schedule) -> Schedule:
+    """Return an alignment in the notation that the language's texts are read in."""
+    manner = speaker.manner
+    if heard.notation == manner.notation:
+        return heard
+    return join(next(speaker.transcribe([text])), heard, manner, speaker.notations)
+
+
+def _cut(sound: Audio, words: Sequence[TimedWord]) -> Audio:
+    low = max(words[0].start - MARGIN_SECONDS, 0.0) * sound.rate
+    high = (words[-1].end + MARGIN_SECONDS) * sound.rate
+    return replace(sound, samples=sound.samples[round(low) : round(high)])
+
+
+def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[Share]:
+    """Return what a phrase's schedule has of each word; None where the two split it unlike.
+
+    Words are matched by the count of letters before and after them.
+    """
+    if isinstance(read, SpeechError):
+        return [read] * len(words) if len(words) == 1 else [None] * len(words)
+    given = [_letters(word.text) for word in words]
+    spoken = [_letters(word.text) for word in read.words]
+    if "".join(given) != "".join(spoken):
+        return [None] * len(words)
+    ends = accumulate(map(len, spoken), initial=0)
+    starts: dict[int, int] = {}
+    for number, end in enumerate(ends):
+        starts.setdefault(end, number)
+    shares: list[Share] = []
+    for at, letters in zip(accumulate(map(len, given), initial=0), given, strict=False):
+        first, stop = starts.get(at), starts.get(at + len(letters))
+        if not letters or first is None or stop is None:
+            shares.append(None)
+        else:
+            shares.append(_part(read, read.words[first:stop]))
+    return shares
+
+
+def _letters(text: str) -> str:
+    """Return letters and digits in one spelling, for comparison."""
+    return "".join(c for c in unicodedata.normalize("NFKD", text.casefold()) if c.isalnum())
+
+
+def _part(schedule: Schedule, words: Sequence[Word]) -> Schedule:
+    """Return the phonemes of successive words, with their pauses."""
+    first, stop = words[0].first, words[-1].stop
+    return replace(
+        schedule,
+        labels=schedule.labels[first:stop],
+        times=schedule.times[first : stop + 1],
+        stress=schedule.stress[first:stop],
+        words=tuple(replace(w, first=w.first - first, stop=w.stop - first) for w in words),
+        audio=None,
+    )
+
+
+@dataclass
+class _Layout:
+    """Rows of the schedule in the making."""
+
+    labels: list[str] = field(default_factory=list)
+    times: list[float] = field(default_factory=lambda: [0.0])
+    stress: list[int | None] = field(default_factory=list)
+    words: list[Word] = field(default_factory=list)
+    notation: str | None = None
+    language: str | None = None
+    unread: list[str] = field(default_factory=list)
+
+    def rest(self, until: float) -> None:
+        """Add silence up to a time, if there is any between."""
+        if until - self.times[-1] <= SNAP_SECONDS:
+            return
+        if self.labels[-1:] == [SILENCE]:
+            self.times[-1] = until
+            return
+        self.labels.append(SILENCE)
+        self.stress.append(None)
+        self.times.append(until)
+
+    def lay(self, word: TimedWord, share: Schedule) -> None:
+        """Add a word, its phonemes stretched over its time."""
+        self.rest(word.start)
+        at, start = len(self.labels), self.times[-1]
+        steps = (share.times[1:] - share.start) / (share.end - share.start)
+        self.labels += share.labels
+        self.times += (start + steps * (word.end - start)).tolist()
+        self.stress += share.stress or (None,) * len(share)
+        one = len(share.words) == 1
+        self.words += [
+            replace(
+                read,
+                text=word.text if one else read.text,
+                first=at + read.first,
+                stop=at + read.stop,
+                confidence=word.confidence,
+            )
+            for read in share.words
+        ]
+        self.notation, self.language = share.notation, share.language
+        self.unread += share.unread
+
+
+def _laid(
+    timed: TimedWords, shares: Iterable[Schedule | SpeechError], told: Sequence[str]
+) -> Schedule:
+    """Put the phonemes of all words in their times; a word without any is silence."""
+    layout, mute = _Layout(), []
+    error: SpeechError | None = None
+    for word, share in zip(timed.words, shares, strict=True):
+        if isinstance(share, SpeechError):
+            error = error or share
+            mute.append(word.text)
+            layout.rest(word.end)
+        else:
+            layout.lay(word, share)
+    if not layout.words:
+        raise error or SpeechError(f"{timed.source}: nothing in it can be read")
+    return Schedule(
+        tuple(layout.labels),
+        np.array(layout.times),
+        tuple(layout.words),
+        notation=layout.notation,
+        language=layout.language,
+        source=timed.source,
+        unread=tuple(dict.fromkeys(layout.unread)),
+        remarks=(*timed.remarks, *told, *_mute(timed, mute)),
+        stress=tuple(layout.stress) if any(s is not None for s in layout.stress) else (),
+    )
+
+
+def _told(timed: TimedWords, phrases: int, aligned: int) -> list[str]:
+    """Return a remark on the origin of the phonemes."""
+    how = "aligned with the recording" if aligned else "estimated"
+    told = f"words of {timed.source} are timed, not their phonemes; the phonemes are {how} "
+    told += "within each word"
+    if 0 < aligned < phrases:
+        told += f" ({phrases - aligned} of {phrases} phrases did not fit it: estimated)"
+    return [told]
+
+
+def _mute(timed: TimedWords, mute: Sequence[str]) -> list[str]:
+    """Return a remark on words without phonemes, if there are any."""
+    if not mute:
+        return []
+    shown = ", ".join(map(repr, mute[:MAX_SHOWN])) + (", ..." if len(mute) > MAX_SHOWN else "")
+    return [f"{timed.source}: words that are not read, so that the mouth rests: {shown}"]
