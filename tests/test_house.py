@@ -224,6 +224,7 @@ EXEMPT = {
     ("schedules/azure.py", "azure"): "the format, and the notation it is in",
     ("schedules/bml.py", "lips"): "an element of the format",
     ("schedules/bml.py", "smartbody"): "the notation that the format is in",
+    ("schedules/emu.py", "id"): "a field of the format",
     ("schedules/json.py", "HH"): "the example of the format's form",
     ("schedules/papagayo.py", "preston-blair"): "the notation that the format is in",
     ("schedules/polly.py", "polly"): "the format, and the notation it is in",
@@ -300,7 +301,7 @@ def test_no_two_classes_share_a_name():
     assert not {name: found for name, found in places.items() if len(found) > 1}
 
 
-FORMATS = {"azure", "csv", "glb", "json", "rhubarb", "smartbody", "subtitles", "text"}
+FORMATS = {"azure", "csv", "glb", "json", "moho", "rhubarb", "smartbody", "subtitles", "text"}
 """Formats that several rooms read or write."""
 
 

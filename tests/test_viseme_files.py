@@ -198,7 +198,7 @@ def test_only_what_azure_calls_a_word_is_one(read):
     assert spoken(read("line.json", {"Metadata": metadata})) == [("hi", ("6",))]
 
 
-@pytest.mark.parametrize("number", [22, -1, 1.5, "6", None, True])
+@pytest.mark.parametrize("number", [22, -1, 1.5, "22", None, True])
 def test_a_number_that_is_no_viseme_is_refused(read, number):
     with pytest.raises(ScheduleError, match="is no viseme; they are numbered 0 to 21"):
         read("line.json", [{"AudioOffset": 0, "VisemeId": number}])

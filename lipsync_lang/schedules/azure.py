@@ -3,13 +3,16 @@
 An event has the audio offset, in ticks of 100 ns, at which a viseme starts, and the viseme's
 number, 0 to 21. Programs write these as JSON: in one list, or one on each line, under the names
 of their SDK (`AudioOffset` and `VisemeId`, `audioOffset` and `visemeId`, `audio_offset` and
-`viseme_id`, `privAudioOffset` and `privVisemeId`), or as the service sends them, within
+`viseme_id`, `privAudioOffset` and `privVisemeId`), some with offsets turned to milliseconds or
+seconds, or as the service sends them, within
 ``{"Metadata": [{"Type": "Viseme", "Data": {"Offset": ..., "VisemeId": ...}}, ...]}``, where word
 boundaries and the end of the session may stand beside them.
 """
 
 import re
 from collections.abc import Iterator
+from itertools import pairwise
+from statistics import median
 from typing import Any
 
 from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
@@ -22,6 +25,12 @@ NOTATION = "azure"
 
 TICKS_PER_SECOND = 1e7
 """Ticks per second."""
+
+UNITS = {"ticks": TICKS_PER_SECOND, "milliseconds": 1000.0, "seconds": 1.0}
+"""Units per second of offsets, the smallest unit first."""
+
+SHORT_SECONDS = 0.002
+"""No text has visemes that are this close to each other in the median."""
 
 LAST_VISEME = 21
 """The last viseme; the first, 0, is silence."""
@@ -51,10 +60,24 @@ def read_azure(source: TimingFile) -> Schedule:
         elif isinstance(event.get("text"), dict) and event["text"].get("BoundaryType") == "Word":
             length = source.number(event.get("duration"), line)
             words.append(LabelRow(str(event["text"].get("Text")), at, at + length, line))
-    rows, told = until_next(source, starts, rest="0", end=end, rate=TICKS_PER_SECOND)
-    return shapes_of(
-        source, rows, notation=NOTATION, words=words, rate=TICKS_PER_SECOND, remarks=told
-    )
+    unit = _unit([at for _, at, _ in starts])
+    rate = UNITS[unit]
+    rows, told = until_next(source, starts, rest="0", end=end, rate=rate)
+    if rate != TICKS_PER_SECOND and source.rate is None:
+        told.append(
+            f"{source.path}: its offsets are taken for {unit}; if they are not, say how many make "
+            f"a second (`rate={rate:g}`)"
+        )
+    return shapes_of(source, rows, notation=NOTATION, words=words, rate=rate, remarks=told)
+
+
+def _unit(offsets: list[float]) -> str:
+    """Return the likeliest unit of the starts of visemes."""
+    ordered = sorted(offsets)
+    steps = [after - before for before, after in pairwise(ordered) if after > before]
+    if not steps:
+        return next(iter(UNITS))
+    return next((u for u in UNITS if median(steps) / UNITS[u] >= SHORT_SECONDS), "seconds")
 
 
 def _events(source: TimingFile) -> Iterator[tuple[int | None, Event]]:
@@ -70,12 +93,15 @@ def _events(source: TimingFile) -> Iterator[tuple[int | None, Event]]:
 
 
 def _plain(name: str) -> str:
-    """Return the name of a field without the prefixes and the case of its SDK."""
-    return re.sub(r"^(priv)?(audio)?", "", name.replace("_", "").lower())
+    """Return the name of a field without the case, the prefixes and the unit of its program."""
+    plain = re.sub(r"^(priv)?(audio)?", "", name.replace("_", "").lower())
+    return "offset" if plain.startswith("offset") else plain
 
 
 def _number(source: TimingFile, value: object, line: int | None) -> str:
     """Return the label of a viseme."""
+    if isinstance(value, str) and value.isdecimal() and len(value) <= len(str(LAST_VISEME)):
+        value = int(value)
     if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST_VISEME:
         return str(value)
     raise source.fault(

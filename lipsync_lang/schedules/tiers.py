@@ -16,17 +16,19 @@ from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_word
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings
 
-PHONES = re.compile(r"(phon(e(me)?)?s?|segments?|mau|phonalign)", re.IGNORECASE)
-"""Names of phone tiers in MFA, FAVE, MAUS, SPPAS, and among users of Praat."""
+PHONES = re.compile(r"(ph(on(e(me)?)?s?|onetic|onalign)?|segments?|mau)", re.IGNORECASE)
+"""Names of phone tiers in MFA, FAVE, MAUS, SPPAS, EMU, DoReCo, and among users of Praat."""
 
-WORDS = re.compile(r"(words?|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
+WORDS = re.compile(r"(words?|wd|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
 """Names of word tiers in the same programs."""
 
 SILENT = re.compile(r"sil|sp|spn|<.*>|\[.*\]|#", re.IGNORECASE)
 """Marks of silence and noise in tiers of words."""
 
-SPEAKER = re.compile(r"(?:(?P<speaker>.*\S)\s+-\s+)?(?P<role>.*)", re.DOTALL)
-"""Aligners put the speaker before the tier's name: `Name - phones`."""
+SPEAKER = re.compile(
+    r"(?:(?P<before>.*\S)\s+-\s+)?(?P<role>[^@]*|.*)(?:@(?P<after>[^@]+))?", re.DOTALL
+)
+"""Aligners put the speaker before the tier's name, `Name - phones`; in ELAN it often ends it."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +41,8 @@ class Tier:
 
     @property
     def speaker(self) -> str:
-        """The speaker named before the role; may be empty."""
-        return self._part("speaker")
+        """The speaker named before or after the role; may be empty."""
+        return self._part("before") or self._part("after")
 
     @property
     def role(self) -> str:

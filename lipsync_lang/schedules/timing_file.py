@@ -1,5 +1,6 @@
 """A file of timings, decoded as text, JSON or XML on demand."""
 
+import codecs
 import json
 import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE, BOM_UTF32_BE, BOM_UTF32_LE
@@ -34,8 +35,18 @@ HEAD_BYTES = 4096
 MAX_TIME = 1e15
 """Upper limit of times, in any unit."""
 
-TAG = re.compile(r"\s*+(?:(?><\?.*?\?>|<!--.*?-->)\s*+)*+<([A-Za-z_][\w.:-]*)", re.DOTALL)
+DOCTYPE = re.compile(
+    r"""<!DOCTYPE\s++[\w.:-]++(?:\s++(?:SYSTEM|PUBLIC|"[^"]*+"|'[^']*+'))*+\s*+>"""
+)
+"""A type of documents that is only named; the file with its definition is never read."""
+
+TAG = re.compile(
+    r"\s*+(?:(?><\?.*?\?>|<!--.*?-->|<!DOCTYPE\b[^<>\[]*+>)\s*+)*+<([A-Za-z_][\w.:-]*)", re.DOTALL
+)
 """The first element of an XML file."""
+
+XML_ENCODING = re.compile(rb"""\s*<\?xml\s[^>]{0,200}?\bencoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")
+"""The encoding that an XML file states."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +77,8 @@ class TimingFile:
     def text(self) -> str:
         r"""The text; every line ends in ``\n``.
 
-        UTF-8 and UTF-16 are detected with or without a byte order mark, UTF-32 only with one.
+        UTF-8 and UTF-16 are detected with or without a byte order mark, UTF-32 only with one. XML
+        may state another encoding.
         """
         encoding = self.encoding or _encoding(self.content)
         try:
@@ -154,14 +166,15 @@ class TimingFile:
         """The file as XML; raises an error if it is not XML, or declares entities."""
         from xml.etree import ElementTree as ET
 
-        declared = re.search(r"<!(DOCTYPE|ENTITY)", self.text)
+        text = DOCTYPE.sub(lambda found: "\n" * found[0].count("\n"), self.text, count=1)
+        declared = re.search(r"<!(DOCTYPE|ENTITY)", text)
         if declared:
-            line = self.text.count("\n", 0, declared.start()) + 1
+            line = text.count("\n", 0, declared.start()) + 1
             raise self.fault(
                 f"has a <!{declared[1]}>, which is never read; take it out of the file", line
             )
         try:
-            return ET.fromstring(re.sub(r"^\s*<\?xml.*?\?>", "", self.text, flags=re.DOTALL))  # noqa: S314 no entities
+            return ET.fromstring(re.sub(r"^\s*<\?xml.*?\?>", "", text, flags=re.DOTALL))  # noqa: S314 no entities
         except ET.ParseError as error:
             raise self.fault(
                 f"not XML: {error.msg.split(':')[0]}; mend it there, or export it anew",
@@ -186,6 +199,11 @@ class TimingFile:
         except ValueError:
             return self.number(text, line)
         return self.number(number, line)
+
+    def line_of(self, text: str) -> int | None:
+        """Return the first line that holds a text; None if there is none."""
+        at = self.text.find(text)
+        return None if at < 0 else self.text.count("\n", 0, at) + 1
 
     def beside(self, suffix: str) -> "TimingFile | None":
         """Return the file of the same name with another suffix, in either case; None if missing."""
@@ -217,4 +235,14 @@ def _encoding(content: bytes) -> str:
         return "utf-16-le"
     if content[:1] == b"\0" and content[1:2] != b"\0":
         return "utf-16-be"
-    return "utf-8"
+    stated = XML_ENCODING.match(content[:HEAD_BYTES])
+    return _eight_bits(stated[1].decode("ascii")) if stated else "utf-8"
+
+
+def _eight_bits(stated: str) -> str:
+    """Return the name of an encoding that extends ASCII; UTF-8 for all others."""
+    try:
+        known = codecs.lookup(stated).name
+        return known if "<?xml".encode(known) == b"<?xml" else "utf-8"
+    except (LookupError, ValueError):
+        return "utf-8"

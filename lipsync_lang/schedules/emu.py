@@ -1,0 +1,120 @@
+"""EMU-SDMS: levels of items in JSON (`_annot.json`).
+
+Segments have times in samples; a segment's duration is one sample short. Items of other levels,
+such as words, have the time of the segments that links lead to from them.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+FORM = (
+    '{"sampleRate": 16000, "levels": [{"name": "Phonetic", "type": "SEGMENT", "items": [{"id": 1, '
+    '"sampleStart": 0, "sampleDur": 799, "labels": [{"name": "Phonetic", "value": "m"}]}]}]}'
+)
+
+SPELLINGS = ("text", "ort", "orthography", "word", "words")
+"""Names of labels that spell a word, the surest first: `word` may hold a class of words."""
+
+Json = dict[str, Any]
+Span = tuple[float, float]
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the JSON has levels and a sampling rate."""
+    return source.holds("levels", "sampleRate")
+
+
+@reader("emu", ".json", sniff=sniff, tiers=True)
+def read_emu(source: TimingFile) -> Timings:
+    """EMU-SDMS's _annot.json with a level of phonetic segments; words by their links."""
+    whole = source.json
+    if not isinstance(whole, dict):
+        raise source.fault(f"has no levels; the form is {FORM}")
+    rate = source.rate or source.number(whole.get("sampleRate"))
+    if rate <= 0:
+        raise source.fault("the field sampleRate must be above 0")
+    levels = [(one, _objects(source, one, "items")) for one in _objects(source, whole, "levels")]
+    tiers: list[Tier] = []
+    spans: dict[str, Span] = {}
+    for level, items in levels:
+        if level.get("type") == "SEGMENT":
+            name = str(level.get("name", ""))
+            times = [_span(source, item, rate) for item in items]
+            labels = [_label(source, item, name) for item in items]
+            rows = [LabelRow(text, *span) for text, span in zip(labels, times, strict=True)]
+            tiers.append(Tier(name, tuple(rows)))
+            spans |= {str(item.get("id")): span for item, span in zip(items, times, strict=True)}
+    words = _words(source, whole, [items for _, items in levels], spans)
+    return read_tiers(replace(source, rate=None), [*tiers, *words])
+
+
+def _objects(source: TimingFile, whole: Json, name: str) -> list[Json]:
+    parts = whole.get(name, [])
+    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+        raise source.fault(f"`{name}` must be a list of objects; the form is {FORM}")
+    return parts
+
+
+def _span(source: TimingFile, item: Json, rate: float) -> Span:
+    start = source.number(item.get("sampleStart"))
+    return start / rate, (start + source.number(item.get("sampleDur")) + 1) / rate
+
+
+def _label(source: TimingFile, item: Json, name: str) -> str:
+    """Return an item's label of a name, or else its first."""
+    labels = {str(one.get("name")): one.get("value") for one in _objects(source, item, "labels")}
+    value = labels.get(name, next(iter(labels.values()), ""))
+    return value if isinstance(value, str) else ""
+
+
+def _words(
+    source: TimingFile, whole: Json, levels: list[list[Json]], spans: dict[str, Span]
+) -> Iterator[Tier]:
+    """Yield the tier of words that links lead from, if any."""
+    known: dict[str, tuple[str, list[Json]]] = {}
+    for items in levels:
+        for label in _objects(source, items[0], "labels") if items else ():
+            known.setdefault(str(label.get("name")).casefold(), (str(label.get("name")), items))
+    spelled = next((known[name] for name in SPELLINGS if name in known), None)
+    if spelled is None:
+        return
+    below: dict[str, list[str]] = defaultdict(list)
+    for link in _objects(source, whole, "links"):
+        below[str(link.get("fromID"))].append(str(link.get("toID")))
+    name, items = spelled
+    rows = []
+    for item in items:
+        span = _reached(source, str(item.get("id")), below, spans)
+        if span is not None:
+            rows.append(LabelRow(_label(source, item, name), *span))
+    if rows:
+        yield Tier("words", tuple(rows))
+
+
+def _reached(
+    source: TimingFile, name: str, below: dict[str, list[str]], spans: dict[str, Span]
+) -> Span | None:
+    """Return the time of the segments below an item; None if there are none."""
+    waiting, entered, left = [name], set[str](), set[str]()
+    while waiting:
+        at = waiting[-1]
+        if at not in spans and at not in entered:
+            entered.add(at)
+            loop = next((one for one in below[at] if one in entered and one not in left), None)
+            if loop is not None:
+                raise source.fault(f"links lead from item {loop} back to itself; remove one")
+            waiting += below[at]
+            continue
+        waiting.pop()
+        left.add(at)
+        reached = [spans[one] for one in below[at] if one in spans]
+        if at not in spans and reached:
+            spans[at] = min(start for start, _ in reached), max(end for _, end in reached)
+    return spans.get(name)

@@ -1,0 +1,112 @@
+"""VOICEVOX and engines like it: the JSON of an `audio_query`.
+
+Accent phrases have moras, each a vowel and maybe a consonant, with lengths in seconds. The voice is
+the sum of those lengths, as the engine computes it: silence before and after, pauses scaled, all
+divided by the speed, and each sound rounded to a whole frame. A question lengthens its last vowel.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+FRAMES_PER_SECOND = 24_000 / 256
+"""Frames of the engine."""
+
+QUESTION_SECONDS = 0.15
+"""Length of the vowel that the engine adds to a question, before its speed counts."""
+
+FORM = (
+    '{"accent_phrases": [{"moras": [{"text": "マ", "consonant": "m", "consonant_length": 0.08, '
+    '"vowel": "a", "vowel_length": 0.12}]}], "speedScale": 1.0, "prePhonemeLength": 0.1}'
+)
+
+Json = dict[str, Any]
+Sound = tuple[str, float]
+"""A label and its length in seconds before the speed counts."""
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the JSON has accent phrases."""
+    return source.holds("accent_phrases") or source.holds("accentPhrases")
+
+
+@reader("voicevox", ".json", sniff=sniff)
+def read_voicevox(source: TimingFile) -> Schedule:
+    """The audio_query of VOICEVOX: consonants and vowels with their lengths, and kana."""
+    query = _plain(source.json)
+    speed = _number(source, query, "speedscale", 1.0)
+    if speed <= 0:
+        raise source.fault("speedScale must be above 0")
+    rows: list[LabelRow] = []
+    words: list[LabelRow] = []
+    at = _frames(_number(source, query, "prephonemelength", 0.0) / speed)
+    for phrase in _objects(source, query, "accentphrases"):
+        moras = _objects(source, phrase, "moras")
+        start = at
+        for sound in _spoken(source, phrase, moras):
+            at = _add(rows, sound, at, speed)
+        text = "".join(str(mora.get("text", "")) for mora in moras)
+        words.append(LabelRow(text, start / FRAMES_PER_SECOND, at / FRAMES_PER_SECOND))
+        at = _add(rows, (SILENCE, _pause(source, query, phrase)), at, speed)
+    _add(rows, (SILENCE, _number(source, query, "postphonemelength", 0.0)), at, speed)
+    if all(row.label == SILENCE for row in rows):
+        raise source.fault("states no lengths of sounds; ask the engine for an audio_query")
+    return schedule_of(source, rows, words=words, rate=1.0)
+
+
+def _add(rows: list[LabelRow], sound: Sound, at: int, speed: float) -> int:
+    """Append a sound that starts at a frame; return the frame where it ends."""
+    end = at + _frames(sound[1] / speed)
+    if end > at:
+        rows.append(LabelRow(sound[0], at / FRAMES_PER_SECOND, end / FRAMES_PER_SECOND))
+    return end
+
+
+def _frames(seconds: float) -> int:
+    """Round to whole frames, halves to even ones, as the engine does."""
+    return round(seconds * FRAMES_PER_SECOND)
+
+
+def _spoken(source: TimingFile, phrase: Json, moras: list[Json]) -> Iterator[Sound]:
+    """Yield the sounds of an accent phrase."""
+    for mora in moras:
+        if mora.get("consonant"):
+            yield str(mora["consonant"]), _number(source, mora, "consonantlength", 0.0)
+        yield str(mora.get("vowel", "")), _number(source, mora, "vowellength", 0.0)
+    if moras and phrase.get("isinterrogative") and _number(source, moras[-1], "pitch", 0.0) > 0:
+        yield str(moras[-1].get("vowel", "")), QUESTION_SECONDS
+
+
+def _pause(source: TimingFile, query: Json, phrase: Json) -> float:
+    """Return the length of the pause after an accent phrase, in seconds."""
+    if not isinstance(phrase.get("pausemora"), dict):
+        return 0.0
+    stated = _number(source, _plain(phrase["pausemora"]), "vowellength", 0.0)
+    length = _number(source, query, "pauselength", stated)
+    return length * _number(source, query, "pauselengthscale", 1.0)
+
+
+def _objects(source: TimingFile, whole: Json, name: str) -> list[Json]:
+    parts = whole.get(name)
+    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+        raise source.fault(f"needs lists of accent phrases and of moras; the form is {FORM}")
+    return [_plain(part) for part in parts]
+
+
+def _plain(whole: object) -> Json:
+    """Return an object with one spelling of its names for all clients of the engine."""
+    fields = whole if isinstance(whole, dict) else {}
+    return {name.replace("_", "").lower(): value for name, value in fields.items()}
+
+
+def _number(source: TimingFile, whole: Json, name: str, missing: float) -> float:
+    """Return a length or a factor; it cannot be below 0, but for the pitch of no sound."""
+    value = whole.get(name)
+    number = missing if value is None else source.number(value)
+    if number < 0:
+        raise source.fault(f"{name} is {number:g}; lengths and factors are 0 or above")
+    return number
