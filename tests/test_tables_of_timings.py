@@ -293,7 +293,7 @@ def test_what_praatio_saves_as_json_is_read(form, tmp_path):
         (tiers(phones=tier()), "has no phonemes in it"),
         (tiers(phones=tier([0, 1])), "tier 'phones': an entry is [start, end, label], not [0, 1]"),
         (tiers(phones=tier([0, 1, 2])), "tier 'phones': an entry is [start, end, label], not [0"),
-        (tiers(phones=tier([0, "1", "a"])), "'1' is not a time"),
+        (tiers(phones=tier([0, "1s", "a"])), "'1s' is not a time"),
         (tiers(phones=tier([0, float("nan"), "a"])), "nan is not a time"),
         (tiers(phones=tier([0, 1, "a"], [0.5, 1, "b"])), "'b', 0.5 to 1 s, starts before 'a' ends"),
     ],

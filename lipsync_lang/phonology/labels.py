@@ -45,6 +45,9 @@ LENGTH = ":ˑ"
 TONE = "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩"
 """Stress digits of ARPAbet, tone digits and IPA tone letters; never the whole label."""
 
+MAX_TONE_SIGNS = 4
+"""Most signs of one tone, as in `˨ˀ˥` and `2142`; more are a number."""
+
 
 def normalise(label: str) -> str:
     """Return the canonical spelling of a label; equal spellings always mean the same sound."""
@@ -52,7 +55,8 @@ def normalise(label: str) -> str:
 
 
 def _toneless(label: str) -> str:
-    return label[:1] + label[1:].rstrip(TONE)
+    bare = label[:1] + label[1:].rstrip(TONE)
+    return bare if len(label) - len(bare) <= MAX_TONE_SIGNS else label
 
 
 def looser(label: str) -> Iterator[str]:

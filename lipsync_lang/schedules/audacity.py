@@ -6,9 +6,9 @@ A line that begins with a backslash holds the frequencies of the label above, an
 import re
 
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import are_words, words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
 
@@ -20,9 +20,11 @@ def sniff(source: TimingFile) -> bool:
 
 
 @reader("audacity", ".txt", sniff=sniff)
-def read_audacity(source: TimingFile) -> Schedule:
-    """Audacity label tracks of phonemes, exported as text."""
+def read_audacity(source: TimingFile) -> Timings:
+    """Audacity label tracks of phonemes or words, exported as text."""
     rows = [_row(source, n, line) for n, line in source.lines if line[0] != "\\"]
+    if are_words(row.label for row in rows):
+        return words_of_rows(source, rows, guess=True)
     return schedule_of(source, rows, guess=True)
 
 

@@ -1,4 +1,4 @@
-"""CTM of phones: ``file channel start duration label [confidence]`` in every line.
+"""CTM of phones or words: ``file channel start duration label [confidence]`` in every line.
 
 Lines that begin with two semicolons are comments. Kaldi appends the place in the word to a phone
 (``_B``, ``_I``, ``_E`` or ``_S``), which is removed from the label.
@@ -6,15 +6,19 @@ Lines that begin with two semicolons are comments. Kaldi appends the place in th
 
 import re
 from collections import defaultdict
+from dataclasses import replace
 
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.tiers import Tier, only
+from lipsync_lang.schedules.timed_words import TimedWord, are_words, words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 COMMENT = ";;"
-SOUND = re.compile(r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIES])?(?:\s.*)?")
+CONFIDENCE = r"0?\.\d+|[01]|1\.0*"
+SOUND = re.compile(
+    r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIES])?(?:\s+(\S.*))?\s*"
+)
 
 
 def sniff(source: TimingFile) -> bool:
@@ -24,9 +28,10 @@ def sniff(source: TimingFile) -> bool:
 
 
 @reader("ctm", ".ctm", sniff=sniff, tiers=True)
-def read_ctm(source: TimingFile) -> Schedule:
-    """CTM of phones, as Kaldi writes it; of several files or channels, one is named."""
+def read_ctm(source: TimingFile) -> Timings:
+    """CTM of phones or words, as Kaldi writes it; of several files or channels, one is named."""
     tiers: dict[tuple[str, str], list[LabelRow]] = defaultdict(list)
+    sure: dict[int | None, float] = {}
     for number, line in source.lines:
         if line.startswith(COMMENT):
             continue
@@ -34,8 +39,18 @@ def read_ctm(source: TimingFile) -> Schedule:
         if not found:
             raise source.fault("is no sound; it is FILE CHANNEL START DURATION LABEL", number)
         start, length = source.time(found[3], number), source.time(found[4], number)
+        if re.fullmatch(CONFIDENCE, found[6] or ""):
+            sure[number] = float(found[6])
         tiers[found[1], found[2]].append(LabelRow(found[5], start, start + length, number))
-    return schedule_of(source, only(source, _named(tiers), "files or channels").rows)
+    rows = only(source, _named(tiers), "files or channels").rows
+    if are_words(row.label for row in rows):
+        words = words_of_rows(source, rows)
+        return replace(words, words=tuple(_rated(word, sure) for word in words.words))
+    return schedule_of(source, rows)
+
+
+def _rated(word: TimedWord, sure: dict[int | None, float]) -> TimedWord:
+    return replace(word, confidence=sure.get(word.line))
 
 
 def _named(tiers: dict[tuple[str, str], list[LabelRow]]) -> list[Tier]:

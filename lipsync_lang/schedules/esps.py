@@ -8,14 +8,17 @@ a `.words` file beside each `.phones` file. After `;` a line has further fields.
 import re
 
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 START = re.compile(r"^[ \t]*#[ \t]*\n+[ \t]*\d+(?:\.\d*)?[ \t]+-?\d+[ \t]", re.MULTILINE)
 """The end of the header, and the first label."""
 
 LINE = re.compile(r"\s*(\d+(?:\.\d*)?)\s+-?\d+(?:\s+([^;]*))?(?:;.*)?", re.ASCII)
+
+DOUBT = re.compile(r"\+\d+$")
+"""A note on the boundary, which Buckeye appends to a phone: `ae+1`."""
 
 MARKED = ("<", "{")
 """Starts of labels that are not words."""
@@ -26,15 +29,17 @@ def sniff(source: TimingFile) -> bool:
     return START.search(source.head) is not None
 
 
-@reader("esps", ".phones", ".lab", ".segs", ".seg", sniff=sniff)
-def read_esps(source: TimingFile) -> Schedule:
+@reader("esps", ".phones", ".words", ".lab", ".segs", ".seg", sniff=sniff)
+def read_esps(source: TimingFile) -> Timings:
     """Labels of Festival (segments), xwaves and the Buckeye corpus, with its .words beside it."""
     if source.path.suffix.lower() == ".words":
-        raise source.fault("holds words, not phones; give the .phones beside it")
+        return words_of_rows(source, _words(source))
     beside = source.beside(".words") if source.path.suffix.lower() == ".phones" else None
-    words = _rows(beside) if beside is not None else []
-    spoken = [word for word in words if not word.label.startswith(MARKED)]
-    return schedule_of(source, _rows(source), words=spoken)
+    return schedule_of(source, _rows(source), words=_words(beside) if beside is not None else ())
+
+
+def _words(source: TimingFile) -> list[LabelRow]:
+    return [row for row in _rows(source) if not row.label.startswith(MARKED)]
 
 
 def _rows(source: TimingFile) -> list[LabelRow]:
@@ -48,6 +53,6 @@ def _rows(source: TimingFile) -> list[LabelRow]:
         if found is None:
             raise source.fault(f"{line.strip()[:40]!r} is not a time, a colour and a label", number)
         end = source.time(found[1], number)
-        rows.append(LabelRow((found[2] or "").strip(), start, end, number))
+        rows.append(LabelRow(DOUBT.sub("", (found[2] or "").strip()), start, end, number))
         start = end
     return rows

@@ -12,7 +12,7 @@ from statistics import median
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
+from lipsync_lang.schedules.timed_words import are_words, words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings
 
@@ -22,8 +22,11 @@ PHONES = re.compile(r"(ph(on(e(me)?)?s?|onetic|onalign)?|segments?|mau)", re.IGN
 WORDS = re.compile(r"(words?|wd|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
 """Names of word tiers in the same programs."""
 
-SILENT = re.compile(r"sil|sp|spn|<.*>|\[.*\]|#", re.IGNORECASE)
-"""Marks of silence and noise in tiers of words."""
+SURE = re.compile(r"(phon|tokens)align", re.IGNORECASE)
+"""Names of aligned tiers, beside which SPPAS keeps tiers of the text's phones and words."""
+
+MAX_NAMES = 4
+"""Most names of tiers in a message."""
 
 SPEAKER = re.compile(
     r"(?:(?P<before>.*\S)\s+-\s+)?(?P<role>[^@]*|.*)(?:@(?P<after>[^@]+))?", re.DOTALL
@@ -69,8 +72,7 @@ class Tier:
         """Return True for a tier of words by name, or of labels that cannot be phones."""
         if WORDS.fullmatch(self.role) or PHONES.fullmatch(self.role) or not self.spoken:
             return bool(WORDS.fullmatch(self.role))
-        letters = [len(row.label.strip()) for row in self.spoken]
-        return median(letters) > 3  # noqa: PLR2004 letters; labels of phones have fewer
+        return are_words(row.label for row in self.spoken)
 
     def _part(self, group: str) -> str:
         match = SPEAKER.fullmatch(self.name)
@@ -85,21 +87,11 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
     """
     chosen = only(source, tiers if source.tier is not None else _phones(source, tiers))
     if chosen.holds_words():
-        return _timed_words(source, chosen, guess=guess)
-    words = [t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker]
+        return words_of_rows(source, chosen.rows, guess=guess)
+    words = _sure([t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker])
     remarks = () if chosen.spoken else (f"{source.path}: tier '{chosen.name}' has no label in it",)
     spans = words[0].rows if len(words) == 1 else ()
     return schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
-
-
-def _timed_words(source: TimingFile, tier: Tier, *, guess: bool) -> TimedWords:
-    """Return the words of a tier, without its spellings of silence."""
-    words = [
-        TimedWord(row.label, row.start, row.end, line=row.line)
-        for row in tier.spoken
-        if not SILENT.fullmatch(row.label.strip())
-    ]
-    return timed_words_of(source, words, guess=guess)
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:
@@ -117,6 +109,8 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
             found = found or [tier for tier in own if role.fullmatch(tier.role)]
     if not found:
         names = did_you_mean(str(source.tier), {tier.name for tier in tiers})
+        if names.startswith("known") and len(tiers) > MAX_NAMES:
+            names = f"there is {_list(tiers)}"
         raise source.fault(f"no tier is called '{source.tier}'; {names}")
     first, *others = found
     same = next((tier for tier in others if tier.name == first.name), None)
@@ -136,9 +130,11 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
 def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     """Return the tiers that hold phones, or else words; raise an error if none of them does."""
     named = [tier for tier in tiers if PHONES.fullmatch(tier.role)]
-    found = [tier for tier in named if tier.spoken] or named
+    found = _sure([tier for tier in named if tier.spoken]) or named
     found = found or [tier for tier in tiers if tier.looks_like_phones()]
-    found = found or [tier for tier in tiers if WORDS.fullmatch(tier.role) and tier.spoken]
+    spoken = [tier for tier in tiers if tier.spoken]
+    found = found or [tier for tier in spoken if WORDS.fullmatch(tier.role)]
+    found = found or [tier for tier in spoken if len(spoken) == 1 and tier.holds_words()]
     if tiers and not found:
         raise source.fault(
             f"no tier looks like phones; there is {_list(tiers)}. Say which it is (`tier='NAME'`), "
@@ -147,5 +143,11 @@ def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     return found
 
 
+def _sure(tiers: list[Tier]) -> list[Tier]:
+    """Return the aligned tiers, or else all."""
+    return [tier for tier in tiers if SURE.fullmatch(tier.role)] or tiers
+
+
 def _list(tiers: Sequence[Tier]) -> str:
-    return ", ".join(f"'{tier.name}'" for tier in tiers)
+    shown = ", ".join(f"'{tier.name}'" for tier in tiers[:MAX_NAMES])
+    return shown + (", ..." if len(tiers) > MAX_NAMES else "")

@@ -4,8 +4,10 @@ A reader of timings returns `TimedWords` in place of a schedule if its file time
 phonemes within each word depend on the language: `speech.filling` adds them.
 """
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from statistics import median
 
 from lipsync_lang.schedules.rows import (
     ROUNDING_SECONDS,
@@ -21,6 +23,13 @@ TYPICAL_WORD_SECONDS = 0.3
 
 LONG_WORD_SECONDS = 30.0
 """Longest plausible median duration in seconds, of words and cues; longer is another unit."""
+
+
+SILENT = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
+"""Marks of silence and noise among words."""
+
+MAX_PHONE_LETTERS = 3
+"""Most letters of a usual label of a phone; words have more."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,25 @@ class TimedWords:
     def text(self) -> str:
         """The words with spaces between them."""
         return " ".join(word.text for word in self.words)
+
+
+def are_words(labels: Iterable[str]) -> bool:
+    """Return True if labels are too long for phones."""
+    letters = [len(one.strip()) for one in labels if not SILENT.fullmatch(one.strip())]
+    return median(filter(None, letters or [0])) > MAX_PHONE_LETTERS if any(letters) else False
+
+
+def words_of_rows(
+    source: TimingFile,
+    rows: Iterable[LabelRow],
+    *,
+    rate: float | None = None,
+    guess: bool = False,
+) -> TimedWords:
+    """Make timed words of labels, without marks of silence, as `timed_words_of` does."""
+    spoken = (row for row in rows if not SILENT.fullmatch(row.label.strip()))
+    words = (TimedWord(row.label, row.start, row.end, line=row.line) for row in spoken)
+    return timed_words_of(source, words, rate=rate, guess=guess)
 
 
 def timed_words_of(

@@ -35,6 +35,9 @@ HEAD_BYTES = 4096
 MAX_TIME = 1e15
 """Upper limit of times, in any unit."""
 
+QUOTED = re.compile(r"\s*-?\d{1,15}(\.\d*)?\s*", re.ASCII)
+"""A number in quotes, as programs in JavaScript write it."""
+
 DOCTYPE = re.compile(
     r"""<!DOCTYPE\s++[\w.:-]++(?:\s++(?:SYSTEM|PUBLIC|"[^"]*+"|'[^']*+'))*+\s*+>"""
 )
@@ -182,7 +185,9 @@ class TimingFile:
             ) from None
 
     def number(self, value: object, line: int | None = None) -> float:
-        """Return a number from JSON as a time; raise an error for any other value."""
+        """Return a number from JSON, or one in quotes, as a time; other values are errors."""
+        if isinstance(value, str) and QUOTED.fullmatch(value):
+            value = float(value)
         if (
             isinstance(value, bool)
             or not isinstance(value, (int, float))

@@ -6,9 +6,9 @@ The words are in a file of the same name with `.wrd` beside it.
 import re
 
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timed_words import words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
-from lipsync_lang.schedules.timing_readers import reader
+from lipsync_lang.schedules.timing_readers import Timings, reader
 
 SAMPLES_PER_SECOND = 16_000.0
 
@@ -20,9 +20,11 @@ def sniff(source: TimingFile) -> bool:
     return LINE.fullmatch(source.head.lstrip().split("\n", 1)[0]) is not None
 
 
-@reader("timit", ".phn", sniff=sniff)
-def read_timit(source: TimingFile) -> Schedule:
+@reader("timit", ".phn", ".wrd", sniff=sniff)
+def read_timit(source: TimingFile) -> Timings:
     """TIMIT's .PHN, in samples at 16 kHz unless a rate is given; words from .WRD beside it."""
+    if source.path.suffix.lower() == ".wrd":
+        return words_of_rows(source, _rows(source), rate=SAMPLES_PER_SECOND)
     beside = source.beside(".wrd") if source.path.suffix.lower() == ".phn" else None
     words = _rows(beside) if beside is not None else []
     return schedule_of(source, _rows(source), words=words, rate=SAMPLES_PER_SECOND)
