@@ -11,9 +11,10 @@ from lanes import full
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
+from lipsync_lang.phonology.g2p.corrections import corrector
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
-from lipsync_lang.phonology.g2p.g2p_engines import Rule, respeller
+from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, respeller
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
@@ -274,3 +275,52 @@ def test_words_are_the_users_where_that_is_sure(text, clauses, found):
 def test_no_label_is_lost_in_pairing(text, clauses):
     labels = [label for said in paired(text, clauses) for label in said.labels]
     assert labels == [label for clause in clauses for word in clause for label in word]
+
+
+# Corrections
+
+
+def test_corrections_see_labels_around_them_and_the_spelling():
+    mend = corrector(
+        [
+            Correction(("a",), ("ə",), before="$", spelled="e$"),
+            Correction(("a",), ("æ",), before="r", spelled="^[^a]*$"),
+            Correction(("a",), ("ɑː",)),
+            Correction(("n", "n"), ("n",)),
+            Correction(("h",), (), after="^k"),
+            Correction(("ts",), ("t", "s")),
+        ]
+    )
+    found = {
+        word: " ".join(mend(Said(word, tuple(labels.split()))).labels)
+        for word, labels in {
+            "Mage": "m a ɡ a", "merke": "m a r k a", "hann": "h ɑ n n", "kha": "k h ɑ",
+            "tsar": "ts ɑ r", "sti": "s t i", "ka": "k a",
+        }.items()
+    }  # fmt: skip
+    assert found == {
+        "Mage": "m ɑː ɡ ə", "merke": "m æ r k ə", "hann": "h ɑ n", "kha": "k ɑ",
+        "tsar": "t s ɑ r", "sti": "s t i", "ka": "k ɑː",
+    }  # fmt: skip
+
+
+def test_corrections_keep_the_stress_of_what_they_correct():
+    mend = corrector([Correction(("a", "n"), ("e", "m", "n")), Correction(("ə",), ())])
+    said = mend(Said("word", ("t", "a", "n", "ə"), stress=(None, 1, None, 0)))
+    assert (said.labels, said.stress) == (("t", "e", "m", "n"), (None, 1, None, None))
+
+
+def test_corrections_that_cannot_be_used_are_named():
+    with pytest.raises(SpeechError, match=r"correction 2 .*is not a regular expression"):
+        corrector([Correction(("a",), ()), Correction(("b",), (), before="(")])
+
+
+def test_an_engine_with_corrections_is_corrected():
+    rules = (Rule("ai", ("a", "i")),)
+    read = engine(
+        "rules",
+        Settings(
+            "", rules=rules, labels=("t",), corrections=(Correction(("i",), ("j",), after="a"),)
+        ),
+    )
+    assert [word.labels for text in read(["tai"]) for word in text] == [("t", "a", "j")]

@@ -250,6 +250,8 @@ BAD = [
     Bad("notation unknown", PARENT, "engine: rules,", "engine: rules, notation: irst,",
         (("P217", 7, "irst, r"),), "'first'"),
     Bad("rule of no label", PARENT, "to: P}", "to: Q}", (("P218", 7, "Q}"),), "known: "),
+    Bad("correction to no label", PARENT, "engine: rules,",
+        "engine: rules, corrections: [{from: x, to: Q}],", (("P218", 7, "Q}]"),), "known: "),
     Bad("one label twice", PARENT, "Y: yu,", "Y: yu, g: p, \u0261: f,",
         (("P219", 12, "\u0261: f"),), "one of the two"),
     Bad("phoneme unmapped", PARENT, "tests:",

@@ -70,6 +70,7 @@ def _reads(model: "models.Language") -> str:
         f"code {g2p.code}" if g2p.code else "",
         g2p.file or "",
         f"{len(g2p.rules)} rules" if g2p.rules else "",
+        f"{len(g2p.corrections)} corrections" if g2p.corrections else "",
         f"respelled as {g2p.respell}" if g2p.respell else "",
     ]
     return ", ".join(filter(None, parts))

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from lipsync_lang.phonology.g2p.g2p_engines import Rule, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,8 @@ class Manner:
         """True where the voice that speaks is also what reads, so that nothing is to be joined."""
         if self.engine is None or self.voice is None:
             return self.voice is not None
-        return (self.engine, self.settings.voice) == self.voice and not self.settings.respell
+        apart = self.settings.respell or self.settings.corrections
+        return (self.engine, self.settings.voice) == self.voice and not apart
 
     def plain(self) -> dict[str, Any]:
         """Return this as JSON holds it."""
@@ -85,9 +86,19 @@ class Manner:
             Rule(spelling, tuple(to), before, after)
             for spelling, to, before, after in settings["rules"]
         )
+        corrections = tuple(
+            Correction(tuple(labels), tuple(to), *contexts)
+            for labels, to, *contexts in settings["corrections"]
+        )
         file = Path(settings["file"]) if settings["file"] else None
         made = Settings(
-            **{**settings, "rules": rules, "file": file, "labels": tuple(settings["labels"])}
+            **{
+                **settings,
+                "rules": rules,
+                "corrections": corrections,
+                "file": file,
+                "labels": tuple(settings["labels"]),
+            }
         )
         audio = data["audio"]
         phones = {label: tuple(names) for label, names in audio["phones"].items()}

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.packs.finding import IPA, beside
-from lipsync_lang.phonology.g2p.g2p_engines import Rule, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value
 from lipsync_lang.phonology.manner import Hearing, Manner
@@ -79,6 +79,9 @@ def _settings(language: "Pack[models.Language]") -> Settings:
         code=g2p.code,
         file=beside(stated, g2p.file) if g2p.file else None,
         rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
+        corrections=tuple(
+            Correction(c.labels, c.to, c.before, c.after, c.spelled) for c in g2p.corrections
+        ),
         labels=tuple(model.notations.get(notation, ())),
         respell=g2p.respell,
     )

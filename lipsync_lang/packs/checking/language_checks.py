@@ -23,6 +23,7 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
     """Check that labels are distinct, and that rules use known labels and can fire."""
     yield from _twice(language)
     yield from _rules(language)
+    yield from _corrections(language)
 
 
 def check_claims(
@@ -87,6 +88,20 @@ def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
         what = f"the rule for '{rules[number].spelling}' never fires"
         hint = f"the rule of line {line} takes its letters first; put it before that one"
         yield language.warning(("g2p", "rules", number), "W307", what, hint)
+
+
+def _corrections(language: "Pack[models.Language]") -> Iterator[Fault]:
+    g2p = language.model.g2p
+    labels = language.model.notations.get(written(language.model), {})
+    if g2p is None or not labels:
+        return
+    known = {normalise(label) for label in labels}
+    for number, one in enumerate(g2p.corrections):
+        for label in one.to:
+            if normalise(label) not in known:
+                what = f"'{label}' is not in the notation '{written(language.model)}'"
+                loc: Loc = ("g2p", "corrections", number, "to")
+                yield language.fault(loc, "P218", what, did_you_mean(label, labels))
 
 
 def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:

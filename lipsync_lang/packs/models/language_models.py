@@ -174,18 +174,42 @@ class Rewrite(Strict):
 
     @model_validator(mode="after")
     def _contexts_are_usable(self) -> Self:
-        for field in ("before", "after"):
-            text = getattr(self, field)
-            try:
-                if text:
-                    compile_context(text, precedes=field == "after")
-            except ContextError as error:
-                raise PydanticCustomError(
-                    "P118" if error.slow else "P117",
-                    "`{field}` {what}",
-                    {"what": error.what, "hint": error.cure, "field": field},
-                ) from None
+        _compile({"before": self.before, "after": self.after})
         return self
+
+
+class LabelCorrection(Strict):
+    """A correction of labels that the engine gives, in a given context."""
+
+    labels: Annotated[tuple[Label, ...], Field(min_length=1), OrOne] = Field(alias="from")
+    """Labels of the engine, in order."""
+    to: Annotated[tuple[Label, ...], OrOne]
+    """Labels of the notation in their place; an empty list if the sound is not said."""
+    before: str = ""
+    """A regular expression that must match the labels after them, joined without spaces."""
+    after: str = ""
+    """A regular expression that must match the labels before them, joined without spaces."""
+    spelled: str = ""
+    """A regular expression, in small letters, that must be found in the word as it is written."""
+
+    @model_validator(mode="after")
+    def _places_are_usable(self) -> Self:
+        _compile({"before": self.before, "after": self.after, "spelled": self.spelled})
+        return self
+
+
+def _compile(contexts: Mapping[str, str]) -> None:
+    """Refuse a context that is no regular expression, or too slow."""
+    for field, text in contexts.items():
+        try:
+            if text:
+                compile_context(text, precedes=field == "after")
+        except ContextError as error:
+            raise PydanticCustomError(
+                "P118" if error.slow else "P117",
+                "`{field}` {what}",
+                {"what": error.what, "hint": error.cure, "field": field},
+            ) from None
 
 
 class G2P(Strict):
@@ -205,6 +229,9 @@ class G2P(Strict):
     """The respeller that rewrites the text by its sounds before the engine reads it."""
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
+    corrections: tuple[LabelCorrection, ...] = ()
+    """Corrections of the engine's labels, tried in order at each label; the first that fits
+    wins."""
 
 
 class TTS(Strict):

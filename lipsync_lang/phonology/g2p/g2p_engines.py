@@ -1,6 +1,6 @@
 """Engines that turn text into phonemes, and their common interface."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -36,6 +36,19 @@ class Rule(NamedTuple):
     """A regular expression that must match what precedes."""
 
 
+class Correction(NamedTuple):
+    """A correction: labels of an engine, the labels they become, and where."""
+
+    labels: tuple[str, ...]
+    to: tuple[str, ...]
+    before: str = ""
+    """A regular expression that must match the labels that follow."""
+    after: str = ""
+    """A regular expression that must match the labels that precede."""
+    spelled: str = ""
+    """A regular expression that must be found in the word as it is written."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """A language pack's settings of its engine.
@@ -46,6 +59,7 @@ class Settings:
     voice, code : the engine's names of the language, where it has some
     file : a lexicon
     rules : rewrites, in order
+    corrections : corrections of the labels that the engine gives, in order
     labels : the labels of the notation that comes out
     respell : the name in `RESPELLERS` of what spells text anew before it is read
     """
@@ -55,6 +69,7 @@ class Settings:
     code: str | None = None
     file: Path | None = None
     rules: tuple[Rule, ...] = ()
+    corrections: tuple[Correction, ...] = ()
     labels: Collection[str] = ()
     respell: str | None = None
 
@@ -96,7 +111,18 @@ def engine(name: str, settings: Settings) -> Engine:
     SpeechError
         There is no such engine, it is not installed, or it does not have the language.
     """
-    return ENGINES.find(name, SpeechError)(settings)
+    read = ENGINES.find(name, SpeechError)(settings)
+    if not settings.corrections:
+        return read
+    from lipsync_lang.phonology.g2p.corrections import corrector
+
+    mend = corrector(settings.corrections)
+
+    def corrected(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        for words in read(texts):
+            yield tuple(map(mend, words))
+
+    return corrected
 
 
 def respeller(name: str) -> Respeller:

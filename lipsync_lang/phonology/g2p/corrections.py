@@ -1,0 +1,112 @@
+"""Corrections of the labels that an engine gives for a word, as a language pack states them.
+
+An engine of many languages has habits that the spelling of one contradicts: it may write one label
+for two sounds, or say a vowel that nobody says. At each label of a word the corrections are tried
+in order, and the first that fits takes its labels; every other label stays as it is.
+
+A context is a regular expression (see `contexts`) over the labels of the word, joined without
+spaces: ``^`` in `after` is the start of the word, ``$`` in `before` its end. `spelled` must be
+found in the word as it is written, composed and in small letters. All contexts see the labels
+as the engine gave them.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.contexts import Context, ContextError, compile_context
+from lipsync_lang.phonology.g2p.g2p_engines import Correction, Said
+from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
+from lipsync_lang.phonology.g2p.tokens import plain
+
+MAX_WRITTEN_CHARS = 50
+"""Characters of a word's spelling that `spelled` sees."""
+
+
+class _Ready(NamedTuple):
+    """A correction with compiled contexts."""
+
+    labels: tuple[str, ...]
+    to: tuple[str, ...]
+    before: Context | None
+    after: Context | None
+    spelled: Context | None
+
+    def fits(self, sounds: str, start: int, stop: int, written: str) -> bool:
+        """Return True if the labels between two positions of a word's sounds are corrected."""
+        return (
+            (self.before is None or self.before.fits(sounds, stop))
+            and (self.after is None or self.after.fits(sounds, start))
+            and (self.spelled is None or bool(self.spelled.pattern.search(written)))
+        )
+
+
+def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
+    """Compile corrections into a function of a word.
+
+    Raises
+    ------
+    SpeechError
+        A context is not a regular expression, or could take too long.
+
+    Examples
+    --------
+    >>> mend = corrector([Correction(("a",), ("ə",), before="$")])
+    >>> mend(Said("mage", ("m", "a", "ɡ", "a"))).labels
+    ('m', 'a', 'ɡ', 'ə')
+    """
+    first: dict[str, list[_Ready]] = {}
+    for number, one in enumerate(corrections, start=1):
+        first.setdefault(one.labels[0], []).append(_ready(number, one))
+
+    @lru_cache(CACHED_WORDS)
+    def corrected(said: Said) -> Said:
+        if not first.keys() & set(said.labels):
+            return said
+        marks = said.stress or (None,) * len(said.labels)
+        pairs = list(_corrected(said, marks, first))
+        stress = tuple(mark for _, mark in pairs)
+        labels = tuple(label for label, _ in pairs)
+        return said._replace(labels=labels, stress=stress if any(stress) else ())
+
+    return corrected
+
+
+def _corrected(
+    said: Said, marks: Sequence[int | None], first: dict[str, list[_Ready]]
+) -> Iterator[tuple[str, int | None]]:
+    """Yield the labels of a word after correction, each with its stress."""
+    folded = [plain(label) for label in said.labels]
+    starts = [sum(map(len, folded[:at])) for at in range(len(folded) + 1)]
+    sounds, written = "".join(folded), plain(said.text)[:MAX_WRITTEN_CHARS]
+    at = 0
+    while at < len(said.labels):
+        for one in first.get(said.labels[at], ()):
+            stop = at + len(one.labels)
+            if said.labels[at:stop] == one.labels and one.fits(
+                sounds, starts[at], starts[stop], written
+            ):
+                mark = next((mark for mark in marks[at:stop] if mark is not None), None)
+                yield from ((label, None if n else mark) for n, label in enumerate(one.to))
+                at = stop
+                break
+        else:
+            yield said.labels[at], marks[at]
+            at += 1
+
+
+def _ready(number: int, one: Correction) -> _Ready:
+    def compiled(text: str, *, precedes: bool = False) -> Context | None:
+        return compile_context(text, precedes=precedes) if text else None
+
+    try:
+        return _Ready(
+            one.labels,
+            one.to,
+            compiled(one.before),
+            compiled(one.after, precedes=True),
+            compiled(one.spelled),
+        )
+    except ContextError as error:
+        raise SpeechError(f"correction {number} ('{one.labels[0]}'): {error}") from None
