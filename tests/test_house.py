@@ -229,6 +229,8 @@ EXEMPT = {
     ("schedules/papagayo.py", "preston-blair"): "the notation that the format is in",
     ("schedules/polly.py", "polly"): "the format, and the notation it is in",
     ("schedules/rhubarb.py", "rhubarb"): "the format, and the notation it is in",
+    ("schedules/transcriber.py", "id"): "an attribute of the format",
+    ("schedules/transcriber.py", "nb"): "an attribute of the format",
     ("schedules/sapi.py", "sapi"): "the name of the format",
     ("schedules/sapi.py", "sapi-visemes"): "the notation that the format is in",
     ("phonology/espeak/process.py", "NG"): "eSpeak NG is the engine's name",

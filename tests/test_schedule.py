@@ -377,8 +377,59 @@ EXAMPLES = {
     ),
     "charsiu": json.dumps([[[at, end, label] for label, at, end in ROWS], [[0.0, 0.5, "hello"]]]),
     "moho": "MohoSwitch1\n1 etc\n4 E\n7 L\n10 O\n16 rest\n",
+    "subtitles": "WEBVTT\n\n00:00.000 --> 00:00.500\n<v Ann>hello\n",
+    "aeneas": json.dumps(
+        {
+            "fragments": [
+                {
+                    "begin": "0.000",
+                    "children": [],
+                    "end": "0.500",
+                    "id": "f000001",
+                    "language": "eng",
+                    "lines": ["hello"],
+                }
+            ]
+        }
+    ),
+    "elevenlabs": json.dumps(
+        {
+            "audio_base64": "",
+            "alignment": {
+                "characters": list("hello"),
+                "character_start_times_seconds": [0.0, 0.1, 0.2, 0.25, 0.3],
+                "character_end_times_seconds": [0.1, 0.2, 0.25, 0.3, 0.5],
+            },
+            "normalized_alignment": None,
+        }
+    ),
+    "transcriber": (
+        '<?xml version="1.0" encoding="ISO-8859-1"?>\n<!DOCTYPE Trans SYSTEM "trans-14.dtd">\n'
+        '<Trans scribe="me" audio_filename="line" version="1" version_date="240101">\n<Speakers>\n'
+        '<Speaker id="spk1" name="Ann" check="no" dialect="native" accent="" scope="local"/>\n'
+        '</Speakers>\n<Episode>\n<Section type="report" startTime="0" endTime="0.5">\n'
+        '<Turn speaker="spk1" startTime="0" endTime="0.5">\n<Sync time="0"/>\nhello\n'
+        '<Event desc="b" type="noise" extent="instantaneous"/>\n</Turn>\n</Section>\n</Episode>\n'
+        "</Trans>\n"
+    ),
+    "whisper": json.dumps(
+        {
+            "segments": [
+                {
+                    "start": 0.0,
+                    "end": 0.5,
+                    "text": " hello",
+                    "words": [{"word": "hello", "start": 0.0, "end": 0.5, "score": 0.9}],
+                }
+            ],
+            "language": "en",
+        }
+    ),
 }
 """The same line in every input format."""
+
+ONLY_WORDS = {"aeneas", "elevenlabs", "subtitles", "transcriber", "whisper"}
+"""Formats that time words, and no phonemes."""
 
 SHAPES = {
     "rhubarb": ("A", "C", "H", "F"),
@@ -431,6 +482,11 @@ def test_every_reader_has_an_example():
 def test_every_reader_reads_its_example(name, suffix, tmp_path):
     for path in (tmp_path / f"line{suffix}", tmp_path / f"loud{suffix.upper()}"):
         path.write_text(EXAMPLES[name], "utf-8")
+        if name in ONLY_WORDS:
+            timed = ll.read_timings(path)
+            assert [(w.text, w.start, w.end) for w in timed.words] == [("hello", 0, 0.5)]
+            assert timed.source == str(path)
+            continue
         schedule = ll.read_schedule(path, rate=30 if name == "moho" else None)
         assert schedule.labels == SHAPES.get(name, LABELS)
         np.testing.assert_allclose(schedule.times, TIMES, atol=ROUNDED_SECONDS.get(name, 1e-9))
@@ -444,7 +500,10 @@ def test_every_reader_reads_its_example(name, suffix, tmp_path):
 def test_every_reader_counts_in_the_units_that_are_asked_for(name, tmp_path):
     path = tmp_path / f"line{READERS[name].suffixes[0]}"
     path.write_text(EXAMPLES[name], "utf-8")
-    schedule = ll.read_schedule(path, rate=2 * UNITS.get(name, 1))
+    schedule = ll.read_timings(path, rate=2 * UNITS.get(name, 1))
+    if name in ONLY_WORDS:
+        assert [(w.text, w.start, w.end) for w in schedule.words] == [("hello", 0, 0.25)]
+        return
     off = ROUNDED_SECONDS.get(name, 1e-9)
     np.testing.assert_allclose(schedule.times, np.array(TIMES) / 2, atol=off)
     assert schedule.words == ll.read_schedule(path).words

@@ -7,7 +7,7 @@ import pytest
 from test_schedule import EXAMPLES
 
 from lipsync_lang.errors import ScheduleError
-from lipsync_lang.schedules import Schedule, read_schedule
+from lipsync_lang.schedules import Schedule, TimedWords, read_timings
 from lipsync_lang.schedules.timing_readers import READERS
 
 every_reader = pytest.mark.parametrize("name", EXAMPLES)
@@ -19,10 +19,10 @@ VALUES = ("NaN", "-Infinity", "1e999", "-1", "9" * 5000, '"0.1"', "null", "[]", 
 
 
 def outcome(path, content, **options):
-    """Read a file; nothing but a schedule or a refusal in words may come of it."""
+    """Read a file; nothing but timings or a refusal in words may come of it."""
     path.write_bytes(content)
     try:
-        return read_schedule(path, **options)
+        return read_timings(path, **options)
     except ScheduleError as error:
         told = str(error)
     assert told.startswith(str(path))
@@ -80,9 +80,9 @@ def test_an_encoding_is_read_or_refused(name, encoding, tmp_path):
     for path, options in ways(name, tmp_path):
         content = EXAMPLES[name].encode(encoding)
         found = outcome(path, content, **options)
-        assert isinstance(found, Schedule) or encoding.startswith("cp")
+        assert isinstance(found, Schedule | TimedWords) or encoding.startswith("cp")
         named = outcome(path, content, **options, encoding=encoding)
-        assert isinstance(named, Schedule)
+        assert isinstance(named, Schedule | TimedWords)
 
 
 TENFOLD = "".join(f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in pairwise("abcdefghi"))

@@ -7,13 +7,12 @@ from typing import NamedTuple
 
 from lipsync_lang.files.names import folded_name
 from lipsync_lang.lines.line_readers import LineFile
-from lipsync_lang.lines.timings import is_timed
-from lipsync_lang.schedules.timing_readers import READERS
+from lipsync_lang.lines.timings import SUFFIXES, is_timed
 
-COMMON_SUFFIXES = {".csv", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
+COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
 """Suffixes of timings that other files have too; the content tells."""
 
-RARE_SUFFIXES = tuple(sorted({*READERS.suffixes()} - COMMON_SUFFIXES))
+RARE_SUFFIXES = tuple(sorted({*SUFFIXES} - COMMON_SUFFIXES))
 """Suffixes that only timings have."""
 
 
@@ -32,7 +31,7 @@ class Recordings:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._suffixes = tuple(READERS.suffixes())
+        self._suffixes = SUFFIXES
         self._listings: dict[str, Listing] = {}
 
     def find(self, path: str) -> Path | None:

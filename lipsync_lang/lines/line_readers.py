@@ -215,7 +215,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
 
 
 def _reader(source: LineFile) -> LineReader:
-    """Return what reads a file: that of its suffix, unless it begins like timed phonemes."""
+    """Return what reads a file: that of its suffix, unless it begins like timings."""
     from lipsync_lang.lines.timings import NAME, is_timed
 
     if source.path == STANDARD_STREAM:

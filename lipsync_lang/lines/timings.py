@@ -10,6 +10,9 @@ from lipsync_lang.schedules.timing_readers import READERS, timings_of
 
 NAME = "schedule"
 
+SUFFIXES = tuple(sorted({s for one in READERS.values() if not one.script for s in one.suffixes}))
+"""Suffixes of timings that are not read as scripts."""
+
 
 def is_timed(source: LineFile) -> bool:
     """Tell whether a file begins like a format of timed phonemes that has its suffix."""
@@ -18,10 +21,10 @@ def is_timed(source: LineFile) -> bool:
             begins = TimingFile(source.path, stream.read(HEAD_BYTES))
     except OSError:
         return False
-    return any(one.sniff(begins) for one in READERS.ending(source.path))
+    return any(one.sniff(begins) for one in READERS.ending(source.path) if not one.script)
 
 
-@reader(NAME, suffixes=READERS.suffixes())
+@reader(NAME, suffixes=SUFFIXES)
 def read(source: LineFile) -> Iterator[Line]:
     """Timed phonemes or words, in every format that timings are read from; a file is a line."""
     content = timing_bytes(source.path) if source.content is None else source.content

@@ -34,21 +34,27 @@ class ScheduleReader(Format):
     tiers: bool = False
     """True if a file may hold several tiers; `tier` names one."""
 
+    script: bool = False
+    """True if a file is a script as well, of which each cue is a line."""
+
 
 READERS: Formats[ScheduleReader] = Formats("readers", "format", room=__package__)
 
 
-def reader(name: str, *suffixes: str, sniff: Sniff, tiers: bool = False) -> Callable[[Read], Read]:
+def reader(
+    name: str, *suffixes: str, sniff: Sniff, tiers: bool = False, script: bool = False
+) -> Callable[[Read], Read]:
     """Register a function ``(source) -> Schedule`` as the reader of a format.
 
     A reader of words without phonemes returns `TimedWords` (`timed_words.timed_words_of`).
 
     `sniff` tells by its content whether a file is in it: quickly, by ``source.head`` or
     ``source.document``, and without raising. Only with `tiers` may one be asked for.
+    A `script` is counted line by line where scripts are, instead of as one line.
     """
 
     def register(read: Read) -> Read:
-        made = ScheduleReader(name, suffixes, summary(read), sniff, read, tiers)
+        made = ScheduleReader(name, suffixes, summary(read), sniff, read, tiers, script)
         READERS.add(name, made, read.__module__)
         return read
 

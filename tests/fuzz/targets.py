@@ -35,7 +35,7 @@ from lipsync_lang.quality.fitting import read_for
 from lipsync_lang.render.staging import staged
 from lipsync_lang.rigs.model import read_model
 from lipsync_lang.schedules.timing_readers import READERS as TIMINGS
-from lipsync_lang.schedules.timing_readers import read_schedule
+from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
@@ -116,9 +116,9 @@ def _performer() -> Performer:
 
 def _timings(name: str, path: Path) -> None:
     try:
-        read_schedule(path, read_as=name)
+        read_timings(path, read_as=name)
     finally:
-        read_schedule(path)  # as the content and the suffix tell
+        read_timings(path)  # as the content and the suffix tell
 
 
 def _lines(name: str, path: Path) -> None:

@@ -1,0 +1,46 @@
+"""aeneas: a sync map of fragments in JSON.
+
+A fragment has its begin and end in seconds, as text, and the rows of its text. Fragments of several
+levels contain smaller ones; the smallest are read.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+FORM = '{"fragments": [{"id": "f000001", "begin": "0.000", "end": "2.680", "lines": ["Hello."]}]}'
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the JSON has fragments."""
+    return source.holds("fragments")
+
+
+@reader("aeneas", ".json", sniff=sniff)
+def read_aeneas(source: TimingFile) -> TimedWords:
+    """Sync maps of aeneas: the smallest fragments of the text with their times."""
+    whole = source.json
+    fragments = whole.get("fragments") if isinstance(whole, dict) else None
+    return timed_words_of(source, list(_smallest(source, fragments)))
+
+
+def _smallest(source: TimingFile, fragments: object) -> Iterator[TimedWord]:
+    """Yield fragments without children."""
+    if not isinstance(fragments, list):
+        raise source.fault(f"has no list of fragments; the form is {FORM}")
+    for fragment in fragments:
+        lines = fragment.get("lines") if isinstance(fragment, dict) else None
+        if not isinstance(lines, list):
+            raise source.fault(f"a fragment has no lines; the form is {FORM}")
+        if fragment.get("children"):
+            yield from _smallest(source, fragment["children"])
+        else:
+            start, end = (_seconds(source, fragment.get(name)) for name in ("begin", "end"))
+            yield TimedWord(" ".join(map(str, lines)), start, end)
+
+
+def _seconds(source: TimingFile, value: Any) -> float:
+    return source.time(value) if isinstance(value, str) else source.number(value)
