@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
+from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class Manner:
     words : pronunciations that override the engine, by word in plain spelling
     audio : how recordings of it become phonemes
     stress_digits : notations whose labels may end in a stress digit
+    forms : written forms that the pack reads, not the engine
     """
 
     language: str
@@ -60,6 +62,7 @@ class Manner:
     words: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     audio: Hearing = field(default_factory=Hearing)
     stress_digits: tuple[str, ...] = ()
+    forms: SpokenForms = field(default_factory=SpokenForms)
 
     @property
     def direct(self) -> bool:
@@ -110,5 +113,6 @@ class Manner:
                 "words": {word: tuple(sounds) for word, sounds in data["words"].items()},
                 "audio": Hearing(**{**audio, "align": tuple(audio["align"]), "phones": phones}),
                 "stress_digits": tuple(data["stress_digits"]),
+                "forms": SpokenForms.from_plain(data["forms"]),
             }
         )

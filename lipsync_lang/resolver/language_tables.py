@@ -9,6 +9,7 @@ from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value
 from lipsync_lang.phonology.manner import Hearing, Manner
 from lipsync_lang.phonology.notations import ready
+from lipsync_lang.resolver.language_forms import forms_of
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -29,12 +30,13 @@ def manner_of(
         for word, sounds in said.items()
     }
     added = {name: phoneme for name, phoneme in model.adds.items() if phoneme is not None}
+    notation = (g2p.notation if g2p else None) or next(iter(model.notations), "")
     phonemes: dict[str, models.SoundFields] = {**common.shades, **common.phonemes, **added}
     return Manner(
         language=model.name,
         engine=g2p.engine if g2p else None,
         settings=_settings(language),
-        notation=(g2p.notation if g2p else None) or next(iter(model.notations), ""),
+        notation=notation,
         voice=(model.tts.engine, model.tts.voice or "") if model.tts else None,
         others=dict(model.tts.others) if model.tts else {},
         kinds={name: phoneme.sound or "" for name, phoneme in phonemes.items()},
@@ -42,6 +44,7 @@ def manner_of(
         words=words,
         audio=_hearing(language),
         stress_digits=model.stress_digits,
+        forms=forms_of(model, common, notation),
     )
 
 

@@ -19,6 +19,7 @@ from lipsync_lang.phonology.emphasis import EmphasisedText, emphasised, touched
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.g2p_engines import Engine as G2PEngine
 from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.g2p.utterances import Utterances
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
@@ -144,6 +145,21 @@ class Speaker:
             yield from (found[text] if text in found else known[text] for text in batch)
 
     def _read_anew(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+        if self.manner.engine is None:
+            return self._read_plainly(texts)
+        return self._utterances.read(texts, self._read_plainly)
+
+    @cached_property
+    def _utterances(self) -> Utterances:
+        """The reader of interjections, stutters and the like, made once."""
+        return Utterances(self.manner.forms, self.manner.words, self._is_vowel)
+
+    def _is_vowel(self, label: str) -> bool:
+        value = self.notations[self.manner.notation].find(label) or ()
+        return any(self.manner.kinds.get(name) == "vowel" for name, _ in value)
+
+    def _read_plainly(self, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
+        """Return the words of texts as the engine reads them."""
         try:
             read = self._engine
         except SpeechError as error:
@@ -327,14 +343,30 @@ class Speaker:
     ) -> Iterator[Schedule | SpeechError]:
         """Speak texts with a voice; join what the G2P engine reads, if that is another."""
         from lipsync_lang.speech import speak_many
-        from lipsync_lang.speech.joining import join
 
         manner = self.manner
         say = partial(speak_many, voice=voice, engine=name, words_per_minute=words_per_minute)
-        if manner.direct or manner.voice is None or name != manner.voice[0]:
-            return each(say(texts), partial(replace, language=manner.language))
-        spoken = in_turn(self.transcribe_many(texts), lambda good: say(map(_spelling, good)))
-        return each(spoken, lambda pair: join(*pair, manner, self.notations))
+        direct = manner.direct or manner.voice is None or name != manner.voice[0]
+        read = self._for_direct_voice(texts) if direct else self.transcribe_many(texts)
+        spoken = in_turn(read, lambda good: say(map(_spelling, good)))
+        return each(spoken, lambda pair: self._timed(*pair))
+
+    def _for_direct_voice(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
+        """Yield transcripts of texts that the pack reads; of others, for the voice, no words."""
+        for batch in batches(texts, BATCH_TEXTS):
+            whole = self.manner.engine is None
+            odd = [text for text in batch if not (whole or self._utterances.ordinary(text))]
+            read = dict(zip(odd, self.transcribe_many(odd), strict=True))
+            unread = partial(Transcript, language=self.manner.language, notation="", words=())
+            yield from (read[text] if text in read else unread(text) for text in batch)
+
+    def _timed(self, transcript: Transcript, spoken: Schedule) -> Schedule:
+        """Return the schedule of a voice, joined with the words of a transcript, if any."""
+        from lipsync_lang.speech.joining import join
+
+        if not transcript.words:
+            return replace(spoken, language=self.manner.language)
+        return join(transcript, spoken, self.manner, self.notations)
 
     def _voice(self, engine: str | None) -> tuple[str, str]:
         """Return engine and voice: the pack's default, or its voice for the given engine."""

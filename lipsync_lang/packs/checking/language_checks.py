@@ -24,6 +24,7 @@ def check_labels(language: "Pack[models.Language]") -> Iterator[Fault]:
     yield from _twice(language)
     yield from _rules(language)
     yield from _corrections(language)
+    yield from _interjections(language)
 
 
 def check_claims(
@@ -102,6 +103,17 @@ def _corrections(language: "Pack[models.Language]") -> Iterator[Fault]:
                 what = f"'{label}' is not in the notation '{written(language.model)}'"
                 loc: Loc = ("g2p", "corrections", number, "to")
                 yield language.fault(loc, "P218", what, did_you_mean(label, labels))
+
+
+def _interjections(language: "Pack[models.Language]") -> Iterator[Fault]:
+    model = language.model
+    notation = notation_of(model, written(model))
+    for spelling, sounds in model.text.interjections.items() if model.text else ():
+        for label in sounds.to if sounds and not model.automatic else ():
+            if notation.find(label) is None:
+                loc: Loc = ("text", "interjections", spelling)
+                what = f"'{label}' is not in the notation '{written(model)}'"
+                yield language.fault(loc, "P218", what, notation.suggest(label))
 
 
 def _inventory(language: "Pack[models.Language]") -> Iterator[Fault]:

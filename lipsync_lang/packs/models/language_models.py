@@ -24,6 +24,7 @@ from lipsync_lang.packs.models.fields import (
     Strict,
     Text,
 )
+from lipsync_lang.packs.models.text_models import LanguageText, SharedText
 from lipsync_lang.phonology.g2p.contexts import ContextError, compile_context
 
 SoundClass = Literal[
@@ -143,6 +144,8 @@ class Phonemes(PackModel):
     """Finer phonemes of every language that has their parent."""
     durations: dict[SoundClass, Positive] = Field(default={})
     """Default seconds by class, if neither a voice nor the language gives timings."""
+    text: SharedText | None = None
+    """Written forms that languages share: interjections, and letters of vowels."""
     visemes: dict[Text, Visemes] = Field(default={})
     """Notations of mouth shapes instead of sounds. They lose information, and are never chosen
     automatically."""
@@ -343,6 +346,8 @@ class Language(PackModel):
     """Notations whose labels may end in a digit of stress: 0 none, 1 primary, 2 secondary."""
     words: dict[Text, Annotated[tuple[Common, ...], Field(min_length=1)]] = Field(default={})
     """Pronunciations of words, which override the engine."""
+    text: LanguageText | None = None
+    """Written forms that the engine would misread: interjections, abbreviations, numerals."""
     examples: dict[Label, str] = Field(default={})
     """A word for each label of the first notation."""
     reasons: dict[Label, str] = Field(default={})

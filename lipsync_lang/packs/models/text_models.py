@@ -1,0 +1,80 @@
+"""Models of written forms that packs read themselves: interjections, abbreviations, numerals."""
+
+from typing import Annotated
+
+from pydantic import Field
+from pydantic_core import PydanticCustomError
+
+from lipsync_lang.packs.models.fields import Data, Label, OrOne, Short, Strict, Text
+
+
+class InterjectionSounds(Strict):
+    """The sounds of an interjection."""
+
+    to: Annotated[tuple[Label, ...], OrOne] = Field(min_length=1)
+    """Labels of the notation that `g2p` writes."""
+    say: str = ""
+    """A spelling for the voice; the interjection's own unless stated."""
+
+
+def _interjection(value: Data) -> Data:
+    """Expand the short form: `to` alone, as a label or a list of labels."""
+    if value is None or isinstance(value, (dict, InterjectionSounds)):
+        return value
+    if isinstance(value, (str, tuple, list)):
+        return {"to": value}
+    raise PydanticCustomError("P103", "must be a label, a list of labels, or a mapping with `to`")
+
+
+ShortInterjection = Short(
+    _interjection,
+    forms=lambda full: [
+        full,
+        {"type": "string"},
+        {"type": "array", "items": {"type": "string"}},
+    ],
+)
+
+InterjectionTable = dict[Text, Annotated[InterjectionSounds | None, ShortInterjection]]
+"""The sounds of interjections by their shortest spelling; null for a word that is none."""
+
+
+class Numerals(Strict):
+    """Roman numerals, and the words before them."""
+
+    counted: tuple[Text, ...] = ()
+    """Words before a cardinal number, such as `chapter`."""
+    named: tuple[Text, ...] = ()
+    """Words before an ordinal number: names of rulers."""
+    ordinals: tuple[Text, ...] = ()
+    """Ordinal numbers from 1; later ones are read as cardinal numbers."""
+
+
+class LanguageText(Strict):
+    """Written forms of a language that its engine would misread."""
+
+    interjections: InterjectionTable = Field(default={})
+    """The sounds of interjections by their shortest spelling. A letter may be repeated more often,
+    and a spelling that is one part twice, such as `haha`, as a whole. Null removes a shared one."""
+    abbreviations: dict[Text, str] = Field(default={})
+    """The words for abbreviations and signs. `#` in a spelling is a number, `##` a number of two
+    digits, and `{1}` in the words is the first of them. Words with a full stop at their end end a
+    sentence where a capital follows."""
+    numerals: Numerals | None = None
+    """Roman numerals, and the words before them."""
+    doubled: tuple[Text, ...] = ()
+    """Words whose double letter stays if the word is drawn out: `goood` is `good`."""
+    hyphenated: tuple[Text, ...] = ()
+    """Words with a hyphen that look like stutters, such as `D-Day`."""
+
+
+class SharedText(Strict):
+    """Written forms that many languages share."""
+
+    vowels: str = ""
+    """Letters of vowels, small and without accents, in all alphabets."""
+    interjections: InterjectionTable = Field(default={})
+    """The sounds of interjections in IPA, for every language whose `g2p` writes IPA."""
+    nearby: dict[Label, tuple[Label, ...]] = Field(default={})
+    """For a label that a language does not have, others in order; a sound without any is left
+    out."""

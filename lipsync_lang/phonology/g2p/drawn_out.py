@@ -1,0 +1,132 @@
+"""Words drawn out (`Nooo`, `Shhh`): their ordinary spelling, and the labels that last longer.
+
+`vowels` are always the letters of vowels, in small letters without accents.
+"""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from itertools import groupby
+from typing import NamedTuple
+from unicodedata import combining, name, normalize
+
+from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.tokens import plain
+
+MAX_COPIES = 3
+"""Most copies that lengthen one label."""
+
+DRAWN_LETTERS = 3
+"""Equal letters in a row that draw a word out."""
+
+SYLLABIC = ("CJK", "HIRAGANA", "KATAKANA", "HANGUL SYLLABLE", "BOPOMOFO", "YI ")
+"""Starts of names of characters that are read as syllables, not as names of letters."""
+
+_LONG_MARK = "PROLONGED SOUND MARK"
+
+IsVowel = Callable[[str], bool]
+"""Tell whether a label is a vowel."""
+
+
+class DrawnOut(NamedTuple):
+    """A word drawn out: its ordinary spelling, and the runs of letters that were longer in it."""
+
+    word: str
+    runs: tuple[tuple[int, int], ...]
+    """For each long run, the place of its letter in the word, and the number of letters beyond."""
+
+
+def folded(text: str) -> str:
+    """Return small letters, each apart from its marks."""
+    return normalize("NFKD", text.casefold())
+
+
+def bare(text: str) -> str:
+    """Return small letters without their marks."""
+    return "".join(c for c in folded(text) if not combining(c))
+
+
+def lead_letters(word: str, vowels: str) -> int:
+    """Return the number of letters before the first vowel; of a script without vowels, all."""
+    letters = bare(word)
+    for place, letter in enumerate(letters):
+        glide = not place and letter == "y" and letters[1:2] in vowels and len(letters) > 1
+        if letter in vowels and not glide:
+            return place
+    return len(letters)
+
+
+def ordinary_spellings(doubled: Collection[str]) -> dict[str, str]:
+    """Map words without their double letters to the words; input of `drawn_out`."""
+    return {_squeezed(word): word for word in map(plain, doubled)}
+
+
+def drawn_out(token: str, ordinary: Mapping[str, str]) -> DrawnOut | None:
+    """Return the ordinary spelling of a word drawn out; None for any other word.
+
+    >>> drawn_out("Nooooo", {})
+    DrawnOut(word='No', runs=((1, 4),))
+    >>> drawn_out("Goood", ordinary_spellings(["good"])).word
+    'Good'
+    """
+    runs = [(letter, len(list(same))) for letter, same in groupby(token, key=str.casefold)]
+    long = [_is_long(letter, count) for letter, count in runs]
+    if not any(long) or (len(runs) == 1 and (token.isupper() or not token[0].isalpha())):
+        return None
+    known = ordinary.get(_squeezed(plain(token)), "")
+    counts = [1 if drawn else count for (_, count), drawn in zip(runs, long, strict=True)]
+    if known:
+        counts = [len(list(same)) for _, same in groupby(known)]
+    word, places, at = "", [], 0
+    for (_, count), drawn, keep in zip(runs, long, counts, strict=True):
+        places += [(len(word), count - keep)] if drawn else []
+        word += token[at : at + keep]
+        at += count
+    return DrawnOut(word, tuple(places))
+
+
+def _is_long(letter: str, count: int) -> bool:
+    if count < DRAWN_LETTERS or not letter.isalpha():
+        return False
+    called = name(letter[0], "")
+    return called.endswith(_LONG_MARK) or not called.startswith(SYLLABIC)
+
+
+def _squeezed(word: str) -> str:
+    return "".join(letter for letter, _ in groupby(word))
+
+
+def lengthened(said: Said, drawn: DrawnOut, is_vowel: IsVowel, vowels: str) -> Said:
+    """Return a word with the labels repeated that its letters draw out."""
+    more = [0] * len(said.labels)
+    for place, letters in drawn.runs:
+        if said.labels:
+            more[_label_at(said.labels, drawn.word, place, is_vowel, vowels)] += _copies(letters)
+    stress = said.stress or (None,) * len(said.labels)
+    rows = list(zip(said.labels, stress, more, strict=True))
+    return said._replace(
+        labels=tuple(label for label, _, n in rows for _ in range(1 + n)),
+        stress=tuple(m for _, mark, n in rows for m in (mark, *(None,) * n)) if said.stress else (),
+    )
+
+
+def _label_at(labels: Sequence[str], word: str, place: int, is_vowel: IsVowel, vowels: str) -> int:
+    """Return the place of the label that a letter stands for, as near as letters tell."""
+    letters = bare(word)
+    guess = place * (len(labels) - 1) / max(len(word) - 1, 1)
+    wanted = letters[place : place + 1] in vowels
+    glide = bool(lead_letters(word, vowels))  # the w of "what" may count as a vowel
+    alike = [
+        at
+        for at, label in enumerate(labels)
+        if (is_vowel(label) and not (glide and not at)) == wanted
+    ]
+    if not alike or not set(letters) & set(vowels):
+        return round(guess)
+    if not wanted:
+        return min(alike, key=lambda at: abs(at - guess))
+    groups = [key for key, _ in groupby(letters[: place + 1], key=lambda c: c in vowels)]
+    return alike[min(sum(groups), len(alike)) - 1]
+
+
+def _copies(letters: int) -> int:
+    """Return the number of copies of a label for letters beyond the ordinary spelling."""
+    return min((letters + 1) // 2, MAX_COPIES)

@@ -1,0 +1,166 @@
+"""Abbreviations, signs, Roman numerals and ruby, replaced by the words that are said.
+
+A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
+and so on; `{1}` in its expansion is the first of them. A space of a key may be missing in the
+text. An expansion with a full stop at its end ends a sentence where a capital follows.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+from typing import NamedTuple
+
+from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
+
+MAX_ROMAN_CHARS = 12
+"""Letters of the longest Roman numeral."""
+
+_ROMAN = re.compile(
+    "M{0,3}"
+    + "".join(
+        f"(?:{one}{ten}|{one}{five}|{five}?{one}{{0,3}})"
+        for one, five, ten in ("CDM", "XLC", "IVX")
+    )
+)
+_VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
+_AFTER_NAME = re.compile(r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])")
+
+_RUBY = re.compile(
+    "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
+    "《(?P<reading>[ぁ-ゖァ-ヺー・]{1,60})》"
+)
+"""A word with its reading in kana, as in 漢字《かんじ》; of several hanzi, all in a row."""
+
+_SPACE = "[ \u00a0\u202f]?"
+_NUMBER = r"([0-9]+(?:[.,][0-9]+)*)"
+
+
+class Replacement(NamedTuple):
+    """A part of a text, and the text to read in its place."""
+
+    start: int
+    stop: int
+    read: str
+
+
+class Expansions:
+    """A finder of abbreviations, signs, Roman numerals and ruby of a language."""
+
+    def __init__(self, forms: SpokenForms) -> None:
+        self._forms = forms
+
+    def find(self, text: str) -> list[Replacement]:
+        """Return what to replace in a text, in order and apart from each other."""
+        found: list[Replacement] = []
+        for one in sorted((*_ruby(text), *self._abbreviated(text), *self._roman(text))):
+            if not found or one.start >= found[-1].stop:
+                found.append(one)
+        return found
+
+    @cached_property
+    def _keys(self) -> tuple[re.Pattern[str], tuple[str, ...]] | None:
+        """All keys as one expression, longest first, and their expansions by group."""
+        items = sorted(self._forms.abbreviations.items(), key=lambda item: (-len(item[0]), item))
+        if not items:
+            return None
+        whole = "|".join(f"(?P<k{n}>{_expression(key)})" for n, (key, _) in enumerate(items))
+        return re.compile(whole), tuple(value for _, value in items)
+
+    def _abbreviated(self, text: str) -> Iterator[Replacement]:
+        if self._keys is None:
+            return
+        pattern, values = self._keys
+        for found in pattern.finditer(text):
+            name = found.lastgroup or ""
+            numbers = [n for n in found.groups()[pattern.groupindex[name] :] if n is not None]
+            read = values[int(name[1:])]
+            for place, number in enumerate(numbers, start=1):
+                read = read.replace(f"{{{place}}}", number)
+            after = text[found.end() :].lstrip()
+            if read.endswith(".") and after and not after[:1].isupper():
+                read = read[:-1]
+            yield Replacement(*found.span(), _apart(text, *found.span(), read))
+
+    def _roman(self, text: str) -> Iterator[Replacement]:
+        forms = self._forms
+        if not (forms.counted or forms.named):
+            return
+        found: dict[tuple[int, int], str] = {}
+        for pattern, ordinals in self._numerals:
+            for one in pattern.finditer(text):
+                number = roman(one["numeral"])
+                read = ordinals[number - 1] if number <= len(ordinals) else str(number)
+                if number and (pattern is not _AFTER_NAME or one[0][0].isupper()):
+                    found.setdefault(one.span("numeral"), read)
+        yield from (Replacement(*span, read) for span, read in found.items())
+
+    @cached_property
+    def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:
+        """Expressions for Roman numerals, and the ordinal numbers to read them by."""
+        forms = self._forms
+        stated = [(_after(forms.named), forms.ordinals), (_after(forms.counted), ())]
+        return [*((p, names) for p, names in stated if p is not None), (_AFTER_NAME, ())]
+
+
+def roman(numeral: str) -> int:
+    """Return the value of a Roman numeral; 0 for any other text.
+
+    >>> roman("XIV"), roman("IIX")
+    (14, 0)
+    """
+    if not numeral or not _ROMAN.fullmatch(numeral):
+        return 0
+    values = [_VALUES[letter] for letter in numeral]
+    return sum(-v if v < after else v for v, after in zip(values, (*values[1:], 0), strict=True))
+
+
+def _after(words: Iterable[str]) -> re.Pattern[str] | None:
+    listed = "|".join(re.escape(word) for word in sorted(words, key=lambda word: -len(word)))
+    if not listed:
+        return None
+    numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?![^\W_]|['’])"
+    return re.compile(rf"(?<![^\W_])(?i:{listed})[ \u00a0]+{numeral}")
+
+
+def _ruby(text: str) -> Iterator[Replacement]:
+    for found in _RUBY.finditer(text) if "《" in text else ():
+        yield Replacement(*found.span(), found["reading"].translate(_KATAKANA))
+
+
+_KATAKANA = {code: code + 0x60 for code in range(0x3041, 0x3097)}
+"""Katakana cannot be mistaken for a particle, as は and へ can."""
+
+
+def _expression(key: str) -> str:
+    """Return the expression of a key; spaces in it may be missing in a text."""
+    parts = [
+        (_NUMBER if part == "#" else f"([0-9]{{{len(part)}}})")
+        if part.startswith("#")
+        else _SPACE
+        if part == " "
+        else re.escape(part)
+        for part in re.findall("#+|[^#]", key)
+    ]
+    if key[0].islower():
+        parts[0] = f"[{key[0]}{key[0].upper()[:1]}]"  # at the start of a sentence
+    return _before(key[0]) + "".join(parts) + _behind(key[-1])
+
+
+def _before(first: str) -> str:
+    if first == "#" or first.isdigit():
+        return r"(?<![0-9])(?<![0-9][.,/:-])"
+    return r"(?<![^\W_])" if first.isalpha() else ""
+
+
+def _behind(last: str) -> str:
+    if last == "#" or last.isdigit():
+        return "(?![0-9]|[.,/:-][0-9])"
+    return r"(?![^\W_])" if last.isalpha() or last == "." else ""
+
+
+def _apart(text: str, start: int, stop: int, read: str) -> str:
+    """Return an expansion with spaces where it would run together with its neighbours."""
+    before, after = text[max(start - 1, 0) : start], text[stop : stop + 1]
+    left = " " if before.isalnum() and read[:1].isalnum() else ""
+    right = " " if after.isalnum() and read[-1:].isalnum() else ""
+    return left + read + right

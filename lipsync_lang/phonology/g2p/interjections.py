@@ -1,0 +1,92 @@
+"""Interjections: `Mmm`, `Shhh`, `Hahaha`, by a shortest spelling with its labels.
+
+A letter may be repeated more often than in the shortest spelling; its sound lasts longer then.
+A spelling that is one part twice (`haha`) may be repeated as a whole.
+"""
+
+import re
+from collections.abc import Mapping
+from itertools import groupby
+from typing import NamedTuple
+
+from lipsync_lang.phonology.g2p.drawn_out import DrawnOut, IsVowel, lengthened
+from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.spoken_forms import Interjection
+from lipsync_lang.phonology.g2p.tokens import plain
+
+
+class _Pattern(NamedTuple):
+    """A shortest spelling as an expression with a group for each letter; or one for a part."""
+
+    whole: re.Pattern[str]
+    part: re.Pattern[str] | None
+    runs: tuple[int, ...]
+    interjection: Interjection
+
+
+class Interjections:
+    """A finder of interjections by their spelling.
+
+    Parameters
+    ----------
+    known : interjections by their shortest spelling
+    is_vowel : tells labels of vowels
+    vowels : letters of vowels
+    """
+
+    def __init__(self, known: Mapping[str, Interjection], is_vowel: IsVowel, vowels: str) -> None:
+        self._is_vowel, self._vowels = is_vowel, vowels
+        self._patterns: dict[str, list[_Pattern]] = {}
+        for spelling, interjection in sorted(known.items(), key=lambda item: -len(item[0])):
+            folded = plain(spelling)
+            self._patterns.setdefault(folded[0], []).append(_pattern(folded, interjection))
+
+    def find(self, token: str, *, shouted: bool = False) -> Said | None:
+        """Return a word read as an interjection; None for any other word.
+
+        Parameters
+        ----------
+        token : a word of the text
+        shouted : whether the whole text is in capitals; else capitals alone are an abbreviation
+        """
+        word = plain(token)
+        for spelling in dict.fromkeys((word, word.replace("-", ""))):
+            for pattern in self._patterns.get(spelling[:1], ()):
+                found = pattern.whole.fullmatch(spelling)
+                if not found:
+                    continue
+                drawn = [
+                    len(group) - run
+                    for group, run in zip(found.groups(), pattern.runs, strict=True)
+                ]
+                if token.isupper() and len(token) > 1 and not (shouted or any(drawn)):
+                    continue
+                return self._said(token, spelling, pattern, drawn)
+        return None
+
+    def _said(self, token: str, spelling: str, pattern: _Pattern, drawn: list[int]) -> Said:
+        labels, say = pattern.interjection
+        said = Said(token, labels, say or _shortest(spelling))
+        if pattern.part is not None:
+            return said._replace(
+                labels=labels[: len(labels) // 2] * len(pattern.part.findall(spelling))
+            )
+        runs = tuple((place, more) for place, more in enumerate(drawn) if more)
+        word = "".join(letter for letter, _ in groupby(spelling))
+        return lengthened(said, DrawnOut(word, runs), self._is_vowel, self._vowels)
+
+
+def _pattern(spelling: str, interjection: Interjection) -> _Pattern:
+    half = spelling[: len(spelling) // 2]
+    if half * 2 == spelling and len(set(half)) > 1:
+        unit = "".join(f"{re.escape(letter)}+" for letter, _ in groupby(half))
+        whole = re.compile(f"(?:{unit}){{2,}}(?:{re.escape(half[0])}+)?")
+        return _Pattern(whole, re.compile(unit), (), interjection)
+    runs = [(letter, len(list(run))) for letter, run in groupby(spelling)]
+    whole = re.compile("".join(f"({re.escape(letter)}{{{n},}})" for letter, n in runs))
+    return _Pattern(whole, None, tuple(n for _, n in runs), interjection)
+
+
+def _shortest(spelling: str) -> str:
+    """Return a spelling with each run of three or more letters cut to one."""
+    return re.sub(r"(.)\1{2,}", r"\1", spelling)

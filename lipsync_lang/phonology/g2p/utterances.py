@@ -1,0 +1,302 @@
+"""Texts cut at interjections, stutters, abbreviations and the like, read, and put together again.
+
+An engine reads the parts of a text that are ordinary words; the rest has its sounds from the pack,
+or from the word that a stutter repeats. All words come back in the user's spelling.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.drawn_out import (
+    DrawnOut,
+    IsVowel,
+    drawn_out,
+    lengthened,
+    ordinary_spellings,
+)
+from lipsync_lang.phonology.g2p.expansions import Expansions, Replacement
+from lipsync_lang.phonology.g2p.g2p_engines import Said
+from lipsync_lang.phonology.g2p.interjections import Interjections
+from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
+from lipsync_lang.phonology.g2p.stutters import (
+    begins,
+    respelled_start,
+    spelled_out,
+    start_labels,
+    starts_of,
+)
+from lipsync_lang.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
+
+_LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
+"""Characters at the start of a part that only part it from the one before."""
+
+Words = tuple[Said, ...]
+ReadTexts = Callable[[Sequence[str]], Sequence[Words | SpeechError]]
+"""Read texts at once: for each its words, or its error."""
+
+
+class UtterancePart(NamedTuple):
+    """A part of a text: an interjection, or words for the engine with a first word of its own.
+
+    Parameters
+    ----------
+    text : the user's spelling
+    replacements : parts of it that are read by another spelling
+    said : an interjection, if the part is one
+    starts : the starts of the first word that are repeated, each with the pause after it
+    drawn : the first word, if it is drawn out
+    """
+
+    text: str
+    replacements: tuple[Replacement, ...] = ()
+    said: Said | None = None
+    starts: tuple[tuple[str, str], ...] = ()
+    drawn: DrawnOut | None = None
+
+
+class _PartStart(NamedTuple):
+    """A place where a part begins: the part without its text, and where its text ends at most."""
+
+    start: int
+    stop: int
+    part: UtterancePart
+
+
+class Utterances:
+    """A reader of texts with interjections, stutters and abbreviations.
+
+    Parameters
+    ----------
+    forms : the written forms of the language
+    words : words with a pronunciation of their own, which are no interjections
+    is_vowel : tells labels of vowels
+    """
+
+    def __init__(self, forms: SpokenForms, words: Mapping[str, object], is_vowel: IsVowel) -> None:
+        self._forms, self._words, self._is_vowel = forms, words, is_vowel
+        self._interjections = Interjections(forms.interjections, is_vowel, forms.vowels)
+        self._expansions = Expansions(forms)
+        self._ordinary = ordinary_spellings(forms.doubled)
+        self._hyphenated = frozenset(map(plain, forms.hyphenated))
+
+    def read(self, texts: Sequence[str], read: ReadTexts) -> list[Words | SpeechError]:
+        """Read texts; the engine reads their ordinary parts at once."""
+        cut = [self.cut(text) for text in texts]
+        plainly = [part_text(part) for parts in cut for part in parts]
+        unmet = [text for text in dict.fromkeys(plainly) if text]
+        found = dict(zip(unmet, read(unmet), strict=True)) if unmet else {}
+        return [self._joined(parts, found) for parts in cut]
+
+    def ordinary(self, text: str) -> bool:
+        """Return True for a text that the engine reads as it is."""
+        parts = self.cut(text)
+        return len(parts) == 1 and parts[0] == UtterancePart(text)
+
+    def cut(self, text: str) -> list[UtterancePart]:
+        """Cut a text into parts; together they are the text."""
+        replaced = self._expansions.find(text)
+        parts: list[UtterancePart] = []
+        at, open_part = 0, UtterancePart("")
+        for start, stop, part in self._cuts(text, replaced):
+            if start > at:
+                parts += _filled(open_part, text, at, start, replaced)
+            at, open_part = start, part
+            if part.said is not None:
+                parts.append(part)
+                at, open_part = stop, UtterancePart("")
+        if at < len(text) or not parts:
+            parts += _filled(open_part, text, at, len(text), replaced)
+        return parts or [UtterancePart(text)]
+
+    def _cuts(self, text: str, replaced: Sequence[Replacement]) -> Iterator[_PartStart]:
+        tokens = list(pieces(text))
+        shouted = text.upper() == text
+        within = {p for one in replaced for p in range(one.start, one.stop)}
+        done = 0
+        for number, token in enumerate(tokens):
+            if token.kind != "word" or token.start < done or token.start in within:
+                continue
+            if plain(token.text) in self._words:
+                continue
+            before = tokens[number - 1] if number else None
+            found = self._cut_at(token, before, tokens[number + 1 :], shouted=shouted)
+            if found is not None:
+                yield found
+                done = found.stop
+
+    def _cut_at(
+        self,
+        token: TextPiece,
+        before: TextPiece | None,
+        after: Sequence[TextPiece],
+        *,
+        shouted: bool,
+    ) -> _PartStart | None:
+        """Return the part that begins with a word; None if the word is ordinary."""
+        start, stop = token.start, token.start + len(token.text)
+        counted = before is not None and before.text[-1].isdigit() and not token.text[0].isdigit()
+        said = None if counted else self._interjections.find(token.text, shouted=shouted)
+        if said is not None:
+            return _PartStart(start, stop, UtterancePart(token.text, said=said))
+        vowels = self._forms.vowels
+        starts = starts_of(token.text, vowels, self._hyphenated)
+        if starts:
+            length = sum(len(one) + 1 for one in starts)
+            gone = Replacement(0, length, "")
+            return _PartStart(
+                start, stop, UtterancePart("", (gone,), starts=tuple((s, "") for s in starts))
+            )
+        halting = tuple(self._halting(token, after))
+        if halting:
+            word = after[2 * len(halting) - 1].start
+            gone = Replacement(0, word - start, "")
+            return _PartStart(start, word, UtterancePart("", (gone,), starts=halting))
+        drawn = drawn_out(token.text, self._ordinary)
+        if drawn is not None:
+            instead = Replacement(0, len(token.text), drawn.word)
+            return _PartStart(start, stop, UtterancePart("", (instead,), drawn=drawn))
+        return None
+
+    def _halting(self, token: TextPiece, after: Sequence[TextPiece]) -> list[tuple[str, str]]:
+        """Return the starts before an ellipsis that the word after it repeats: `B... but`."""
+        starts: list[tuple[str, str]] = []
+        for pause, word in zip(after[::2], after[1::2], strict=False):
+            ellipsis = pause.kind == "pause" and set(pause.text) <= set(".…") and pause.text != "."
+            if not (ellipsis and word.kind == "word" and begins(token.text, word.text)):
+                return []
+            starts.append((token.text, pause.text))
+            if len(token.text) < len(word.text):
+                return starts if spelled_out(token.text, self._forms.vowels) else []
+            token = word
+        return []
+
+    def _joined(
+        self, parts: Sequence[UtterancePart], found: Mapping[str, Words | SpeechError]
+    ) -> Words | SpeechError:
+        """Put the words of a text together again."""
+        out: list[Said] = []
+        for part in parts:
+            words = found.get(part_text(part), ())
+            if isinstance(words, SpeechError):
+                return words
+            marks = list(pieces(part.text))
+            lead = marks[:1] if marks[:1] and marks[0].kind == "pause" else []
+            tail = marks[-1:] if marks[1:] and marks[-1].kind == "pause" else []
+            whole = (
+                *(Said(mark.text, ()) for mark in lead),
+                *self._words_of(part, words),
+                *(Said(mark.text, ()) for mark in tail),
+            )
+            for word in whole:
+                if word.labels or word.unread or not (out and _is_pause(out[-1])):
+                    out.append(word)
+        while out and _is_pause(out[-1]):
+            out.pop()
+        return tuple(out)
+
+    def _words_of(self, part: UtterancePart, words: Words) -> Iterator[Said]:
+        if part.said is not None:
+            yield part.said
+            return
+        mapped = _original(part, words)
+        first = next((n for n, word in enumerate(mapped) if word.labels), None)
+        if first is None:
+            yield from mapped
+            return
+        vowels = self._forms.vowels
+        word = next(piece.text for piece in pieces(part_text(part)) if piece.kind == "word")
+        yield from mapped[:first]
+        for start, pause in part.starts:
+            labels = start_labels(start, word, mapped[first].labels, self._is_vowel, vowels)
+            yield Said(start + "-" * (not pause), labels, respelled_start(start, word, vowels))
+            yield from [Said(pause, ())] if pause else []
+        if part.drawn is not None:
+            mapped[first] = lengthened(mapped[first], part.drawn, self._is_vowel, vowels)
+        yield from mapped[first:]
+
+
+def part_text(part: UtterancePart) -> str:
+    """Return what the engine reads of a part; empty for an interjection and for pauses alone."""
+    if part.said is not None:
+        return ""
+    read, at = "", 0
+    for one in part.replacements:
+        read += part.text[at : one.start] + one.read
+        at = one.stop
+    read += part.text[at:]
+    return read if any(piece.kind != "pause" for piece in pieces(read)) else ""
+
+
+def _filled(
+    part: UtterancePart, text: str, start: int, stop: int, replaced: Sequence[Replacement]
+) -> Iterator[UtterancePart]:
+    """Yield a part with its text and the replacements in it.
+
+    Pauses at its start are a part of their own: a voice would say "comma".
+    """
+    lead = next((n for n in range(start, stop) if text[n] not in _LEAD), stop) if start else start
+    if lead > start:
+        yield UtterancePart(text[start:lead])
+    inside = tuple(
+        Replacement(one.start - lead, one.stop - lead, one.read)
+        for one in replaced
+        if lead <= one.start and one.stop <= stop
+    )
+    if lead < stop:
+        yield part._replace(text=text[lead:stop], replacements=(*part.replacements, *inside))
+
+
+def _is_pause(word: Said) -> bool:
+    return not word.labels and not word.unread
+
+
+def _original(part: UtterancePart, words: Words) -> list[Said]:
+    """Return words in the user's spelling; the words of one replacement are one."""
+    if not part.replacements:
+        return list(words)
+    read, origin = part_text(part), _origins(part)
+    out: list[Said] = []
+    at = begin = end = 0
+    for word in words:
+        place = -1 if _is_pause(word) else read.find(word.text, at)
+        if place < 0:
+            out.append(word)
+            continue
+        at = place + len(word.text)
+        start, stop = origin[place][0], origin[at - 1][1]
+        if start < end and any(not _is_pause(one) for one in out):
+            while _is_pause(out[-1]):
+                out.pop()
+            out[-1] = _merged(out[-1], word, part.text[begin : max(end, stop)])
+        else:
+            begin, text = start, part.text[start:stop]
+            spoken = word.respelled or word.text
+            out.append(word if text == word.text else word._replace(text=text, respelled=spoken))
+        end = max(end, stop)
+    return out
+
+
+def _origins(part: UtterancePart) -> list[tuple[int, int]]:
+    """Return for each character that is read where the user's text has it: start and stop."""
+    found: list[tuple[int, int]] = []
+    at = 0
+    for one in part.replacements:
+        found += [(n, n + 1) for n in range(at, one.start)]
+        found += [(one.start, one.stop)] * len(one.read)
+        at = one.stop
+    return found + [(n, n + 1) for n in range(at, len(part.text))]
+
+
+def _merged(one: Said, other: Said, text: str) -> Said:
+    """Return two words as one."""
+    marks = tuple(
+        mark for word in (one, other) for mark in word.stress or (None,) * len(word.labels)
+    )
+    return Said(
+        text,
+        one.labels + other.labels,
+        f"{one.respelled or one.text} {other.respelled or other.text}",
+        one.unread + other.unread,
+        marks if any(marks) else (),
+    )
