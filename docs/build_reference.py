@@ -14,7 +14,7 @@ import inspect
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from itertools import pairwise
@@ -24,6 +24,7 @@ from typing import Any, get_args, get_type_hints
 
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
+from lipsync_lang.authoring.ipa_comparison import SymbolMappings, UnusualMapping, compare
 from lipsync_lang.cli import parser
 from lipsync_lang.commands.completion import leaves
 from lipsync_lang.extensions import PROGRAM, F, Formats
@@ -430,6 +431,55 @@ def languages() -> str:
     )
 
 
+# The IPA in all languages
+
+
+def ipa_table() -> str:
+    """Compare how all languages map each symbol of the IPA."""
+    titles = {model.name: _titled(model) for model in known()}
+    rows = [one for one in compare(Library(project=None)) if len(_mapping(one)) > 1]
+    return "\n\n".join(
+        [
+            "# The IPA in all languages",
+            (
+                "How the packs map each symbol that two or more of them have. The usual mouth is "
+                'that of most packs; the others say why they differ. A reason such as "as ə" '
+                "follows from another row: the symbol is mapped as its letters are. Mouths are the "
+                "common phonemes and shades of "
+                "[`common.yaml`](../../languages/common.yaml); the thoughts behind them are in "
+                "[how sounds find their mouth shapes](../explanation/mapping.md). "
+                "`lipsync-lang languages show NAME` shows one language whole."
+            ),
+            table(
+                ("symbol", "usual mouth", "languages", "otherwise, and why"),
+                [
+                    (
+                        f"`{row.symbol}`",
+                        _mouths(row.usual),
+                        str(len(row.languages)),
+                        "; ".join(_otherwise(one, titles) for one in row.unusual) or "-",
+                    )
+                    for row in rows
+                ],
+            ),
+        ]
+    )
+
+
+def _mapping(row: SymbolMappings) -> list[str]:
+    """Return the packs that map a symbol."""
+    return [*row.languages, *(name for one in row.unusual for name in one.languages)]
+
+
+def _mouths(to: Sequence[str]) -> str:
+    return f"`{' '.join(to)}`" if to else "silent"
+
+
+def _otherwise(one: UnusualMapping, titles: Mapping[str, str]) -> str:
+    names = ", ".join(titles[name] for name in one.languages)
+    return f"{_mouths(one.to)} in {names}: {one.reason}"
+
+
 # Pose sets
 
 
@@ -702,6 +752,7 @@ def formats() -> str:
 PAGES = {
     "commands.md": commands,
     "languages.md": languages,
+    "ipa.md": ipa_table,
     "posesets.md": posesets,
     "packs.md": packs,
     "faults.md": faults,

@@ -23,8 +23,8 @@ def read(text):
 @pytest.mark.parametrize(
     ("text", "kana"),
     [
-        ("私は東京へ行きました", "ワタシ/ワ/トーキョー/エ/イキマシタ"),
-        ("水を買わなくてはならない", "ミズ/オ/カワナクテ/ワ/ナラナイ"),
+        ("私は東京へ行きました", "ワタシ/ワ/トーキョー/エ/イキマシ̥タ"),
+        ("水を買わなくてはならない", "ミズ/オ/カワナク̥テ/ワ/ナラナイ"),
         ("こんにちは", "コンニチワ"),
         ("そう言うと、王様は笑った。", "ソー/ユー/ト/、/オーサマ/ワ/ワラッタ/。"),
         ("一本、二本、三本", "イッポン/、/ニホン/、/サンボン"),
@@ -44,7 +44,7 @@ def test_words_are_spelled_as_they_sound(text, kana):
         ("10,000円", "イチマンエン"),
         ("3.14", "サンテンイチヨン"),
         ("午後4時30分", "ゴゴ/ヨジ/サンジュップン"),
-        ("１００％", "ヒャクパーセント"),
+        ("１００％", "ヒャク̥パーセント"),
         ("三百六十五日", "サンビャクロクジューゴニチ"),
     ],
 )
@@ -138,5 +138,5 @@ def test_what_cannot_be_traced_back_to_the_letters_is_one_piece(monkeypatch):
 
     dictionary.cache_clear()
     monkeypatch.setitem(sys.modules, "pyopenjtalk", Lost())
-    assert respell("何かを。") == [("何かを", "ナニカオ"), ("。", "。")]
+    assert respell("何かを。") == [("何かを", "ナ̥ニカオ"), ("。", "。")]
     dictionary.cache_clear()

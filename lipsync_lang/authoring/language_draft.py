@@ -130,7 +130,7 @@ def draft(library: "Library", wanted: LanguageWish, folder: Path = Path()) -> La
     if wanted.lexicon is not None:
         for word, labels in read_lexicon(wanted.lexicon).items():
             sounds.add(labels, word)
-    among = among_all(library, [*sounds.words])
+    among = among_all(library)
     found = {label: among.nearest(label) for label in sounds.words}
     common = library.common().model
     mapped = {n for near in found.values() for n, _ in near.value}

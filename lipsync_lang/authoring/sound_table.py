@@ -176,9 +176,8 @@ class SoundTable:
         library, model = self.library, self.pack.model
         try:
             ipa, common = library.ipa(), library.common()
-            labels = model.inventory.segments if model.inventory else model.notations.get(IPA, ())
             files = [library.files[str(pack.path)] for pack in (ipa, common)]
-            key = (files, candidates(model, common.model), tuple(labels))
+            key = (files, candidates(model, common.model))
             if self.memory.near[0] != key:
                 self.memory.near = key, among(library, self.pack)
         except PackError:

@@ -119,7 +119,6 @@ class Features:
     later: float
     prefer: Mapping[str, str]
     aside: Mapping[str, frozenset[str]]
-    beside: Mapping[str, Mapping[str, str]]
     joins: tuple[Join, ...]
     alone: Mapping[str, str]
     _letters: dict[str, LetterSound] = field(repr=False)
@@ -156,10 +155,6 @@ class Features:
             aside={
                 name: frozenset(map(key, letters))
                 for name, letters in data.get("aside", {}).items()
-            },
-            beside={
-                name: {key(letter): key(n["of"]) for letter, n in moved.items()}
-                for name, moved in data.get("beside", {}).items()
             },
             joins=tuple(
                 Join(_phrases(j), _phrases(j, "second"), j["keep"], j.get("lost") or "")
@@ -358,7 +353,7 @@ def by_ear(data: Mapping[str, Any]) -> dict[str, Any]:
         name: feature | {"weight": weights.get(name, 0.0)}
         for name, feature in data["features"].items()
     }
-    of_the_eye: dict[str, Any] = {"prefer": {}, "aside": {}, "beside": {}, "joins": []}
+    of_the_eye: dict[str, Any] = {"prefer": {}, "aside": {}, "joins": []}
     return {
         **data,
         **of_the_eye,

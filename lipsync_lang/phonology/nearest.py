@@ -15,7 +15,7 @@ A piece becomes a shade of its phoneme if it is nearer to that than to the phone
 A letter that a shade names, in spite of small marks, is that shade whatever phoneme it is like.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -89,13 +89,11 @@ class NearestPhonemes:
     ----------
     features : the IPA
     candidates : for each common phoneme, the labels it names, most typical first
-    labels : those of the language, as far as they are known
     shades : shades of the candidates by name; without them every answer is a candidate
     """
 
     features: Features
     candidates: Mapping[str, Sequence[str]]
-    labels: Collection[str] = ()
     shades: Mapping[str, ShadeLabels] = field(default_factory=dict)
     _runs: dict[int, list[Exemplar]] = field(init=False, repr=False, default_factory=dict)
     _own: set[str] = field(init=False, repr=False, default_factory=set)
@@ -115,26 +113,16 @@ class NearestPhonemes:
 
     def _named(self) -> Iterator[tuple[str, str]]:
         """Yield (common phoneme, label that it names), in order."""
-        known = "".join(map(key, self.labels))
-        moved = {
-            letter: phoneme
-            for phoneme, letters in self.features.beside.items()
-            for letter, neighbour in letters.items()
-            if phoneme in self.candidates and neighbour in known
-        }
         for phoneme, labels in self.candidates.items():
             passed = self.features.aside.get(phoneme, frozenset())
-            for label in map(key, labels):
-                if label not in passed and moved.get(label, phoneme) == phoneme:
-                    yield phoneme, label
-            yield from ((phoneme, letter) for letter, to in moved.items() if to == phoneme)
+            yield from ((phoneme, label) for label in map(key, labels) if label not in passed)
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
         """Make it of the data of the IPA and candidates, as JSON holds them."""
         shades = {name: ShadeLabels(*told) for name, told in data.get("shades", {}).items()}
         features = Features.from_data(data["features"])
-        return cls(features, data["candidates"], data["labels"], shades)
+        return cls(features, data["candidates"], shades)
 
     def value(self, label: str) -> Value | None:
         """Return the nearest common phonemes; None if the label is not IPA, or none is near."""
@@ -236,13 +224,12 @@ class NearestPhonemes:
         A letter that features keep from the parent of a shade is kept from the shade.
         """
         plain = [*self._named()]
-        aside, beside = self.features.aside, self.features.beside
+        aside = self.features.aside
         named = [
             (shade, label)
             for shade, (parent, labels) in self.shades.items()
             for label in map(key, labels)
             if label not in aside.get(parent, ())
-            and (label not in beside.get(parent, ()) or (parent, label) in plain)
         ]
         taken = {label for _, label in named}
         rest = [(p, label) for p, label in plain if named and label not in taken]

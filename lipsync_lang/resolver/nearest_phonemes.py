@@ -41,13 +41,9 @@ def plain_among(library: "Library", language: "Pack[models.Language]") -> dict[s
     PackFaults
         The pack of the IPA is unsound.
     """
-    model = language.model
-    # an inventory is what the language tells apart; a notation has what any source may write
-    labels = [*(model.inventory.segments if model.inventory else model.notations.get(IPA, ()))]
-    known = candidates(model, library.common().model)
+    known = candidates(language.model, library.common().model)
     shades = shades_among(library.common().model, known)
-    found = {"features": _features(library), "candidates": known, "labels": labels}
-    return found | {"shades": shades}
+    return {"features": _features(library), "candidates": known, "shades": shades}
 
 
 def shades_among(common: "models.Phonemes", phonemes: Collection[str]) -> dict[str, list[object]]:
@@ -112,14 +108,14 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
     try:
         common = library.common().model
         known = {n: list(common.phonemes[n].ipa) for n in names if n in common.phonemes}
-        plain = {"features": _features(library), "candidates": known, "labels": ()}
+        plain = {"features": _features(library), "candidates": known}
         return NearestPhonemes.from_plain(plain)
     except PackError:
         return None
 
 
-def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes:
-    """Return a nearest-phoneme search among all common phonemes, for labels of a language.
+def among_all(library: "Library") -> NearestPhonemes:
+    """Return a nearest-phoneme search among all common phonemes.
 
     Raises
     ------
@@ -133,7 +129,6 @@ def among_all(library: "Library", labels: Sequence[str] = ()) -> NearestPhonemes
         {
             "features": _features(library),
             "candidates": known,
-            "labels": list(labels),
             "shades": shades_among(common, known),
         }
     )
@@ -163,7 +158,7 @@ def model_phones() -> ModelPhones | None:
     hearing = data["hearing"]
     if hearing is None:
         return None
-    plain = {"features": by_ear(data), "candidates": hearing["phones"], "labels": ()}
+    plain = {"features": by_ear(data), "candidates": hearing["phones"]}
     return ModelPhones(hearing["model"], NearestPhonemes.from_plain(plain))
 
 

@@ -38,11 +38,10 @@ def check_ipa(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
 def _phonemes(ipa: "Pack[Ipa]", common: "Phonemes") -> Iterator[Fault]:
     """Check that every common phoneme and shade exists."""
     model = ipa.model
-    for field, phonemes in (("aside", model.aside), ("beside", model.beside)):
-        for phoneme in phonemes:
-            if phoneme not in common.phonemes:
-                what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, common.phonemes)
-                yield ipa.fault((field, phoneme), "P202", what, hint, key=True)
+    for phoneme in model.aside:
+        if phoneme not in common.phonemes:
+            what, hint = f"unknown phoneme '{phoneme}'", did_you_mean(phoneme, common.phonemes)
+            yield ipa.fault(("aside", phoneme), "P202", what, hint, key=True)
     known = (*common.phonemes, *common.shades)
     for index, decision in enumerate(model.decided):
         for number, phoneme in enumerate(decision.to):
@@ -70,12 +69,6 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
     named: list[tuple[Loc, str]] = [
         *((("prefer", letter, "as"), p.letter) for letter, p in model.prefer.items()),
         *((("alone", mark), letter) for mark, letter in model.alone.items()),
-        *(
-            (("beside", phoneme, letter, *step), name)
-            for phoneme, moved in model.beside.items()
-            for letter, neighbour in moved.items()
-            for step, name in (((), letter), (("of",), neighbour.of))
-        ),
         *(
             (("marks", mark, index, "then"), case.then)
             for mark, cases in model.marks.items()

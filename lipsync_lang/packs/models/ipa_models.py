@@ -48,15 +48,6 @@ class Preference(Strict):
     """The reason."""
 
 
-class Neighbour(Strict):
-    """A condition for a letter to count as a common phoneme: the language has another letter."""
-
-    of: Label
-    """The letter that the language must have as well."""
-    why: Text
-    """The reason."""
-
-
 class Decision(Strict):
     """A mapping that several languages share against the features."""
 
@@ -165,8 +156,6 @@ class Ipa(PackModel):
     """Replacements for letters whose features alone give a wrong result."""
     aside: dict[Common, dict[Label, Text]] = Field(default={})
     """Per common phoneme, letters of its `ipa` that other languages do not map to it, and why."""
-    beside: dict[Common, dict[Label, Neighbour]] = Field(default={})
-    """Per common phoneme, letters that map to it if the language has their neighbour."""
     decided: tuple[Decision, ...] = ()
     """Mappings that languages share against the features, with the reason that each of them has."""
     joins: tuple[JoinFields, ...] = ()

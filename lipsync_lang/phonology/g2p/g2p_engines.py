@@ -97,6 +97,9 @@ ENGINES: Extensions[Make] = Extensions(
 )
 """Functions that make an engine of its settings, by name; `ENGINES.register` adds one."""
 
+WHISPER = "\u0325"
+"""Mark in respelled text of a vowel without voice. Labels may hold it; no voice reads it."""
+
 RESPELLERS: Extensions[Respeller] = Extensions(
     "respellers", "respeller", modules={"kana": f"{_HERE}.kana"}
 )

@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import Any
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS
+from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
 
 MAX_READ_CHARS = 1000
 """Characters read at once; the dictionary's buffer is not much larger."""
@@ -23,14 +23,14 @@ _SENTENCE = re.compile(r"[^。！？!?\n]+")
 _EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"
 """Nothing is said of these where a sentence starts."""
 
-_MARKS = str.maketrans("ヲヂヅ", "オジズ", "’")
-"""Towards the one spelling of a sound; ’ marks a vowel that is whispered."""
+_MARKS = str.maketrans("ヲヂヅ’", f"オジズ{WHISPER}")
+"""Towards the one spelling of a sound; the dictionary writes ’ after a whispered vowel."""
 
 _MANNER = {"normalize_mode": "NFKC", "predict_nani": False, "use_sudachi_kanji_yomi": False}
 """The same on every computer, whatever else is installed there."""
 
 _SURROGATE = re.compile(r"[\ud800-\udfff]")
-_KANA = re.compile(r"[ァ-ヺー]+")
+_KANA = re.compile(rf"[ァ-ヺー{WHISPER}]+")
 _INFLECTED = frozenset({"動詞", "形容詞", "助動詞"})
 _FINAL = "基本形"
 

@@ -21,7 +21,15 @@ from lipsync_lang.phonology.g2p.contexts import (
     ContextError,
     compile_context,
 )
-from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Rule, Said, Settings, respeller
+from lipsync_lang.phonology.g2p.g2p_engines import (
+    ENGINES,
+    WHISPER,
+    Engine,
+    Rule,
+    Said,
+    Settings,
+    respeller,
+)
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 from lipsync_lang.phonology.labels import normalise
 
@@ -131,7 +139,8 @@ def engine(settings: Settings) -> Engine:
             words = read_words(spelling, rewriter.read)
             if any(word.labels for word in words):
                 labels = tuple(label for word in words for label in word.labels)
-                yield Said(piece, labels, spelling, "".join(word.unread for word in words))
+                voiced = spelling.replace(WHISPER, "")
+                yield Said(piece, labels, voiced, "".join(word.unread for word in words))
             else:
                 yield from (word._replace(text=piece) for word in words[:1])
 

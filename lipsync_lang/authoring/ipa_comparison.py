@@ -1,0 +1,144 @@
+"""Comparison of languages: how each symbol of the IPA is mapped by all packs, and why some differ.
+
+The usual mapping of a symbol is that of most packs. A pack that maps it otherwise says why: in its
+own `reasons`, in a decision that languages share, or by mapping it as its letters.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from typing import TYPE_CHECKING, NamedTuple
+
+from lipsync_lang.packs.finding import IPA
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.packs.library import Library
+
+MAX_PIECES = 4
+"""Letters of a symbol that may each explain a part of its mapping."""
+
+Mapped = tuple[str, ...]
+"""The common phonemes of a symbol, in sequence; empty if it is silent."""
+
+
+class UnusualMapping(NamedTuple):
+    """A mapping of a symbol that is not the usual one, with the packs that share it."""
+
+    to: Mapped
+    reason: str
+    """Why; empty if nothing says so."""
+    languages: tuple[str, ...]
+
+
+class SymbolMappings(NamedTuple):
+    """A symbol of the IPA as all languages map it."""
+
+    symbol: str
+    usual: Mapped
+    languages: tuple[str, ...]
+    """Names of the packs that map it so."""
+    unusual: tuple[UnusualMapping, ...]
+
+    def unexplained(self) -> tuple[str, ...]:
+        """Return the names of the packs that differ without a reason."""
+        return tuple(name for one in self.unusual if not one.reason for name in one.languages)
+
+
+def compare(library: "Library") -> list[SymbolMappings]:
+    """Compare the mappings of all languages found, the symbols of most languages first."""
+    packs = [library.language(found.name).model for found in library.names("language")]
+    return compare_models(packs, library.ipa().model.decided)
+
+
+def compare_models(
+    packs: "Iterable[models.Language]", decided: "Sequence[models.Decision]" = ()
+) -> list[SymbolMappings]:
+    """Compare the mappings of languages.
+
+    Parameters
+    ----------
+    packs : the languages
+    decided : decisions that languages share, of the IPA pack
+    """
+    tables = {
+        pack.name: {label: tuple(sounds.to) for label, sounds in pack.notations[IPA].items()}
+        for pack in packs
+        if IPA in pack.notations
+    }
+    own = {pack.name: pack.reasons for pack in packs}
+    shared = {(label, one.to): one.why for one in decided for label in one.labels}
+    mapped: dict[str, dict[Mapped, list[str]]] = {}
+    for name, table in tables.items():
+        for label, to in table.items():
+            mapped.setdefault(label, {}).setdefault(to, []).append(name)
+    return [
+        _row(label, found, tables, own, shared)
+        for label, found in sorted(mapped.items(), key=_prevalence)
+    ]
+
+
+def _prevalence(item: tuple[str, Mapping[Mapped, Sequence[str]]]) -> tuple[int, str]:
+    return -sum(map(len, item[1].values())), item[0]
+
+
+def _row(
+    label: str,
+    found: Mapping[Mapped, Sequence[str]],
+    tables: Mapping[str, Mapping[str, Mapped]],
+    own: Mapping[str, Mapping[str, str]],
+    shared: Mapping[tuple[str, Mapped], str],
+) -> SymbolMappings:
+    reasons = {
+        name: own[name].get(label) or shared.get((label, to)) or _as_letters(label, tables[name])
+        for to, names in found.items()
+        for name in names
+    }
+
+    def rank(to: Mapped) -> tuple[int, int]:
+        """Return the place of a mapping; of equals, the one that explains itself least."""
+        return len(found[to]), sum(not reasons[name] for name in found[to])
+
+    usual = max(found, key=rank)
+    groups = Counter((to, reasons[name]) for to, names in found.items() for name in names)
+    unusual = [
+        UnusualMapping(to, why, tuple(name for name in found[to] if reasons[name] == why))
+        for (to, why), _ in groups.most_common()
+        if to != usual
+    ]
+    return SymbolMappings(label, usual, tuple(found[usual]), tuple(unusual))
+
+
+def _as_letters(label: str, table: Mapping[str, Mapped]) -> str:
+    """Return the labels of a table that a mapping follows from; empty without any.
+
+    These are a shorter label of the same mapping, or letters whose mappings in sequence are it.
+    """
+    shorter = (label[:end] for end in range(len(label) - 1, 0, -1))
+    one = next((part for part in shorter if table.get(part) == table[label]), "")
+    if one:
+        return f"as {one}"
+    return next(
+        (f"as {' and '.join(parts)}" for parts in _cuts(label, table) if len(parts) > 1), ""
+    )
+
+
+def _cuts(label: str, table: Mapping[str, Mapped]) -> Iterator[tuple[str, ...]]:
+    """Yield the cuts of a label into labels of a table that together have its mapping."""
+    wanted = _sequence(table[label])
+
+    def cut(rest: str, parts: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+        if not rest:
+            if _sequence([name for part in parts for name in table[part]]) == wanted:
+                yield parts
+            return
+        for end in range(len(rest), 0, -1):
+            if rest[:end] in table and rest[:end] != label and len(parts) < MAX_PIECES:
+                yield from cut(rest[end:], (*parts, rest[:end]))
+
+    yield from cut(label, ())
+
+
+def _sequence(names: Iterable[str]) -> list[str]:
+    """Return common phonemes in sequence; a repeated one is one long sound."""
+    return [name for name, _ in groupby(names)]
