@@ -275,3 +275,48 @@ def test_xml_may_name_a_type_and_an_encoding_but_declare_nothing(read):
     bad = head.replace(' "x">', ' "x" [<!ENTITY e "m">]>')
     with pytest.raises(ScheduleError, match="eaf:2: has a <!DOCTYPE>, which is never read"):
         read("line.eaf", (bad + body).encode("latin-1"))
+
+
+# Voices and recognisers
+
+
+def test_mbrola_counts_what_lasts_and_locates_what_is_no_phoneme(read):
+    schedule = read("line.pho", "; a comment\n_ 100\nh 50 0 120 (50,118)\n@ 0\n#\nU 100.5\n")
+    assert schedule.labels == ("_", "h", "U")
+    np.testing.assert_allclose(schedule.times, (0, 0.1, 0.15, 0.2505))
+    with pytest.raises(ScheduleError, match=r"line.pho:3: 'U long' is not a phoneme and a dur"):
+        read("line.pho", "h 50\n_ 50\nU long\n")
+
+
+def test_answers_of_a_stream_are_read_together(read):
+    times = {"phonemes": ["m"], "start": [0.0], "end": [0.1]}
+    later = {"phonemes": ["a"], "start": [0.1], "end": [0.3]}
+    answers = [
+        {"type": "chunk", "data": "UklGRg=="},
+        {"type": "phoneme_timestamps", "phoneme_timestamps": times},
+        {"type": "phoneme_timestamps", "phoneme_timestamps": later},
+        {"word_timestamps": {"words": ["ma"], "start": [0.0], "end": [0.3]}},
+    ]
+    schedule = read("line.jsonl", "\n".join(map(json.dumps, answers)))
+    assert spoken(schedule) == [("ma", ("m", "a"))]
+    np.testing.assert_allclose(schedule.times, (0, 0.1, 0.3))
+    later["end"] = []
+    with pytest.raises(ScheduleError, match=r"line.jsonl:3: needs three lists of one length"):
+        read("line.jsonl", "\n".join(map(json.dumps, answers)))
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        {"phoneme_timestamps": {"phonemes": [], "start": [], "end": []}, "word_timestamps": {
+            "words": ["ma"], "start": [0.1], "end": [0.3]}},
+        {"result": {"timestampInfo": {"wordAlignment": {"words": ["ma", "!"],
+            "wordStartTimeSeconds": [0.1, 0.3], "wordEndTimeSeconds": [0.3, 0.3]}}}},
+        {"NBest": [{"Words": [{"Word": "ma", "Offset": 1000000, "Duration": 2000000}]}, {}]},
+    ],
+)  # fmt: skip
+def test_answers_without_phonemes_time_words(document, tmp_path):
+    path = tmp_path / "line.json"
+    path.write_text(json.dumps(document), "utf-8")
+    (word,) = ll.read_timings(path).words
+    assert (word.text, word.start, word.end) == ("ma", 0.1, 0.3)

@@ -425,6 +425,68 @@ EXAMPLES = {
             "language": "en",
         }
     ),
+    "cartesia": json.dumps(
+        {
+            "type": "phoneme_timestamps",
+            "phoneme_timestamps": {
+                "phonemes": list(LABELS),
+                "start": list(TIMES[:-1]),
+                "end": list(TIMES[1:]),
+            },
+            "word_timestamps": {"words": ["hello"], "start": [0.0], "end": [0.5]},
+        }
+    ),
+    "inworld": json.dumps(
+        {
+            "timestampInfo": {
+                "wordAlignment": {
+                    "words": ["hello", "."],
+                    "wordStartTimeSeconds": [0.0, 0.5],
+                    "wordEndTimeSeconds": [0.5, 0.5],
+                    "phoneticDetails": [
+                        {
+                            "wordIndex": 0,
+                            "phones": [
+                                {
+                                    "phoneSymbol": label,
+                                    "startTimeSeconds": at,
+                                    "durationSeconds": end - at,
+                                    "visemeSymbol": "aei",
+                                }
+                                for label, at, end in ROWS
+                            ],
+                        }
+                    ],
+                }
+            },
+        }
+    ),
+    "mbrola": "; a line\nHH 100\nAH0 100 0 120 50 125\nL 100 (20,118)\nOW1 200.0\n",
+    "azure-recognition": json.dumps(
+        {
+            "RecognitionStatus": "Success",
+            "NBest": [
+                {
+                    "Confidence": 0.9,
+                    "Words": [
+                        {
+                            "Word": "hello",
+                            "Offset": 0,
+                            "Duration": 5_000_000,
+                            "Phonemes": [
+                                {
+                                    "Phoneme": label,
+                                    "Offset": round(at * 1e7),
+                                    "Duration": round((end - at) * 1e7),
+                                }
+                                for label, at, end in ROWS
+                            ],
+                        }
+                    ],
+                }
+            ],
+        }
+    ),
 }
 """The same line in every input format."""
 
@@ -449,16 +511,19 @@ WORDLESS = {
     "timit": "words are in another file",
     "rhubarb": "the program hears words, but does not write them",
     "sapi": "words are other events",
+    "mbrola": "phonemes are all that there is",
     "moho": "drawings are all that there is",
 }
 """Formats whose file has no words in it."""
 
 UNITS = {
     "azure": 1e7,
+    "azure-recognition": 1e7,
     "bournemouth": 1e3,
     "elan": 1e3,
     "emu": 20e3,
     "htk": 1e7,
+    "mbrola": 1e3,
     "moho": 30,
     "papagayo": 10,
     "partitur": 16e3,

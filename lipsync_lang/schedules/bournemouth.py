@@ -38,8 +38,7 @@ def read_bournemouth(source: TimingFile) -> Schedule:
     rows: list[LabelRow] = []
     words: list[LabelRow] = []
     told: set[str] = set()
-    whole = source.json
-    for segment in _objects(source, whole if isinstance(whole, dict) else {}, "segments"):
+    for segment in source.objects(source.json, "segments", FORM):
         spans = sorted(_rows(source, segment, "words_ts", "word"), key=_start)
         phones = sorted(
             _rows(source, segment, "phoneme_ts", "ipa_label", "phoneme_label"), key=_start
@@ -76,12 +75,5 @@ def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[La
             source.number(one.get("start_ms")),
             source.number(one.get("end_ms")),
         )
-        for one in _objects(source, segment, name)
+        for one in source.objects(segment, name, FORM)
     ]
-
-
-def _objects(source: TimingFile, whole: Json, name: str) -> list[Json]:
-    parts = whole.get(name, [])
-    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
-        raise source.fault(f"`{name}` must be a list of objects; the form is {FORM}")
-    return parts

@@ -7,8 +7,10 @@ make a word.
 
 import re
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
+from lipsync_lang.schedules.parallel_lists import listed_rows
+from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
@@ -27,18 +29,10 @@ CONTAINERS = ("alignment", "normalizedalignment")
 """Fields that hold times, the better one first: the other's numbers are written out."""
 
 
-class TimedCharacter(NamedTuple):
-    """A character with its start and end, in the file's unit."""
-
-    text: str
-    start: float
-    end: float
-
-
 def sniff(source: TimingFile) -> bool:
     """Return True if the file names starts of characters, at its start or within an alignment."""
     if STARTS.search(source.head):
-        return True
+        return '"timestampInfo"' not in source.head  # another service's
     whole = source.document
     first = whole[0] if isinstance(whole, list) and whole else whole
     held = [_plain(_plain(first).get(name)) for name in CONTAINERS]
@@ -48,55 +42,53 @@ def sniff(source: TimingFile) -> bool:
 @reader("elevenlabs", ".json", ".jsonl", sniff=sniff)
 def read_elevenlabs(source: TimingFile) -> TimedWords:
     """Times of characters that ElevenLabs gives with its speech, joined to words."""
-    words: list[TimedWord] = []
-    spelled: list[TimedCharacter] = []
+    words: list[list[LabelRow]] = [[]]
     rate, latest = None, 0.0
     for line, letters, times in _answers(source):
         rate = MILLISECONDS_PER_SECOND if "charstarttimesms" in times else None
-        for one in _timed(source, letters, times, line):
+        for one in _characters(source, line, letters, times):
             if one.start < latest:
-                raise source.fault(f"{one.text!r} starts before the character before it", line)
+                raise source.fault(f"{one.label!r} starts before the character before it", line)
             latest = one.start
-            if not one.text.isspace():
-                spelled.append(one)
-            elif spelled:
-                words.append(_word(spelled))
-                spelled = []
-    if spelled:
-        words.append(_word(spelled))
-    return timed_words_of(source, words, rate=rate)
+            if one.label.isspace():
+                words.append([])
+            else:
+                words[-1].append(one)
+    return timed_words_of(source, [_word(spelled) for spelled in words if spelled], rate=rate)
 
 
-def _word(spelled: list[TimedCharacter]) -> TimedWord:
-    text = "".join(one.text for one in spelled)
+def _word(spelled: list[LabelRow]) -> TimedWord:
+    text = "".join(one.label for one in spelled)
     return TimedWord(text, spelled[0].start, spelled[-1].end)
 
 
 def _answers(source: TimingFile) -> Iterator[tuple[int | None, object, dict[str, Any]]]:
-    """Yield the line, the characters and the fields with times of each answer that has any."""
+    """Yield the line, the characters and the lists of times of each answer that has any."""
     for line, answer in source.events:
         plain = _plain(answer)
         held = next((plain[name] for name in CONTAINERS if plain.get(name)), plain)
         times = {re.sub("^character", "char", name): one for name, one in _plain(held).items()}
-        letters = times.get("chars")
-        if letters is not None:  # an answer without times ends a stream
-            yield line, letters, times
+        if "chars" in times:  # an answer without times ends a stream
+            yield line, times["chars"], times
 
 
-def _timed(
-    source: TimingFile, letters: object, times: dict[str, Any], line: int | None
-) -> Iterator[TimedCharacter]:
-    """Yield the characters of an answer, whose lists have one item for each."""
-    columns = {
+def _characters(
+    source: TimingFile, line: int | None, letters: object, times: dict[str, Any]
+) -> Iterator[LabelRow]:
+    lists = {
         part: next((one for name, one in times.items() if name.startswith(f"char{part}")), None)
         for part in ("start", "end", "duration")
     }
-    lists = [one for one in (letters, *columns.values()) if isinstance(one, list)]
-    if len(lists) != 3 or len({len(one) for one in lists}) != 1:  # noqa: PLR2004 text and two times
-        raise source.fault(f"needs three lists of one length; the form is {FORM}", line)
-    for text, first, second in zip(*lists, strict=True):
-        start, end = source.number(first, line), source.number(second, line)
-        yield TimedCharacter(str(text), start, end if columns["duration"] is None else start + end)
+    starts, ends, lengths = lists.values()
+    return listed_rows(
+        source,
+        letters,
+        starts,
+        lengths if ends is None else ends,
+        form=FORM,
+        line=line,
+        durations=ends is None,
+    )
 
 
 def _plain(whole: object) -> dict[str, Any]:

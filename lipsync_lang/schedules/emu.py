@@ -35,12 +35,11 @@ def sniff(source: TimingFile) -> bool:
 def read_emu(source: TimingFile) -> Timings:
     """EMU-SDMS's _annot.json with a level of phonetic segments; words by their links."""
     whole = source.json
-    if not isinstance(whole, dict):
-        raise source.fault(f"has no levels; the form is {FORM}")
+    found = source.objects(whole, "levels", FORM)
     rate = source.rate or source.number(whole.get("sampleRate"))
     if rate <= 0:
         raise source.fault("the field sampleRate must be above 0")
-    levels = [(one, _objects(source, one, "items")) for one in _objects(source, whole, "levels")]
+    levels = [(one, source.objects(one, "items", FORM)) for one in found]
     tiers: list[Tier] = []
     spans: dict[str, Span] = {}
     for level, items in levels:
@@ -55,13 +54,6 @@ def read_emu(source: TimingFile) -> Timings:
     return read_tiers(replace(source, rate=None), [*tiers, *words])
 
 
-def _objects(source: TimingFile, whole: Json, name: str) -> list[Json]:
-    parts = whole.get(name, [])
-    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
-        raise source.fault(f"`{name}` must be a list of objects; the form is {FORM}")
-    return parts
-
-
 def _span(source: TimingFile, item: Json, rate: float) -> Span:
     start = source.number(item.get("sampleStart"))
     return start / rate, (start + source.number(item.get("sampleDur")) + 1) / rate
@@ -69,7 +61,9 @@ def _span(source: TimingFile, item: Json, rate: float) -> Span:
 
 def _label(source: TimingFile, item: Json, name: str) -> str:
     """Return an item's label of a name, or else its first."""
-    labels = {str(one.get("name")): one.get("value") for one in _objects(source, item, "labels")}
+    labels = {
+        str(one.get("name")): one.get("value") for one in source.objects(item, "labels", FORM)
+    }
     value = labels.get(name, next(iter(labels.values()), ""))
     return value if isinstance(value, str) else ""
 
@@ -80,13 +74,13 @@ def _words(
     """Yield the tier of words that links lead from, if any."""
     known: dict[str, tuple[str, list[Json]]] = {}
     for items in levels:
-        for label in _objects(source, items[0], "labels") if items else ():
+        for label in source.objects(items[0], "labels", FORM) if items else ():
             known.setdefault(str(label.get("name")).casefold(), (str(label.get("name")), items))
     spelled = next((known[name] for name in SPELLINGS if name in known), None)
     if spelled is None:
         return
     below: dict[str, list[str]] = defaultdict(list)
-    for link in _objects(source, whole, "links"):
+    for link in source.objects(whole, "links", FORM):
         below[str(link.get("fromID"))].append(str(link.get("toID")))
     name, items = spelled
     rows = []

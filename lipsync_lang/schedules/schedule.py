@@ -189,17 +189,14 @@ class Schedule:
 
 
 def words_from_spans(
-    schedule: Schedule,
-    spans: list[tuple[str, float, float]],
-    emphasis: Sequence[float] = (),
-    confidence: Sequence[float | None] = (),
+    schedule: Schedule, spans: list[tuple[str, float, float]], emphasis: Sequence[float] = ()
 ) -> tuple[Word, ...]:
     """Give each timed word the phonemes whose middle lies in it; drop words without phonemes.
 
     Parameters
     ----------
     spans : text, start and end of each word
-    emphasis, confidence : of each word; empty for none
+    emphasis : of each word; empty for none
     """
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []
@@ -213,9 +210,7 @@ def words_from_spans(
         if words:
             first = max(first, words[-1].stop)
         if text.strip() and first < stop:
-            level = emphasis[number] if emphasis else 0.0
-            sure = confidence[number] if confidence else None
-            words.append(Word(text, first, stop, level, sure))
+            words.append(Word(text, first, stop, emphasis[number] if emphasis else 0.0))
     return tuple(words)
 
 

@@ -158,6 +158,15 @@ class TimingFile:
         """Return True if the file is a JSON object with all these keys."""
         return isinstance(self.document, dict) and self.document.keys() >= set(keys)
 
+    def mentions(self, *keys: str) -> bool:
+        """Return True if the file looks like JSON, and any of these keys is anywhere in it."""
+        if self.head.lstrip()[:1] not in ("{", "["):
+            return False
+        try:
+            return any(f'"{key}"' in self.text for key in keys)
+        except ScheduleError:
+            return False
+
     @property
     def root(self) -> str | None:
         """The name of the outermost element; None if the file does not look like XML."""
@@ -204,6 +213,18 @@ class TimingFile:
         except ValueError:
             return self.number(text, line)
         return self.number(number, line)
+
+    def objects(
+        self, whole: object, name: str, form: str, line: int | None = None
+    ) -> list[dict[str, Any]]:
+        """Return the list of objects in a field of a JSON object; empty without the field.
+
+        `form` is an example of the format, for the error about anything else.
+        """
+        parts = whole.get(name, []) if isinstance(whole, dict) else None
+        if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+            raise self.fault(f"`{name}` must be a list of objects; the form is {form}", line)
+        return parts
 
     def line_of(self, text: str) -> int | None:
         """Return the first line that holds a text; None if there is none."""

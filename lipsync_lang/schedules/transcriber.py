@@ -41,21 +41,21 @@ def read_transcriber(source: TimingFile) -> Timings:
 
 def _parts(source: TimingFile, turn: "Element") -> Iterator[tuple[int, LabelRow]]:
     """Yield the number of a speaker of the turn, and what is said with its times."""
-    spoken = {0: turn.text or ""}
+    spoken = defaultdict(list, {0: [turn.text or ""]})
     start, who = source.time(turn.get("startTime")), 0
     for element in turn:
         if element.tag == "Sync":
             end = source.time(element.get("time"))
             yield from _rows(spoken, start, end)
-            spoken, start, who = {}, end, 0
+            spoken, start, who = defaultdict(list), end, 0
         elif element.tag == "Who":
             who = max(round(source.time(element.get("nb"))) - 1, 0)
         inside = "" if element.tag == "Event" else element.text or ""
-        spoken[who] = " ".join((spoken.get(who, ""), inside, element.tail or ""))
+        spoken[who] += [inside, element.tail or ""]
     yield from _rows(spoken, start, source.time(turn.get("endTime")))
 
 
-def _rows(spoken: dict[int, str], start: float, end: float) -> Iterator[tuple[int, LabelRow]]:
-    for who, text in spoken.items():
-        if label := " ".join(text.split()):
+def _rows(spoken: dict[int, list[str]], start: float, end: float) -> Iterator[tuple[int, LabelRow]]:
+    for who, texts in spoken.items():
+        if label := " ".join(" ".join(texts).split()):
             yield who, LabelRow(label, start, end)

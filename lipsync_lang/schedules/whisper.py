@@ -96,23 +96,31 @@ def _objects(source: TimingFile, items: object) -> list[Json]:
 
 def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[RecognisedPart]:
     """Return the words of a segment; untimed ones and parts of words are joined to a neighbour."""
-    joined: list[RecognisedPart] = []
+    in_parts = not item.get("words")  # tokens of the model, which split words
+    groups: list[list[RecognisedPart]] = []
+    timed = False
     for word in _objects(source, words):
         one = _said(source, {"speaker": item.get("speaker"), **word})
-        is_part = "tokens" in item and not item.get("words") and not one.text.startswith(" ")
-        before = joined[-1] if joined else None
         if one.text.startswith("[_"):  # a mark of the model's, not a word
             continue
-        if before is None or not (is_part or one.start is None or before.start is None):
-            joined.append(one)
-            continue
-        text = before.text + one.text if is_part else f"{before.text} {one.text}"
-        end = before.end if one.end is None else one.end
-        timed = one if before.start is None else before
-        joined[-1] = timed._replace(text=text, end=end)
-    if joined and joined[0].start is None:
+        inside = in_parts and not one.text.startswith(" ")
+        if groups and (inside or one.start is None or not timed):
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+            timed = False
+        timed = timed or one.start is not None
+    if groups and not any(one.start is not None for one in groups[0]):
         return [_said(source, item)]
-    return joined
+    return [_one(parts, "" if in_parts else " ") for parts in groups]
+
+
+def _one(parts: list[RecognisedPart], between: str) -> RecognisedPart:
+    """Return parts as one word, from the first time to the last."""
+    times = [one for one in parts if one.start is not None]
+    ends = [one.end for one in times if one.end is not None]
+    text = between.join(one.text for one in parts)
+    return times[0]._replace(text=text, end=ends[-1] if ends else None)
 
 
 def _said(source: TimingFile, item: Json) -> RecognisedPart:

@@ -1,0 +1,48 @@
+"""MBROLA's `.pho`: a phoneme and its duration in milliseconds on each line.
+
+Pairs of a position and a pitch may follow, and are not used. Lines that begin with a semicolon are
+comments. eSpeak writes the format, too (``--pho``).
+"""
+
+import re
+
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+MILLISECONDS_PER_SECOND = 1000.0
+
+NUMBER = r"\d+(?:\.\d*)?"
+
+LINE = re.compile(
+    rf"\s*(?!{NUMBER}\s)(\S+)\s+({NUMBER})((?:\s+\(?{NUMBER}[ ,]+{NUMBER}\)?)*)\s*", re.ASCII
+)
+"""A phoneme, which is no number, its duration, and pairs of position and pitch."""
+
+COMMENT = (";", "#")
+"""Starts of comments, and of ``#`` alone, which flushes the voice."""
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the first two lines that are no comments have a phoneme and a duration."""
+    rows = [row for row in source.head.split("\n") if row.strip() and not row.startswith(COMMENT)]
+    return len(rows) > 1 and all(LINE.fullmatch(row) for row in rows[:2])
+
+
+@reader("mbrola", ".pho", sniff=sniff)
+def read_mbrola(source: TimingFile) -> Schedule:
+    """MBROLA's .pho: phonemes with their durations in milliseconds."""
+    rows: list[LabelRow] = []
+    at = 0.0
+    for number, line in source.lines:
+        if line.startswith(COMMENT):
+            continue
+        found = LINE.fullmatch(line)
+        if found is None:
+            raise source.fault(f"{line.strip()[:40]!r} is not a phoneme and a duration", number)
+        end = at + source.time(found[2], number)
+        if end > at:  # a phoneme of no length only shapes the pitch
+            rows.append(LabelRow(found[1], at, end, number))
+        at = end
+    return schedule_of(source, rows, rate=MILLISECONDS_PER_SECOND)

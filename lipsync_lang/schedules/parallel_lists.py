@@ -1,0 +1,38 @@
+"""Timings in JSON as three lists of one length: labels, starts, and ends or durations."""
+
+from collections.abc import Iterator, Sequence
+
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.timing_file import TimingFile
+
+
+def listed_rows(  # noqa: PLR0913 each says one thing that a format may
+    source: TimingFile,
+    labels: object,
+    starts: object,
+    ends: object,
+    *,
+    form: str,
+    line: int | None = None,
+    durations: bool = False,
+) -> Iterator[LabelRow]:
+    """Yield rows of three lists, in the file's unit.
+
+    Parameters
+    ----------
+    source : the file, for messages
+    labels, starts, ends : values of the file, which may be anything
+    form : an example of the format, for the error about anything else
+    line : the line of the lists, if each line of the file is JSON
+    durations : True if `ends` are durations
+    """
+    lists = [one for one in (labels, starts, ends) if isinstance(one, list)]
+    if not _alike(lists):
+        raise source.fault(f"needs three lists of one length; the form is {form}", line)
+    for label, first, second in zip(*lists, strict=True):
+        start, end = source.number(first, line), source.number(second, line)
+        yield LabelRow(str(label), start, start + end if durations else end, line)
+
+
+def _alike(lists: Sequence[Sequence[object]]) -> bool:
+    return len(lists) == 3 and len({len(one) for one in lists}) == 1  # noqa: PLR2004 all three
