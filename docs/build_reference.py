@@ -379,6 +379,7 @@ ENGINES = {
     "rules": "rules of spelling",
     "lexicon": "a list of words",
     "epitran": "Epitran",
+    "thaiphon": "thaiphon",
     "pypinyin": "pypinyin",
     None: "nothing yet: timed phonemes only",
 }

@@ -289,18 +289,19 @@ def test_corrections_see_labels_around_them_and_the_spelling():
             Correction(("n", "n"), ("n",)),
             Correction(("h",), (), after="^k"),
             Correction(("ts",), ("t", "s")),
+            Correction(("o:",), ("o",), after="uː"),
         ]
     )
     found = {
         word: " ".join(mend(Said(word, tuple(labels.split()))).labels)
         for word, labels in {
             "Mage": "m a ɡ a", "merke": "m a r k a", "hann": "h ɑ n n", "kha": "k h ɑ",
-            "tsar": "ts ɑ r", "sti": "s t i", "ka": "k a",
+            "tsar": "ts ɑ r", "sti": "s t i", "ka": "k a", "duo": "d uː oː",
         }.items()
     }  # fmt: skip
     assert found == {
         "Mage": "m ɑː ɡ ə", "merke": "m æ r k ə", "hann": "h ɑ n", "kha": "k ɑ",
-        "tsar": "t s ɑ r", "sti": "s t i", "ka": "k ɑː",
+        "tsar": "t s ɑ r", "sti": "s t i", "ka": "k ɑː", "duo": "d uː o",
     }  # fmt: skip
 
 
@@ -324,3 +325,13 @@ def test_an_engine_with_corrections_is_corrected():
         ),
     )
     assert [word.labels for text in read(["tai"]) for word in text] == [("t", "a", "j")]
+
+
+def test_thaiphon_cuts_words_reads_numbers_and_repeats():
+    pytest.importorskip("thaiphon", reason="the thaiphon extra is not installed")
+    pytest.importorskip("pythainlp", reason="the thaiphon extra is not installed")
+    (found,) = engine("thaiphon", Settings("x"))(["ผมอายุ 25 ปี มากๆ OK, ฿"])
+    assert [(word.text, "".join(word.labels), word.unread) for word in found] == [
+        ("ผม", "pʰom", ""), ("อายุ", "a:ju", ""), ("25", "ji:sip̚ha:", ""), ("ปี", "pi:", ""),
+        ("มาก", "ma:k̚", ""), ("ๆ", "ma:k̚", ""), ("OK", "", "OK"), (",", "", ""), ("฿", "", "฿"),
+    ]  # fmt: skip

@@ -202,6 +202,7 @@ EXEMPT = {
     ("commands/parser.py", "english"): "the example of --help can be typed as it stands",
     ("commands/parser.py", "facefx"): "the example of --help can be typed as it stands",
     ("commands/*_options.py", "NG"): "eSpeak NG is the engine's name",
+    ("phonology/g2p/thaiphon_g2p.py", "ipa"): "the library's name of its own output",
     ("packs/finding.py", "ipa"): "the file of the IPA, and its kind of pack",
     ("packs/models/ipa_models.py", "ipa"): "the kind of pack",
     ("packs/models/validation.py", "pt-BR"): "an example in a message",

@@ -16,6 +16,7 @@ from lipsync_lang.speech.speaking import transcribe
 every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 
 NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
+         "thaiphon": ["thaiphon", "pythainlp"],
          "kana": ["pyopenjtalk"]}  # fmt: skip
 """What an engine, or a respeller, needs to be installed."""
 

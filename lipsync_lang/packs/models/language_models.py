@@ -218,7 +218,7 @@ def _compile(contexts: Mapping[str, str]) -> None:
 class G2P(Strict):
     """The conversion of text to phonemes."""
 
-    engine: Literal["espeak", "pypinyin", "epitran", "lexicon", "rules"]
+    engine: Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon"]
     """The engine that converts text to labels."""
     voice: Text | None = None
     """The engine's voice, if it has voices."""

@@ -5,9 +5,9 @@ for two sounds, or say a vowel that nobody says. At each label of a word the cor
 in order, and the first that fits takes its labels; every other label stays as it is.
 
 A context is a regular expression (see `contexts`) over the labels of the word, joined without
-spaces: ``^`` in `after` is the start of the word, ``$`` in `before` its end. `spelled` must be
-found in the word as it is written, composed and in small letters. All contexts see the labels
-as the engine gave them.
+spaces, with ``ː`` for length: ``^`` in `after` is the start of the word, ``$`` in `before` its
+end. `spelled` must be found in the word as it is written, composed and in small letters. All
+contexts see the labels as the engine gave them.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -19,9 +19,13 @@ from lipsync_lang.phonology.g2p.contexts import Context, ContextError, compile_c
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Said
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import plain
+from lipsync_lang.phonology.labels import normalise
 
 MAX_WRITTEN_CHARS = 50
 """Characters of a word's spelling that `spelled` sees."""
+
+_LENGTH = normalise("ː")
+"""The mark of length in normalised labels."""
 
 
 class _Ready(NamedTuple):
@@ -58,11 +62,11 @@ def corrector(corrections: Iterable[Correction]) -> Callable[[Said], Said]:
     """
     first: dict[str, list[_Ready]] = {}
     for number, one in enumerate(corrections, start=1):
-        first.setdefault(one.labels[0], []).append(_ready(number, one))
+        first.setdefault(normalise(one.labels[0]), []).append(_ready(number, one))
 
     @lru_cache(CACHED_WORDS)
     def corrected(said: Said) -> Said:
-        if not first.keys() & set(said.labels):
+        if not first.keys() & set(map(normalise, said.labels)):
             return said
         marks = said.stress or (None,) * len(said.labels)
         pairs = list(_corrected(said, marks, first))
@@ -77,14 +81,15 @@ def _corrected(
     said: Said, marks: Sequence[int | None], first: dict[str, list[_Ready]]
 ) -> Iterator[tuple[str, int | None]]:
     """Yield the labels of a word after correction, each with its stress."""
-    folded = [plain(label) for label in said.labels]
+    labels = tuple(map(normalise, said.labels))
+    folded = [plain(label).replace(_LENGTH, "ː") for label in labels]
     starts = [sum(map(len, folded[:at])) for at in range(len(folded) + 1)]
     sounds, written = "".join(folded), plain(said.text)[:MAX_WRITTEN_CHARS]
     at = 0
-    while at < len(said.labels):
-        for one in first.get(said.labels[at], ()):
+    while at < len(labels):
+        for one in first.get(labels[at], ()):
             stop = at + len(one.labels)
-            if said.labels[at:stop] == one.labels and one.fits(
+            if labels[at:stop] == one.labels and one.fits(
                 sounds, starts[at], starts[stop], written
             ):
                 mark = next((mark for mark in marks[at:stop] if mark is not None), None)
@@ -102,7 +107,7 @@ def _ready(number: int, one: Correction) -> _Ready:
 
     try:
         return _Ready(
-            one.labels,
+            tuple(map(normalise, one.labels)),
             one.to,
             compiled(one.before),
             compiled(one.after, precedes=True),

@@ -93,6 +93,7 @@ ENGINES: Extensions[Make] = Extensions(
         "epitran": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
         "rules": f"{_HERE}.rules",
+        "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
 """Functions that make an engine of its settings, by name; `ENGINES.register` adds one."""

@@ -1,0 +1,89 @@
+"""Text to IPA by thaiphon, for writing without spaces between words.
+
+PyThaiNLP cuts a run of letters into words; thaiphon finds the syllables of each, and with them the
+vowels that are not written. Whole numbers are read as words; the sign of repetition says the word
+before it again. Tones do not show, and are left out.
+"""
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.epitran import segments
+from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
+from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
+from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces
+from lipsync_lang.phonology.labels import normalise
+
+AGAIN = "\u0e46"
+"""The sign that says a word twice."""
+
+MAX_NUMBER_DIGITS = 15
+"""Digits of a number that is read as one; a longer one is read digit by digit."""
+
+_LETTERS = re.compile("[\u0e01-\u0e4e]")
+_TONES = re.compile("[\u02e5-\u02e9/]")
+_RUN = re.compile("[0-9\u0e50-\u0e59]+|[^0-9\u0e50-\u0e59]+")
+
+
+@ENGINES.register("thaiphon")
+def engine(settings: Settings) -> Engine:
+    """Read text by thaiphon.
+
+    Raises
+    ------
+    SpeechError
+        thaiphon or PyThaiNLP is not installed.
+    """
+    try:
+        from pythainlp.tokenize import word_tokenize
+        from pythainlp.util import num_to_thaiword
+        from thaiphon import transcribe
+    except ImportError:
+        raise SpeechError(
+            f"{settings.language} is read by thaiphon and PyThaiNLP, which are not both installed; "
+            'get them with: pip install "lipsync-lang[thaiphon]"'
+        ) from None
+    known = frozenset(map(normalise, settings.labels))
+
+    @lru_cache(CACHED_WORDS)
+    def labels_of(word: str) -> tuple[str, ...]:
+        ipa = _TONES.sub("", transcribe(word, "ipa"))
+        return tuple(label for part in ipa.split(".") for label in segments(part, known))
+
+    def number(digits: str) -> tuple[str, ...]:
+        parts = [digits] if len(digits) <= MAX_NUMBER_DIGITS else [*digits]
+        return labels_of("".join(num_to_thaiword(int(part)) for part in parts))
+
+    def words(run: str) -> Iterator[Said]:
+        last: tuple[str, ...] = ()
+        for word in word_tokenize(run, keep_whitespace=False):
+            again = word == AGAIN
+            last = last if again else labels_of(word)
+            yield Said(word, last, unread="" if last else word)
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        for text in texts:
+            yield tuple(said for piece in pieces(text) for said in _read(piece, words, number))
+
+    return read
+
+
+def _read(
+    piece: TextPiece,
+    words: Callable[[str], Iterator[Said]],
+    number: Callable[[str], tuple[str, ...]],
+) -> Iterator[Said]:
+    """Yield the words of a piece; letters of other scripts are left over."""
+    if piece.kind != "word":
+        yield Said(piece.text, (), unread=piece.text if piece.kind == "symbol" else "")
+        return
+    for found in _RUN.finditer(piece.text):
+        run = found[0]
+        if run.isdigit():
+            yield Said(run, number(run))
+        elif _LETTERS.search(run):
+            yield from words(run)
+        elif any(map(str.isalnum, run)):
+            yield Said(run, (), unread=run)
