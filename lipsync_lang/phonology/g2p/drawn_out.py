@@ -123,6 +123,8 @@ def _label_at(labels: Sequence[str], word: str, place: int, is_vowel: IsVowel, v
         return round(guess)
     if not wanted:
         return min(alike, key=lambda at: abs(at - guess))
+    if not set(letters[place + 1 :]) & set(vowels):
+        return alike[-1]
     groups = [key for key, _ in groupby(letters[: place + 1], key=lambda c: c in vowels)]
     return alike[min(sum(groups), len(alike)) - 1]
 

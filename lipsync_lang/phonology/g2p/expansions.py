@@ -23,13 +23,23 @@ _ROMAN = re.compile(
     )
 )
 _VALUES = {"I": 1, "V": 5, "X": 10, "L": 50, "C": 100, "D": 500, "M": 1000}
-_AFTER_NAME = re.compile(r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])")
+_DOT = r"(?P<dot>\.(?= +[^\W\d_A-ZÀ-Þ]))?"
+"""The full stop of an ordinal number, as in `Karl V. war`."""
+
+_AFTER_NAME = re.compile(
+    r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
+)
+_PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
+"""An `I` after a name that may be the English word."""
 
 _RUBY = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
     "《(?P<reading>[ぁ-ゖァ-ヺー・]{1,60})》"
 )
 """A word with its reading in kana, as in 漢字《かんじ》; of several hanzi, all in a row."""
+
+_LETTER = "[^\\W_\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]"
+"""A letter or digit of a script that puts spaces between words."""
 
 _SPACE = "[ \u00a0\u202f]?"
 _NUMBER = r"([0-9]+(?:[.,][0-9]+)*)"
@@ -90,8 +100,10 @@ class Expansions:
             for one in pattern.finditer(text):
                 number = roman(one["numeral"])
                 read = ordinals[number - 1] if number <= len(ordinals) else str(number)
-                if number and (pattern is not _AFTER_NAME or one[0][0].isupper()):
-                    found.setdefault(one.span("numeral"), read)
+                named = pattern is not _AFTER_NAME or one[0][0].isupper()
+                word = ordinals and _PRONOUN.match(text, one.start("numeral") - 2)
+                if number and named and not word:
+                    found.setdefault((one.start("numeral"), one.end()), read)
         yield from (Replacement(*span, read) for span, read in found.items())
 
     @cached_property
@@ -118,8 +130,8 @@ def _after(words: Iterable[str]) -> re.Pattern[str] | None:
     listed = "|".join(re.escape(word) for word in sorted(words, key=lambda word: -len(word)))
     if not listed:
         return None
-    numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?![^\W_]|['’])"
-    return re.compile(rf"(?<![^\W_])(?i:{listed})[ \u00a0]+{numeral}")
+    numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?!{_LETTER}|['’])"
+    return re.compile(rf"(?<!{_LETTER})(?i:{listed})[ \u00a0]*{numeral}{_DOT}")
 
 
 def _ruby(text: str) -> Iterator[Replacement]:
@@ -149,13 +161,13 @@ def _expression(key: str) -> str:
 def _before(first: str) -> str:
     if first == "#" or first.isdigit():
         return r"(?<![0-9])(?<![0-9][.,/:-])"
-    return r"(?<![^\W_])" if first.isalpha() else ""
+    return rf"(?<!{_LETTER})" if first.isalpha() else ""
 
 
 def _behind(last: str) -> str:
     if last == "#" or last.isdigit():
         return "(?![0-9]|[.,/:-][0-9])"
-    return r"(?![^\W_])" if last.isalpha() or last == "." else ""
+    return rf"(?!{_LETTER})" if last.isalpha() or last == "." else ""
 
 
 def _apart(text: str, start: int, stop: int, read: str) -> str:

@@ -8,8 +8,9 @@ import re
 from collections.abc import Mapping
 from itertools import groupby
 from typing import NamedTuple
+from unicodedata import name
 
-from lipsync_lang.phonology.g2p.drawn_out import DrawnOut, IsVowel, lengthened
+from lipsync_lang.phonology.g2p.drawn_out import SYLLABIC, DrawnOut, IsVowel, lengthened
 from lipsync_lang.phonology.g2p.g2p_engines import Said
 from lipsync_lang.phonology.g2p.spoken_forms import Interjection
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -50,6 +51,8 @@ class Interjections:
         shouted : whether the whole text is in capitals; else capitals alone are an abbreviation
         """
         word = plain(token)
+        if "-" in word and (parts := self._parts(word)):
+            return parts._replace(text=token)
         for spelling in dict.fromkeys((word, word.replace("-", ""))):
             for pattern in self._patterns.get(spelling[:1], ()):
                 found = pattern.whole.fullmatch(spelling)
@@ -63,6 +66,15 @@ class Interjections:
                     continue
                 return self._said(token, spelling, pattern, drawn)
         return None
+
+    def _parts(self, word: str) -> Said | None:
+        """Return a word of several interjections with hyphens as one."""
+        found = [self.find(part) for part in word.split("-") if part]
+        said = [one for one in found if one is not None]
+        if not said or len(said) < len(found):
+            return None
+        labels = tuple(label for one in said for label in one.labels)
+        return Said(word, labels, " ".join(one.respelled for one in said))
 
     def _said(self, token: str, spelling: str, pattern: _Pattern, drawn: list[int]) -> Said:
         labels, say = pattern.interjection
@@ -78,7 +90,8 @@ class Interjections:
 
 def _pattern(spelling: str, interjection: Interjection) -> _Pattern:
     half = spelling[: len(spelling) // 2]
-    if half * 2 == spelling and len(set(half)) > 1:
+    syllable = name(half[:1] or spelling, "").startswith(SYLLABIC)
+    if half * 2 == spelling and (len(set(half)) > 1 or syllable):
         unit = "".join(f"{re.escape(letter)}+" for letter, _ in groupby(half))
         whole = re.compile(f"(?:{unit}){{2,}}(?:{re.escape(half[0])}+)?")
         return _Pattern(whole, re.compile(unit), (), interjection)

@@ -13,7 +13,7 @@ from unicodedata import name
 from lipsync_lang.phonology.g2p.drawn_out import SYLLABIC, IsVowel, bare, folded, lead_letters
 from lipsync_lang.phonology.g2p.tokens import plain
 
-MAX_STUTTER_CHARS = 3
+MAX_STUTTER_CHARS = 4
 """Letters of the longest repeated start of a word."""
 
 
