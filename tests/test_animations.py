@@ -28,6 +28,8 @@ import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import find_reader
 
 assert WRITERS, "a sweep over nothing passes"
 every_writer = pytest.mark.parametrize("writer", WRITERS.values(), ids=WRITERS)
@@ -172,6 +174,25 @@ def as_page(content, animation):
     )
 
 
+def as_timings(name):
+    """Return a check that a file of timings holds the schedule, without stress and words."""
+
+    def check(content, animation):
+        found = find_reader(source := TimingFile(Path(f"line.{name}"), content), name).read(source)
+        assert found.labels == animation.schedule.labels
+        np.testing.assert_allclose(found.times, animation.schedule.times, atol=6e-4)
+
+    return check
+
+
+TIMINGS = {
+    "audacity": as_timings("audacity"),
+    "elan": as_timings("elan"),
+    "textgrid": as_timings("textgrid"),
+    "timings-csv": as_timings("table"),
+    "timings-json": as_timings("json"),
+}
+
 READ_BACK = {
     "csv": as_csv,
     "glb": as_glb,
@@ -183,6 +204,7 @@ READ_BACK = {
     **HELD,
     **PICTURES,
     **SUBTITLES,
+    **TIMINGS,
     **USD,
 }
 

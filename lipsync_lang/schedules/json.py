@@ -66,4 +66,13 @@ def _with_words(source: TimingFile, schedule: Schedule, rows: object) -> Schedul
     spans = [_row(source, "word", "text", n, row) for n, row in enumerate(rows)]
     stated = [row.get("emphasis", 0) if isinstance(row, dict) else 0 for row in rows]
     emphasis = [float(one) if isinstance(one, bool) else one for one in stated]
-    return replace(schedule, words=words_from_spans(schedule, spans, emphasis))
+    sure = [_probability(row) for row in rows]
+    return replace(schedule, words=words_from_spans(schedule, spans, emphasis, sure))
+
+
+def _probability(row: object) -> float | None:
+    """Return the confidence of a word; None if it states none from 0 to 1."""
+    value = row.get("confidence") if isinstance(row, dict) else None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= 1:
+        return None
+    return float(value)

@@ -189,14 +189,17 @@ class Schedule:
 
 
 def words_from_spans(
-    schedule: Schedule, spans: list[tuple[str, float, float]], emphasis: Sequence[float] = ()
+    schedule: Schedule,
+    spans: list[tuple[str, float, float]],
+    emphasis: Sequence[float] = (),
+    confidence: Sequence[float | None] = (),
 ) -> tuple[Word, ...]:
     """Give each timed word the phonemes whose middle lies in it; drop words without phonemes.
 
     Parameters
     ----------
     spans : text, start and end of each word
-    emphasis : of each word; empty for none
+    emphasis, confidence : of each word; empty for none
     """
     middles = (schedule.times[:-1] + schedule.times[1:]) / 2
     words: list[Word] = []
@@ -210,7 +213,9 @@ def words_from_spans(
         if words:
             first = max(first, words[-1].stop)
         if text.strip() and first < stop:
-            words.append(Word(text, first, stop, emphasis[number] if emphasis else 0.0))
+            level = emphasis[number] if emphasis else 0.0
+            sure = confidence[number] if confidence else None
+            words.append(Word(text, first, stop, level, sure))
     return tuple(words)
 
 

@@ -7,11 +7,12 @@ with it.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 
 from lipsync_lang.errors import did_you_mean
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import are_words, words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings
@@ -22,8 +23,13 @@ PHONES = re.compile(r"(ph(on(e(me)?)?s?|onetic|onalign)?|segments?|mau)", re.IGN
 WORDS = re.compile(r"(words?|wd|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
 """Names of word tiers in the same programs."""
 
+CONFIDENCE = "confidence"
+"""The tier of the probabilities that words are said, beside the words."""
+
 SURE = re.compile(r"(phon|tokens)align", re.IGNORECASE)
 """Names of aligned tiers, beside which SPPAS keeps tiers of the text's phones and words."""
+
+PROBABILITY = re.compile(r"0(\.\d+)?|1(\.0*)?", re.ASCII)
 
 MAX_NAMES = 4
 """Most names of tiers in a message."""
@@ -91,7 +97,21 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
     words = _sure([t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker])
     remarks = () if chosen.spoken else (f"{source.path}: tier '{chosen.name}' has no label in it",)
     spans = words[0].rows if len(words) == 1 else ()
-    return schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
+    schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
+    sure = [t for t in tiers if t.role == CONFIDENCE and t.speaker == chosen.speaker]
+    return _rated(schedule, sure[0].spoken) if sure else schedule
+
+
+def _rated(schedule: Schedule, rows: Sequence[LabelRow]) -> Schedule:
+    """Return a schedule whose words have the confidence that a row at their middle states."""
+    found = {}
+    for word in schedule.words:
+        middle = (schedule.times[word.first] + schedule.times[word.stop]) / 2
+        label = next((row.label for row in rows if row.start <= middle <= row.end), "")
+        if PROBABILITY.fullmatch(label.strip()):
+            found[word] = float(label)
+    words = (replace(word, confidence=found.get(word)) for word in schedule.words)
+    return replace(schedule, words=tuple(words))
 
 
 def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like phones") -> Tier:

@@ -6,7 +6,7 @@ tab, comma, semicolon and bar in the first row. Decimals may have a comma. Optio
 
 - `word`, the word of a phoneme; successive rows with the same word are one word. Without labels,
   the rows are words,
-- `type`, phone or word, and `speaker`.
+- `type`, phone or word, `speaker`, and `confidence` of a word.
 """
 
 import csv
@@ -17,7 +17,7 @@ from io import StringIO
 from itertools import chain
 
 from lipsync_lang.schedules.rows import LabelRow
-from lipsync_lang.schedules.tiers import WORDS, Tier, read_tiers
+from lipsync_lang.schedules.tiers import CONFIDENCE, WORDS, Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
 
@@ -29,6 +29,7 @@ COLUMNS = {
     "word": ("word",),
     "type": ("type",),
     "speaker": ("speaker",),
+    "confidence": ("confidence",),
 }
 """Roles of columns, with their possible names, most likely first."""
 
@@ -74,6 +75,8 @@ def _tiers(source: TimingFile) -> list[Tier]:
         kind = _cell(cells, columns, "type") or ("words" if only_words else "phones")
         who = [name] if (name := _cell(cells, columns, "speaker")) else []
         tiers[" - ".join([*who, kind])].append(row)
+        if (sure := _cell(cells, columns, "confidence")) and WORDS.fullmatch(kind):
+            tiers[" - ".join([*who, CONFIDENCE])].append(row._replace(label=sure))
         if "word" in columns and not WORDS.fullmatch(kind):
             word = row._replace(label=_cell(cells, columns, "word"))
             _join(tiers[" - ".join([*who, "words"])], word)

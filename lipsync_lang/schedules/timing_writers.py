@@ -1,15 +1,24 @@
 """Writers of timings: schedules as files that the readers read back.
 
-JSON keeps all that a schedule has but its sound; a TextGrid has phonemes and words, for Praat.
+JSON keeps all that a schedule has but its sound. A TextGrid, an ELAN document and a table have
+phonemes, words and their confidence; a label track has phonemes alone. Stress and emphasis have no
+place there. All but JSON leave out times before zero.
 """
 
+import csv
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from io import StringIO
 
+from lipsync_lang.schedules.elan_document import elan_document
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.tiers import CONFIDENCE
 
 DIGITS = 6
 """Decimals of a time in seconds: microseconds."""
+
+CONFIDENCE_DIGITS = 2
+"""Decimals of a confidence."""
 
 LabelSpan = tuple[str, float, float]
 """Label, start and end in seconds."""
@@ -30,16 +39,23 @@ def json_text(schedule: Schedule) -> str:
     }
     """
     stresses = schedule.stress or (None,) * len(schedule)
+    times = [_seconds(time) for time in schedule.times]
     phonemes = [
         {"label": label, "start": start, "end": end}
         | ({} if stress is None else {"stress": stress})
-        for (label, start, end), stress in zip(_phonemes(schedule), stresses, strict=True)
+        for label, start, end, stress in zip(
+            schedule.labels, times, times[1:], stresses, strict=False
+        )
     ]
     words = [
-        {"text": text, "start": start, "end": end}
+        {"text": word.text, "start": times[word.first], "end": times[word.stop]}
         | ({"emphasis": word.emphasis} if word.emphasis else {})
-        | ({} if word.confidence is None else {"confidence": round(word.confidence, 2)})
-        for (text, start, end), word in zip(_words(schedule), schedule.words, strict=True)
+        | (
+            {}
+            if word.confidence is None
+            else {"confidence": round(word.confidence, CONFIDENCE_DIGITS)}
+        )
+        for word in schedule.words
     ]
     stated = {"notation": schedule.notation, "language": schedule.language}
     head = [f'  "{key}": {json.dumps(value)},\n' for key, value in stated.items() if value]
@@ -50,7 +66,7 @@ def json_text(schedule: Schedule) -> str:
 def textgrid_text(schedule: Schedule) -> str:
     """Return a schedule as a TextGrid with tiers of words and phones, as long as its sound.
 
-    Silence is an interval without text. Stress and emphasis have no place in a TextGrid.
+    Silence is an interval without text. Confidences, if any, are a third tier.
 
     Examples
     --------
@@ -60,38 +76,95 @@ def textgrid_text(schedule: Schedule) -> str:
     ['text = "M"', 'text = ""']
     """
     heard = 0.0 if schedule.audio is None else schedule.audio.seconds
-    start = min(0.0, _seconds(schedule.start))
     end = max(_seconds(schedule.end), _seconds(heard))
-    tiers = {"words": _words(schedule), "phones": _phonemes(schedule)}
+    tiers = tiers_of(schedule)
     lines = [
         'File type = "ooTextFile"', 'Object class = "TextGrid"', "",
-        f"xmin = {start}", f"xmax = {end}", "tiers? <exists>", f"size = {len(tiers)}", "item []:",
+        "xmin = 0.0", f"xmax = {end}", "tiers? <exists>", f"size = {len(tiers)}", "item []:",
     ]  # fmt: skip
     for number, (name, spans) in enumerate(tiers.items(), 1):
-        lines += _tier(number, name, list(_filled(spans, start, end)))
+        lines += _tier(number, name, list(_filled(spans, end)))
     return "\n".join(lines) + "\n"
+
+
+def elan_text(schedule: Schedule) -> str:
+    """Return a schedule as an ELAN document with tiers of words and phones, in milliseconds.
+
+    Silence is left out, but for that at the end. Confidences, if any, are a tier that refers to the
+    words.
+    """
+    tiers = tiers_of(schedule)
+    phones = tiers["phones"]
+    sounds = [one for one in phones[:-1] if one[0] != SILENCE] + phones[-1:]
+    return elan_document(
+        {"words": tiers["words"], "phones": sounds}, refers={CONFIDENCE: tiers.get(CONFIDENCE, [])}
+    )
+
+
+def table_text(schedule: Schedule) -> str:
+    """Return a schedule as a CSV table: begin, end, label and type of each word and phone."""
+    out = StringIO()
+    tiers = tiers_of(schedule)
+    sure = tiers.pop(CONFIDENCE, [])
+    rated = {start: label for label, start, _ in sure}
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(["Begin", "End", "Label", "Type", *(["Confidence"] if sure else [])])
+    for kind, spans in tiers.items():
+        for label, start, end in spans:
+            rate = rated.get(start, "") if kind == "words" else ""
+            rows.writerow([start, end, label, kind, *([rate] if sure else [])])
+    return out.getvalue()
+
+
+def label_track_text(schedule: Schedule) -> str:
+    """Return the phonemes of a schedule as a label track for Audacity; its words are left out."""
+    spans = tiers_of(schedule)["phones"]
+    return "".join(
+        f"{start:.{DIGITS}f}\t{end:.{DIGITS}f}\t{label}\n" for label, start, end in spans
+    )
 
 
 TIMING_WRITERS: dict[str, Callable[[Schedule], str]] = {
     "json": json_text,
     "TextGrid": textgrid_text,
+    "eaf": elan_text,
+    "csv": table_text,
+    "txt": label_track_text,
 }
 """Functions by the suffix of their file, without the dot."""
 
 
+def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:
+    """Return the tiers of a schedule from time zero on: words, phones and maybe confidences.
+
+    Texts have single spaces and no line breaks. Times have `DIGITS` decimals.
+    """
+    times = [_seconds(time) for time in schedule.times]
+    words = [(word, times[word.first], times[word.stop]) for word in schedule.words]
+    sure = [
+        (f"{word.confidence:.{CONFIDENCE_DIGITS}f}", start, end)
+        for word, start, end in words
+        if word.confidence is not None
+    ]
+    tiers = {
+        "words": _late((word.text, start, end) for word, start, end in words),
+        "phones": _late(zip(schedule.labels, times, times[1:], strict=False)),
+        CONFIDENCE: _late(sure),
+    }
+    return {name: spans for name, spans in tiers.items() if spans or name != CONFIDENCE}
+
+
+def _late(spans: Iterable[LabelSpan]) -> list[LabelSpan]:
+    """Return spans from time zero on, with texts of one line."""
+    return [
+        (" ".join(label.split()) or SILENCE, max(start, 0.0), end)
+        for label, start, end in spans
+        if end > 0
+    ]
+
+
 def _seconds(value: float) -> float:
     return round(float(value), DIGITS)
-
-
-def _phonemes(schedule: Schedule) -> Iterator[LabelSpan]:
-    times = [_seconds(time) for time in schedule.times]
-    yield from zip(schedule.labels, times, times[1:], strict=False)
-
-
-def _words(schedule: Schedule) -> Iterator[LabelSpan]:
-    times = schedule.times
-    for word in schedule.words:
-        yield word.text, _seconds(times[word.first]), _seconds(times[word.stop])
 
 
 def _rows(rows: list[dict[str, object]]) -> str:
@@ -100,9 +173,9 @@ def _rows(rows: list[dict[str, object]]) -> str:
     return "[\n" + ",\n".join(told) + "\n  ]" if told else "[]"
 
 
-def _filled(spans: Iterator[LabelSpan], start: float, end: float) -> Iterator[LabelSpan]:
+def _filled(spans: Iterable[LabelSpan], end: float) -> Iterator[LabelSpan]:
     """Yield spans with silence in the gaps: Praat wants a tier without any."""
-    at = start
+    at = 0.0
     for label, begin, stop in spans:
         if begin > at:
             yield SILENCE, at, begin
@@ -120,7 +193,7 @@ def _tier(number: int, name: str, spans: list[LabelSpan]) -> Iterator[str]:
     yield f"        xmax = {spans[-1][2]}"
     yield f"        intervals: size = {len(spans)}"
     for at, (label, begin, stop) in enumerate(spans, 1):
-        text = "" if label == SILENCE else label.replace('"', '""').replace("\n", " ")
+        text = "" if label == SILENCE else label.replace('"', '""')
         yield f"        intervals [{at}]:"
         yield f"            xmin = {begin}"
         yield f"            xmax = {stop}"
