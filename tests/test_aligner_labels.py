@@ -30,7 +30,7 @@ assert len(PHONES) > 40
 
 def notation(name):
     """The IPA of a language, as a performer has it."""
-    silences = LIBRARY.common().model.silence_labels
+    silences = LIBRARY.common().model.rests
     return ready(tables_of(LIBRARY.language(name).model), silences, SILENT, IPA, SPELLING)[IPA]
 
 

@@ -62,6 +62,7 @@ def load(name):
 
 
 COMMON = load("common")
+RESTS = (*COMMON["silence_labels"], *COMMON["noise_labels"])
 ENGLISH = load("english")
 
 
@@ -75,7 +76,7 @@ def notation(table):
             label: tuple((common, 1 / len(sequence(entry))) for common in sequence(entry))
             for label, entry in table.items()
         },
-        silences=COMMON["silence_labels"],
+        silences=RESTS,
         silence=((COMMON["silence"], 1.0),),
     )
 
@@ -187,8 +188,8 @@ def test_table_1_in_the_other_notations(name, labels):
 
 
 def test_every_silence_is_text_and_found_by_every_notation():
-    assert len(COMMON["silence_labels"]) == len(set(COMMON["silence_labels"]))
-    for label in COMMON["silence_labels"]:
+    assert len(RESTS) == len(set(RESTS))
+    for label in RESTS:
         assert isinstance(label, str)
         assert label == label.lower()
         for name, table in NOTATIONS.items():

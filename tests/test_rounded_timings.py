@@ -1,11 +1,14 @@
 """Timings as real tools write them: rounded, in quotes, with noise and notes between the labels."""
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from lipsync_lang.errors import ScheduleError
+from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules import SILENCE, Schedule
@@ -90,3 +93,35 @@ def test_labels_of_more_tools_are_known(performer):
         ["ah"], ["ih", "ax"], ["h"], ["ae"], ["ow"], ["d", "bmp"],
     ]  # fmt: skip
     assert common("@:", "I@", "{I", notation="sampa") == [["ah"], ["ih", "ax"], ["ey"]]
+
+
+@pytest.fixture(scope="module")
+def american():
+    return resolve("english", "facefx").labels
+
+
+@pytest.mark.parametrize(
+    ("labels", "told"),
+    [
+        (("M", "AE1", "P", "S"), None),
+        (("m", "æ", "p", "s"), None),
+        (("M", "spn", "AE1", "BR", "P"), r"mouth rests 0\.2 s: 'spn' \(1\), 'BR' \(1\)"),
+        (("m", "æ̃ʰ", "p", "s"), r"notation: ipa, 75% of the labels are in it"),
+        (("p", "3:", "s"), None),
+        (("M", "AH0", "M"), None),
+        (("T", "N"), r"notation: arpabet, 100% .*; also possible: sampa.* \(`notation='sampa'`\)"),
+    ],
+)
+def test_doubts_about_labels_are_told(american, labels, told):
+    schedule = Schedule(labels, np.arange(len(labels) + 1) / 10, source="a.csv")
+    remarks = "\n".join(label_remarks(american, schedule))
+    assert re.search(f"^a\\.csv: .*{told}$", remarks) if told else not remarks
+    assert not label_remarks(american, replace(schedule, notation="ipa")) or "spn" in labels
+
+
+def test_tiers_that_are_passed_over_are_named():
+    grid = 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 3\n'
+    for name, label in (("phones", "m"), ("words", "m"), ("pitch", "180")):
+        grid += f'"IntervalTier" "{name}" 0 1 1 0 1 "{label}"\n'
+    assert read(grid, "a.TextGrid").remarks == ("a.TextGrid: tiers that were passed over: 'pitch'",)
+    assert not read(grid, "a.TextGrid", tier="phones").remarks

@@ -45,7 +45,7 @@ def spelled(label):
 def notations(name):
     """The notations of a language, as a performer has them; shapes aside."""
     pack = LIBRARY.language(name).model
-    silences = LIBRARY.common().model.silence_labels
+    silences = LIBRARY.common().model.rests
     return ready(tables_of(pack), silences, SILENT, IPA, SPELLING)
 
 

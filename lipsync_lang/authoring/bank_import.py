@@ -162,7 +162,7 @@ def _names(
     common: "models.Phonemes", poseset: "models.PoseSet", mapped: Mapping[str, str]
 ) -> BankNames:
     """Return the maps of labels and shapes to phonemes and poses; `mapped` has precedence."""
-    sounds = {label.casefold(): common.silence for label in common.silence_labels}
+    sounds = {label.casefold(): common.silence for label in common.rests}
     for name, phoneme in common.phonemes.items():
         sounds.update(dict.fromkeys((label.casefold() for label in phoneme.spelled), name))
     ours = dict.fromkeys((*common.phonemes, common.silence))

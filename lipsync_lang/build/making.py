@@ -26,6 +26,7 @@ from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.build.timing import Timed, attempt, schedules
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.temporary import temporary_name, this_process
+from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -200,7 +201,7 @@ class LineMaker:
         built = BuiltLine(
             line,
             "built",
-            "; ".join(schedule.remarks),
+            "; ".join((*schedule.remarks, *label_remarks(pair.performer.labels, schedule))),
             float(animation.times[-1] - animation.times[0]),
             schedule.confidence,
             judged.figures,

@@ -292,6 +292,8 @@ def _filled(options: Namespace, performer: "Performer", words: "TimedWords") -> 
 
 
 def _summary(animation: "Animation", written: list[Path]) -> str:
+    from lipsync_lang.performing.label_remarks import label_remarks
+
     words = len(animation.schedule.words)
     spoken = count(len(animation.schedule), "phoneme")
     told = (
@@ -307,7 +309,11 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
     if animation.schedule.confidence is not None:
         how = "recognised" if animation.schedule.recognised else "aligned"
         told += f"\n{how} with a confidence of {animation.schedule.confidence:.2f}"
-    told += "".join(f"\n{as_options(remark)}" for remark in animation.schedule.remarks)
+    remarks = (
+        *animation.schedule.remarks,
+        *label_remarks(animation.performer.labels, animation.schedule),
+    )
+    told += "".join(f"\n{as_options(remark)}" for remark in remarks)
     if not written:
         return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
     return told + "".join(f"\nwrote {path}" for path in written if path != STANDARD_STREAM)

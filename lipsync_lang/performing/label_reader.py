@@ -201,9 +201,7 @@ class LabelReader:
         if name is None:
             name = self._recognised.get(schedule)
         if name is None:
-            shapes = self.compiled.visemes.keys() - self.compiled.notations.keys()
-            own = {one: n for one, n in self.notations.items() if one not in shapes}
-            name = recognise(schedule.labels, own)
+            name = recognise(schedule.labels, self.own_notations)
             self._recognised[schedule] = name
         if name not in self.notations:
             raise ScheduleError(
@@ -211,6 +209,12 @@ class LabelReader:
                 f"{did_you_mean(name, self.notations)}"
             )
         return self.notations[name]
+
+    @cached_property
+    def own_notations(self) -> dict[str, Notation]:
+        """Notations of sounds, by name: those that labels may be told by."""
+        shapes = self.compiled.visemes.keys() - self.compiled.notations.keys()
+        return {name: one for name, one in self.notations.items() if name not in shapes}
 
     @cached_property
     def notations(self) -> dict[str, Notation]:

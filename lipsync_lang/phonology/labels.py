@@ -163,6 +163,11 @@ class Notation:
         except KeyError:
             return self._seen.setdefault(label, self._stated(label))
 
+    def spells(self, label: str) -> bool:
+        """Return True if the table has a label, with its stress, tone and length."""
+        whole = normalise(label)
+        return whole in self._exact or whole.casefold() in self._folded
+
     def _stated(self, label: str) -> Value | None:
         if label in self.table:
             return self.table[label]

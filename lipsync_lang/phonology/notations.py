@@ -33,6 +33,11 @@ class Spelled(Notation):
         text = self.text(label)
         return None if text is None else super().stress(text)
 
+    def spells(self, label: str) -> bool:
+        """Return True if the table has what a label spells."""
+        text = self.text(label)
+        return text is not None and super().spells(text)
+
     def likely(self, label: str) -> Value | None:
         """Return a value by likeness for a label missing from the table; None if unknown."""
         text = self.text(label)

@@ -77,7 +77,8 @@ def compiled(shelf: PairPacks, rows: PairRows) -> Compiled:
         notations=tables_of(model),
         visemes=visemes_of(common.model),
         spelling=spelling(library),
-        silences=(*common.model.silence_labels, *model.silence, common.model.silence),
+        silences=(*common.model.rests, *model.silence, common.model.silence),
+        noises=common.model.noise_labels,
         words=dict(manner.words),
         word_edits=_plain({w.casefold(): e.curves for w, e in who.model.words.items()}),
         line_edits=_plain(

@@ -108,6 +108,8 @@ class Compiled:
     spelling: dict[str, Any]
     """Other signs for IPA (`spelled`), and marks that are not seen (`unseen`)."""
     silences: tuple[str, ...]
+    noises: tuple[str, ...]
+    """Silences that stand for noise, or for speech that nobody could read."""
     words: dict[str, tuple[str, ...]]
     word_edits: dict[str, dict[str, Any]]
     """The character's own curves of whole words: control points by word, then pose."""

@@ -95,7 +95,7 @@ def notations_of(library: "Library", language: "Pack[models.Language]") -> dict[
     from lipsync_lang.resolver.nearest_phonemes import among, spelling
 
     common, model = library.common().model, language.model
-    silences = (*common.silence_labels, *model.silence, common.silence)
+    silences = (*common.rests, *model.silence, common.silence)
     silence: Value = ((common.silence, 1.0),)
     near = among(library, language).value if model.automatic else None
     tables = {**visemes_of(common), **tables_of(model)}

@@ -95,10 +95,14 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
     if chosen.holds_words():
         return words_of_rows(source, chosen.rows, guess=guess)
     words = _sure([t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker])
-    remarks = () if chosen.spoken else (f"{source.path}: tier '{chosen.name}' has no label in it",)
+    remarks = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no label in it"]
     spans = words[0].rows if len(words) == 1 else ()
-    schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
     sure = [t for t in tiers if t.role == CONFIDENCE and t.speaker == chosen.speaker]
+    used = (chosen, *(words if spans else ()), *sure)
+    others = [tier for tier in tiers if tier.spoken and all(tier is not one for one in used)]
+    if others and source.tier is None:
+        remarks.append(f"{source.path}: tiers that were passed over: {_list(others)}")
+    schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
     return _rated(schedule, sure[0].spoken) if sure else schedule
 
 

@@ -136,6 +136,8 @@ class Phonemes(PackModel):
     """The label of silence."""
     silence_labels: tuple[str, ...] = ()
     """Other spellings of silence, in any notation."""
+    noise_labels: tuple[str, ...] = ()
+    """Labels of noise, and of speech that an aligner could not read; the mouth rests there."""
     phonemes: dict[Common, Annotated[Phoneme, OrEmpty]]
     """Every common phoneme, including those of some languages only."""
     base: tuple[Common, ...]
@@ -149,6 +151,11 @@ class Phonemes(PackModel):
     visemes: dict[Text, Visemes] = Field(default={})
     """Notations of mouth shapes instead of sounds. They lose information, and are never chosen
     automatically."""
+
+    @property
+    def rests(self) -> tuple[str, ...]:
+        """Labels at which the mouth rests: of silence and of noise."""
+        return (*self.silence_labels, *self.noise_labels)
 
     @model_validator(mode="after")
     def _spelled_once(self) -> Self:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
@@ -121,7 +122,8 @@ def whole(workshop: Workshop) -> Packed:
     packed = takes(workshop, None)
     schedule = workshop.schedule
     sound = None if schedule is None else _sound(schedule, packed.arrays)
-    remarks = [] if schedule is None else list(schedule.remarks)
+    labels = workshop.performer.labels
+    remarks = [] if schedule is None else [*schedule.remarks, *label_remarks(labels, schedule)]
     unread = "" if schedule is None else " ".join(schedule.unread)
     told = {
         "sound": sound,

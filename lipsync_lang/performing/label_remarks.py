@@ -1,0 +1,72 @@
+"""Remarks on the labels of a schedule: noise in it, and a notation that is not certain."""
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from lipsync_lang.performing.label_reader import LabelReader
+
+SURE_SHARE = 0.97
+"""Share of labels that a notation has to have, to be taken without a remark."""
+
+MAX_SHOWN = 4
+"""Labels, or notations, shown in a remark."""
+
+
+def label_remarks(reader: "LabelReader", schedule: Schedule) -> tuple[str, ...]:
+    """Return what a performance makes of labels that are in doubt; empty if none is."""
+    return (*_noise(reader, schedule), *_notation(reader, schedule))
+
+
+def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
+    """Yield a remark on labels of noise and of speech that an aligner could not read."""
+    noises = {normalise(label).casefold() for label in reader.compiled.noises}
+    notation = reader.notation(schedule)
+    silence = notation.silence
+    counts: Counter[str] = Counter()
+    seconds = 0.0
+    for label, start, end in zip(schedule.labels, schedule.times, schedule.times[1:], strict=False):
+        if normalise(label).casefold() in noises and notation.find(label) == silence:
+            counts[label] += 1
+            seconds += float(end - start)
+    if counts:
+        yield (
+            f"{schedule.source}: noise, or speech that nobody could read, so that the mouth rests "
+            f"{seconds:.1f} s: {_list(f'{label!r} ({n})' for label, n in counts.items())}"
+        )
+
+
+def _notation(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
+    """Yield a remark on a notation that was told by the labels, unless it is certain."""
+    if schedule.notation is not None:
+        return
+    known = reader.own_notations
+    chosen = reader.notation(schedule)
+    name = next(n for n, one in known.items() if one is chosen)
+    labels = {one for one in schedule.labels if one != SILENCE and not chosen.is_silence(one)}
+    stated = {one for one in labels if chosen.stated(one) is not None}
+    alike = [
+        other
+        for other, one in known.items()
+        if one is not chosen
+        and stated
+        and all(map(one.spells, stated))
+        and any(one.stated(label) != chosen.stated(label) for label in stated)
+    ]
+    share = len(stated) / len(labels) if labels else 1.0
+    if share >= SURE_SHARE and not alike:
+        return
+    told = f"{schedule.source}: notation: {name}, {share:.0%} of the labels are in it"
+    if alike:
+        told += f"; also possible: {_list(alike)} (`notation={alike[0]!r}`)"
+    yield told
+
+
+def _list(names: "Iterator[str] | list[str]") -> str:
+    shown = list(names)
+    return ", ".join(shown[:MAX_SHOWN]) + (", ..." if len(shown) > MAX_SHOWN else "")
