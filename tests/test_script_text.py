@@ -40,6 +40,7 @@ def dirty_lines():
 @pytest.mark.parametrize(
     ("written", "said", "dropped"),
     [
+        ("*sighs* {w}Wait.{w} (gasps) ", "Wait.", ("*sighs*", "{w}", "{w}", "(gasps)")),
         ("{w}Wait{p}for it{p=2}", "Wait, for it", ("{w}", "{p}", "{p=2}")),
         ("Yes.<break/> No", "Yes. No", ("<break/>",)),
         ("<emphasis level='strong'>very</emphasis> good", "*very* good", ()),

@@ -40,7 +40,7 @@ PERCENT = r"%%|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?
 DOLLAR = r"\$\{[^{}]*\}|\$[A-Za-z_]\w*"
 ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
 ASIDE = (
-    r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<wide>（[^（）]{1,80}）)"
+    r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<doublewidth>（[^（）]{1,80}）)"
     r"|(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])"
 )
 ADDRESS = (
@@ -79,7 +79,11 @@ NAME = re.compile(r"[\w.-]+")
 LOOSE = re.compile(r" ([,.])(?!\S)")
 PAUSE = "\0"
 """In place of a pause, until the text around it is known."""
-PAUSED = re.compile(rf"(?P<before>\S?)\s*(?:{PAUSE}\s*)+(?P<after>\S?)")
+PAUSED = re.compile(rf"(?P<before>[^\s{PAUSE}]?)\s*(?:{PAUSE}\s*)+(?P<after>\S?)")
+TAGS_BEFORE = re.compile(r"(?: |\{[^{}]*\}|<[^<>]*>)+$")
+TAGS_AFTER = re.compile(r"^(?: |\{[^{}]*\}|<[^<>]*>)+")
+SEEN_CHARS = 200
+"""Characters on each side of an aside that are looked at."""
 MAX_UNSPOKEN_CHARS = 500
 """Longest passage between the two ends of an `unspoken` entry."""
 
@@ -181,7 +185,7 @@ class TextCleaner:
 
     def _instead(self, found: re.Match[str]) -> str | None:
         """Return the text in place of markup; None for text that is no markup."""
-        whole, aside = found[0], found["round"] or found["wide"] or found["star"]
+        whole, aside = found[0], found["round"] or found["doublewidth"] or found["star"]
         if aside:
             if not self._is_aside(found, aside):
                 return None
@@ -208,7 +212,9 @@ class TextCleaner:
         return NAMED.sub("", whole[:-1]) in self._closed
 
     def _is_aside(self, found: re.Match[str], said: str) -> bool:
-        before, after = self.text[: found.start()], self.text[found.end() :]
+        start, stop = found.span()
+        before = TAGS_BEFORE.sub("", self.text[max(start - SEEN_CHARS, 0) : start])
+        after = TAGS_AFTER.sub("", self.text[stop : stop + SEEN_CHARS])
         starred = found["star"] is not None
         return is_aside(said, before, after, self.cleaning.asides, starred=starred)
 

@@ -16,7 +16,8 @@ from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused, tried
-from lipsync_lang.speech.speaking import NO_VALUES, SilentTextError, Speaker, Values, WrittenText
+from lipsync_lang.speech.speaking import NO_VALUES, Speaker, Values
+from lipsync_lang.speech.written_text import SilentTextError, WrittenText
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.recognise.recognisers import Recogniser

@@ -12,14 +12,12 @@ from functools import cached_property, partial
 from itertools import zip_longest
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, overload
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.packs.finding import Paths, located
-from lipsync_lang.phonology.emphasis import emphasised, touched
+from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.g2p_engines import Engine as G2PEngine
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -28,6 +26,7 @@ from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.speech.in_turn import batches, each, in_turn, raised, refused
+from lipsync_lang.speech.written_text import SilentTextError, WrittenText, as_written, silent
 
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import NearestPhonemes
@@ -42,23 +41,6 @@ NO_VALUES: Values = MappingProxyType({})
 
 BATCH_TEXTS = 500
 """Texts that a G2P engine reads at once."""
-
-
-class WrittenText(NamedTuple):
-    """A text as it is read: the spoken part of what was written.
-
-    Parameters
-    ----------
-    text : without markup, in the letters that the language's engine knows
-    spans : offsets of the passages with emphasis
-    dropped : markup that is not spoken, in order
-    remarks : doubts about the markup
-    """
-
-    text: str
-    spans: tuple[tuple[int, int], ...] = ()
-    dropped: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,14 +85,6 @@ class Transcript:
         return tuple(
             mark for word in self.words for mark in word.stress or (None,) * len(word.labels)
         )
-
-
-class SilentTextError(SpeechError):
-    """Error: a text holds markup alone, so that there is nothing to say."""
-
-    def __init__(self, text: WrittenText) -> None:
-        super().__init__(f"nothing of it is spoken: {' '.join(text.dropped)}")
-        self.text = text
 
 
 class Speaker:
@@ -181,16 +155,7 @@ class Speaker:
         """Return a schedule of silence, as long as the sound, for a text of markup alone."""
         if not isinstance(result, SilentTextError):
             return result
-        seconds = audio.seconds if audio is not None else self.manner.durations["silence"]
-        silent = Schedule(
-            (SILENCE,),
-            np.array([0.0, seconds]),
-            notation=self.manner.notation or None,
-            language=self.manner.language,
-            estimated=audio is None,
-            audio=audio,
-        )
-        return as_written(result.text, silent)
+        return silent(result.text, self.manner, audio)
 
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
         """Convert texts to phonemes, one after the other; markup and emphasis are left out.
@@ -509,20 +474,6 @@ def _said(schedule: Schedule) -> tuple[Said, ...]:
         words.append(Said(word.text, schedule.labels[span], stress=schedule.stress[span]))
         at = word.stop
     return tuple(words)
-
-
-def as_written(text: WrittenText, schedule: Schedule) -> Schedule:
-    """Return a schedule with the emphasis of its text, and what was left out of that."""
-    words = schedule.words
-    if text.spans:
-        marked = touched((word.text for word in words), text.text, text.spans)
-        words = tuple(
-            replace(word, emphasis=float(one)) for word, one in zip(words, marked, strict=True)
-        )
-    elif not (text.dropped or text.remarks):
-        return schedule
-    remarks = (*schedule.remarks, *text.remarks)
-    return replace(schedule, words=words, dropped=text.dropped, remarks=remarks)
 
 
 def _spelling(transcript: Transcript) -> str:

@@ -9,7 +9,8 @@ from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech.align.aligners import ALIGNERS, BatchAligner
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import raised, tried
-from lipsync_lang.speech.speaking import Speaker, WrittenText, as_written
+from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.written_text import WrittenText, as_written
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.align.aligners import Aligner
