@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND
-from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ def studio(options: Namespace) -> int:
     token = _token(options)
     workshop = Workshop(
         Path.cwd(), options.path, Desk(_journal(Path.cwd())),
-        motion=motion_settings(options.settings), engine=options.tts, cleaning=cleaning(options),
+        motion=motion_settings(options.settings), engine=options.tts,
     )  # fmt: skip
     workshop.settings.fps = options.fps
     if options.language and options.character:

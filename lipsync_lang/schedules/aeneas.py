@@ -29,17 +29,20 @@ def read_aeneas(source: TimingFile) -> TimedWords:
 
 def _smallest(source: TimingFile, fragments: object) -> Iterator[TimedWord]:
     """Yield fragments without children."""
-    if not isinstance(fragments, list):
-        raise source.fault(f"has no list of fragments; the form is {FORM}")
-    for fragment in fragments:
-        lines = fragment.get("lines") if isinstance(fragment, dict) else None
-        if not isinstance(lines, list):
-            raise source.fault(f"a fragment has no lines; the form is {FORM}")
-        if fragment.get("children"):
-            yield from _smallest(source, fragment["children"])
-        else:
-            start, end = (_seconds(source, fragment.get(name)) for name in ("begin", "end"))
-            yield TimedWord(" ".join(map(str, lines)), start, end)
+    waiting = [fragments]
+    while waiting:
+        level = waiting.pop()
+        if not isinstance(level, list):
+            raise source.fault(f"has no list of fragments; the form is {FORM}")
+        for fragment in level:
+            lines = fragment.get("lines") if isinstance(fragment, dict) else None
+            if not isinstance(lines, list):
+                raise source.fault(f"a fragment has no lines; the form is {FORM}")
+            if fragment.get("children"):
+                waiting.append(fragment["children"])
+            else:
+                start, end = (_seconds(source, fragment.get(name)) for name in ("begin", "end"))
+                yield TimedWord(" ".join(map(str, lines)), start, end)
 
 
 def _seconds(source: TimingFile, value: Any) -> float:

@@ -99,8 +99,7 @@ def _spans(source: TimingFile, document: "Element", tiers: list["Element"]) -> d
         found = list(_annotations(tier))
         spans |= _aligned(found, slots)
         references |= _references(found)
-    for name in references:
-        _refer(source, name, references, spans)
+    _refer(source, references, spans)
     return spans
 
 
@@ -139,22 +138,24 @@ def _references(annotations: list["Element"]) -> dict[str, Reference]:
     return found
 
 
-def _refer(
-    source: TimingFile, name: str, references: dict[str, Reference], spans: dict[str, Span]
-) -> None:
-    """Add the span of an annotation that refers to another, and of those on the way."""
-    chain: dict[str, Reference] = {}
-    while name not in spans and name in references:
-        if name in chain:
-            raise source.fault(
-                f"annotation '{name}' refers to itself; delete it in ELAN, and make it anew",
-                source.line_of(f'ANNOTATION_ID="{name}"'),
-            )
-        chain[name] = references[name]
-        name = references[name].parent
-    if name not in spans:
-        return
-    for below, (parent, place, among) in reversed(chain.items()):
-        start, end = spans[parent]
-        step = (end - start) / among
-        spans[below] = (start + place * step, start + (place + 1) * step)
+def _refer(source: TimingFile, references: dict[str, Reference], spans: dict[str, Span]) -> None:
+    """Add the spans of annotations that refer to others."""
+    timeless: set[str] = set()
+    for first in references:
+        chain: dict[str, Reference] = {}
+        name = first
+        while name in references and name not in spans and name not in timeless:
+            if name in chain:
+                raise source.fault(
+                    f"annotation '{name}' refers to itself; delete it in ELAN, and make it anew",
+                    source.line_of(f'ANNOTATION_ID="{name}"'),
+                )
+            chain[name] = references[name]
+            name = references[name].parent
+        if name not in spans:
+            timeless.update(chain)
+            continue
+        for below, (parent, place, among) in reversed(chain.items()):
+            start, end = spans[parent]
+            step = (end - start) / among
+            spans[below] = (start + place * step, start + (place + 1) * step)

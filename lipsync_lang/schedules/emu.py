@@ -83,20 +83,22 @@ def _words(
     for link in source.objects(whole, "links", FORM):
         below[str(link.get("fromID"))].append(str(link.get("toID")))
     name, items = spelled
-    rows = []
-    for item in items:
-        span = _reached(source, str(item.get("id")), below, spans)
-        if span is not None:
-            rows.append(LabelRow(_label(source, item, name), *span))
+    ids = [str(item.get("id")) for item in items]
+    _reach(source, ids, below, spans)
+    rows = [
+        LabelRow(_label(source, item, name), *spans[one])
+        for one, item in zip(ids, items, strict=True)
+        if one in spans
+    ]
     if rows:
         yield Tier("words", tuple(rows))
 
 
-def _reached(
-    source: TimingFile, name: str, below: dict[str, list[str]], spans: dict[str, Span]
-) -> Span | None:
-    """Return the time of the segments below an item; None if there are none."""
-    waiting, entered, left = [name], set[str](), set[str]()
+def _reach(
+    source: TimingFile, ids: list[str], below: dict[str, list[str]], spans: dict[str, Span]
+) -> None:
+    """Add the time of the segments below each item, and below those on the way."""
+    waiting, entered, left = ids[::-1], set[str](), set[str]()
     while waiting:
         at = waiting[-1]
         if at not in spans and at not in entered:
@@ -111,4 +113,3 @@ def _reached(
         reached = [spans[one] for one in below[at] if one in spans]
         if at not in spans and reached:
             spans[at] = min(start for start, _ in reached), max(end for _, end in reached)
-    return spans.get(name)

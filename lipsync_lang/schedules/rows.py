@@ -23,6 +23,9 @@ LONG_SOUND_SECONDS = 1.0
 ROUNDING_SECONDS = 0.0101
 """Seconds; aligners round times to 10 ms, so that neighbours overlap or part by that much."""
 
+MAX_LABEL_CHARS = 40
+"""Characters of a label that a message shows."""
+
 LIKELY_RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second of files that do not count in seconds."""
 
@@ -195,7 +198,7 @@ def _check_order(source: TimingFile, row: LabelRow) -> None:
 
 def told_row(row: LabelRow) -> str:
     """Return a row with its times, for messages."""
-    return f"{row.label.strip() or SILENCE!r}, {row.start:g} to {row.end:g} s"
+    return f"{row.label.strip()[:MAX_LABEL_CHARS] or SILENCE!r}, {row.start:g} to {row.end:g} s"
 
 
 def _append(rows: list[LabelRow], row: LabelRow) -> None:

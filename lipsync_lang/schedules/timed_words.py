@@ -133,6 +133,7 @@ def timed_words_of(
 def _parted(source: TimingFile, words: list[TimedWord]) -> list[TimedWord]:
     """Close overlaps due to rounding, and merge words without length with a neighbour."""
     parted: list[TimedWord] = []
+    texts: list[list[str]] = []
     for word in words:
         check_span(source, _row(word))
         before = parted[-1] if parted else None
@@ -150,15 +151,17 @@ def _parted(source: TimingFile, words: list[TimedWord]) -> list[TimedWord]:
                 parted[-1] = replace(before, end=start)
         if before is not None and (before.end <= before.start or word.end <= start):
             end = max(word.end, before.end)
-            parted[-1] = replace(before, text=f"{before.text} {word.text}", end=end)
+            parted[-1] = replace(before, end=end)
+            texts[-1].append(word.text)
         else:
             parted.append(replace(word, start=start))
+            texts.append([word.text])
     if parted[-1].end <= parted[-1].start:
         raise source.fault(
             f"{told_row(_row(parted[-1]))}, has no length; give it some time, or leave it out",
             parted[-1].line,
         )
-    return parted
+    return [replace(w, text=" ".join(all_of)) for w, all_of in zip(parted, texts, strict=True)]
 
 
 def _row(word: TimedWord) -> LabelRow:
