@@ -1,5 +1,6 @@
 """TextGrids: every text form, every odd kind, and never a traceback."""
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -229,7 +230,8 @@ def test_tiers_of_one_name_are_told_with_both_lines():
     ("content", "message"),
     [
         (b"", "is no TextGrid in text; in Praat, use Save as text"),
-        (b"ooBinaryFile\x08TextGrid\x00\x01", "is no TextGrid in text; in Praat, use Save as text"),
+        (b"ooBinaryFile\x08TextGrid\x00\x01", "at byte 21, it is cut off; save it again in Praat"),
+        (b"ooBinaryFile\x07Formant", "it holds no TextGrid; in Praat, select one and save that"),
         (b'"Praat chronological TextGrid text file"\n0 1', "is no TextGrid in text"),
         (b'File type = "ooTextFile"\nObject class = "PitchTier"\n', ":2: it holds no TextGrid"),
         (b"hello", "is no TextGrid in text"),
@@ -420,3 +422,46 @@ def _rows(schedule):
 
 def _heard(rows):
     return [(round(r[0], 3), round(r[1], 3), r[2]) for r in rows if len(r) == 3 and r[2].strip()]
+
+
+# Binary files
+
+
+def packed(text):
+    """A text as Praat packs it."""
+    if text.isascii():
+        return struct.pack(">h", len(text)) + text.encode()
+    wide = text.encode("utf-16-be")
+    return struct.pack(">hH", -1, len(wide) // 2) + wide
+
+
+def binary(tiers, end=0.6):
+    out = b"ooBinaryFile\x08TextGrid" + struct.pack(">ddBi", 0, end, 1, len(tiers) + 1)
+    out += b"\x08TextTier" + packed("points") + struct.pack(">ddi", 0, end, 1)
+    out += struct.pack(">d", 0.1) + packed("H*")
+    for name, rows in tiers.items():
+        out += b"\x0cIntervalTier" + packed(name) + struct.pack(">ddi", 0, end, len(rows))
+        for start, stop, label in rows:
+            out += struct.pack(">dd", start, stop) + packed(label)
+    return out
+
+
+def test_binary_files_read_like_text():
+    tiers = {"phones": [(0, 0.2, "ʃ"), (0.2, 0.6, "iː")], "words": [(0, 0.6, "she")]}
+    schedule = read_textgrid(TimingFile(PATH, binary(tiers)))
+    assert schedule.labels == ("ʃ", "iː")
+    np.testing.assert_allclose(schedule.times, (0, 0.2, 0.6))
+    assert [word.text for word in schedule.words] == ["she"]
+
+
+def test_binary_files_that_are_cut_off_or_damaged_are_refused():
+    whole = binary({"phones": [(0, 0.2, "ʃ"), (0.2, 0.6, "i")]})
+    for length in range(12, len(whole)):
+        with pytest.raises(ScheduleError, match=r"line.TextGrid: at byte \d+, it "):
+            read_textgrid(TimingFile(PATH, whole[:length]))
+    for at in range(12, len(whole)):
+        damaged = whole[:at] + b"\xff" + whole[at + 1 :]
+        try:
+            read_textgrid(TimingFile(PATH, damaged))
+        except ScheduleError as error:
+            assert str(error).startswith("line.TextGrid:")  # noqa: PT017 both ends are right

@@ -3,7 +3,7 @@
 Like Praat, the reader takes only free-standing tokens: numbers, texts in quotes (a quote within is
 doubled) and flags in angle brackets. It skips everything else, such as ``xmin =``,
 ``intervals [1]:`` and comments after ``!``. So one reader serves the long, the short and the old
-short form. Binary files are refused.
+short form.
 """
 
 import re
@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.textgrid_binary import SIGNATURE, binary_tiers
 from lipsync_lang.schedules.tiers import Tier, read_tiers
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings, reader
@@ -32,21 +33,21 @@ TOKEN = re.compile(
 HOLDS = {"IntervalTier": "interval", "TextTier": "point"}
 """Classes of tiers, with the word for their items."""
 
-BINARY = b"ooBinaryFile"
-
 MAX_COUNT_DIGITS = 9
 """Most digits of a number of intervals."""
 
 
 def sniff(source: TimingFile) -> bool:
     """Return True if the file has Praat's header."""
-    return "ooTextFile" in source.head[:300] or source.content.startswith(BINARY)
+    return "ooTextFile" in source.head[:300] or source.content.startswith(SIGNATURE)
 
 
 @reader("textgrid", ".textgrid", sniff=sniff, tiers=True)
 def read_textgrid(source: TimingFile) -> Timings:
     """Praat TextGrid with a tier of phones, of words or of both."""
-    if not sniff(source) or source.content.startswith(BINARY):
+    if source.content.startswith(SIGNATURE):
+        return read_tiers(source, list(binary_tiers(source)))
+    if not sniff(source):
         raise source.fault("is no TextGrid in text; in Praat, use Save as text file")
     return read_tiers(source, list(_tiers(_Tokens(source))))
 
