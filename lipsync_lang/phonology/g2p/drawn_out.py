@@ -3,6 +3,7 @@
 `vowels` are always the letters of vowels, in small letters without accents.
 """
 
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import groupby
 from typing import NamedTuple
@@ -20,6 +21,7 @@ DRAWN_LETTERS = 3
 SYLLABIC = ("CJK", "HIRAGANA", "KATAKANA", "HANGUL SYLLABLE", "BOPOMOFO", "YI ")
 """Starts of names of characters that are read as syllables, not as names of letters."""
 
+_LONG_RUN = re.compile(r"(\w)\1\1", re.IGNORECASE)
 _LONG_MARK = "PROLONGED SOUND MARK"
 
 IsVowel = Callable[[str], bool]
@@ -67,6 +69,8 @@ def drawn_out(token: str, ordinary: Mapping[str, str]) -> DrawnOut | None:
     >>> drawn_out("Goood", ordinary_spellings(["good"])).word
     'Good'
     """
+    if not _LONG_RUN.search(token):
+        return None
     runs = [(letter, len(list(same))) for letter, same in groupby(token, key=str.casefold)]
     long = [_is_long(letter, count) for letter, count in runs]
     if not any(long) or (len(runs) == 1 and (token.isupper() or not token[0].isalpha())):

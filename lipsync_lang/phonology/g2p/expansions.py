@@ -6,7 +6,7 @@ text. An expansion with a full stop at its end ends a sentence where a capital f
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -29,6 +29,7 @@ _DOT = r"(?P<dot>\.(?= +[^\W\d_A-ZÀ-Þ]))?"
 _AFTER_NAME = re.compile(
     r"(?<![^\W\d_])[^\W\d_]+[ \u00a0]+(?P<numeral>[IVX]{2,7})(?![^\W_])" + _DOT
 )
+_NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
 """An `I` after a name that may be the English word."""
 
@@ -53,6 +54,61 @@ class Replacement(NamedTuple):
     read: str
 
 
+class _Keys:
+    """Keys of abbreviations, looked up by the character that each begins with."""
+
+    def __init__(self, expansions: Mapping[str, str]) -> None:
+        by_first: dict[str, list[str]] = {}
+        for key in sorted(expansions, key=lambda key: (-len(key), key)):
+            for first in dict.fromkeys("0123456789" if key[0] == "#" else _either(key[0])):
+                by_first.setdefault(first, []).append(key)
+        self._groups = {first: _group(keys, expansions) for first, keys in by_first.items()}
+        letters = "".join(re.escape(first) for first in by_first if first.isalpha())
+        signs = "".join(re.escape(first) for first in by_first if not first.isalnum())
+        starts = [r"(?<![0-9])(?<![0-9][.,/:-])[0-9]"]
+        starts += [f"(?<!{_LETTER})[{letters}]"] if letters else []
+        starts += [f"[{signs}]"] if signs else []
+        self._starts = re.compile("|".join(starts))
+
+    def find(self, text: str) -> Iterator[Replacement]:
+        """Yield the keys in a text with their expansions."""
+        at = 0
+        while start := self._starts.search(text, at):
+            at = start.end()
+            group = self._groups.get(start[0])
+            found = group[0].match(text, start.start()) if group else None
+            if group and found:
+                at = found.end()
+                yield Replacement(*found.span(), _expanded(found, group[1]))
+
+
+def _either(first: str) -> str:
+    """Return a letter; a small one also as a capital, at the start of a sentence."""
+    return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
+
+
+def _group(
+    keys: Sequence[str], expansions: Mapping[str, str]
+) -> tuple[re.Pattern[str], dict[str, str]]:
+    """Return keys as one expression, and their expansions by the names of its groups."""
+    named = {f"k{number}": key for number, key in enumerate(keys)}
+    whole = "|".join(f"(?P<{name}>{_expression(key)})" for name, key in named.items())
+    return re.compile(whole), {name: expansions[key] for name, key in named.items()}
+
+
+def _expanded(found: re.Match[str], expansions: Mapping[str, str]) -> str:
+    """Return the expansion of a key with its numbers, apart from its neighbours."""
+    name = found.lastgroup or ""
+    read = expansions[name]
+    inner = found.groups()[found.re.groupindex[name] :]
+    for place, number in enumerate(filter(None, inner), start=1):
+        read = read.replace(f"{{{place}}}", number)
+    after = found.string[found.end() :].lstrip()
+    if read.endswith(".") and after and not after[:1].isupper():
+        read = read[:-1]
+    return _apart(found.string, *found.span(), read)
+
+
 class Expansions:
     """A finder of abbreviations, signs, Roman numerals and ruby of a language."""
 
@@ -62,40 +118,23 @@ class Expansions:
     def find(self, text: str) -> list[Replacement]:
         """Return what to replace in a text, in order and apart from each other."""
         found: list[Replacement] = []
-        for one in sorted((*_ruby(text), *self._abbreviated(text), *self._roman(text))):
+        abbreviated = self._keys.find(text) if self._keys else ()
+        for one in sorted((*_ruby(text), *abbreviated, *self._roman(text))):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
         return found
 
     @cached_property
-    def _keys(self) -> tuple[re.Pattern[str], tuple[str, ...]] | None:
-        """All keys as one expression, longest first, and their expansions by group."""
-        items = sorted(self._forms.abbreviations.items(), key=lambda item: (-len(item[0]), item))
-        if not items:
-            return None
-        whole = "|".join(f"(?P<k{n}>{_expression(key)})" for n, (key, _) in enumerate(items))
-        return re.compile(whole), tuple(value for _, value in items)
-
-    def _abbreviated(self, text: str) -> Iterator[Replacement]:
-        if self._keys is None:
-            return
-        pattern, values = self._keys
-        for found in pattern.finditer(text):
-            name = found.lastgroup or ""
-            numbers = [n for n in found.groups()[pattern.groupindex[name] :] if n is not None]
-            read = values[int(name[1:])]
-            for place, number in enumerate(numbers, start=1):
-                read = read.replace(f"{{{place}}}", number)
-            after = text[found.end() :].lstrip()
-            if read.endswith(".") and after and not after[:1].isupper():
-                read = read[:-1]
-            yield Replacement(*found.span(), _apart(text, *found.span(), read))
+    def _keys(self) -> _Keys | None:
+        return _Keys(self._forms.abbreviations) if self._forms.abbreviations else None
 
     def _roman(self, text: str) -> Iterator[Replacement]:
         forms = self._forms
         if not (forms.counted or forms.named):
             return
         found: dict[tuple[int, int], str] = {}
+        if not _NUMERAL_LETTERS.search(text):
+            return
         for pattern, ordinals in self._numerals:
             for one in pattern.finditer(text):
                 number = roman(one["numeral"])
@@ -153,15 +192,9 @@ def _expression(key: str) -> str:
         else re.escape(part)
         for part in re.findall("#+|[^#]", key)
     ]
-    if key[0].islower():
-        parts[0] = f"[{key[0]}{key[0].upper()[:1]}]"  # at the start of a sentence
-    return _before(key[0]) + "".join(parts) + _behind(key[-1])
-
-
-def _before(first: str) -> str:
-    if first == "#" or first.isdigit():
-        return r"(?<![0-9])(?<![0-9][.,/:-])"
-    return rf"(?<!{_LETTER})" if first.isalpha() else ""
+    if key[0].isalpha():
+        parts[0] = f"[{_either(key[0])}]"
+    return "".join(parts) + _behind(key[-1])
 
 
 def _behind(last: str) -> str:

@@ -38,9 +38,16 @@ class Interjections:
     def __init__(self, known: Mapping[str, Interjection], is_vowel: IsVowel, vowels: str) -> None:
         self._is_vowel, self._vowels = is_vowel, vowels
         self._patterns: dict[str, list[_Pattern]] = {}
+        self._starts: set[str] = set()
         for spelling, interjection in sorted(known.items(), key=lambda item: -len(item[0])):
             folded = plain(spelling)
             self._patterns.setdefault(folded[0], []).append(_pattern(folded, interjection))
+            letters = [letter for letter, _ in groupby(folded)]
+            self._starts |= {folded[0] * 2, "".join(letters[:2])}
+
+    def possible(self, token: str) -> bool:
+        """Return False for a word without hyphens that is surely no interjection."""
+        return token[:2].casefold() in self._starts
 
     def find(self, token: str, *, shouted: bool = False) -> Said | None:
         """Return a word read as an interjection; None for any other word.

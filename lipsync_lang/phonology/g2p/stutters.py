@@ -17,6 +17,9 @@ MAX_STUTTER_CHARS = 4
 """Letters of the longest repeated start of a word."""
 
 
+_HYPHENS = re.compile("[-\u2010\u2011]")
+
+
 def starts_of(token: str, vowels: str, hyphenated: Collection[str] = ()) -> tuple[str, ...]:
     """Return the repeated starts of a word with hyphens, in order; none if it is no stutter.
 
@@ -27,7 +30,7 @@ def starts_of(token: str, vowels: str, hyphenated: Collection[str] = ()) -> tupl
     >>> starts_of("T-shirt", "aeiou")
     ()
     """
-    parts = re.split("[-\u2010\u2011]", token)
+    parts = _HYPHENS.split(token)
     if len(parts) == 1 or plain(token) in hyphenated:
         return ()
     for number in range(len(parts) - 1, 0, -1):

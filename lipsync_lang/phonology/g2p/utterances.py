@@ -4,6 +4,7 @@ An engine reads the parts of a text that are ordinary words; the rest has its so
 or from the word that a stutter repeats. All words come back in the user's spelling.
 """
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -20,6 +21,7 @@ from lipsync_lang.phonology.g2p.g2p_engines import Said
 from lipsync_lang.phonology.g2p.interjections import Interjections
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 from lipsync_lang.phonology.g2p.stutters import (
+    MAX_STUTTER_CHARS,
     begins,
     respelled_start,
     spelled_out,
@@ -30,6 +32,12 @@ from lipsync_lang.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
 
 _LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
 """Characters at the start of a part that only part it from the one before."""
+
+_ODD = re.compile(r"[-\u2010\u2011…]|\.\.|(\w)\1\1", re.IGNORECASE)
+"""Signs of a stutter or of a word drawn out."""
+
+MAX_HALTS = 10
+"""Most starts of one word, each with an ellipsis."""
 
 Words = tuple[Said, ...]
 ReadTexts = Callable[[Sequence[str]], Sequence[Words | SpeechError]]
@@ -83,15 +91,21 @@ class Utterances:
     def read(self, texts: Sequence[str], read: ReadTexts) -> list[Words | SpeechError]:
         """Read texts; the engine reads their ordinary parts at once."""
         cut = [self.cut(text) for text in texts]
-        plainly = [part_text(part) for parts in cut for part in parts]
+        plainly = [
+            text if _is_whole(parts, text) else part_text(part)
+            for text, parts in zip(texts, cut, strict=True)
+            for part in parts
+        ]
         unmet = [text for text in dict.fromkeys(plainly) if text]
         found = dict(zip(unmet, read(unmet), strict=True)) if unmet else {}
-        return [self._joined(parts, found) for parts in cut]
+        return [
+            found.get(text, ()) if _is_whole(parts, text) else self._joined(parts, found)
+            for text, parts in zip(texts, cut, strict=True)
+        ]
 
     def ordinary(self, text: str) -> bool:
         """Return True for a text that the engine reads as it is."""
-        parts = self.cut(text)
-        return len(parts) == 1 and parts[0] == UtterancePart(text)
+        return _is_whole(self.cut(text), text)
 
     def cut(self, text: str) -> list[UtterancePart]:
         """Cut a text into parts; together they are the text."""
@@ -113,29 +127,27 @@ class Utterances:
         tokens = list(pieces(text))
         shouted = text.upper() == text
         within = {p for one in replaced for p in range(one.start, one.stop)}
+        odd = bool(_ODD.search(text))
         done = 0
         for number, token in enumerate(tokens):
+            if not (odd or self._interjections.possible(token.text)):
+                continue
             if token.kind != "word" or token.start < done or token.start in within:
                 continue
-            if plain(token.text) in self._words:
+            if self._words and plain(token.text) in self._words:
                 continue
-            before = tokens[number - 1] if number else None
-            found = self._cut_at(token, before, tokens[number + 1 :], shouted=shouted)
+            found = self._cut_at(tokens, number, shouted=shouted)
             if found is not None:
                 yield found
                 done = found.stop
 
     def _cut_at(
-        self,
-        token: TextPiece,
-        before: TextPiece | None,
-        after: Sequence[TextPiece],
-        *,
-        shouted: bool,
+        self, tokens: Sequence[TextPiece], number: int, *, shouted: bool
     ) -> _PartStart | None:
         """Return the part that begins with a word; None if the word is ordinary."""
+        token = tokens[number]
         start, stop = token.start, token.start + len(token.text)
-        counted = before is not None and before.text[-1].isdigit() and not token.text[0].isdigit()
+        counted = number and tokens[number - 1].text[-1].isdigit() and not token.text[0].isdigit()
         said = None if counted else self._interjections.find(token.text, shouted=shouted)
         if said is not None:
             return _PartStart(start, stop, UtterancePart(token.text, said=said))
@@ -147,9 +159,9 @@ class Utterances:
             return _PartStart(
                 start, stop, UtterancePart("", (gone,), starts=tuple((s, "") for s in starts))
             )
-        halting = tuple(self._halting(token, after))
+        halting = tuple(self._halting(tokens[number : number + 2 * MAX_HALTS + 1]))
         if halting:
-            word = after[2 * len(halting) - 1].start
+            word = tokens[number + 2 * len(halting)].start
             gone = Replacement(0, word - start, "")
             return _PartStart(start, word, UtterancePart("", (gone,), starts=halting))
         drawn = drawn_out(token.text, self._ordinary)
@@ -158,10 +170,13 @@ class Utterances:
             return _PartStart(start, stop, UtterancePart("", (instead,), drawn=drawn))
         return None
 
-    def _halting(self, token: TextPiece, after: Sequence[TextPiece]) -> list[tuple[str, str]]:
+    def _halting(self, tokens: Sequence[TextPiece]) -> list[tuple[str, str]]:
         """Return the starts before an ellipsis that the word after it repeats: `B... but`."""
         starts: list[tuple[str, str]] = []
-        for pause, word in zip(after[::2], after[1::2], strict=False):
+        token = tokens[0]
+        if len(tokens) < len("b…b") or len(token.text) > MAX_STUTTER_CHARS:
+            return starts
+        for pause, word in zip(tokens[1::2], tokens[2::2], strict=False):
             ellipsis = pause.kind == "pause" and set(pause.text) <= set(".…") and pause.text != "."
             if not (ellipsis and word.kind == "word" and begins(token.text, word.text)):
                 return []
@@ -214,6 +229,11 @@ class Utterances:
         if part.drawn is not None:
             mapped[first] = lengthened(mapped[first], part.drawn, self._is_vowel, vowels)
         yield from mapped[first:]
+
+
+def _is_whole(parts: Sequence[UtterancePart], text: str) -> bool:
+    """Return True for a text that is one ordinary part."""
+    return len(parts) == 1 and parts[0] == UtterancePart(text)
 
 
 def part_text(part: UtterancePart) -> str:
