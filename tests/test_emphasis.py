@@ -88,8 +88,8 @@ def test_many_asterisks_are_read_in_linear_time():
 
 def test_words_are_found_in_order():
     text = emphasised("no, *no* no")
-    assert touched(["no", "no", "no"], text) == [False, True, False]
-    assert touched(["other", "no", "no"], text) == [False, False, True]
+    assert touched(["no", "no", "no"], *text) == [False, True, False]
+    assert touched(["other", "no", "no"], *text) == [False, False, True]
 
 
 # In a schedule

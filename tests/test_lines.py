@@ -55,11 +55,11 @@ def told(lines: list[Line]) -> list[tuple[int, str, str, str]]:
         ("%d%% done", "% done", ("%d",)),
         ("$name pays $5 to ${who}", "pays $5 to", ("$name", "${who}")),
         ("one\\ntwo\nthree", "one two three", ()),
-        ("{{braces}} and [[brackets]", "{braces} and [brackets]", ()),
+        ("{{braces}} and [[brackets]]", "braces and brackets", ()),
         ("<ruby>漢<rt>かん</rt></ruby>字", "漢字", ("<ruby>", "<rt>かん</rt>", "</ruby>")),
         ("{rb}東{/rb}{rt}とう{/rt}", "東", ("{rb}", "{/rb}", "{rt}とう{/rt}")),
         ("♪ la la ♪", "la la", ("♪", "♪")),
-        ("I <3 you, 1 < 2 > 0", "I <3 you, 1 < 2 > 0", ()),
+        ("I <3 you, 1 < 2 > 0", "I you, 1 < 2 > 0", ("<3",)),
         ('\\"Yes\\", she said', '"Yes", she said', ()),
         ("{name}", "", ("{name}",)),
         ("", "", ()),
@@ -71,7 +71,7 @@ def test_what_is_written_and_what_is_said(written, said, dropped):
 
 @given(st.text())
 def test_no_markup_is_too_odd(text):
-    said, dropped, gaps = spoken(text)
+    said, dropped, gaps, _ = spoken(text)
     assert said == " ".join(said.split())
     assert all(dropped)
     assert list(gaps) == sorted(gaps)
@@ -80,7 +80,7 @@ def test_no_markup_is_too_odd(text):
 
 @given(st.text(alphabet="abc äñ漢,.!?'-", max_size=40))
 def test_text_without_markup_stays(text):
-    assert spoken(text) == (" ".join(text.split()), (), ())
+    assert spoken(text)[:3] == (" ".join(text.split()), (), ())
 
 
 @pytest.mark.parametrize(
@@ -90,12 +90,12 @@ def test_text_without_markup_stays(text):
         ("[sighs] I told you", "|I told you"),
         ("a %s b $who", "a| b|"),
         ("a <i>won</i>derful {i}day{/i}{w=0.5}, ♪ {\\an8}yes", "a wonderful day, yes"),
-        ("{{one}} {two} \\n three", "{one}| three"),
+        ("{{one}} {two} \\n three", "one| three"),
         ("漢{rt}かん{/rt}字{x}{y}", "漢字||"),
     ],
 )
 def test_a_gap_is_where_something_else_is_heard(written, said):
-    text, _, gaps = spoken(written)
+    text, _, gaps, _ = spoken(written)
     for gap in reversed(gaps):
         text = f"{text[:gap]}|{text[gap:]}"
     assert text == said
@@ -234,7 +234,7 @@ Bye. #line:0a1e
 """,
         [
             (6, "0a1b", "Anna", "Hello there."),
-            (8, "0a1c", "Old Man", "Hi, see http://a.b/c."),
+            (8, "0a1c", "Old Man", "Hi, see."),
             (9, "", "", "Well, it costs 5 # or 6."),
             (10, "0a1d", "", "Yes, please."),
             (11, "", "Anna", "Fine: go."),

@@ -14,6 +14,7 @@ from lipsync_lang.build.script_files import ScriptFile, ScriptLanguage, read_row
 from lipsync_lang.build.script_lines import Remark, ScriptPlanner
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.lines.line_readers import line_files
+from lipsync_lang.lines.markup import Cleaning
 from lipsync_lang.packs.finding import Finder, Paths, folders_of
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
@@ -110,13 +111,14 @@ def _files(
 ) -> list[ScriptFile]:
     """List the files of the script; those of one language are read once for each."""
     found: list[ScriptFile] = []
+    cleaning = Cleaning(project.values, project.unspoken)
     for stated in project.lines:
         own = [{index: language} for index, language in languages.items()]
         for held in own if "{language}" in stated else [languages]:
             path = folder / stated.replace("{language}", next(iter(held.values())).word)
             try:
                 for file, among_others in line_files(Path(shown(path)), remark):
-                    found.append(ScriptFile(file, held, project.encoding, among_others))
+                    found.append(ScriptFile(file, held, project.encoding, among_others, cleaning))
             except LipsyncError as error:
                 faults.add_error(error)
     return found

@@ -15,7 +15,7 @@ from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.lines.line_readers import LineFile, Open, Table, by_suffix
-from lipsync_lang.lines.markup import MARKS, spoken
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.lines.table import (
     NAMES,
     SPEAKERS,
@@ -78,6 +78,7 @@ class ScriptFile:
     path : the file, as messages show it
     languages : the languages that it holds, by their index
     encoding : None to tell it by the file
+    cleaning : values of placeholders, and what is not spoken
     among_others : True if it was found in a folder, which may hold other files too
     """
 
@@ -85,6 +86,7 @@ class ScriptFile:
     languages: dict[int, ScriptLanguage]
     encoding: str | None = None
     among_others: bool = False
+    cleaning: Cleaning = AS_WRITTEN
 
     @cached_property
     def shown(self) -> str:
@@ -106,7 +108,7 @@ def read_rows(
     """Yield the rows of a file; its faults are collected, and end its reading."""
     try:
         if file.open is not None:
-            source = LineFile.of(file.path, remark, None, file.encoding)
+            source = LineFile.of(file.path, remark, None, file.encoding, file.cleaning)
             yield from _table_rows(file, source, file.open(source), columns, faults)
         else:
             yield from _other_rows(file, remark)
@@ -140,7 +142,7 @@ def _table_rows(
             "has no column of ids, which name the files; add one, or state `columns: {id: NAME}`",
         )
     for number, row in table.rows:
-        said = tuple([(index, _said(cell(row, at))) for index, at in texts])
+        said = tuple([(index, _said(source, number, cell(row, at))) for index, at in texts])
         own = cell(row, name).removeprefix(LINE_TAG)
         if own:
             yield ScriptRow(number, own, cell(row, speaker), said)
@@ -148,9 +150,12 @@ def _table_rows(
             faults.add(f"{file.path}:{number}", "this line has no id, which names its files")
 
 
-def _said(text: str) -> str:
-    """Return the spoken part of a cell; most cells have no markup."""
-    return " ".join(text.split()) if MARKS.isdisjoint(text) else spoken(text).text
+def _said(source: LineFile, number: int | str, text: str) -> str:
+    """Return the spoken part of a cell; a cell of markup alone stays, and is performed as rest."""
+    said = spoken(text, source.cleaning)
+    for remark in said.remarks:
+        source.remark(f"{source.path}:{number}: {remark}")
+    return said.text or (text.strip() if said.dropped else "")
 
 
 def _own_column(
@@ -214,7 +219,9 @@ def _other_rows(file: ScriptFile, remark: Remark) -> Iterator[ScriptRow]:
             "{language} into its path"
         )
     index = next(iter(file.languages))
-    lines = list(read_lines(file.path, encoding=file.encoding, remark=remark))
+    lines = list(
+        read_lines(file.path, encoding=file.encoding, remark=remark, cleaning=file.cleaning)
+    )
     for line, name in zip(lines, _identifiers(lines), strict=True):
         number = line.place.rpartition(":")[2]
         timings = file.path if line.schedule is not None else None

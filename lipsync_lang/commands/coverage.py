@@ -6,6 +6,7 @@ from io import TextIOWrapper
 from typing import TYPE_CHECKING, BinaryIO
 
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
+from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files import STANDARD_STREAM
@@ -44,7 +45,13 @@ def _counted(options: Namespace) -> "Coverage":
 
     documents = {}
     for column, languages in _columns(options.language, options.column).items():
-        lines = read_lines(options.corpus, column=column, encoding=options.encoding, remark=_remark)
+        lines = read_lines(
+            options.corpus,
+            column=column,
+            encoding=options.encoding,
+            remark=_remark,
+            cleaning=cleaning(options),
+        )
         documents[column] = count(
             _shown(lines),
             languages,

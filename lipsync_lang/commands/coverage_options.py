@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from lipsync_lang.commands import coverage
+from lipsync_lang.commands.script_options import add_values
 from lipsync_lang.commands.shared_options import Add, add_json_form, add_path
 from lipsync_lang.coverage.forms import FORMS
 from lipsync_lang.files import argument_path
@@ -48,6 +49,7 @@ def add_coverage(add: Add) -> None:
         "--against", metavar="OLD.json", type=Path, help="tell what changed since an older JSON"
     )
     coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
+    add_values(coverage_)
     add_path(coverage_)
 
 

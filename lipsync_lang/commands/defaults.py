@@ -61,6 +61,10 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
         again = any(one.startswith("motion=") for one in options.settings)
         own_settings = [] if again else [_setting(name, value) for name, value in stated.items()]
         options.settings = [*own_settings, *options.settings]
+    if hasattr(options, "values"):
+        stated = [f"{name}={text}" for name, text in project.values.items()]
+        options.values = [*stated, *options.values]
+        options.unspoken = project.unspoken
     if getattr(options, "shades", True) is None:
         options.shades = project.shades
     if getattr(options, "output", None) == []:

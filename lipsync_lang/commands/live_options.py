@@ -3,6 +3,7 @@
 import argparse
 
 from lipsync_lang.commands import live, studio
+from lipsync_lang.commands.script_options import add_values
 from lipsync_lang.commands.shared_options import Add, add_manner, add_motion, add_pair
 
 
@@ -16,6 +17,7 @@ def add_live(add: Add) -> None:
     )
     live_.add_argument("text", metavar="TEXT", nargs="?", help="what to say [lines as they come]")
     add_pair(live_)
+    add_values(live_)
     live_.add_argument(
         "--to", metavar="RECEIVER", action="append", default=[],
         help="livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
@@ -41,6 +43,7 @@ def add_studio(add: Add) -> None:
         "studio -l english -c facefx",
     )
     add_pair(studio_)
+    add_values(studio_)
     studio_.set_defaults(choosing=True)
     studio_.add_argument("--tts", metavar="ENGINE", help="another speech engine; none is silent")
     add_motion(studio_)

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,6 +12,8 @@ from lipsync_lang.terminal import progress, wipe
 
 MAX_LINES_BYTES = 16 * 2**20
 """Size limit in bytes of a file of lines."""
+
+MAX_THING_CHARS = 40
 
 SOUND, FAULTS, MISUSE, INTERRUPTED = 0, 1, 2, 130
 """Exit codes."""
@@ -54,6 +56,19 @@ def tell_written(path: Path) -> None:
     """Report a written file on stderr, except for standard output."""
     if path != STANDARD_STREAM:
         print(f"wrote {path}", file=sys.stderr)
+
+
+def listed(things: Iterable[str], shown: int = 12) -> str:
+    """List each of some things once, the first few of them."""
+    named = list(dict.fromkeys(things))
+    more = f" and {len(named) - shown} more" if len(named) > shown else ""
+    return (
+        " ".join(
+            one if len(one) <= MAX_THING_CHARS else f"{one[:MAX_THING_CHARS]}..."
+            for one in named[:shown]
+        )
+        + more
+    )
 
 
 def count(number: int, thing: str) -> str:

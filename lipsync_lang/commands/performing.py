@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, listening
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, lines_of, listed, listening
+from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.commands.spelling import as_options
 from lipsync_lang.errors import LipsyncError, OutputError
 from lipsync_lang.files import STANDARD_STREAM
@@ -179,7 +180,7 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
     """Return the performer of the named pair, or of another character."""
     from lipsync_lang.performing.resolving import resolve as resolve_pair
 
-    return resolve_pair(
+    performer = resolve_pair(
         options.language,
         character or options.character,
         paths=options.path,
@@ -188,6 +189,7 @@ def performer_for(options: Namespace, character: str | None = None) -> "Performe
         motion=motion_settings(options.settings),
         shades=options.shades,
     )
+    return replace(performer, cleaning=cleaning(options))
 
 
 def motion_settings(settings: list[str]) -> dict[str, object]:
@@ -304,6 +306,8 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
     )
     if animation.schedule.estimated:
         told += "\ntimes are estimated by classes of sounds; nothing speaks them"
+    if animation.schedule.dropped:
+        told += f"\nnot spoken: {listed(animation.schedule.dropped)}"
     if animation.schedule.unread:
         told += f"\nnot read: {' '.join(animation.schedule.unread)}"
     if animation.schedule.confidence is not None:
@@ -332,12 +336,15 @@ def transcribe(options: Namespace) -> int:
     from lipsync_lang.speech.speaking import Speaker
 
     texts = [options.text] if options.text is not None else lines_of(options.file)
-    speaker = Speaker.of(options.language, options.path)
+    speaker = Speaker.of(options.language, options.path, cleaning(options))
     heard = list(speaker.transcribe(texts))
     if options.json:
         print(as_json([speaker.told(transcript) for transcript in heard]))
     else:
         print("\n\n".join(transcript_table(speaker.told(t)) for t in heard))
+    for transcript in heard:
+        for remark in transcript.remarks:
+            print(f"{transcript.text[:40]}: {remark}", file=sys.stderr)
     lost = [t for t in heard if t.unmapped or t.unread]
     for transcript in lost:
         for what, which in (("no map for", transcript.unmapped), ("not read:", transcript.unread)):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lipsync_lang.commands import performing, stills
 from lipsync_lang.commands import quality as check
+from lipsync_lang.commands.script_options import add_values
 from lipsync_lang.commands.shared_options import (
     Add,
     Options,
@@ -91,6 +92,7 @@ def add_transcribe(add: Add) -> None:
     transcribe_.add_argument(
         "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
     )
+    add_values(transcribe_)
     add_path(transcribe_)
     add_json(transcribe_)
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lipsync_lang.animations.rates import parse_rate
+from lipsync_lang.commands.script_options import add_values
 from lipsync_lang.files import argument_path
 
 Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of its options
@@ -63,7 +64,9 @@ def add_line(made: argparse.ArgumentParser) -> None:
     """Add the options of a line: character, text and delivery."""
     made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
     add_pair(made.add_argument_group("who says it"))
-    _add_said(made.add_argument_group("what is said"))
+    said = made.add_argument_group("what is said")
+    _add_said(said)
+    add_values(said)
     _add_delivery(made.add_argument_group("how it is performed"))
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.output import SOUND
+from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def studio(options: Namespace) -> int:
     token = _token(options)
     workshop = Workshop(
         Path.cwd(), options.path, Desk(_journal(Path.cwd())),
-        motion=motion_settings(options.settings), engine=options.tts,
+        motion=motion_settings(options.settings), engine=options.tts, cleaning=cleaning(options),
     )  # fmt: skip
     workshop.settings.fps = options.fps
     if options.language and options.character:

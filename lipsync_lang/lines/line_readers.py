@@ -15,7 +15,7 @@ from lipsync_lang.files import STANDARD_STREAM, argument_path
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 from lipsync_lang.lines.decoding import numbered
 from lipsync_lang.lines.line import Line
-from lipsync_lang.lines.markup import spoken
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 
 MAX_PIPED_BYTES = 64 * MIB_BYTES
 """Bytes of a script that comes through a pipe, and so has to be held; files may be any size."""
@@ -35,6 +35,7 @@ class LineFile:
     column : of a table, by name or number; None for the likeliest
     encoding : None to tell it by the file
     content : of standard input or a pipe, which can be read only once; None for a file
+    cleaning : values of placeholders, and what is not spoken
     """
 
     path: Path
@@ -42,14 +43,22 @@ class LineFile:
     column: str | None = None
     encoding: str | None = None
     content: bytes | None = None
+    cleaning: Cleaning = AS_WRITTEN
 
     @classmethod
-    def of(cls, path: Path, remark: Remark, column: str | None, encoding: str | None) -> Self:
+    def of(
+        cls,
+        path: Path,
+        remark: Remark,
+        column: str | None,
+        encoding: str | None,
+        cleaning: Cleaning = AS_WRITTEN,
+    ) -> Self:
         """Take up a file; read at once what can be read only once."""
         piped = path == STANDARD_STREAM or not path.is_file()
         mend = "put the script into a file"
         content = read_input(path, MAX_PIPED_BYTES, mend=mend) if piped else None
-        return cls(path, remark, column, encoding, content)
+        return cls(path, remark, column, encoding, content, cleaning)
 
     def open(self) -> BinaryIO:
         """Return its bytes from the start."""
@@ -63,8 +72,10 @@ class LineFile:
         self, number: int | str, text: str, *, name: str = "", speaker: str = "", original: str = ""
     ) -> Line:
         """Return the spoken text, markup removed."""
-        said, dropped, gaps = spoken(text)
+        said, dropped, gaps, remarks = spoken(text, self.cleaning)
         place = f"{self.path}:{number}"
+        for remark in remarks:
+            self.remark(f"{place}: {remark}")
         return Line(said, place, name, speaker, dropped=dropped, gaps=gaps, original=original)
 
     def fault(self, number: int | str, what: str) -> LipsyncError:
@@ -132,6 +143,7 @@ def read_lines(
     column: str | None = None,
     encoding: str | None = None,
     remark: Remark = _warn,
+    cleaning: Cleaning = AS_WRITTEN,
 ) -> Iterator[Line]:
     """Read the lines of files, and of folders with all below them in order of name.
 
@@ -142,6 +154,7 @@ def read_lines(
     column : of tables, the text's, by name or number from 1; None for the likeliest
     encoding : of all files; None for UTF-8, or what a file's own mark says
     remark : where to say what was left out; as warnings where nothing is given
+    cleaning : values of placeholders, and what is not spoken
 
     Raises
     ------
@@ -152,7 +165,7 @@ def read_lines(
     found = line_files(paths, remark)
     if column is not None and not any(_has_columns(file) for file, _ in found):
         remark(f"`column={column!r}`: not used, for none of the files is a table")
-    return _read(found, column, encoding, remark)
+    return _read(found, column, encoding, remark, cleaning)
 
 
 def line_files(
@@ -226,10 +239,14 @@ def _reader(source: LineFile) -> LineReader:
 
 
 def _read(
-    files: Iterable[tuple[Path, bool]], column: str | None, encoding: str | None, remark: Remark
+    files: Iterable[tuple[Path, bool]],
+    column: str | None,
+    encoding: str | None,
+    remark: Remark,
+    cleaning: Cleaning,
 ) -> Iterator[Line]:
     for path, among_others in files:
-        source = LineFile.of(path, remark, column, encoding)
+        source = LineFile.of(path, remark, column, encoding, cleaning)
         try:
             yield from _reader(source).read(source)
         except ScheduleError as error:

@@ -1,14 +1,18 @@
 r"""Separate the spoken text of a line from its markup.
 
-These are dropped, and listed in the result:
+These are not spoken, and listed in the result:
 
-- tags: ``<i>``, ``{i}``, ``{/color}``, ``{\an8}``; the words between two tags stay,
+- tags: ``<i>``, ``{i}``, ``{/color}``, ``{\an8}``, ``<#ff0000>``; the words between two tags stay.
+  ``<break/>``, ``{w}`` and ``{p}`` are pauses, ``<emphasis>`` is emphasis,
 - ruby, the small reading above a word: ``<rt>..</rt>``, ``{rt}..{/rt}``,
 - placeholders whose value only the game knows: ``{name}``, ``[name]``, ``%s``, ``%(name)s``,
-  ``$name``; notes in square brackets, such as ``[sighs]``, look the same and are dropped too,
-- notes of music.
+  ``$name``; notes in square brackets, such as ``[sighs]``, look the same,
+- asides: ``(laughs)``, ``*sighs*`` (see `asides`),
+- addresses, hashtags, emoji, arrows, notes of music, and signs such as ``~``,
+- passages that a project lists.
 
-Doubled marks stand for themselves (``{{``, ``[[``, ``%%``), and ``\n`` is a space.
+Placeholders with a value become that value, and choices one of their branches (see `choices`).
+Doubled percent signs stand for one, entities are decoded (``&nbsp;``), and ``\n`` is a space.
 
 A placeholder or a note in square brackets leaves a gap: speech that the file does not contain. A
 tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it has a value
@@ -16,73 +20,251 @@ tag leaves no gap. A word in braces is a tag if a closing tag follows, or if it 
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from html import unescape
 from typing import NamedTuple
 
+from lipsync_lang.lines.asides import is_aside
+from lipsync_lang.lines.choices import chosen
+from lipsync_lang.phonology.g2p.tokens import PAUSES
+from lipsync_lang.phonology.letters import ordinary
+
 RUBY = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
-TAG = r"</?[A-Za-z][^<>]*>|<\d\d[\d:.,]*>"
+ALIAS = r"<sub\s[^<>]*?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
+TAG = r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
 BRACES = r"\{\{|\}\}|\{[^{}]*\}"
 BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"
 PERCENT = r"%%|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?[sdifuxc@](?!\w)"
 DOLLAR = r"\$\{[^{}]*\}|\$[A-Za-z_]\w*"
 ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
-MUSIC = r"[♩♪♫♬]+"
-
-MARKUP = re.compile(
-    f"{RUBY}|{DOLLAR}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|{ESCAPE}|{MUSIC}", re.DOTALL
+ASIDE = (
+    r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<doublewidth>（[^（）]{1,80}）)"
+    r"|(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])"
 )
-DOUBLED = {"{{": "{", "}}": "}", "[[": "[", "]]": "]", "%%": "%"}
-LOOSE = re.compile(r" ([,.])(?!\S)")
-MARKS = frozenset("<{[%$\\}]♩♪♫♬")
-CLOSING = re.compile(r"\{/(\w+)\}")
-SOUNDLESS = re.compile(r"[<♩♪♫♬]|\{(?:[/\\]|rt\}|\w+=)")
+ADDRESS = (
+    r"(?i:https?://|www\.)[^\s<>\"\[\]{}]*[^\s<>\"\[\]{}.,;:!?)]"
+    r"|(?<![\w.+-])[\w+-]{1,64}(?:\.[\w+-]{1,64}){0,4}@[\w-]{1,64}(?:\.[\w-]{1,64}){1,4}"
+)
+HASHTAG = r"(?<![\w&#])#(?=\w*[^\W\d_])\w+"
+WAY_ON = r"(?:->|<-) ?[\w.]+$|<>|(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$"
+"""Marks of Ink: the way on, the glue between two lines, and a tag."""
+SIGN = (
+    "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u27f0-\u27ff\u2900-\u297f\u2b00-\u2bff"
+    "\u2022\u203b\u20e3\u3004\u3012\u3013\u3020\u3030\u303d\u3297\u3299\ufe0e\ufe0f"
+    "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
+)
+"""Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
+SIGNS = rf"{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+"
+WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
+
+MARKUP = (
+    f"{RUBY}|{ALIAS}|{ADDRESS}|{DOLLAR}|{WAY_ON}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|{ESCAPE}|{ASIDE}"
+    f"|{HASHTAG}|(?P<sign>{SIGNS})|(?P<soundless>{WAVES})"
+)
+PLAIN = re.compile(r"(?:[^\W_]|[\s.,!?;:'’\"…、。！？—–-])*+")
+"""Text in which nothing is markup."""
+DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
+CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
+SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
 """Start of markup that leaves no gap."""
+PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
+EMPHASIS = re.compile(r"</?emphasis\b", re.IGNORECASE)
+ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
+STRAY = re.compile(r"[{}\[\]]|</?(?=[A-Za-z])|>(?!\s*\d)")
+NAMED = re.compile(r"[ =].*", re.DOTALL)
+"""Values of a tag, behind its name."""
+NAME = re.compile(r"[\w.-]+")
+LOOSE = re.compile(r" ([,.])(?!\S)")
+PAUSE = "\0"
+"""In place of a pause, until the text around it is known."""
+PAUSED = re.compile(rf"(?P<before>[^\s{PAUSE}]?)\s*(?:{PAUSE}\s*)+(?P<after>\S?)")
+TAGS_BEFORE = re.compile(r"(?: |\{[^{}]*\}|<[^<>]*>)+$")
+TAGS_AFTER = re.compile(r"^(?: |\{[^{}]*\}|<[^<>]*>)+")
+SEEN_CHARS = 200
+"""Characters on each side of an aside that are looked at."""
+MAX_UNSPOKEN_CHARS = 500
+"""Longest passage between the two ends of an `unspoken` entry."""
+
+
+@dataclass(frozen=True)
+class Cleaning:
+    """Settings of what is spoken of a script's text.
+
+    Parameters
+    ----------
+    values : values of placeholders, by name
+    unspoken : passages to leave out: their text, or their two ends with ``...`` between them
+    asides : the language's words of asides
+    """
+
+    values: Mapping[str, str] = field(default_factory=dict)
+    unspoken: tuple[str, ...] = ()
+    asides: tuple[str, ...] = ()
+
+
+AS_WRITTEN = Cleaning()
 
 
 class SpokenText(NamedTuple):
-    """The spoken text, the markup dropped, in order, and the offsets of gaps in the text."""
+    """The spoken text, the markup dropped, in order, and the offsets of gaps in the text.
+
+    `remarks` tell of marks without a partner.
+    """
 
     text: str
     dropped: tuple[str, ...] = ()
     gaps: tuple[int, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
-def spoken(text: str) -> SpokenText:
+def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     """Return the spoken part of a text.
 
     >>> spoken("Hello, {i}dear{/i} [name]!").text
     'Hello, dear !'
+    >>> spoken("*sighs* Hello, [name]!", Cleaning({"name": "Ada"}))[:2]
+    ('Hello, Ada!', ('*sighs*',))
     """
-    if MARKS.isdisjoint(text):
+    text = ordinary(text)
+    if not cleaning.unspoken and PLAIN.fullmatch(text) and "www." not in text:
         return SpokenText(" ".join(text.split()))
-    closed = {f"{{{name}}}" for name in CLOSING.findall(text)}
-    left: list[str] = []
-    dropped: list[str] = []
-    gaps: list[int] = []
-    done = solid = 0
-    for found in MARKUP.finditer(text):
+    text = ENTITY.sub(
+        lambda found: unescape(f"&{found[1]}"), " ".join(text.replace(PAUSE, " ").split())
+    )
+    return TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
+
+
+class TextCleaner:
+    """A text, and what is spoken of it so far."""
+
+    def __init__(self, text: str, cleaning: Cleaning) -> None:
+        self.text, self.cleaning = text, cleaning
+        self._closed = {f"{mark}{name}" for mark, name in CLOSING.findall(text)}
+        self._left: list[str] = []
+        self._dropped: list[str] = []
+        self._gaps: list[int] = []
+        self._remarks: list[str] = []
+        self._solid = 0
+
+    def spoken(self) -> SpokenText:
+        """Return the spoken text."""
+        pattern, done, at = _markup(self.cleaning.unspoken), 0, 0
+        while found := pattern.search(self.text, at):
+            start = found.start()
+            if (instead := self._instead(found)) is None:
+                at = start + 1
+                continue
+            self._say(self._sound(done, start))
+            self._say(instead)
+            if self._leaves_gap(found, instead):
+                self._gaps.append(self._solid)
+            done = at = found.end()
+        self._say(self._sound(done, len(self.text)))
+        tidy = " ".join(PAUSED.sub(_paused, "".join(self._left)).split())
+        said = LOOSE.sub(r"\1", tidy).replace(f" {PAUSE}", PAUSE)
+        gaps = _places(said, self._gaps)
+        said = said.replace(PAUSE, ",")
+        return SpokenText(said, tuple(self._dropped), gaps, tuple(self._remarks))
+
+    def _say(self, text: str) -> None:
+        self._left.append(text)
+        self._solid += _solid(text)
+
+    def _sound(self, start: int, stop: int) -> str:
+        """Return a part of the text without stray marks, and remark on them."""
+        part = self.text[start:stop]
+        for found in STRAY.finditer(part):
+            column = start + found.start() + 1
+            self._remarks.append(
+                f"column {column}: '{found[0]}' has no partner, so the text beside it is read"
+            )
+            self._dropped.append(found[0])
+        return STRAY.sub("", part)
+
+    def _instead(self, found: re.Match[str]) -> str | None:
+        """Return the text in place of markup; None for text that is no markup."""
+        whole, aside = found[0], found["round"] or found["doublewidth"] or found["star"]
+        if aside:
+            if not self._is_aside(found, aside):
+                return None
+        elif (instead := self._meant(found)) is not None:
+            return instead
+        self._dropped.append(whole)
+        if aside or PAUSING.match(whole):
+            return PAUSE
+        return " " if found["sign"] and self._parts_words(found) else ""
+
+    def _meant(self, found: re.Match[str]) -> str | None:
+        """Return the text that a mark stands for; None if it is not spoken."""
         whole = found[0]
-        left += text[done : found.start()], _said(found)
-        solid += sum(map(_solid, left[-2:]))
-        done = found.end()
-        if whole not in DOUBLED and whole[0] != "\\":
-            dropped.append(whole)
-            if whole not in closed and not SOUNDLESS.match(whole):
-                gaps.append(solid)
-    said = LOOSE.sub(r"\1", " ".join("".join([*left, text[done:]]).split()))
-    return SpokenText(said, tuple(dropped), _places(said, gaps))
+        if whole[0] == "\\":
+            return found["kept"] or " "
+        if EMPHASIS.match(whole):
+            return "*"
+        if found["alias"] is not None or whole in DOUBLED:
+            return found["alias"] or DOUBLED.get(whole, "")
+        return None if self._is_tag(whole) else self._value(whole)
+
+    def _is_tag(self, whole: str) -> bool:
+        """Return True for a word in brackets that a later one closes."""
+        return NAMED.sub("", whole[:-1]) in self._closed
+
+    def _is_aside(self, found: re.Match[str], said: str) -> bool:
+        start, stop = found.span()
+        before = TAGS_BEFORE.sub("", self.text[max(start - SEEN_CHARS, 0) : start])
+        after = TAGS_AFTER.sub("", self.text[stop : stop + SEEN_CHARS])
+        starred = found["star"] is not None
+        return is_aside(said, before, after, self.cleaning.asides, starred=starred)
+
+    def _value(self, whole: str) -> str | None:
+        """Return the value of a placeholder, if it is known."""
+        values = self.cleaning.values
+        if not values or whole[0] not in "{[%$":
+            return None
+        name = NAME.search(whole)
+        known = values.get(whole, values.get(name[0]) if name else None)
+        return None if known is None else ordinary(known)
+
+    def _leaves_gap(self, found: re.Match[str], instead: str) -> bool:
+        whole = found[0]
+        return not (
+            instead
+            or whole in DOUBLED
+            or self._is_tag(whole)
+            or found["sign"]
+            or found["soundless"]
+            or SOUNDLESS.match(whole)
+        )
+
+    def _parts_words(self, found: re.Match[str]) -> bool:
+        before = self.text[max(found.start() - 1, 0) : found.start()]
+        return before.isalnum() and self.text[found.end() : found.end() + 1].isalnum()
 
 
-def _said(found: re.Match[str]) -> str:
-    """Return the text that an escape or a doubled mark stands for; other markup has none."""
-    if found[0][0] == "\\":
-        return found["kept"] or " "
-    return DOUBLED.get(found[0], "")
+@lru_cache(64)
+def _markup(unspoken: tuple[str, ...]) -> re.Pattern[str]:
+    """Return the pattern of markup, with the passages that a project lists."""
+    ways = []
+    for one in unspoken:
+        opening, _, closing = map(re.escape, ordinary(one).partition("..."))
+        inner = rf".{{0,{MAX_UNSPOKEN_CHARS}}}?" + (closing or "$")
+        ways.append(opening + (inner if "..." in one else ""))
+    listed = f"(?P<listed>{'|'.join(ways)})|" if ways else ""
+    return re.compile(listed + MARKUP, re.DOTALL)
+
+
+def _paused(found: re.Match[str]) -> str:
+    """Return a pause with the characters around it; there is none beside another."""
+    before, after = found["before"], found["after"]
+    needless = not before or not after or before in PAUSES or after in PAUSES
+    return f"{before} {after}" if needless else f"{before}{PAUSE} {after}"
 
 
 def _solid(text: str) -> int:
-    """Count the characters that are not spaces."""
-    return len("".join(text.split()))
+    """Count the characters that are neither spaces nor pauses."""
+    return len("".join(text.replace(PAUSE, " ").split()))
 
 
 def _places(text: str, counts: Sequence[int]) -> tuple[int, ...]:
@@ -92,5 +274,6 @@ def _places(text: str, counts: Sequence[int]) -> tuple[int, ...]:
     """
     if not counts:
         return ()
-    ends = [0, *(at for at, character in enumerate(text, 1) if not character.isspace())]
+    solid = (at for at, one in enumerate(text, 1) if not one.isspace() and one != PAUSE)
+    ends = [0, *solid]
     return tuple(ends[count] for count in counts)

@@ -11,6 +11,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.rates import checked_rate
 from lipsync_lang.errors import LipsyncError, refuse_other
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.performing.batch import Delivered, animate
 from lipsync_lang.performing.delivery import delivery
 from lipsync_lang.performing.label_reader import LabelReader, Unknown
@@ -52,6 +53,8 @@ class Performer:
     """Folders and files with priority in pack searches."""
     shades: bool | None = None
     """Curves of their own for shades; None means yes, unless thresholds are the paper's."""
+    cleaning: Cleaning = AS_WRITTEN
+    """Values of placeholders in texts, and what texts hold that is not spoken."""
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)
@@ -373,7 +376,10 @@ class Performer:
         from lipsync_lang.speech.speaking import Speaker
 
         return Speaker(
-            Manner.from_plain(self.compiled.manner), self.labels.notations, self.labels.near
+            Manner.from_plain(self.compiled.manner),
+            self.labels.notations,
+            self.labels.near,
+            cleaning=self.cleaning,
         )
 
     @cached_property

@@ -6,7 +6,7 @@ emphasise nothing, and are left out; between two letters or digits a space is le
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 MARKED = re.compile(
@@ -79,16 +79,16 @@ def _between(text: str, start: int, stop: int) -> str:
     return " " if before.isalnum() and after.isalnum() else ""
 
 
-def touched(words: Iterable[str], text: EmphasisedText) -> list[bool]:
-    """Return True for each word, in the order of the text, that an emphasised passage touches."""
+def touched(words: Iterable[str], text: str, spans: Sequence[tuple[int, int]]) -> list[bool]:
+    """Return True for each word of a text, in order, that one of its spans touches."""
     found: list[bool] = []
     at = 0
     for word in words:
         first = next(iter(word.split()), word)
-        start = text.text.find(first, at)
+        start = text.find(first, at)
         if start < 0:
             found.append(False)
             continue
         at = start + len(first)
-        found.append(any(low < at and start < high for low, high in text.spans))
+        found.append(any(low < at and start < high for low, high in spans))
     return found

@@ -49,6 +49,8 @@ class Manner:
     audio : how recordings of it become phonemes
     stress_digits : notations whose labels may end in a stress digit
     forms : written forms that the pack reads, not the engine
+    asides : words of notes in brackets, which are not spoken
+    letters : spellings that the engine reads in place of others
     """
 
     language: str
@@ -63,6 +65,8 @@ class Manner:
     audio: Hearing = field(default_factory=Hearing)
     stress_digits: tuple[str, ...] = ()
     forms: SpokenForms = field(default_factory=SpokenForms)
+    asides: tuple[str, ...] = ()
+    letters: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def direct(self) -> bool:
@@ -114,5 +118,6 @@ class Manner:
                 "audio": Hearing(**{**audio, "align": tuple(audio["align"]), "phones": phones}),
                 "stress_digits": tuple(data["stress_digits"]),
                 "forms": SpokenForms.from_plain(data["forms"]),
+                "asides": tuple(data["asides"]),
             }
         )

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 from typing import TYPE_CHECKING
+from unicodedata import normalize
 
 from lipsync_lang.packs.finding import IPA, beside
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, Settings
@@ -45,6 +46,8 @@ def manner_of(
         audio=_hearing(language),
         stress_digits=model.stress_digits,
         forms=forms_of(model, common, notation),
+        asides=model.asides,
+        letters={normalize("NFC", one): one for one in g2p.letters} if g2p else {},
     )
 
 

@@ -83,6 +83,7 @@ class Schedule:
     estimated : True if the times come from a rule instead of a voice
     source : name of this schedule in messages
     unread : characters of the original text that could not be read
+    dropped : markup of the original text that is not spoken, in order
     lines : line in the file of each label; empty if unknown
     remarks : doubts about the schedule
     recognised : True if speech recognition found the words, so that they may be wrong
@@ -105,6 +106,7 @@ class Schedule:
     recognised: bool = False
     confidence: float | None = None
     stress: tuple[int | None, ...] = ()
+    dropped: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse faulty times, labels and words."""

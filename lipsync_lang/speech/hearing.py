@@ -4,19 +4,20 @@
 a schedule with the sound, for performance like any other schedule.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.lines.markup import Cleaning
 from lipsync_lang.packs.finding import Paths
-from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import each, in_turn, raised, refused, tried
-from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.speaking import NO_VALUES, Speaker, Values
+from lipsync_lang.speech.written_text import SilentTextError, WrittenText
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.recognise.recognisers import Recogniser
@@ -32,6 +33,7 @@ def align(  # type: ignore[overload-overlap]  # a str comes first, though iterab
     language: str | Path,
     *,
     aligner: str | None = None,
+    values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Schedule: ...
 @overload
@@ -41,14 +43,16 @@ def align(
     language: str | Path,
     *,
     aligner: str | None = None,
+    values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Iterator[Schedule]: ...
-def align(
+def align(  # noqa: PLR0913 as `speak`
     audio: Recording | Iterable[Recording],
     text: str | Iterable[str],
     language: str | Path,
     *,
     aligner: str | None = None,
+    values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Schedule | Iterator[Schedule]:
     """Find when each phoneme of a text is said in a recording of it.
@@ -59,6 +63,7 @@ def align(
     text : what is said in it; or what is said in each
     language : a language pack's name, tag or file
     aligner : another aligner than the pack's; `NAME:MODEL` names its model as well
+    values : of placeholders in the texts, by name
     paths : a folder to search for packs before all others, or several
 
     Returns
@@ -78,7 +83,7 @@ def align(
     >>> [word.text for word in ll.align(spoken.audio, "Please buy five maps", "english").words]
     ['Please', 'buy', 'five', 'maps']
     """
-    speaker = Speaker.of(language, paths)
+    speaker = Speaker.of(language, paths, Cleaning(values))
     if isinstance(audio, Recording):
         if not isinstance(text, str):
             raise SpeechError("`audio` is one recording, so `text` is one, too: a string")
@@ -174,13 +179,46 @@ def align_many(
         engines = aligners(speaker, aligner)
     except SpeechError as error:
         return refused(recordings, error)
-    marked = ((partial(_sound, audio), emphasised(text)) for audio, text in recordings)
+    marked = (_written(speaker, audio, text) for audio, text in recordings)
     # results are wrapped, so that an error keeps its recording for the next aligner
     found = in_turn(
         marked,
         lambda good: ((one,) for one in engines[0].all(((s, t.text) for s, t in good), speaker)),
     )
-    return each(found, lambda pair: surest(speaker, *pair[0], pair[1][0], engines))
+    heard = each(found, lambda pair: surest(speaker, *pair[0], pair[1][0], engines))
+    return map(partial(_or_silence, speaker), heard)
+
+
+Source = Callable[[], Audio]
+
+
+class SilentRecordingError(SpeechError):
+    """Error: the text of a recording holds markup alone."""
+
+    def __init__(self, sound: Source, text: SilentTextError) -> None:
+        super().__init__(str(text))
+        self.sound, self.text = sound, text
+
+
+def _written(
+    speaker: Speaker, audio: Recording, text: str
+) -> tuple[Source, WrittenText] | SilentRecordingError:
+    """Return a recording with the part of its text that is said; an error if there is none."""
+    sound, found = partial(_sound, audio), speaker.sounding(text)
+    return (
+        SilentRecordingError(sound, found) if isinstance(found, SilentTextError) else (sound, found)
+    )
+
+
+def _or_silence(speaker: Speaker, result: Schedule | SpeechError) -> Schedule | SpeechError:
+    if not isinstance(result, SilentRecordingError):
+        return result
+    silent = result
+
+    def rest(sound: Source) -> Schedule:
+        return raised(speaker.or_silence(silent.text, sound()))
+
+    return tried(rest)(silent.sound)
 
 
 def recognised(speaker: Speaker, audio: Recording, *, recogniser: str | None = None) -> Schedule:

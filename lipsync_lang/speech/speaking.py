@@ -11,25 +11,33 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import zip_longest
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 from lipsync_lang.packs.finding import Paths, located
-from lipsync_lang.phonology.emphasis import EmphasisedText, emphasised, touched
+from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.phonology.g2p import Said, engine
 from lipsync_lang.phonology.g2p.g2p_engines import Engine as G2PEngine
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.g2p.utterances import Utterances
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.manner import Manner
-from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule
 from lipsync_lang.speech.in_turn import batches, each, in_turn, raised, refused
+from lipsync_lang.speech.written_text import SilentTextError, WrittenText, as_written, silent
 
 if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import NearestPhonemes
 
 SILENT = "none"
 """Engine name for estimated times without sound."""
+
+Values = Mapping[str, str]
+"""Values of placeholders, by name."""
+
+NO_VALUES: Values = MappingProxyType({})
 
 BATCH_TEXTS = 500
 """Texts that a G2P engine reads at once."""
@@ -41,7 +49,7 @@ class Transcript:
 
     Parameters
     ----------
-    text : the input
+    text : the spoken part of the input
     language : the pack's name
     notation : notation of the word labels
     words : words and pauses in order
@@ -49,6 +57,8 @@ class Transcript:
     unmapped : labels outside the notation, in order, without duplicates
     unread : characters unreadable by the engine, in order, without duplicates
     gaps : indices in `phonemes` before which an unmapped or unread item is missing
+    dropped : markup of the input that is not spoken, in order
+    remarks : doubts about the markup
     """
 
     text: str
@@ -59,6 +69,8 @@ class Transcript:
     unmapped: tuple[str, ...] = ()
     unread: tuple[str, ...] = ()
     gaps: tuple[int, ...] = ()
+    dropped: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -84,6 +96,7 @@ class Speaker:
     notations : its notations, by name
     near : lookup of the nearest known label, in automatic languages
     read : words of texts that were read before with the same settings; it grows
+    cleaning : values of placeholders, and what a project's scripts do not speak
     """
 
     def __init__(
@@ -92,14 +105,18 @@ class Speaker:
         notations: Mapping[str, Notation],
         near: "NearestPhonemes | None" = None,
         read: "MutableMapping[str, tuple[Said, ...]] | None" = None,
+        cleaning: Cleaning = AS_WRITTEN,
     ) -> None:
         self.manner = manner
         self.notations = notations
         self.near = near
         self.read = read
+        self.cleaning = replace(cleaning, asides=manner.asides)
 
     @classmethod
-    def of(cls, language: str | Path, paths: Paths = ()) -> "Speaker":
+    def of(
+        cls, language: str | Path, paths: Paths = (), cleaning: Cleaning = AS_WRITTEN
+    ) -> "Speaker":
         """Prepare a language by name, tag or file, with `paths` searched first."""
         from lipsync_lang.packs.library import Library
         from lipsync_lang.resolver.language_tables import manner_of, notations_of
@@ -109,16 +126,39 @@ class Speaker:
         library: Library = Library(folders)
         pack, common = library.language(name), library.common().model
         near = among(library, pack) if pack.model.automatic else None
-        return cls(manner_of(pack, common), notations_of(library, pack), near)
+        manner = manner_of(pack, common)
+        return cls(manner, notations_of(library, pack), near, cleaning=cleaning)
 
     def remembering(self) -> "Speaker":
         """Return a copy that reads no text twice."""
-        made = Speaker(self.manner, self.notations, self.near, {})
+        made = Speaker(self.manner, self.notations, self.near, {}, self.cleaning)
         made.__dict__.update({k: v for k, v in self.__dict__.items() if k == "_engine"})
         return made
 
+    def written(self, text: str) -> WrittenText:
+        """Return the part of a text that is read, with its emphasis."""
+        said = spoken(text, self.cleaning)
+        clear = emphasised(said.text)
+        for letter, instead in self.manner.letters.items():
+            if letter in clear.text:
+                clear = emphasised(said.text.replace(letter, instead))
+        return WrittenText(*clear, said.dropped, said.remarks)
+
+    def sounding(self, text: str) -> "WrittenText | SilentTextError":
+        """Return what `written` does; for markup alone, an error that `or_silence` mends."""
+        found = self.written(text)
+        return SilentTextError(found) if found.dropped and not found.text else found
+
+    def or_silence(
+        self, result: Schedule | SpeechError, audio: Audio | None = None
+    ) -> Schedule | SpeechError:
+        """Return a schedule of silence, as long as the sound, for a text of markup alone."""
+        if not isinstance(result, SilentTextError):
+            return result
+        return silent(result.text, self.manner, audio)
+
     def transcribe(self, texts: Iterable[str]) -> Iterator[Transcript]:
-        """Convert texts to phonemes, one after the other; marks of emphasis are left out.
+        """Convert texts to phonemes, one after the other; markup and emphasis are left out.
 
         Raises
         ------
@@ -129,8 +169,8 @@ class Speaker:
 
     def transcribe_many(self, texts: Iterable[str]) -> Iterator[Transcript | SpeechError]:
         """Yield for each text its transcript, or the error of its reading."""
-        plain = (emphasised(text).text for text in texts)
-        return each(in_turn(plain, self._read), lambda pair: self._transcript(*pair))
+        read = in_turn(map(self.written, texts), lambda good: self._read(one.text for one in good))
+        return each(read, lambda pair: self._transcript(*pair))
 
     def _read(self, texts: Iterable[str]) -> Iterator[tuple[Said, ...] | SpeechError]:
         """Yield the words of each text; many texts are read at once, and a repeated one once."""
@@ -209,7 +249,7 @@ class Speaker:
             voice, name = self.manner.settings.voice or "", self.manner.engine or ""
             yield from each(say(texts, voice, engine=name), _said)
 
-    def _transcript(self, text: str, words: Sequence[Said]) -> Transcript:
+    def _transcript(self, written: WrittenText, words: Sequence[Said]) -> Transcript:
         notation = self.notations[self.manner.notation]
         while words and not words[-1].labels and not words[-1].unread:
             words = words[:-1]
@@ -229,7 +269,7 @@ class Speaker:
                 unmapped += [label] if value is None else []
             gaps += range(start, len(phonemes) + 1) if word.unread else ()
         return Transcript(
-            text,
+            written.text,
             self.manner.language,
             self.manner.notation,
             tuple(words),
@@ -237,6 +277,8 @@ class Speaker:
             tuple(dict.fromkeys(unmapped)),
             tuple(dict.fromkeys(c for word in words for c in word.unread)),
             tuple(sorted(set(gaps))),
+            written.dropped,
+            written.remarks,
         )
 
     def told(self, transcript: Transcript) -> dict[str, Any]:
@@ -264,6 +306,7 @@ class Speaker:
             "automatic": self._automatic(transcript),
             "unmapped": list(transcript.unmapped),
             "unread": list(transcript.unread),
+            "dropped": list(transcript.dropped),
         }
 
     def _automatic(self, transcript: Transcript) -> dict[str, dict[str, Any]]:
@@ -292,7 +335,7 @@ class Speaker:
 
         Parameters
         ----------
-        text : text to speak; ``*word*`` emphasises a word
+        text : text to speak; ``*word*`` emphasises a word, and markup is left out
         engine : overrides the pack's speech engine; `none` for estimated times
         words_per_minute : speech rate; None for the engine's default
 
@@ -320,11 +363,11 @@ class Speaker:
         ------
         For each text, in order, its schedule, or the error that `speak` raises
         """
-        marked = map(emphasised, texts)
-        spoken = in_turn(
-            marked, lambda good: self._spoken((one.text for one in good), engine, words_per_minute)
+        said = in_turn(
+            map(self.sounding, texts),
+            lambda good: self._spoken((one.text for one in good), engine, words_per_minute),
         )
-        return each(spoken, lambda pair: with_emphasis(*pair))
+        return map(self.or_silence, each(said, lambda pair: as_written(*pair)))
 
     def _spoken(
         self, texts: Iterable[str], engine: str | None, words_per_minute: int | None
@@ -433,17 +476,6 @@ def _said(schedule: Schedule) -> tuple[Said, ...]:
     return tuple(words)
 
 
-def with_emphasis(text: EmphasisedText, schedule: Schedule) -> Schedule:
-    """Return a schedule with the emphasis that its text marks."""
-    if not text.spans:
-        return schedule
-    marked = touched((word.text for word in schedule.words), text)
-    words = (
-        replace(word, emphasis=float(one)) for word, one in zip(schedule.words, marked, strict=True)
-    )
-    return replace(schedule, words=tuple(words))
-
-
 def _spelling(transcript: Transcript) -> str:
     """Return the text for a voice to read, in the engine's spelling if it has one."""
     if not any(word.respelled for word in transcript.words):
@@ -453,14 +485,18 @@ def _spelling(transcript: Transcript) -> str:
 
 @overload
 def transcribe(  # type: ignore[overload-overlap]  # a str comes first, though iterable too
-    text: str, language: str | Path, *, paths: Paths = ()
+    text: str, language: str | Path, *, values: Values = NO_VALUES, paths: Paths = ()
 ) -> Transcript: ...
 @overload
 def transcribe(
-    text: Iterable[str], language: str | Path, *, paths: Paths = ()
+    text: Iterable[str], language: str | Path, *, values: Values = NO_VALUES, paths: Paths = ()
 ) -> Iterator[Transcript]: ...
 def transcribe(
-    text: str | Iterable[str], language: str | Path, *, paths: Paths = ()
+    text: str | Iterable[str],
+    language: str | Path,
+    *,
+    values: Values = NO_VALUES,
+    paths: Paths = (),
 ) -> Transcript | Iterator[Transcript]:
     """Turn text into phonemes, as the language pack's `g2p` says.
 
@@ -468,6 +504,7 @@ def transcribe(
     ----------
     text : what to read; of several texts, each in its turn
     language : a language pack's name, tag or file
+    values : of placeholders such as ``[player]``, by name
     paths : a folder to search for packs before all others, or several
 
     Returns
@@ -483,10 +520,12 @@ def transcribe(
     --------
     >>> ll.transcribe("map", "english").phonemes
     ('bmp', 'ae', 'bmp')
+    >>> ll.transcribe("<b>[what]</b>", "english", values={"what": "map"}).text
+    'map'
     >>> [one.text for one in ll.transcribe(["map", "moon"], "english")]
     ['map', 'moon']
     """
-    speaker = Speaker.of(language, paths)
+    speaker = Speaker.of(language, paths, Cleaning(values))
     if isinstance(text, str):
         return next(speaker.transcribe([text]))
     return speaker.transcribe(text)
@@ -499,6 +538,7 @@ def speak(  # type: ignore[overload-overlap]  # as above
     *,
     engine: str | None = None,
     words_per_minute: int | None = None,
+    values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Schedule: ...
 @overload
@@ -508,14 +548,16 @@ def speak(
     *,
     engine: str | None = None,
     words_per_minute: int | None = None,
+    values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Iterator[Schedule]: ...
-def speak(
+def speak(  # noqa: PLR0913 a text, a language, and how it is said
     text: str | Iterable[str],
     language: str | Path,
     *,
     engine: str | None = None,
     words_per_minute: int | None = None,
+    values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Schedule | Iterator[Schedule]:
     """Speak text with the voice its language pack names.
@@ -526,6 +568,7 @@ def speak(
     language : a language pack's name, tag or file
     engine : another speech engine than the pack's; `none` for estimated times without sound
     words_per_minute : the speed of speech; None is the engine's own
+    values : of placeholders such as ``[player]``, by name
     paths : a folder to search for packs before all others, or several
 
     Returns
@@ -543,7 +586,7 @@ def speak(
     >>> schedule.labels, schedule.words[0].text
     (('m', 'æ', 'p', '_'), 'map')
     """
-    speaker = Speaker.of(language, paths)
+    speaker = Speaker.of(language, paths, Cleaning(values))
     how: dict[str, Any] = {"engine": engine, "words_per_minute": words_per_minute}
     if isinstance(text, str):
         return speaker.speak(text, **how)

@@ -64,7 +64,12 @@ class _Run:
         pages = Pages()
         finalize(self, pages.__exit__, None, None, None)
         try:
-            lines = read_lines(path, column=column, remark=self.remarks.append)
+            lines = read_lines(
+                path,
+                column=column,
+                remark=self.remarks.append,
+                cleaning=self.performer.cleaning,
+            )
             corpus, counts = count(self._seen(lines), [self.performer], [scripts], pages)
             if corpus.lines:
                 self.figures = CountFigures(counts[0], pages)

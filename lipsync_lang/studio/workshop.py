@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning
 from lipsync_lang.packs.finding import FOLDERS, POSESET
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import SplicedText
@@ -75,9 +76,10 @@ class Workshop:
     desk : unsaved edits
     motion : changed settings of motion, or a preset
     engine : speech engine instead of the language's
+    cleaning : values of placeholders, and what texts hold that is not spoken
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 a folder, packs, and how their lines are said
         self,
         project: Path,
         paths: Sequence[Path] = (),
@@ -85,10 +87,11 @@ class Workshop:
         *,
         motion: Mapping[str, object] | str | None = None,
         engine: str | None = None,
+        cleaning: Cleaning = AS_WRITTEN,
     ) -> None:
         self.project, self.paths = project.absolute(), tuple(paths)
         self.desk = Desk(None) if desk is None else desk
-        self.motion, self.engine = motion, engine
+        self.motion, self.engine, self.cleaning = motion, engine, cleaning
         self.language = self.character = ""
         self.settings = LineSettings()
         self.line: SpokenLine | None = None
@@ -216,13 +219,15 @@ class Workshop:
         """Return the performer as the command line has it, which compiles a pair only once."""
         if self.desk.contents or self._pair is not None or self.project != Path.cwd():
             return None
-        return resolve(
+        found = resolve(
             self.language, self.character, paths=self.paths, gaps="rest", unknown="rest",
             motion=self.motion,
         )  # fmt: skip
+        return replace(found, cleaning=self.cleaning)
 
     def _performer(self, compiled: "Compiled") -> Performer:
-        return Performer(compiled, motion_with(compiled.motion, self.motion), "rest", self.paths)
+        motion = motion_with(compiled.motion, self.motion)
+        return Performer(compiled, motion, "rest", self.paths, cleaning=self.cleaning)
 
     def edit(self, title: str, edits: Sequence[Edit], **more: Any) -> None:
         """Change packs; an edit after which the pair cannot be performed is refused.

@@ -237,6 +237,8 @@ class G2P(Strict):
     """The notation of the engine's labels; the first of the pack unless stated."""
     respell: Text | None = None
     """The respeller that rewrites the text by its sounds before the engine reads it."""
+    letters: tuple[Text, ...] = ()
+    """Letters that the engine reads as one character, although Unicode composes them of two."""
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
     corrections: tuple[LabelCorrection, ...] = ()
@@ -355,6 +357,9 @@ class Language(PackModel):
     """Pronunciations of words, which override the engine."""
     text: LanguageText | None = None
     """Written forms that the engine would misread: interjections, abbreviations, numerals."""
+    asides: tuple[Text, ...] = ()
+    """Words of notes such as `(laughs)` and `*sighs*`, which are not spoken; `laugh...` stands for
+    all words that begin so."""
     examples: dict[Label, str] = Field(default={})
     """A word for each label of the first notation."""
     reasons: dict[Label, str] = Field(default={})

@@ -162,6 +162,11 @@ class Project(PackModel):
     )
     """The characters that each speaker is made on; `*` stands for all other speakers. By default
     `character`."""
+    values: dict[Text, str] = Field(default_factory=dict)
+    """Texts to say for placeholders such as `[player]`, `{player}` and `$player`, by name."""
+    unspoken: Annotated[tuple[Text, ...], OrOne] = ()
+    """Passages that are not spoken, such as `NPC_01`, `SFX:...` and `<<...>>`: their text, or their
+    two ends with `...` between them; without a second end, all up to the end of the line."""
     limits: dict[Text, NotNegative] = Field(default_factory=dict)
     """Limits that fail a build: by measure of `check`, and the least `confidence` of alignment."""
     reports: Annotated[tuple[ReportFile, ...], OrOne] = ()

@@ -5,12 +5,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.emphasis import EmphasisedText
 from lipsync_lang.schedules.schedule import DOUBTFUL, Audio, Schedule
 from lipsync_lang.speech.align.aligners import ALIGNERS, BatchAligner
 from lipsync_lang.speech.engine_names import engine_and_model
 from lipsync_lang.speech.in_turn import raised, tried
-from lipsync_lang.speech.speaking import Speaker, with_emphasis
+from lipsync_lang.speech.speaking import Speaker
+from lipsync_lang.speech.written_text import WrittenText, as_written
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.align.aligners import Aligner
@@ -58,7 +58,7 @@ def _name(engine: str) -> str:
 def surest(
     speaker: Speaker,
     sound: Callable[[], Audio],
-    text: EmphasisedText,
+    text: WrittenText,
     first: Schedule | SpeechError,
     engines: "Sequence[NamedAligner]",
 ) -> Schedule:
@@ -81,7 +81,7 @@ def surest(
         if isinstance(first, SpeechError):
             remark += f" ({first})"
         schedule = replace(schedule, remarks=(*schedule.remarks, remark))
-    return with_emphasis(text, schedule)
+    return as_written(text, schedule)
 
 
 def _words_fit(result: Schedule | SpeechError) -> bool:

@@ -1,0 +1,26 @@
+"""Options on the texts of scripts: values of placeholders, and what is not spoken."""
+
+from argparse import Namespace, _ActionsContainer
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.lines.markup import Cleaning
+
+
+def add_values(made: _ActionsContainer) -> None:
+    """Add the values of placeholders; the project supplies the default."""
+    made.set_defaults(unspoken=())
+    made.add_argument(
+        "--value", metavar="NAME=TEXT", action="append", default=[], dest="values",
+        help="say this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
+    )  # fmt: skip
+
+
+def cleaning(options: Namespace) -> Cleaning:
+    """Return the values of placeholders, and what the project's scripts do not speak."""
+    values: dict[str, str] = {}
+    for one in options.values:
+        name, equals, value = one.partition("=")
+        if not (name.strip() and equals):
+            raise LipsyncError(f"--value {one}: write NAME=TEXT (--value player=Ada)")
+        values[name.strip()] = value
+    return Cleaning(values, options.unspoken)

@@ -1,0 +1,88 @@
+"""Asides: notes on what is done or heard, between the words that are said.
+
+``(laughs)`` and ``*sighs*`` are notes to an actor, ``(my brother)`` and ``*never*`` are words of
+the line. A language pack lists the words of its asides. In scripts with capitals an aside is also
+told by its form: a few words that begin in a small letter where a sentence would begin.
+"""
+
+import re
+from collections.abc import Sequence
+from functools import lru_cache
+
+from lipsync_lang.phonology.g2p.tokens import PAUSES, plain
+
+MAX_WORDS = 5
+"""Words of an aside that is told by its form."""
+
+MAX_CHARS, MAX_UNCASED_CHARS = 40, 12
+"""Characters of an aside that is told by its words, in scripts with and without capitals."""
+
+OPEN_END = "..."
+"""At the end of a listed word, for all words that begin so."""
+
+ENDS = frozenset(".!?…。！？")
+
+QUOTES = frozenset("\"'»«“”„‘’—–-[](){}")
+
+
+def is_aside(
+    said: str, before: str, after: str, listed: Sequence[str], *, starred: bool = False
+) -> bool:
+    """Return True if a passage in brackets or asterisks is an aside.
+
+    Parameters
+    ----------
+    said : the passage
+    before, after : the text around it
+    listed : the language's words of asides
+    starred : True if the passage is in asterisks, which emphasise other words
+
+    >>> is_aside("sighs deeply", "", " I know.", ["sigh..."])
+    True
+    >>> is_aside("never", "I ", " said so.", [], starred=True)
+    False
+    """
+    begins, ends = _begins(before), _ends(after)
+    if starred and not (begins and ends):
+        return False
+    longest = MAX_CHARS if _has_case(said) else MAX_UNCASED_CHARS
+    if listed and len(said) <= longest and _pattern(tuple(listed)).search(plain(said)):
+        return True
+    if not (begins and ends and 0 < len(said.split()) <= MAX_WORDS and _has_case(said)):
+        return False
+    if starred:
+        first, last = before.rstrip()[-1:], after.lstrip()[:1]
+        apart = (not first or first in ENDS) and (not last or last.isupper()) and first + last
+        return said[0].islower() and bool(apart)
+    closed = said.rstrip()[-1] in PAUSES
+    return not closed and (said[0].islower() or (said.isupper() and not after.strip()))
+
+
+def _has_case(text: str) -> bool:
+    return text.lower() != text.upper()
+
+
+def _begins(before: str) -> bool:
+    """Return True if a sentence may begin after this text."""
+    last = before.rstrip()[-1:]
+    return not last or last in PAUSES or last in QUOTES
+
+
+def _ends(after: str) -> bool:
+    """Return True if a sentence may begin with this text."""
+    first = after.lstrip()[:1]
+    return not first or not first.islower()
+
+
+@lru_cache(256)
+def _pattern(listed: tuple[str, ...]) -> re.Pattern[str]:
+    """Return the pattern of listed words; without capitals, words may have no edges."""
+    ways = []
+    for one in listed:
+        word = plain(one.removesuffix(OPEN_END))
+        if _has_case(word):
+            word = rf"(?<!\w){re.escape(word)}" + ("" if one.endswith(OPEN_END) else r"(?!\w)")
+        else:
+            word = re.escape(word)
+        ways.append(word)
+    return re.compile("|".join(ways))
