@@ -1,12 +1,16 @@
 """Files that time words alone: read, mended where rounded, and filled with phonemes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from lipsync_lang.build.planned_line import PlannedLine
+from lipsync_lang.build.timing import schedules
 from lipsync_lang.cli import main
 from lipsync_lang.errors import ScheduleError, SpeechError
+from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.phonology.g2p import Said
 from lipsync_lang.schedules import SILENCE, Schedule, TimedWord, TimedWords, read_schedule
 from lipsync_lang.schedules.timed_words import timed_words_of
@@ -168,3 +172,24 @@ def test_labels_too_long_for_phones_are_words():
     assert [word.confidence for word in found.words] == [0.98, None]
     words = timings_of(TimingFile(Path("line.WRD"), b"1600 4800 hi\n4800 8000 you\n"))
     assert spans(words) == [("hi", 0.1, 0.3), ("you", 0.3, 0.5)]
+
+
+def test_of_two_speakers_words_one_is_asked_for():
+    rows = "Begin,End,Label,Type,Speaker\n0,1,maps,words,Ann\n0,1,moon,words,Bob\n"
+    source = TimingFile(Path("a.csv"), rows.encode())
+    with pytest.raises(ScheduleError, match="2 tiers hold words: 'Ann - words', 'Bob - words'"):
+        timings_of(source)
+    assert spans(timings_of(replace(source, tier="Bob"))) == [("moon", 0, 1)]
+
+
+def test_a_script_of_timed_words_is_counted_by_its_text(tmp_path):
+    (tmp_path / "words.csv").write_text(TABLE)
+    (line,) = read_lines(tmp_path / "words.csv", remark=lambda _: None)
+    assert (line.text, line.schedule, line.name) == ("my maps", None, "words")
+
+
+def test_a_build_fills_the_timed_words_of_a_line(tmp_path, speaker):
+    (tmp_path / "a.csv").write_text("word,start,end\nma,0.1,0.3\n")
+    line = PlannedLine("a", "english", "facefx", "", "", "script.csv:2", Path("a.csv"), None, ())
+    (made,) = schedules(tmp_path, [line], speaker)
+    assert made.labels == (SILENCE, "m", "æ")

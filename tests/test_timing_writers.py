@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lipsync_lang.errors import OutputError
 from lipsync_lang.schedules.schedule import Audio, Schedule, Word
 from lipsync_lang.schedules.timing_readers import read_schedule
 from lipsync_lang.schedules.timing_writers import TIMING_WRITERS, textgrid_text
@@ -91,3 +92,12 @@ def test_a_line_that_starts_late_starts_in_silence(tmp_path):
     found = again("TextGrid", replace(LINE, times=LINE.times + 1), tmp_path)
     assert found.times[:3] == pytest.approx([0, 1, 1.1])
     assert found.labels[:2] == ("_", "m")
+
+
+def test_a_schedule_is_saved_by_its_suffix(tmp_path):
+    for suffix in TIMING_WRITERS:
+        path = tmp_path / f"line.{suffix.upper()}"
+        LINE.save(path)
+        assert path.read_text("utf-8") == TIMING_WRITERS[suffix](LINE)
+    with pytest.raises(OutputError, match=r"line\.mp3: no timings are written to '\.mp3'"):
+        LINE.save(tmp_path / "line.mp3")

@@ -7,12 +7,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from math import isfinite
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import ScheduleError
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 SILENCE = "_"
 """The label of silence, in every notation."""
@@ -181,6 +184,26 @@ class Schedule:
     def stretched(self, factor: float) -> Self:
         """Return a copy slowed down by a factor, with the same start and without its sound."""
         return replace(self, times=self.start + (self.times - self.start) * factor, audio=None)
+
+    def save(self, path: "str | Path") -> None:
+        """Write the timings to a file; its suffix names the format, and readers read it back.
+
+        The formats are JSON, TextGrid (Praat), eaf (ELAN), csv, and txt (Audacity).
+
+        Raises
+        ------
+        OutputError
+            No format has the suffix, or the file cannot be written.
+
+        Examples
+        --------
+        >>> ll.Schedule(("M",), [0, 0.1]).save("line.TextGrid")
+        >>> ll.read_schedule("line.TextGrid").labels
+        ('M',)
+        """
+        from lipsync_lang.schedules.timing_writers import save_timings
+
+        save_timings(self, path)
 
     def word_at(self, index: int) -> Word | None:
         """Return the word of phoneme `index`, or None."""

@@ -91,7 +91,9 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
     ``source.tier`` names the tier or a speaker. Without it, only one tier may look like phones.
     A file without phones gives the words of its tier of words. `guess` is as in `schedule_of`.
     """
-    chosen = only(source, tiers if source.tier is not None else _phones(source, tiers))
+    found = tiers if source.tier is not None else _phones(source, tiers)
+    alike = "hold words" if all(tier.holds_words() for tier in found) else "look like phones"
+    chosen = only(source, found, f"tiers {alike}")
     if chosen.holds_words():
         return words_of_rows(source, chosen.rows, guess=guess)
     words = _sure([t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker])

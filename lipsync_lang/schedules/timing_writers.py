@@ -9,7 +9,10 @@ import csv
 import json
 from collections.abc import Callable, Iterable, Iterator
 from io import StringIO
+from pathlib import Path
 
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files import argument_path, atomic
 from lipsync_lang.schedules.elan_document import elan_document
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.tiers import CONFIDENCE
@@ -132,6 +135,19 @@ TIMING_WRITERS: dict[str, Callable[[Schedule], str]] = {
     "txt": label_track_text,
 }
 """Functions by the suffix of their file, without the dot."""
+
+
+def save_timings(schedule: Schedule, path: str | Path) -> None:
+    """Write a schedule to a file, all at once; see `Schedule.save`."""
+    target = argument_path(path)
+    write = {f".{suffix.lower()}": one for suffix, one in TIMING_WRITERS.items()}
+    found = write.get(target.suffix.lower())
+    if found is None:
+        raise OutputError(
+            f"{target}: no timings are written to '{target.suffix}'; end it in {', '.join(write)}"
+        )
+    with atomic(target) as stream:
+        stream.write(found(schedule).encode("utf-8"))
 
 
 def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:

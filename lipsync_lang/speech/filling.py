@@ -241,12 +241,12 @@ def _laid(
     layout, mute = _Layout(), []
     error: SpeechError | None = None
     for word, share in zip(timed.words, shares, strict=True):
-        if isinstance(share, SpeechError):
-            error = error or share
-            mute.append(word.text)
-            layout.rest(word.end)
-        else:
-            layout.lay(word, share)
+        if isinstance(share, Schedule) and share.words:
+            layout.lay(word, _part(share, share.words))
+            continue
+        error = error or (share if isinstance(share, SpeechError) else None)
+        mute.append(word.text)
+        layout.rest(word.end)
     if not layout.words:
         raise error or SpeechError(f"{timed.source}: nothing in it can be read")
     return Schedule(
