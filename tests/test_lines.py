@@ -55,7 +55,7 @@ def told(lines: list[Line]) -> list[tuple[int, str, str, str]]:
         ("%d%% done", "% done", ("%d",)),
         ("$name pays $5 to ${who}", "pays $5 to", ("$name", "${who}")),
         ("one\\ntwo\nthree", "one two three", ()),
-        ("{{braces}} and [[brackets]]", "braces and brackets", ()),
+        ("{{two words}} and [[brackets]]", "two words and brackets", ()),
         ("<ruby>漢<rt>かん</rt></ruby>字", "漢字", ("<ruby>", "<rt>かん</rt>", "</ruby>")),
         ("{rb}東{/rb}{rt}とう{/rt}", "東", ("{rb}", "{/rb}", "{rt}とう{/rt}")),
         ("♪ la la ♪", "la la", ("♪", "♪")),
@@ -90,7 +90,7 @@ def test_text_without_markup_stays(text):
         ("[sighs] I told you", "|I told you"),
         ("a %s b $who", "a| b|"),
         ("a <i>won</i>derful {i}day{/i}{w=0.5}, ♪ {\\an8}yes", "a wonderful day, yes"),
-        ("{{one}} {two} \\n three", "one| three"),
+        ("{{one, x}} {two} \\n three", "one, x| three"),
         ("漢{rt}かん{/rt}字{x}{y}", "漢字||"),
     ],
 )

@@ -49,6 +49,10 @@ def dirty_lines():
          ("<#ff0000>", "</color>", "<size=120%>", "</size>")),
         ("<RichColor>x</>", "x", ("<RichColor>", "</>")),
         ("<<if $met>>Hi<<endif>> <!-- x -->", "Hi", ("<<if $met>>", "<<endif>>", "<!-- x -->")),
+        ("Hello<br>world<p>you</p>", "Hello world you", ("<br>", "<p>", "</p>")),
+        ("Hi {{name}}, %PLAYER%!", "Hi, !", ("{{name}}", "%PLAYER%")),
+        (r"\C[2]Hi\C[0] \N[1]\.\|\! you", "Hi you",
+         (r"\C[2]", r"\C[0]", r"\N[1]", r"\.", r"\|", r"\!")),
         ("[wave]Hi[/wave] [b=1]you[/b]", "Hi you", ("[wave]", "[/wave]", "[b=1]", "[/b]")),
         ("Go -> DONE", "Go", ("-> DONE",)),
         ("Hi # angry", "Hi", ("# angry",)),
@@ -114,9 +118,10 @@ def test_one_branch_of_a_choice_is_spoken(written, said, known):
 
 def test_placeholders_become_their_values():
     known = Cleaning({"player": "Ada", "0": "zero", "s": "ess"})
-    written = "[player!t] {player} $player ${player} {$player} %(player)s {0:>3} %s {other}"
+    forms = "[player!t] {player} $player ${player} {$player} %(player)s {{player}} %player% <player>"
+    written = f"{forms} {{0:>3}} %s {{other}}"
     said = spoken(written, known)
-    assert said.text == "Ada Ada Ada Ada Ada Ada zero ess"
+    assert said.text == " ".join(["Ada"] * 9) + " zero ess"
     assert said.dropped == ("{other}",)
     assert spoken("pre[player]s", known).text == "preAdas"
 

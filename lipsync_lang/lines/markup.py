@@ -34,10 +34,15 @@ from lipsync_lang.phonology.letters import ordinary
 RUBY = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
 ALIAS = r"<sub\s[^<>]*?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
 TAG = r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
-BRACES = r"\{\{|\}\}|\{[^{}]*\}"
+BRACES = r"\{\{\s*-?\$?[\w.]+\s*\}\}|\{\{|\}\}|\{[^{}]*\}"
 BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"
-PERCENT = r"%%|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?[sdifuxc@](?!\w)"
+PERCENT = (
+    r"%%|%[A-Za-z_]\w+%(?!%)|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]"
+    r"|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?[sdifuxc@](?!\w)"
+)
 DOLLAR = r"\$\{[^{}]*\}|\$[A-Za-z_]\w*"
+CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[.|!^<>]"
+"""Codes of RPG Maker: colours, names, waits."""
 ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
 ASIDE = (
     r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<doublewidth>（[^（）]{1,80}）)"
@@ -60,7 +65,7 @@ SIGNS = rf"{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+"
 WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
 
 MARKUP = (
-    f"{RUBY}|{ALIAS}|{ADDRESS}|{DOLLAR}|{WAY_ON}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|{ESCAPE}|{ASIDE}"
+    f"{RUBY}|{ALIAS}|{ADDRESS}|{DOLLAR}|{WAY_ON}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|(?P<code>{CODE})|{ESCAPE}|{ASIDE}"
     f"|{HASHTAG}|(?P<sign>{SIGNS})|(?P<soundless>{WAVES})"
 )
 PLAIN = re.compile(r"(?:[^\W_]|[\s.,!?;:'’\"…、。！？—–-])*+")
@@ -70,6 +75,8 @@ CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
 SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
 """Start of markup that leaves no gap."""
 PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
+BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|td|tr)\b|\{br\}", re.IGNORECASE)
+"""Tags between which the words are apart."""
 EMPHASIS = re.compile(r"</?emphasis\b", re.IGNORECASE)
 ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
 STRAY = re.compile(r"[{}\[\]]|</?(?=[A-Za-z])|>(?!\s*\d)")
@@ -194,12 +201,13 @@ class TextCleaner:
         self._dropped.append(whole)
         if aside or PAUSING.match(whole):
             return PAUSE
-        return " " if found["sign"] and self._parts_words(found) else ""
+        parts = found["sign"] and self._parts_words(found)
+        return " " if parts or BREAKING.match(whole) else ""
 
     def _meant(self, found: re.Match[str]) -> str | None:
         """Return the text that a mark stands for; None if it is not spoken."""
         whole = found[0]
-        if whole[0] == "\\":
+        if whole[0] == "\\" and found["code"] is None:
             return found["kept"] or " "
         if EMPHASIS.match(whole):
             return "*"
@@ -221,7 +229,7 @@ class TextCleaner:
     def _value(self, whole: str) -> str | None:
         """Return the value of a placeholder, if it is known."""
         values = self.cleaning.values
-        if not values or whole[0] not in "{[%$":
+        if not values or whole[0] not in "{[%$<\\":
             return None
         name = NAME.search(whole)
         known = values.get(whole, values.get(name[0]) if name else None)
