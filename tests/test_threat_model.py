@@ -103,11 +103,18 @@ def test_nothing_opens_a_connection(project, monkeypatch):
     assert performer.perform(ll.read_schedule(file)).weights.size
 
 
-@pytest.mark.parametrize("entity", ["<!DOCTYPE a SYSTEM 'file:///etc/passwd'>", "<!ENTITY a 'b'>"])
+@pytest.mark.parametrize("entity", ["<!DOCTYPE a [<!ENTITY b 'c'>]>", "<!ENTITY a 'b'>"])
 def test_xml_reads_no_entities(project, entity):
     file = project / "line.bml"
     file.write_text(f"<?xml version='1.0'?>{entity}<bml/>")
     with pytest.raises(LipsyncError, match="which is never read; take it out"):
+        ll.read_schedule(file, read_as="bml")
+
+
+def test_the_definition_of_an_xml_document_is_not_read(project):
+    file = project / "line.bml"
+    file.write_text("<!DOCTYPE a SYSTEM 'file:///etc/passwd'><bml>&a;</bml>")
+    with pytest.raises(LipsyncError, match="not XML: undefined entity"):
         ll.read_schedule(file, read_as="bml")
 
 

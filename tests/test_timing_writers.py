@@ -24,7 +24,7 @@ def again(suffix, schedule, folder):
     return read_schedule(path)
 
 
-@pytest.mark.parametrize("suffix", TIMING_WRITERS.keys() - {"txt"})
+@pytest.mark.parametrize("suffix", sorted(TIMING_WRITERS.keys() - {"txt"}))
 def test_what_is_written_is_read_back(suffix, tmp_path):
     found = again(suffix, LINE, tmp_path)
     assert found.labels == LINE.labels
