@@ -380,6 +380,7 @@ ENGINES = {
     "lexicon": "a list of words",
     "epitran": "Epitran",
     "thaiphon": "thaiphon",
+    "g2p2": "g2p2",
     "pypinyin": "pypinyin",
     None: "nothing yet: timed phonemes only",
 }

@@ -14,9 +14,10 @@ from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engi
 from lipsync_lang.phonology.g2p.corrections import corrector
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
-from lipsync_lang.phonology.g2p.g2p_engines import Correction, Rule, respeller
+from lipsync_lang.phonology.g2p.g2p_engines import Correction, MissingReaderError, Rule, respeller
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.phonology.g2p.rules import Rewriter, never_fire, unknown_labels
+from lipsync_lang.phonology.g2p.stated_readings import compiled_readings, stated_syllables
 from lipsync_lang.phonology.g2p.tokens import pieces, plain
 from lipsync_lang.speech import speak
 
@@ -335,3 +336,46 @@ def test_thaiphon_cuts_words_reads_numbers_and_repeats():
         ("ผม", "pʰom", ""), ("อายุ", "a:ju", ""), ("25", "ji:sip̚ha:", ""), ("ปี", "pi:", ""),
         ("มาก", "ma:k̚", ""), ("ๆ", "ma:k̚", ""), ("OK", "", "OK"), (",", "", ""), ("฿", "", "฿"),
     ]  # fmt: skip
+
+
+def test_an_engine_that_is_not_installed_is_replaced_by_the_other_that_the_pack_names(monkeypatch):
+    def missing(settings):
+        raise MissingReaderError(f"{settings.language} needs something")
+
+    find = ENGINES.find
+    monkeypatch.setattr(
+        ENGINES, "find", lambda name, error: missing if name == "missing" else find(name, error)
+    )
+    rules = (Rule("a", ("a",)),)
+    read = engine("missing", Settings("x", rules=rules, otherwise="rules"))
+    assert [word.labels for text in read(["aa"]) for word in text] == [("a", "a")]
+    with pytest.raises(SpeechError, match="x needs something"):
+        engine("missing", Settings("x", rules=rules))
+
+
+def test_models_of_g2p2_read_words_and_leave_points_to_the_other_engine():
+    pytest.importorskip("g2p2", reason="the g2p2 extra is not installed")
+    points = (Rule("ש", ("ʃ",)), Rule("ל", ("l",)), Rule("ם", ("m",)), Rule("ו", ("o",)))
+    settings = Settings("x", code="he", rules=points, labels=["ʃ", "m"], otherwise="rules")
+    (found,) = engine("g2p2", settings)(["מלך, שָׁלוֹם"])
+    assert [(word.text, "".join(word.labels)) for word in found] == [
+        ("מלך", "meleχ"), (",", ""), ("שָׁלוֹם", "ʃlom"),
+    ]  # fmt: skip
+    with pytest.raises(SpeechError, match="no installed package has a g2p2 model of 'xx'"):
+        engine("g2p2", Settings("x", code="xx"))
+
+
+def test_stated_readings_count_for_whole_words_between_their_contexts():
+    readings = compiled_readings(
+        [Rule("长", ("chang2",), "(?!大)", "^"), Rule("大夫", ("dai4", "fu5"))]
+    )
+    found = {
+        " ".join(phrases): stated_syllables("".join(phrases), phrases, readings)
+        for phrases in (["长", "着"], ["长大"], ["很", "长"], ["大夫"], ["士大夫"])
+    }
+    assert found == {
+        "长 着": {0: "chang2"}, "长大": {}, "很 长": {}, "大夫": {0: "dai4", 1: "fu5"},
+        "士大夫": {},
+    }  # fmt: skip
+    with pytest.raises(SpeechError, match=r"reading 1 \('大夫'\) has 1 syllables for 2"):
+        compiled_readings([Rule("大夫", ("dai4",))])

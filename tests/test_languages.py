@@ -17,6 +17,7 @@ every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 
 NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran": ["epitran"],
          "thaiphon": ["thaiphon", "pythainlp"],
+         "g2p2": ["g2p2"],
          "kana": ["pyopenjtalk"]}  # fmt: skip
 """What an engine, or a respeller, needs to be installed."""
 

@@ -96,7 +96,8 @@ class PairNeeds:
     def speech(self) -> bytes:
         """Digest of the reading and speaking of texts: pairs that share it share schedules."""
         compiled = self.performer.compiled
-        return digest(compiled.manner, compiled.notations, compiled.nearest)
+        manner = {name: value for name, value in compiled.manner.items() if name != "weak"}
+        return digest(manner, compiled.notations, compiled.nearest)
 
     def _digest(self, name: str) -> bytes:
         kind, _, rest = name.partition(" ")
@@ -140,7 +141,9 @@ class PairNeeds:
     def _wide(self) -> dict[str, bytes]:
         """Digests of all that every line of the pair depends on."""
         performer, compiled = self.performer, self.performer.compiled
-        manner = {name: value for name, value in compiled.manner.items() if name != "words"}
+        manner = {
+            name: value for name, value in compiled.manner.items() if name not in {"words", "weak"}
+        }
         own = {f.name: getattr(compiled, f.name) for f in fields(compiled)}
         rules = {f.name: getattr(compiled.tables, f.name) for f in fields(compiled.tables)}
         face = {name: value for name, value in own.items() if name not in OF_LINES}

@@ -1,6 +1,6 @@
 """A project on its way through a build: its lines, its pairs, its settings and its record."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
@@ -116,6 +116,8 @@ class ProjectBuild:
             project, folder, lines, BuildSettings(fps, dict(project.limits), tts), {}, {}, chosen
         )
         made.resolve((*paths, *(folder / path for path in project.paths), folder))
+        for weak in dict.fromkeys(made.weak):
+            remark(weak)
         return made
 
     def resolve(self, paths: Iterable[Path]) -> None:
@@ -136,6 +138,14 @@ class ProjectBuild:
                 self.pairs[language, character] = PairNeeds(performer, self.settings)
             except LipsyncError as error:
                 self.unsound[language, character] = error
+
+    @property
+    def weak(self) -> Iterator[str]:
+        """Yield why lines without timings may be read wrongly, where their language says so."""
+        for line in self.lines:
+            needs = self.pairs.get((line.language, line.character))
+            if line.timings is None and needs and (why := needs.performer.speaker.manner.weak):
+                yield why
 
     @property
     def maker(self) -> LineMaker:

@@ -59,6 +59,8 @@ def run(options: Namespace) -> int:
         outputs[options.plot] = _plotting(options, animation)
     write_all(outputs)
     print(_summary(shown, list(outputs)), file=sys.stderr)
+    if options.schedule is None and performer.speaker.manner.weak:
+        print(performer.speaker.manner.weak, file=sys.stderr)
     for remark in _overriding(options, performer):
         print(remark, file=sys.stderr)
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
@@ -345,6 +347,8 @@ def transcribe(options: Namespace) -> int:
     for transcript in heard:
         for remark in transcript.remarks:
             print(f"{transcript.text[:40]}: {remark}", file=sys.stderr)
+    if speaker.manner.weak:
+        print(speaker.manner.weak, file=sys.stderr)
     lost = [t for t in heard if t.unmapped or t.unread]
     for transcript in lost:
         for what, which in (("no map for", transcript.unmapped), ("not read:", transcript.unread)):

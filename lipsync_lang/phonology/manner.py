@@ -51,6 +51,7 @@ class Manner:
     forms : written forms that the pack reads, not the engine
     asides : words of notes in brackets, which are not spoken
     letters : spellings that the engine reads in place of others
+    weak : why its text is often read wrongly, and what helps; empty if it is not
     """
 
     language: str
@@ -67,6 +68,7 @@ class Manner:
     forms: SpokenForms = field(default_factory=SpokenForms)
     asides: tuple[str, ...] = ()
     letters: Mapping[str, str] = field(default_factory=dict)
+    weak: str = ""
 
     @property
     def direct(self) -> bool:
@@ -93,6 +95,10 @@ class Manner:
             Rule(spelling, tuple(to), before, after)
             for spelling, to, before, after in settings["rules"]
         )
+        readings = tuple(
+            Rule(spelling, tuple(to), before, after)
+            for spelling, to, before, after in settings["readings"]
+        )
         corrections = tuple(
             Correction(tuple(labels), tuple(to), *contexts)
             for labels, to, *contexts in settings["corrections"]
@@ -103,6 +109,7 @@ class Manner:
                 **settings,
                 "rules": rules,
                 "corrections": corrections,
+                "readings": readings,
                 "file": file,
                 "labels": tuple(settings["labels"]),
             }

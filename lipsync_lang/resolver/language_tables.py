@@ -45,6 +45,7 @@ def manner_of(
         words=words,
         audio=_hearing(language),
         stress_digits=model.stress_digits,
+        weak=model.weak or "",
         forms=forms_of(model, common, notation),
         asides=model.asides,
         letters={normalize("NFC", one): one for one in g2p.letters} if g2p else {},
@@ -85,11 +86,13 @@ def _settings(language: "Pack[models.Language]") -> Settings:
         code=g2p.code,
         file=beside(stated, g2p.file) if g2p.file else None,
         rules=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.rules),
+        readings=tuple(Rule(r.spelling, r.to, r.before, r.after) for r in g2p.readings),
         corrections=tuple(
             Correction(c.labels, c.to, c.before, c.after, c.spelled) for c in g2p.corrections
         ),
         labels=tuple(model.notations.get(notation, ())),
         respell=g2p.respell,
+        otherwise=g2p.otherwise,
     )
 
 

@@ -222,11 +222,17 @@ def _compile(contexts: Mapping[str, str]) -> None:
             ) from None
 
 
+G2PEngineName = Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon", "g2p2"]
+"""The engines that convert text to labels."""
+
+
 class G2P(Strict):
     """The conversion of text to phonemes."""
 
-    engine: Literal["espeak", "pypinyin", "epitran", "lexicon", "rules", "thaiphon"]
+    engine: G2PEngineName
     """The engine that converts text to labels."""
+    otherwise: G2PEngineName | None = None
+    """The engine that reads where the library of the first is not installed."""
     voice: Text | None = None
     """The engine's voice, if it has voices."""
     code: Text | None = None
@@ -241,6 +247,9 @@ class G2P(Strict):
     """Letters that the engine reads as one character, although Unicode composes them of two."""
     rules: tuple[Rewrite, ...] = ()
     """Rewrites, tried in order at each place of a word; the first that fits wins."""
+    readings: tuple[Rewrite, ...] = ()
+    """Readings of words and letters in the engine's own spelling, such as pinyin with tone digits;
+    the first that fits wins."""
     corrections: tuple[LabelCorrection, ...] = ()
     """Corrections of the engine's labels, tried in order at each label; the first that fits
     wins."""
@@ -370,5 +379,7 @@ class Language(PackModel):
     """The phonemes of the language; the pack maps each or lists it as absent."""
     caveats: tuple[str, ...] = ()
     """Known mistakes of the pack."""
+    weak: Text | None = None
+    """If its text is often read wrongly: why, and what helps. Said once wherever text is read."""
     tests: tuple[Test, ...] = ()
     """Texts with their expected phonemes."""

@@ -49,6 +49,10 @@ class Correction(NamedTuple):
     """A regular expression that must be found in the word as it is written."""
 
 
+class MissingReaderError(SpeechError):
+    """The library of an engine is not installed."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """A language pack's settings of its engine.
@@ -60,8 +64,10 @@ class Settings:
     file : a lexicon
     rules : rewrites, in order
     corrections : corrections of the labels that the engine gives, in order
+    readings : readings of words and letters in the engine's own spelling, in order
     labels : the labels of the notation that comes out
     respell : the name in `RESPELLERS` of what spells text anew before it is read
+    otherwise : the engine that reads where the library of the first is not installed
     """
 
     language: str
@@ -70,8 +76,10 @@ class Settings:
     file: Path | None = None
     rules: tuple[Rule, ...] = ()
     corrections: tuple[Correction, ...] = ()
+    readings: tuple[Rule, ...] = ()
     labels: Collection[str] = ()
     respell: str | None = None
+    otherwise: str | None = None
 
 
 Engine = Callable[[Sequence[str]], Iterable[Sequence[Said]]]
@@ -93,6 +101,7 @@ ENGINES: Extensions[Make] = Extensions(
         "epitran": f"{_HERE}.epitran",
         "lexicon": f"{_HERE}.lexicon",
         "rules": f"{_HERE}.rules",
+        "g2p2": f"{_HERE}.g2p2_models",
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
@@ -115,7 +124,12 @@ def engine(name: str, settings: Settings) -> Engine:
     SpeechError
         There is no such engine, it is not installed, or it does not have the language.
     """
-    read = ENGINES.find(name, SpeechError)(settings)
+    try:
+        read = ENGINES.find(name, SpeechError)(settings)
+    except MissingReaderError:
+        if settings.otherwise is None:
+            raise
+        read = ENGINES.find(settings.otherwise, SpeechError)(settings)
     if not settings.corrections:
         return read
     from lipsync_lang.phonology.g2p.corrections import corrector

@@ -25,6 +25,11 @@ from unicodedata import category, normalize
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
+from lipsync_lang.phonology.g2p.stated_readings import (
+    StatedReading,
+    compiled_readings,
+    stated_syllables,
+)
 from lipsync_lang.phonology.g2p.tokens import PAUSES
 from lipsync_lang.phonology.labels import normalise
 
@@ -76,12 +81,14 @@ def engine(settings: Settings) -> Engine:
             'get them with: pip install "lipsync-lang[mandarin]"'
         )
 
+    readings = compiled_readings(settings.readings)
+
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         cut = [list(_pieces(text)) for text in texts]
         foreign = {piece.plain for pieces in cut for piece in pieces if piece.kind == "foreign"}
         heard = _heard(sorted(foreign), settings) if foreign else {}
         for pieces in cut:
-            yield tuple(said for piece in pieces for said in _read(piece, heard))
+            yield tuple(said for piece in pieces for said in _read(piece, heard, readings))
 
     return read
 
@@ -122,10 +129,12 @@ def _bare(word: str) -> str:
     return "".join(c for c in normalize("NFD", word) if category(c) != "Mn")
 
 
-def _read(piece: _Piece, heard: Mapping[str, tuple[str, ...]]) -> Iterator[Said]:
+def _read(
+    piece: _Piece, heard: Mapping[str, tuple[str, ...]], readings: Sequence[StatedReading]
+) -> Iterator[Said]:
     match piece.kind:
         case "hanzi":
-            yield from (said(*word) for word in words_of(piece.text))
+            yield from (said(*word) for word in words_of(piece.text, readings))
         case "number" | "sign":
             counted = _SIGNS.get(piece.plain) or number(piece.plain, piece.following)
             yield said(piece.text, [s for _, word in words_of(counted) for s in word])
@@ -181,29 +190,24 @@ ERHUA = re.compile(
 )
 """儿 that is only an r after the syllable before: not in 女儿, 婴儿, 儿子."""
 
-LONE: Sequence[tuple[re.Pattern[str], str]] = (
-    (re.compile(r"(?:(?<=[很多太最更不好较特真么米挺够延])|^)长(?![得高出成满])"), "chang2"),
-    (re.compile(r"(?<=.)地(?=.)"), "de5"),
-    (re.compile(r"(?<=.)著(?![名作称书者录述])"), "zhe5"),
-)
-"""Readings of characters as words by themselves, if they are not the most common ones."""
 
-
-def words_of(hanzi: str) -> Iterator[tuple[str, list[str]]]:
+def words_of(hanzi: str, readings: Sequence[StatedReading] = ()) -> Iterator[tuple[str, list[str]]]:
     """Yield words with their syllables and tone digits; unreadable words have no syllables.
 
-    An r after a syllable is the syllable ``r5``.
+    An r after a syllable is the syllable ``r5``. A stated reading counts where its letters are
+    whole words of the text.
     """
     simple = _simplified(hanzi)
     erhua = {found.start() for found in ERHUA.finditer(simple)}
-    lone = {found.start(): sound for rule, sound in LONE for found in rule.finditer(simple)}
+    phrases = list(_phrases(simple))
+    stated = stated_syllables(simple, phrases, readings)
     word: tuple[str, list[str]] = ("", [])
     start = 0
-    for phrase in _phrases(simple):
+    for phrase in phrases:
         stop = start + len(phrase)
         syllables = _syllables(phrase)
-        if len(phrase) == 1 and start in lone:
-            syllables = [lone[start]]
+        if start in stated:
+            syllables = [stated[at] for at in range(start, stop)]
         if len(syllables) == len(phrase):
             syllables = ["r5" if start + i in erhua else s for i, s in enumerate(syllables)]
         if syllables[:1] == ["r5"] and word[1]:

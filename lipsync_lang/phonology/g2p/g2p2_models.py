@@ -1,0 +1,101 @@
+"""Text to IPA by the models of g2p2, for writing that leaves its vowels out.
+
+Its models are small, and come as packages (`g2p2-group-...`). They are read from there: g2p2 itself
+would download a model that is missing, which nothing here does.
+
+Words with vowel points are read by the engine that the pack names as `otherwise`: the models know
+no points.
+"""
+
+import lzma
+import pkgutil
+from collections.abc import Iterator, Sequence
+from functools import cache, lru_cache
+from importlib.resources import files
+from typing import TYPE_CHECKING
+from unicodedata import category
+
+from lipsync_lang.errors import SpeechError
+from lipsync_lang.phonology.g2p.epitran import segments
+from lipsync_lang.phonology.g2p.g2p_engines import (
+    ENGINES,
+    Engine,
+    MissingReaderError,
+    Said,
+    Settings,
+)
+from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
+from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
+from lipsync_lang.phonology.labels import normalise
+
+if TYPE_CHECKING:
+    from g2p2 import Model
+
+GROUPS = "g2p2_group_"
+"""Start of the names of the packages that hold models."""
+
+
+@ENGINES.register("g2p2")
+def engine(settings: Settings) -> Engine:
+    """Read text by the g2p2 model of the language's code.
+
+    Raises
+    ------
+    MissingReaderError
+        g2p2 is not installed.
+    SpeechError
+        No installed package has a model of the language.
+    """
+    model = _model(settings.code or "", settings.language)
+    known = frozenset(map(normalise, settings.labels))
+    other = ENGINES.find(settings.otherwise, SpeechError)(settings) if settings.otherwise else None
+
+    @lru_cache(CACHED_WORDS)
+    def read_word(word: str) -> WordReading:
+        labels = segments(model.phonemize(plain(word)), known)
+        return WordReading(labels, "" if labels else word)
+
+    def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
+        plainly = [read_words(text, read_word) for text in texts]
+        pointed = sorted({word.text for words in plainly for word in words if _pointed(word.text)})
+        said = dict(zip(pointed, map(_joined, other(pointed)), strict=True)) if other else {}
+        for words in plainly:
+            yield tuple(
+                word._replace(labels=said[word.text].labels, unread=said[word.text].unread)
+                if word.text in said
+                else word
+                for word in words
+            )
+
+    return read
+
+
+def _pointed(word: str) -> bool:
+    """Return True for a word with vowel points."""
+    return any(category(character) == "Mn" for character in plain(word))
+
+
+def _joined(words: Sequence[Said]) -> Said:
+    """Return the words that another engine made of one as one."""
+    labels = tuple(label for word in words for label in word.labels)
+    return Said("", labels, unread="".join(word.unread for word in words))
+
+
+@cache
+def _model(code: str, language: str) -> "Model":
+    try:
+        from g2p2 import Model
+    except ImportError:
+        raise MissingReaderError(
+            f"{language} is read by g2p2, which is not installed; "
+            'get it with: pip install "lipsync-lang[g2p2]"'
+        ) from None
+    for module in pkgutil.iter_modules():
+        if module.name.startswith(GROUPS):
+            packed = files(module.name) / f"{code}.g2p.xz"
+            if packed.is_file():
+                return Model.from_bytes(lzma.decompress(packed.read_bytes()))
+    raise SpeechError(
+        f"no installed package has a g2p2 model of '{code}'; get the family of {language}, "
+        "as in: pip install g2p2-group-semitic"
+    )
