@@ -481,13 +481,41 @@ def test_unknown_ipa_may_go_to_the_nearest_in_any_language():
     performer = ll.resolve("english", "facefx")
     line = schedule("ɓ", "ɯ", notation="ipa")
     with pytest.raises(ll.ScheduleError, match="`unknown='nearest'`"):
-        performer.perform(line)
-    nearest = replace(performer, unknown="nearest")
-    numbers, _, _ = nearest.common_phonemes(line)
-    assert [performer.compiled.phonemes[n] for n in numbers] == ["bmp", "ih"]
+        replace(performer, unknown="error").perform(line)
+    assert spoken(performer, line) == ["bmp", "ih"]
+    assert list(performer.automatic(line)) == ["ɓ", "ɯ"]
     for odd in (schedule("ɓ", "Q", notation="ipa"), schedule("ɓ", "a", notation="sampa")):
         with pytest.raises(ll.ScheduleError):
-            nearest.perform(odd)
+            performer.perform(odd)
+
+
+def test_a_label_that_no_pack_lists_is_told_once_with_what_it_becomes():
+    performer = ll.resolve("english", "facefx")
+    line = schedule("ʙ", "i", "ɬ", "ʙ", remarks=("a doubt",))
+    told = performer.perform(line).schedule.remarks
+    what = "is not in the ipa of english; it is performed as"
+    assert told == (
+        "a doubt",
+        f"'ʙ' (2 times) {what} bmp, the nearest by its features",
+        f"'ɬ' {what} l, the nearest by its features",
+    )
+    assert performer.perform(schedule("t", "i", notation="ipa")).schedule.remarks == ()
+    many = [*"ʙɬɓɗʄɠʛǃǂǁʘꞎ"]
+    told = performer.perform(schedule(*many, notation="ipa")).schedule.remarks
+    assert told[-1] == "4 more labels are performed by their features"
+    numbers, _, _ = performer.common_phonemes(schedule("B\\", notation="x-sampa"))
+    assert [performer.compiled.phonemes[n] for n in numbers] == ["bmp"]
+
+
+def test_only_what_may_be_one_sound_goes_to_the_nearest():
+    labels = ll.resolve("german", "facefx").labels
+    ipa = labels.notations["ipa"]
+    sounds = ["ʙ", "tɬ", "ndʒ", "k͡p", "jaʊ", "ɛɹ", "ŋǃ", "q͡χʼ", "t̪s̪ʰʷ", "ʷ", "ɯɯ"]
+    assert [one for one in sounds if labels.unlisted(ipa, one) is None] == []
+    words = ["hello", "the", "no", "word", "strength", "bla", "nz", "brr", "QZ", "你", "3", ""]
+    numbers = ["f000001", "ʙ00001", "123456"]
+    assert [one for one in (*words, *numbers) if labels.unlisted(ipa, one) is not None] == []
+    assert [one for one in numbers if ipa.find(one) is not None] == []
 
 
 def test_what_is_no_ipa_stays_an_error_or_rests():
@@ -502,8 +530,9 @@ def test_what_is_no_ipa_stays_an_error_or_rests():
 
 def test_a_pack_with_a_map_is_told_what_is_nearest():
     line = schedule("ʙ", "ts", notation="ipa")
+    performer = ll.resolve("english", "facefx", unknown="error")
     with pytest.raises(ll.ScheduleError) as caught:
-        ll.resolve("english", "facefx").perform(line)
+        performer.perform(line)
     assert "nearest by its features: bmp" in str(caught.value)
     assert "nearest by its features: d s" in str(caught.value)
     with pytest.raises(ll.ScheduleError) as caught:

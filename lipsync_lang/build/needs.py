@@ -133,7 +133,10 @@ class PairNeeds:
         labels, compiled = self.performer.labels, self.performer.compiled
         if notation not in labels.notations:
             return None
-        value = labels.notations[notation].find(label)
+        known = labels.notations[notation]
+        value = known.find(label)
+        if value is None:
+            value = labels.unlisted(known, label)
         numbers = compiled.numbers(shades=labels.shades)
         return value and [(compiled.phonemes[numbers[name]], share) for name, share in value]
 

@@ -145,8 +145,8 @@ def add_manner(how: Options) -> None:
         help="bigrams that nothing answers [error]",
     )  # fmt: skip
     how.add_argument(
-        "--unknown", choices=("error", "rest", "nearest"), default="error",
-        help="labels that no notation maps; nearest is for IPA, by its features [error]",
+        "--unknown", choices=("error", "rest", "nearest"), default="nearest",
+        help="labels that no notation maps; nearest is for IPA, by its features [nearest]",
     )  # fmt: skip
 
 

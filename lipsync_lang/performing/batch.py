@@ -5,6 +5,7 @@ stages see one schedule at a time.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -115,7 +116,9 @@ def animate(
         else:
             made = said.performance(performer.motion, sounds, fps)
             times, weights = made.frames.times(), made.weights()
-        out.append(_animation(performer, schedule, times, weights, fps, {"line": line, **asked}))
+        told = performer.labels.remarks(schedule)
+        shown = replace(schedule, remarks=(*schedule.remarks, *told)) if told else schedule
+        out.append(_animation(performer, shown, times, weights, fps, {"line": line, **asked}))
     return out
 
 

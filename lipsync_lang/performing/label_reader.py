@@ -20,9 +20,10 @@ from lipsync_lang.performing.stress import (
     VOWEL_MANNER,
     stresses_of,
 )
+from lipsync_lang.performing.unlisted_labels import nearest_value, remarks_on
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
-from lipsync_lang.phonology.notations import ready
+from lipsync_lang.phonology.notations import Spelled, ready
 from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Compiled
 
 Unknown = Literal["error", "rest", "nearest"]
-"""Treatments of unmapped labels; `nearest` maps IPA by phonetic features."""
+"""Treatments of unmapped labels; `nearest` maps IPA by phonetic features, with a remark."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +42,13 @@ class LabelReader:
     Parameters
     ----------
     compiled : compiled language-character pair
-    unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only)
+    unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, else an error)
     paths : folders with priority in pack searches, for message hints
     shades : True to tell shades from their parents
     """
 
     compiled: "Compiled"
-    unknown: Unknown = "error"
+    unknown: Unknown = "nearest"
     paths: tuple[Path, ...] = ()
     shades: bool = True
 
@@ -115,12 +116,34 @@ class LabelReader:
         Each value holds the common phonemes with their shares, the features that are not shown, and
         the phonetic distance. The result is empty for a language with a complete mapping.
         """
-        notation, near = self.notation(schedule), self.near
-        if near is None or notation.nearest is None:
+        notation = self.notation(schedule)
+        unmapped = [one for one in dict.fromkeys(schedule.labels) if notation.stated(one) is None]
+        if notation.nearest is None:
+            unmapped = [one for one in unmapped if self.unlisted(notation, one) is not None]
+        near = self._features if unmapped else None
+        if near is None:
             return {}
-        unmapped = (label for label in schedule.labels if notation.stated(label) is None)
         found = {label: near.nearest(notation.text(label) or label) for label in unmapped}
         return {label: nearest for label, nearest in found.items() if not nearest.unknown}
+
+    def unlisted(self, notation: Notation, label: str) -> Value | None:
+        """Return the value by features of a label that a notation does not list; None without any.
+
+        Only labels that are one sound of the IPA have one, and only if `unknown` is `nearest`.
+        """
+        if self.unknown != "nearest" or notation.find(label) is not None:
+            return None
+        spelled = isinstance(notation, Spelled) or notation is self.notations.get(IPA)
+        near = self._features if spelled else None
+        return None if near is None else nearest_value(near, notation, label)
+
+    def remarks(self, schedule: Schedule) -> tuple[str, ...]:
+        """Return a remark for each label of a schedule that its notation does not list."""
+        found = self._fallen.get(schedule)
+        if not found:
+            return ()
+        name = self._name(self.notation(schedule))
+        return remarks_on(found, schedule.labels, name, self.compiled.language)
 
     def values(self, schedule: Schedule) -> list[Value]:
         """Return the value of each label; whole-word entries of the language take precedence."""
@@ -186,12 +209,16 @@ class LabelReader:
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
         """Look up each label in a notation, with the requested treatment of unknown IPA."""
         values = [notation.find(label) for label in schedule.labels]
-        wanted = self.unknown == "nearest" and notation is self.notations.get(IPA)
-        near = self._hints if wanted and None in values else None
-        if near is None:
+        missing = dict.fromkeys(
+            label for label, value in zip(schedule.labels, values, strict=True) if value is None
+        )
+        tried = {label: self.unlisted(notation, label) for label in missing}
+        found = {label: value for label, value in tried.items() if value is not None}
+        if not found:
             return values
+        self._fallen[schedule] = found
         return [
-            near.value(label) if value is None else value
+            found.get(label) if value is None else value
             for label, value in zip(schedule.labels, values, strict=True)
         ]
 
@@ -201,7 +228,10 @@ class LabelReader:
         if name is None:
             name = self._recognised.get(schedule)
         if name is None:
-            name = recognise(schedule.labels, self.own_notations)
+            own = self.own_notations
+            name = recognise(schedule.labels, own)
+            if self._all_sounds(schedule, own.get(name), own.get(IPA)):
+                name = IPA
             self._recognised[schedule] = name
         if name not in self.notations:
             raise ScheduleError(
@@ -209,6 +239,15 @@ class LabelReader:
                 f"{did_you_mean(name, self.notations)}"
             )
         return self.notations[name]
+
+    def _all_sounds(self, schedule: Schedule, known: Notation | None, ipa: Notation | None) -> bool:
+        """Return True if a notation lacks some labels that all are sounds of the IPA."""
+        labels = dict.fromkeys(schedule.labels)
+        if known is None or ipa is None or all(known.find(one) is not None for one in labels):
+            return False
+        return all(
+            ipa.find(one) is not None or self.unlisted(ipa, one) is not None for one in labels
+        )
 
     @cached_property
     def own_notations(self) -> dict[str, Notation]:
@@ -235,8 +274,8 @@ class LabelReader:
         return None if data is None else NearestPhonemes.from_plain(data)
 
     @cached_property
-    def _hints(self) -> "NearestPhonemes | None":
-        """Nearest phonemes for error messages; loaded only after an error."""
+    def _features(self) -> "NearestPhonemes | None":
+        """Nearest phonemes for labels that no notation lists; loaded only for such labels."""
         from lipsync_lang.resolver.nearest_phonemes import among_shared
 
         return self.near or among_shared(self.compiled.phonemes[1:], self.paths)
@@ -272,6 +311,11 @@ class LabelReader:
         return WeakKeyDictionary()
 
     @cached_property
+    def _fallen(self) -> "WeakKeyDictionary[Schedule, dict[str, Value]]":
+        """Values of labels that are performed by their features."""
+        return WeakKeyDictionary()
+
+    @cached_property
     def _recognised(self) -> "WeakKeyDictionary[Schedule, str]":
         return WeakKeyDictionary()
 
@@ -279,7 +323,7 @@ class LabelReader:
         """Return a hint for an unknown label: a similar label, or the nearest IPA phoneme."""
         known = self.notations[notation]
         hints = [known.suggest(label)] if known.table else []
-        near = self._hints if notation == IPA else None
+        near = self._features if notation == IPA else None
         found = near.nearest(label) if near is not None else None
         if found is not None and found.unknown:
             hints.append(f"no IPA: {' '.join(found.unknown)}")
@@ -287,8 +331,11 @@ class LabelReader:
             hints.append(f"nearest by its features: {' '.join(n for n, _ in found.value)}")
         return "; ".join(hints)
 
+    def _name(self, notation: Notation) -> str:
+        return next(name for name, known in self.notations.items() if known is notation)
+
     def _unknown(self, schedule: Schedule, at: list[int], notation: Notation) -> str:
-        name = next(n for n, known in self.notations.items() if known is notation)
+        name = self._name(notation)
         lines = [
             f"{schedule.place(i)}: phoneme {i} ({schedule.labels[i]!r}, {schedule.times[i]:g} to "
             f"{schedule.times[i + 1]:g} s) is not in the {name} of {self.compiled.language}; "
@@ -300,7 +347,8 @@ class LabelReader:
             f"\nAdd them to {self.compiled.language}'s notations, name the notation they are in "
             "(`notation='NAME'`), or ask for unknown labels at rest (`unknown='rest'`)"
         )
-        mend += " or by their features (`unknown='nearest'`)" if name == IPA else ""
+        features = name == IPA and self.unknown == "error"
+        mend += " or by their features (`unknown='nearest'`)" if features else ""
         return "\n".join(lines) + more + mend
 
 

@@ -47,8 +47,8 @@ class Performer:
 
     compiled: "Compiled"
     motion: Motion
-    unknown: Unknown = "error"
-    """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only)."""
+    unknown: Unknown = "nearest"
+    """Treatment of unmapped labels: `error`, `rest`, or `nearest` (IPA only, else an error)."""
     paths: tuple[Path, ...] = ()
     """Folders and files with priority in pack searches."""
     shades: bool | None = None

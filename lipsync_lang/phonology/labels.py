@@ -139,6 +139,8 @@ class Notation:
 
     def likely(self, label: str) -> Value | None:
         """Return a value by likeness for a label missing from the table; None if unknown."""
+        if sum(sign in TONE for sign in label) > MAX_TONE_SIGNS:
+            return None  # a number
         return self._seen_alike(label) if self.nearest is None else self.nearest(label)
 
     def _seen_alike(self, label: str) -> Value | None:

@@ -132,8 +132,12 @@ class NearestPhonemes:
     def nearest(self, label: str) -> Nearest:
         """Return the common phonemes nearest to a label; the same for the same label."""
         if label not in self._seen:
-            self._seen[label] = self._nearest(self.features.read(label, own=self._own))
+            self._seen[label] = self._nearest(self.read(label))
         return self._seen[label]
+
+    def read(self, label: str) -> LabelReading:
+        """Read a label as letters with features; those that a common phoneme names stay."""
+        return self.features.read(label, own=self._own)
 
     def fights(self, label: str, phonemes: Sequence[str]) -> list[str]:
         """Return the conspicuous features of a label that common phonemes contradict.
@@ -141,7 +145,7 @@ class NearestPhonemes:
         A label has a feature if any of its letters has it. A common phoneme has the features of
         the first label it names.
         """
-        sounds = [sound.features for sound in self.features.read(label, own=self._own).sounds]
+        sounds = [sound.features for sound in self.read(label).sounds]
         shown = [run for name in phonemes for run in self._typical.get(name, ())]
         if not sounds or not shown:
             return []

@@ -100,7 +100,7 @@ def among(library: "Library", language: "Pack[models.Language]") -> NearestPhone
 def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | None:
     """Return a nearest-phoneme search among some common phonemes of the packs found.
 
-    For hints: where those packs are unsound or missing, there is none.
+    For labels that a pack does not list: where those packs are unsound or missing, there is none.
     """
     from lipsync_lang.packs.library import Library
 
@@ -108,7 +108,8 @@ def among_shared(names: Sequence[str], paths: Paths = ()) -> NearestPhonemes | N
     try:
         common = library.common().model
         known = {n: list(common.phonemes[n].ipa) for n in names if n in common.phonemes}
-        plain = {"features": _features(library), "candidates": known}
+        shades = shades_among(common, known)
+        plain = {"features": _features(library), "candidates": known, "shades": shades}
         return NearestPhonemes.from_plain(plain)
     except PackError:
         return None
