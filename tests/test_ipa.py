@@ -26,6 +26,7 @@ from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.finding import IPA, Finder
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.yaml.faults import PackFaults
+from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, recognise
 from lipsync_lang.phonology.nearest import NearestPhonemes, ShadeLabels
@@ -491,18 +492,17 @@ def test_unknown_ipa_may_go_to_the_nearest_in_any_language():
 
 def test_a_label_that_no_pack_lists_is_told_once_with_what_it_becomes():
     performer = ll.resolve("english", "facefx")
-    line = schedule("ʙ", "i", "ɬ", "ʙ", remarks=("a doubt",))
-    told = performer.perform(line).schedule.remarks
-    what = "is not in the ipa of english; it is performed as"
-    assert told == (
-        "a doubt",
-        f"'ʙ' (2 times) {what} bmp, the nearest by its features",
-        f"'ɬ' {what} l, the nearest by its features",
+    line = schedule("ʙ", "i", "ɬ", "ʙ", notation="ipa", source="a.csv")
+    what = "is not a sound of english; it is performed as"
+    assert label_remarks(performer.labels, line) == (
+        f"a.csv: 'ʙ' (2 times) {what} bmp, the nearest by its features",
+        f"a.csv: 'ɬ' {what} l, the nearest by its features",
     )
-    assert performer.perform(schedule("t", "i", notation="ipa")).schedule.remarks == ()
+    assert label_remarks(performer.labels, schedule("t", "i", notation="ipa")) == ()
+    assert performer.notation(replace(line, notation=None)) is performer.labels.notations["ipa"]
     many = [*"ʙɬɓɗʄɠʛǃǂǁʘꞎ"]
-    told = performer.perform(schedule(*many, notation="ipa")).schedule.remarks
-    assert told[-1] == "4 more labels are performed by their features"
+    told = label_remarks(performer.labels, schedule(*many, notation="ipa", source="a.csv"))
+    assert told[-1] == "a.csv: 4 more labels are performed by their features"
     numbers, _, _ = performer.common_phonemes(schedule("B\\", notation="x-sampa"))
     assert [performer.compiled.phonemes[n] for n in numbers] == ["bmp"]
 

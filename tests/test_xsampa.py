@@ -142,9 +142,9 @@ def test_a_line_becomes_the_same_in_both_spellings(language, notation):
 def test_a_label_that_it_cannot_read_stops_the_line_and_says_what_was_read():
     performer = ll.resolve("hindi", "facefx")
     with pytest.raises(
-        ScheduleError, match=r"phoneme 1 \('t_N', .* x-sampa of hindi; it is read as"
+        ScheduleError, match=r"phoneme 1 \('t_Nat', .* x-sampa of hindi; it is read as"
     ):
-        performer.perform(schedule("a t_N a", notation="x-sampa"))
+        performer.perform(schedule("a t_Nat a", notation="x-sampa"))
 
 
 @pytest.mark.parametrize("language", ["german", "ipa:de"])

@@ -5,7 +5,6 @@ stages see one schedule at a time.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -116,9 +115,7 @@ def animate(
         else:
             made = said.performance(performer.motion, sounds, fps)
             times, weights = made.frames.times(), made.weights()
-        told = performer.labels.remarks(schedule)
-        shown = replace(schedule, remarks=(*schedule.remarks, *told)) if told else schedule
-        out.append(_animation(performer, shown, times, weights, fps, {"line": line, **asked}))
+        out.append(_animation(performer, schedule, times, weights, fps, {"line": line, **asked}))
     return out
 
 

@@ -20,7 +20,7 @@ from lipsync_lang.performing.stress import (
     VOWEL_MANNER,
     stresses_of,
 )
-from lipsync_lang.performing.unlisted_labels import nearest_value, remarks_on
+from lipsync_lang.performing.unlisted_labels import nearest_value
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation, Value, recognise
 from lipsync_lang.phonology.notations import Spelled, ready
@@ -137,13 +137,11 @@ class LabelReader:
         near = self._features if spelled else None
         return None if near is None else nearest_value(near, notation, label)
 
-    def remarks(self, schedule: Schedule) -> tuple[str, ...]:
-        """Return a remark for each label of a schedule that its notation does not list."""
-        found = self._fallen.get(schedule)
-        if not found:
-            return ()
-        name = self._name(self.notation(schedule))
-        return remarks_on(found, schedule.labels, name, self.compiled.language)
+    def by_features(self, schedule: Schedule) -> dict[str, Value]:
+        """Return the values of the labels of a schedule that its notation does not list."""
+        notation = self.notation(schedule)
+        tried = {label: self.unlisted(notation, label) for label in dict.fromkeys(schedule.labels)}
+        return {label: value for label, value in tried.items() if value is not None}
 
     def values(self, schedule: Schedule) -> list[Value]:
         """Return the value of each label; whole-word entries of the language take precedence."""
@@ -209,14 +207,9 @@ class LabelReader:
     def _found(self, schedule: Schedule, notation: Notation) -> list[Value | None]:
         """Look up each label in a notation, with the requested treatment of unknown IPA."""
         values = [notation.find(label) for label in schedule.labels]
-        missing = dict.fromkeys(
-            label for label, value in zip(schedule.labels, values, strict=True) if value is None
-        )
-        tried = {label: self.unlisted(notation, label) for label in missing}
-        found = {label: value for label, value in tried.items() if value is not None}
-        if not found:
+        if None not in values:
             return values
-        self._fallen[schedule] = found
+        found = self.by_features(schedule)
         return [
             found.get(label) if value is None else value
             for label, value in zip(schedule.labels, values, strict=True)
@@ -308,11 +301,6 @@ class LabelReader:
     @cached_property
     def _heard(self) -> "WeakKeyDictionary[Schedule, LabelSounds]":
         """Sounds of the schedules that were read: performing and judging a line read it thrice."""
-        return WeakKeyDictionary()
-
-    @cached_property
-    def _fallen(self) -> "WeakKeyDictionary[Schedule, dict[str, Value]]":
-        """Values of labels that are performed by their features."""
         return WeakKeyDictionary()
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Remarks on the labels of a schedule: noise in it, and a notation that is not certain."""
+"""Remarks on the labels of a schedule: noise, sounds by their features, and doubtful notations."""
 
 from collections import Counter
 from typing import TYPE_CHECKING
@@ -14,13 +14,35 @@ if TYPE_CHECKING:
 SURE_SHARE = 0.97
 """Share of labels that a notation has to have, to be taken without a remark."""
 
+MAX_UNLISTED = 8
+"""Labels without a place in the language that are told one by one."""
+
 MAX_SHOWN = 4
 """Labels, or notations, shown in a remark."""
 
 
 def label_remarks(reader: "LabelReader", schedule: Schedule) -> tuple[str, ...]:
     """Return what a performance makes of labels that are in doubt; empty if none is."""
-    return (*_noise(reader, schedule), *_notation(reader, schedule))
+    return (
+        *_noise(reader, schedule),
+        *_by_features(reader, schedule),
+        *_notation(reader, schedule),
+    )
+
+
+def _by_features(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
+    """Yield a remark on each label that the language does not list, with what it becomes."""
+    found = reader.by_features(schedule)
+    for label, value in [*found.items()][:MAX_UNLISTED]:
+        times, shown = schedule.labels.count(label), " ".join(name for name, _ in value)
+        often = f" ({times} times)" if times > 1 else ""
+        yield (
+            f"{schedule.source}: {label!r}{often} is not a sound of {reader.compiled.language}; it "
+            f"is performed as {shown or 'nothing'}, the nearest by its features"
+        )
+    if len(found) > MAX_UNLISTED:
+        more = len(found) - MAX_UNLISTED
+        yield f"{schedule.source}: {more} more labels are performed by their features"
 
 
 def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":

@@ -49,8 +49,8 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     character : name or file of a character, or of a pose set for its default character
     paths : one or several folders with priority in pack searches
     gaps : treatment of bigrams without a match: `error` or `rest`
-    unknown : treatment of unmapped labels: `error`, `rest`, or `nearest`: IPA by its phonetic
-        features, with a remark in the animation's schedule, and others as an error
+    unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` for IPA, by its
+        phonetic features; `Performer.automatic` names such labels, and others are an error
     motion : name of a preset, or changed settings of `Motion`
     shades : False to perform each shade as its parent; by default only the paper's thresholds do
     cache : True to read and write compiled pairs in the cache
