@@ -72,6 +72,13 @@ def test_elan_shares_time_evenly_where_slots_or_annotations_have_none(read):
         assert spoken(schedule) == [("map", ("m", "a", "p"))]
 
 
+def test_elan_says_what_has_no_time(read):
+    text = eaf(tier("phones", aligned("a", "m", 0, 1), aligned("b", "a", 1, 2)), (0, 100, None))
+    schedule = read("line.eaf", text)
+    assert schedule.labels == ("m",)
+    assert any("without a time, which are left out: 1" in told for told in schedule.remarks)
+
+
 def test_elan_has_the_words_of_the_speaker_that_is_asked_for(read):
     tiers = "".join(
         tier(f"wd@{who}", aligned(f"w{who}", word, 0, 2))
@@ -187,6 +194,10 @@ def test_voicevox_lengthens_a_question_and_refuses_what_has_no_lengths(read):
     assert read("line.json", asked).labels[-3:] == ("a", "a", "_")
     for phrase in asked["accent_phrases"]:
         phrase["moras"] = [{"text": "マ", "consonant": "m", "vowel": "a"}]
+    told = read(
+        "line.json", {"accent_phrases": [*query()["accent_phrases"], *asked["accent_phrases"]]}
+    )
+    assert any("half a frame, which are not heard: 4" in one for one in told.remarks)
     with pytest.raises(ScheduleError, match="no lengths of sounds; ask the engine for an audio_qu"):
         read("line.json", asked)
     with pytest.raises(ScheduleError, match="speedScale must be above 0"):

@@ -48,11 +48,15 @@ def read_elan(source: TimingFile) -> Timings:
     spans = _spans(source, document, elements)
     rate = source.rate or MILLISECONDS_PER_SECOND
     tiers = []
+    timeless = 0
     for element in elements:
         found = [(_value(one), spans.get(_id(one))) for one in _annotations(element)]
+        timeless += sum(bool(text) and span is None for text, span in found)
         rows = [LabelRow(text, span[0] / rate, span[1] / rate) for text, span in found if span]
         tiers.append(Tier(element.get("TIER_ID", "").strip(), tuple(rows)))
-    return read_tiers(replace(source, rate=None), tiers)
+    told = f"{source.path}: annotations without a time, which are left out: {timeless}"
+    timings = read_tiers(replace(source, rate=None), tiers)
+    return replace(timings, remarks=(*timings.remarks, told)) if timeless else timings
 
 
 def _annotations(tier: "Element") -> Iterator["Element"]:

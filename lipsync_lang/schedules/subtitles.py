@@ -8,6 +8,7 @@ YouTube, repeat the row before; the repetition is left out.
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from html import unescape
 from typing import NamedTuple
 
@@ -97,15 +98,19 @@ def read_subtitles(source: TimingFile) -> Timings:
     rolling = STAMP.search(source.text) is not None
     speakers: defaultdict[str, list[LabelRow]] = defaultdict(list)
     before: set[str] = set()
+    repeated = 0
     for rows, times in _whole(source):
         line = rows[0][0]
         start, end = (_seconds(source, one, line) for one in times)
         fresh = [row for row in rows if not (rolling and _plain(row[1]) in before)]
         before = {_plain(text) for _, text in rows}
+        repeated += len(rows) - len(fresh)
         text = joined(fresh)
         speakers[speaker_of(text)] += _words(source, text, start, end, line)
     said = [(f"{name} - words" if name else "words", rows) for name, rows in speakers.items()]
-    return read_tiers(source, [Tier(name, tuple(rows)) for name, rows in said if rows])
+    timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in said if rows])
+    told = f"{source.path}: rows that repeat the cue before, which are left out: {repeated}"
+    return replace(timings, remarks=(*timings.remarks, told)) if repeated else timings
 
 
 def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[str, str]]]:

@@ -6,6 +6,7 @@ which of the turn's speakers the text after it is of. Noises are events, which a
 
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lipsync_lang.schedules.rows import LabelRow
@@ -36,7 +37,10 @@ def read_transcriber(source: TimingFile) -> Timings:
             key = speakers[who] if who < len(speakers) else ""
             said[names.get(key) or key].append(row)
     tiers = [(f"{name} - words" if name else "words", rows) for name, rows in said.items()]
-    return read_tiers(source, [Tier(name, tuple(rows)) for name, rows in tiers])
+    timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in tiers])
+    noises = sorted({one.get("desc") or "?" for one in document.iter("Event")})
+    told = f"{source.path}: noises and other events, which are left out: {', '.join(noises[:8])}"
+    return replace(timings, remarks=(*timings.remarks, told)) if noises else timings
 
 
 def _parts(source: TimingFile, turn: "Element") -> Iterator[tuple[int, LabelRow]]:

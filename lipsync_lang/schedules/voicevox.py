@@ -44,18 +44,22 @@ def read_voicevox(source: TimingFile) -> Schedule:
     rows: list[LabelRow] = []
     words: list[LabelRow] = []
     at = _frames(_number(source, query, "prephonemelength", 0.0) / speed)
+    sounds = 0
     for phrase in _objects(source, query, "accentphrases"):
         moras = _objects(source, phrase, "moras")
         start = at
         for sound in _spoken(source, phrase, moras):
             at = _add(rows, sound, at, speed)
+            sounds += 1
         text = "".join(str(mora.get("text", "")) for mora in moras)
         words.append(LabelRow(text, start / FRAMES_PER_SECOND, at / FRAMES_PER_SECOND))
         at = _add(rows, (SILENCE, _pause(source, query, phrase)), at, speed)
     _add(rows, (SILENCE, _number(source, query, "postphonemelength", 0.0)), at, speed)
     if all(row.label == SILENCE for row in rows):
         raise source.fault("states no lengths of sounds; ask the engine for an audio_query")
-    return schedule_of(source, rows, words=words, rate=1.0)
+    short = sounds - sum(row.label != SILENCE for row in rows)
+    told = f"{source.path}: sounds shorter than half a frame, which are not heard: {short}"
+    return schedule_of(source, rows, words=words, rate=1.0, remarks=[told] if short else ())
 
 
 def _add(rows: list[LabelRow], sound: Sound, at: int, speed: float) -> int:
