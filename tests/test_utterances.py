@@ -17,7 +17,8 @@ FORMS = SpokenForms(
         "haha": Interjection(("h", "a", "h", "a")),
         "argh": Interjection(("a", "g")),
     },
-    abbreviations={"dr.": "doctor", "z. b.": "zum bei", "$#": "{1} dollars", "#/#": "{2} of {1}",
+    abbreviations={"dr.": "doctor", "D.": "don", "St.": "saint", "z. b.": "zum bei",
+                   "$#": "{1} dollars", "#/#": "{2} of {1}",
                    "etc.": "and so.", "‰": "per mil", "##:##": "{1} {2}"},
     counted=("chapter",),
     named=("louis",),
@@ -70,6 +71,8 @@ def test_texts_are_read_by_their_sounds():
         "see III WWW": "see:see III:iii WWW:www",
         "z.b. Dr. Who": "z.b.:zumbei Dr.:doctor Who:who",
         "a, etc. No etc. or": "a:a , etc.:andso . No:no etc.:andso or:or",
+        "Type D. or D. Who, St. Jo in Main St.": "Type:type D:d . or:or D.:don Who:who , "
+        "St.:saint Jo:jo in:in Main:main St:st",
         "$5.50 1/2 3‰ 10:30": "$5.50:5.50dollars 1/2:2of1 3:3 ‰:permil 10:30:1030",
         "Chapter IV, Louis II, Rocky XII I": "Chapter:chapter IV:4 , Louis:louis II:second , "
         "Rocky:rocky XII:12 I:i",

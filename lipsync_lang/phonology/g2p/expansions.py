@@ -2,7 +2,8 @@
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on; `{1}` in its expansion is the first of them. A space of a key may be missing in the
-text. An expansion with a full stop at its end ends a sentence where a capital follows.
+text. An expansion with a full stop at its end ends a sentence where a capital follows; others with
+a capital and a full stop are titles, which stand before a name.
 """
 
 import re
@@ -77,7 +78,7 @@ class _Keys:
             at = start.end()
             group = self._groups.get(start[0])
             found = group[0].match(text, start.start()) if group else None
-            if group and found:
+            if group and found and _fits(found, group[1]):
                 at = found.end()
                 yield Replacement(*found.span(), _expanded(found, group[1]))
 
@@ -94,6 +95,18 @@ def _group(
     named = {f"k{number}": key for number, key in enumerate(keys)}
     whole = "|".join(f"(?P<{name}>{_expression(key)})" for name, key in named.items())
     return re.compile(whole), {name: expansions[key] for name, key in named.items()}
+
+
+def _fits(found: re.Match[str], expansions: Mapping[str, str]) -> bool:
+    """Return False for a title without a name: `vitamin D.`, `in Main St.`, `5 m. wide`."""
+    key = found[0]
+    if not key.endswith(".") or expansions[found.lastgroup or ""].endswith("."):
+        return True
+    after = found.string[found.end() :].lstrip(" \u00a0\u202f")
+    if len(key) == len("D."):
+        before = found.string[: found.start()].rstrip()
+        return after[:1].isupper() and not before[-1:].isdigit()
+    return not key[0].isupper() or any(map(str.isalnum, after[:3]))
 
 
 def _expanded(found: re.Match[str], expansions: Mapping[str, str]) -> str:
