@@ -118,7 +118,9 @@ def test_one_branch_of_a_choice_is_spoken(written, said, known):
 
 def test_placeholders_become_their_values():
     known = Cleaning({"player": "Ada", "0": "zero", "s": "ess"})
-    forms = "[player!t] {player} $player ${player} {$player} %(player)s {{player}} %player% <player>"
+    forms = (
+        "[player!t] {player} $player ${player} {$player} %(player)s {{player}} %player% <player>"
+    )
     written = f"{forms} {{0:>3}} %s {{other}}"
     said = spoken(written, known)
     assert said.text == " ".join(["Ada"] * 9) + " zero ess"

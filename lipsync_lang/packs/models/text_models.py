@@ -59,8 +59,8 @@ class LanguageText(Strict):
     abbreviations: dict[Text, str] = Field(default={})
     """The words for abbreviations and signs. `#` in a spelling is a number, `##` a number of two
     digits, and `{1}` in the words is the first of them. Words with a full stop at their end end a
-    sentence where a capital follows. Other spellings with a capital and a full stop are titles: they
-    stand before a name."""
+    sentence where a capital follows. Other spellings with a capital and a full stop are titles,
+    and stand before a name."""
     numerals: Numerals | None = None
     """Roman numerals, and the words before them."""
     doubled: tuple[Text, ...] = ()
