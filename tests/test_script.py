@@ -64,6 +64,20 @@ def test_a_row_is_a_line_in_every_language_on_the_characters_of_its_speaker(game
     assert lines[3].outputs == (("csv", "takes/german/crab/intro_2.csv"),)
 
 
+def test_placeholders_have_the_values_of_the_project_and_its_list_is_not_spoken(game):
+    put(
+        game,
+        "script.csv",
+        text="id,english,german\na,NPC [who] <b>runs</b>,{who läuft\nb,[x],(x)\n",
+    )
+    remarks = []
+    lines = planned(
+        game, remarks, values="{who: Ada}", unspoken="NPC", audio=None, cast="{'*': crab}"
+    )
+    assert [one.text for one in lines] == ["Ada runs", "who läuft", "[x]", "(x)"]
+    assert remarks == ["script.csv:2: column 1: '{' has no partner, so the text beside it is read"]
+
+
 def test_languages_and_characters_answer_to_their_other_names(game):
     lines = planned(game, languages="{en: E, de: D}", cast='{"*": [FaceFX, CRAB]}')
     assert {(one.language, one.character) for one in lines} == {

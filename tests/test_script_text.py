@@ -13,6 +13,8 @@ from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang import LipsyncError
 from lipsync_lang.commands.script_options import cleaning
+from lipsync_lang.coverage import coverage
+from lipsync_lang.lines import read_lines
 from lipsync_lang.lines.asides import is_aside
 from lipsync_lang.lines.choices import chosen
 from lipsync_lang.lines.markup import Cleaning, spoken
@@ -22,6 +24,15 @@ from lipsync_lang.phonology.letters import ordinary
 from lipsync_lang.phonology.manner import Manner
 from lipsync_lang.speech.speaking import Speaker
 
+PACK = """\
+kind: language
+format: 1
+name: ruled
+tag: qaa
+g2p: {{engine: rules}}
+notations: {{ipa: {{a: aa, m: bmp}}}}
+asides: [{asides}]
+"""
 HERE = Path(__file__).parent
 
 
@@ -269,3 +280,13 @@ def test_a_value_names_its_placeholder():
     Options.values = ["who"]
     with pytest.raises(LipsyncError, match="write NAME=TEXT"):
         cleaning(Options())
+
+
+def test_a_corpus_counts_what_is_spoken(tmp_path):
+    (tmp_path / "a.txt").write_text("<b>ma</b> [who] {x} (gasps) am\n")
+    (line,) = read_lines(tmp_path / "a.txt", cleaning=Cleaning({"who": "mam"}))
+    assert (line.text, line.dropped) == ("ma mam (gasps) am", ("<b>", "</b>", "{x}"))
+    ruled = PACK.format(asides="gasp...")
+    (tmp_path / "ruled.yaml").write_text(ruled)
+    found = coverage([line], tmp_path / "ruled.yaml", "crab")
+    assert {one.what for one in found.corpus.dropped} == {"<b>", "</b>", "{x}", "(gasps)"}

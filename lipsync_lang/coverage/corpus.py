@@ -137,6 +137,7 @@ class Count:
         self.bigrams = np.zeros(self.size**2, np.int64)
         self.first: list[list[int]] = [[] for _ in range(self.size**2)]
         self.unread, self.unmapped = TallyCounter(), TallyCounter()
+        self.dropped = TallyCounter()
         self.others = OtherScripts(self._speaker, scripts)
         self._words: dict[str, None] = {}
         self._sets = array("H" if self.size**2 <= UINT16_VALUES else "I")
@@ -208,6 +209,8 @@ class Count:
 
     def _transcribed(self, transcript: "Transcript", place: str) -> SaidLine:
         words = [word for word in transcript.words if word.labels]
+        for what in transcript.dropped:
+            self.dropped.add(what, place)
         for word in transcript.words if transcript.unread else ():
             if word.unread:
                 whole = len(word.text.split()) == 1 and len(word.text) <= MAX_WORD_CHARS
@@ -273,10 +276,10 @@ def count(
     performers, scripts : one for each language, and the scripts it is written in
     pages : receives text and place of each line
     """
-    totals, counts = (
-        CorpusTotals(),
-        [Count(*each) for each in zip(performers, scripts, strict=True)],
-    )
+    totals = CorpusTotals()
+    counts = [Count(*each) for each in zip(performers, scripts, strict=True)]
+    for one in counts[:1]:
+        one.dropped = totals.dropped  # an aside is one, however many languages read it
     for batch in _batches(lines):
         start = len(pages)
         for line in batch:
