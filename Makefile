@@ -6,6 +6,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 LOWEST := $(VENV)-lowest
 RECORDINGS ?= articulography
 TEXTS ?= text
+DICTIONARIES ?= dictionaries
 
 # npm packages that read what we write; tests that need them skip, and say so, where they are missing
 CONSUMERS := $(VENV)/node
@@ -96,6 +97,9 @@ motion: $(VENV)/ready ## print how curves move, beside captures: make motion REC
 
 languages: $(VENV)/ready ## print how every language reads: make languages TEXTS=folder
 	$(BIN)/python benchmarks/languages.py $(TEXTS)
+
+dictionaries: $(VENV)/ready ## count what is read otherwise: make dictionaries DICTIONARIES=folder
+	$(BIN)/python benchmarks/dictionaries.py $(DICTIONARIES)
 
 wheel: $(VENV)/ready ## build the wheel into dist/
 	$(BIN)/python -m build --wheel

@@ -1,0 +1,155 @@
+"""Read the words of dictionaries, and count what is read otherwise.
+
+A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag: a word, a
+tab, and its IPA, with or without spaces. Several lines of a word are several pronunciations; the
+nearest counts. Both sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
+
+Printed for each language: words, phoneme error (edit distance by phonemes of the dictionary), the
+share of words whose lip closures differ, and with `--confusions N` the commonest differences.
+Dictionaries that a pack was tuned on say nothing: keep those for judging apart.
+"""
+
+import argparse
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.library import Library
+from lipsync_lang.phonology.g2p.epitran import segments
+from lipsync_lang.phonology.labels import normalise
+from lipsync_lang.resolver.language_tables import notations_of
+from lipsync_lang.resolver.nearest_phonemes import among
+from lipsync_lang.speech.speaking import Speaker
+
+CLOSED = "bmp"
+NOTHING = "-"
+IPA = "ipa"
+
+Pair = tuple[str, str]
+
+
+class Score(NamedTuple):
+    """What the words of a dictionary cost."""
+
+    words: int
+    phonemes: int
+    errors: int
+    closures: int
+    confusions: Counter[Pair]
+
+    @property
+    def error(self) -> float:
+        """Errors by phonemes of the dictionary."""
+        return self.errors / max(self.phonemes, 1)
+
+
+def differences(stated: Sequence[str], read: Sequence[str]) -> list[Pair]:
+    """Return the least (stated, read) pairs that differ; `-` for a missing side."""
+    above: list[list[Pair]] = [[(NOTHING, one) for one in read[:n]] for n in range(len(read) + 1)]
+    for row, one in enumerate(stated, start=1):
+        here = [[(name, NOTHING) for name in stated[:row]]]
+        for column, other in enumerate(read, start=1):
+            changed = [] if one == other else [(one, other)]
+            here.append(
+                min(
+                    above[column - 1] + changed,
+                    above[column] + [(one, NOTHING)],
+                    here[-1] + [(NOTHING, other)],
+                    key=len,
+                )
+            )
+        above = here
+    return above[-1]
+
+
+class Judge:
+    """A language, and the common phonemes of its dictionary's IPA."""
+
+    def __init__(self, library: Library, name: str) -> None:
+        pack = library.language(name)
+        common = library.common().model
+        self.shades, self.silence = common.shades, common.silence
+        self.speaker = Speaker.of(name)
+        self.notation = notations_of(library, pack)[IPA]
+        self.near = among(library, pack)
+        self.known = frozenset(map(normalise, pack.model.notations[IPA]))
+
+    def coarse(self, phonemes: Sequence[str]) -> list[str]:
+        """Return phonemes without silence, shades as their parents."""
+        return [
+            self.shades[name].like if name in self.shades else name
+            for name in phonemes
+            if name != self.silence
+        ]
+
+    def stated(self, ipa: str) -> list[str]:
+        """Return the common phonemes of IPA."""
+        plain = "".join(ipa.split()).replace("\u0361", "").replace(".", "")
+        found: list[str] = []
+        for label in segments(plain, self.known):
+            value = self.notation.find(label) or self.near.value(label) or ()
+            found += [name for name, _ in value]
+        return self.coarse(found)
+
+    def score(self, dictionary: dict[str, list[str]]) -> Score:
+        """Read the words, and compare."""
+        read = self.speaker.transcribe(dictionary)
+        confusions: Counter[Pair] = Counter()
+        phonemes = errors = closures = 0
+        for (_, stated), transcript in zip(dictionary.items(), read, strict=True):
+            said = self.coarse(transcript.phonemes)
+            found, sounds = min(
+                ((differences(one, said), one) for one in map(self.stated, stated)),
+                key=lambda pair: len(pair[0]),
+            )
+            phonemes += len(sounds)
+            errors += len(found)
+            closures += any(CLOSED in pair for pair in found)
+            confusions.update(found)
+        return Score(len(dictionary), phonemes, errors, closures, confusions)
+
+
+def words_of(path: Path, most: int) -> dict[str, list[str]]:
+    """Read a dictionary, thinned evenly to at most `most` words."""
+    found: dict[str, list[str]] = {}
+    for line in path.read_text("utf-8").splitlines():
+        word, _, ipa = line.partition("\t")
+        if word.strip() and ipa.strip():
+            found.setdefault(word.strip(), []).append(ipa)
+    step = max(1, -(-len(found) // most))
+    return dict(list(found.items())[::step])
+
+
+def main() -> None:
+    """Judge the dictionaries of a folder."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--only", nargs="*", default=[])
+    parser.add_argument("--most", type=int, default=1000, help="words of a dictionary")
+    parser.add_argument("--confusions", type=int, default=0)
+    options = parser.parse_args()
+    library = Library()
+    errors: list[float] = []
+    print(f"{'language':<16}{'words':>7}{'error':>8}{'closures':>10}")
+    for path in sorted(options.folder.glob("*.tsv")):
+        if options.only and path.stem not in options.only:
+            continue
+        try:
+            score = Judge(library, path.stem).score(words_of(path, options.most))
+        except LipsyncError as error:
+            print(f"{path.stem:<16} {str(error).splitlines()[0]}")
+            continue
+        errors.append(score.error)
+        wrong = score.closures / max(score.words, 1)
+        print(f"{path.stem:<16}{score.words:>7}{score.error:>8.3f}{wrong:>9.1%}")
+        for (stated, read), count in score.confusions.most_common(options.confusions):
+            print(f"    {stated} read as {read}: {count}")
+    if errors:
+        print(f"{'median':<16}{'':>7}{median(errors):>8.3f}")
+
+
+if __name__ == "__main__":
+    main()
