@@ -7,6 +7,8 @@ import pytest
 import lipsync_lang as ll
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.lines.line_readers import read_lines
+from lipsync_lang.lines.timings import SUFFIXES
+from lipsync_lang.schedules.timing_readers import READERS
 
 
 @pytest.fixture
@@ -224,3 +226,10 @@ def test_transcriber_parts_turns_and_those_who_talk_at_once(read):
         ("ouais", 4, 6),
     ]
     assert told(read("line.trs", data, tier="Bob")) == [("d'accord", 4, 6)]
+
+
+def test_a_script_of_subtitles_is_not_taken_for_the_timings_of_a_recording():
+    scripts = {suffix for one in READERS.values() if one.script for suffix in one.suffixes}
+    assert scripts == {".srt", ".vtt"}
+    assert {".eaf", ".trs", ".json"} <= {*SUFFIXES}
+    assert scripts.isdisjoint(SUFFIXES)
