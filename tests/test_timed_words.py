@@ -13,7 +13,7 @@ from lipsync_lang.errors import ScheduleError, SpeechError
 from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.phonology.g2p import Said
 from lipsync_lang.schedules import SILENCE, Schedule, TimedWord, TimedWords, read_schedule
-from lipsync_lang.schedules.timed_words import timed_words_of
+from lipsync_lang.schedules.timed_words import are_words, timed_words_of
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import timings_of
 from lipsync_lang.speech.filling import filled
@@ -166,6 +166,10 @@ def test_labels_too_long_for_phones_are_words():
     track = "0.1\t0.3\tmy\n0.3\t0.8\tmaps\n0.8\t0.9\t[noise]\n0.9\t1.2\tare here\n"
     found = timings_of(TimingFile(Path("labels.txt"), track.encode()))
     assert [word.text for word in found.words] == ["my", "maps", "are here"]
+    assert are_words(["你", "好"])
+    assert are_words(["안녕", "네"])
+    assert not are_words(["tɕʰ", "aː˨˩˦", "spn", "ŋ", "AE1", "sil"])
+    assert not are_words(["sil", ""])
     ctm = "line 1 0.10 0.20 hello 0.98\nline 1 0.29 0.31 there\nline 1 0.7 0.1 <eps> 1.0\n"
     found = timings_of(TimingFile(Path("line.ctm"), ctm.encode()))
     assert spans(found) == [("hello", 0.1, 0.295), ("there", 0.295, 0.6)]

@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from statistics import median
+from unicodedata import category
 
 from lipsync_lang.schedules.rows import (
     ROUNDING_SECONDS,
@@ -30,6 +31,10 @@ SILENT = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
 
 MAX_PHONE_LETTERS = 3
 """Most letters of a usual label of a phone; words have more."""
+
+
+WORD_SCRIPTS = (("\u3400", "\u9fff"), ("\uac00", "\ud7a3"))
+"""First and last letters of Han and of Hangul syllables, in which nobody writes phones."""
 
 
 @dataclass(frozen=True)
@@ -73,9 +78,17 @@ class TimedWords:
 
 
 def are_words(labels: Iterable[str]) -> bool:
-    """Return True if labels are too long for phones."""
-    letters = [len(one.strip()) for one in labels if not SILENT.fullmatch(one.strip())]
-    return median(filter(None, letters or [0])) > MAX_PHONE_LETTERS if any(letters) else False
+    """Return True if labels are too long for phones, or in a script that has words alone."""
+    spoken = (one.strip() for one in labels if not SILENT.fullmatch(one.strip()))
+    letters = [_letters(one) for one in spoken if one]
+    return bool(letters) and median(letters) > MAX_PHONE_LETTERS
+
+
+def _letters(label: str) -> int:
+    """Return the letters of a label, without signs of length, breath and tone."""
+    letters = [c for c in label if c.isalpha() and category(c) != "Lm"]
+    is_word = any(first <= c <= last for c in letters for first, last in WORD_SCRIPTS)
+    return MAX_PHONE_LETTERS + 1 if is_word else len(letters)
 
 
 def words_of_rows(
