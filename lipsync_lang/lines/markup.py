@@ -75,7 +75,7 @@ CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
 SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
 """Start of markup that leaves no gap."""
 PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
-BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|td|tr)\b|\{br\}", re.IGNORECASE)
+BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|t[dr])\b|\{br\}", re.IGNORECASE)
 """Tags between which the words are apart."""
 EMPHASIS = re.compile(r"</?emphasis\b", re.IGNORECASE)
 ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
