@@ -2,7 +2,8 @@
 
 A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag: a word, a
 tab, and its IPA, with or without spaces. Several lines of a word are several pronunciations; the
-nearest counts. Both sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
+nearest counts. Both sides become common phonemes, and a shade counts as its parent, as in the
+packs' tests.
 
 Printed for each language: words, phoneme error (edit distance by phonemes of the dictionary), the
 share of words whose lip closures differ, and with `--confusions N` the commonest differences.
