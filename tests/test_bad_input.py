@@ -148,8 +148,7 @@ def test_a_name_without_end_is_cut_out_of_a_message_but_no_fault_of_many():
         ("", "there is no text to speak; write at least one word"),
         (" \n\t ", "there is no text to speak; write at least one word"),
         ("...", "'...' has no letter or digit.* write at least one word"),
-        ("😀", "'😀' has no letter or digit.* write at least one word"),
-        ("x" * 50_001, "the text has 50001 characters, more than 50000; speak it line by line"),
+        ("xy" * 25_001, "the text has 50002 characters, more than 50000; speak it line by line"),
     ],
     ids=lambda text: text[:12],
 )
