@@ -45,13 +45,13 @@ LIKE = {"H": "(h|kg|x)", "S": "(sh|xi|s)", "R": "(r|d|l|kg|rr|er)",
 
 OWN = {
     "japanese": {
-        "えっと": "eh d d ao", "うーん": "wx+ng", "あのー": "aa n ao", "ふふふ": "(f wx)+",
+        "えっと": "eh d d V", "うーん": "wx+ng", "あのー": "aa n V", "ふふふ": "((f|bw) wx)+",
         "ははは": "(h aa)+",
         "へへへ": "(h eh)+", "シーッ": "xi iy h", "ちぇっ": "xi eh h", "うわっ": "wx w aa h",
         "きゃあ": "kg aa+",
         "んー": "ng", "むむむ": "(bmp wx)+", "ぷっ": "bmp wx h", "ぐぐぐ": "(kg wx)+",
         "ううう": "wx+",
-        "ああああ": "aa+", "えええ": "eh+", "ほほう": "h ao h ao+(wx)?", "ひいっ": "h iy+h",
+        "ああああ": "aa+", "えええ": "eh+", "ほほう": "h V h V+", "ひいっ": "h iy+h",
         "ぎゃあ": "kg aa+",
     },
     "korean": {
