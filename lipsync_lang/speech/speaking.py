@@ -367,7 +367,8 @@ class Speaker:
             map(self.sounding, texts),
             lambda good: self._spoken((one.text for one in good), engine, words_per_minute),
         )
-        return map(self.or_silence, each(said, lambda pair: as_written(*pair)))
+        scheduled = each(said, lambda pair: as_written(*pair))
+        return (self.or_silence(one) for one in scheduled)
 
     def _spoken(
         self, texts: Iterable[str], engine: str | None, words_per_minute: int | None
