@@ -32,7 +32,7 @@ every_pair = pytest.mark.parametrize(
 )
 """Every language on every pose set; each pose set once in the quick lane."""
 
-READERS = ("phonemizer", "epitran", "pypinyin", "opencc", "pyopenjtalk")
+READERS = ("phonemizer", "pypinyin", "opencc", "pyopenjtalk", "thaiphon", "pythainlp")
 """What reads the writing of some language, and has to be installed."""
 
 

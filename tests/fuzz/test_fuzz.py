@@ -46,6 +46,7 @@ NO_TARGET = {
     "packs/editing.py": "packs, which are a target",
     "packs/finding.py": "looks for names with a pattern; the packs are targets",
     "phonology/espeak": "pipes of our own",
+    "phonology/g2p/g2p2_models.py": "models of an installed package",
     "render/model/gltf.py": "pictures within models, which are a target",
     "render/staging.py": "writes",
     "render/video.py": "what ffmpeg and we have written",
