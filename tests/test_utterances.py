@@ -76,6 +76,7 @@ def test_texts_are_read_by_their_sounds():
         "$5.50 1/2 3‰ 10:30": "$5.50:5.50dollars 1/2:2of1 3:3 ‰:permil 10:30:1030",
         "Chapter IV, Louis II, Rocky XII I": "Chapter:chapter IV:4 , Louis:louis II:second , "
         "Rocky:rocky XII:12 I:i",
+        "Chapter IIX": "Chapter:chapter IIX:iix",
         "漢字《かんじ》": "漢字《かんじ》:カンジ",
     }
     assert {text: read(text) for text in said} == said

@@ -151,7 +151,7 @@ class Expansions:
         for pattern, ordinals in self._numerals:
             for one in pattern.finditer(text):
                 number = roman(one["numeral"])
-                read = ordinals[number - 1] if number <= len(ordinals) else str(number)
+                read = ordinals[number - 1] if 0 < number <= len(ordinals) else str(number)
                 named = pattern is not _AFTER_NAME or one[0][0].isupper()
                 word = ordinals and _PRONOUN.match(text, one.start("numeral") - 2)
                 if number and named and not word:
