@@ -46,7 +46,7 @@ LIKE = {"H": "(h|kg|x)", "S": "(sh|xi|s)", "R": "(r|d|l|kg|rr|er)",
 OWN = {
     "japanese": {
         "えっと": "eh d d V", "うーん": "wx+ng", "あのー": "aa n V", "ふふふ": "((f|bw) wx)+",
-        "ははは": "(h aa)+",
+        "ははは": "h aa h aa h aa",
         "へへへ": "(h eh)+", "シーッ": "xi iy h", "ちぇっ": "xi eh h", "うわっ": "wx w aa h",
         "きゃあ": "kg aa+",
         "んー": "ng", "むむむ": "(bmp wx)+", "ぷっ": "bmp wx h", "ぐぐぐ": "(kg wx)+",

@@ -139,6 +139,8 @@ def test_every_error_is_exported():
     found = raised()
     own = {one.__name__ for one in found if one.__module__.startswith("lipsync_lang.studio.")}
     assert own, "answers of the studio's server, which no public function raises"
+    own |= {"SilentTextError", "SilentRecordingError"}  # they become rest before anybody sees them
+    own |= {"MissingReaderError"}  # a kind of SpeechError, for which another reader steps in
     assert {one.__name__ for one in found} - own <= set(ll.__all__)
 
 

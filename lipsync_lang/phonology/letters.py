@@ -21,7 +21,7 @@ UNUSUAL = re.compile(
 UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff]+")
 """Soft hyphens, directions of writing, and spaces without width."""
 
-APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼʻ´`′](?=[^\\W\\d_])")
+APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
 """An apostrophe within a word, in any of its spellings."""
 
 

@@ -99,7 +99,8 @@ def _pattern(spelling: str, interjection: Interjection) -> _Pattern:
     half = spelling[: len(spelling) // 2]
     syllable = name(half[:1] or spelling, "").startswith(SYLLABIC)
     if half * 2 == spelling and (len(set(half)) > 1 or syllable):
-        unit = "".join(f"{re.escape(letter)}+" for letter, _ in groupby(half))
+        more = "" if syllable else "+"  # a syllable again is said again
+        unit = "".join(f"{re.escape(letter)}{more}" for letter, _ in groupby(half))
         whole = re.compile(f"(?:{unit}){{2,}}(?:{re.escape(half[0])}+)?")
         return _Pattern(whole, re.compile(unit), (), interjection)
     runs = [(letter, len(list(run))) for letter, run in groupby(spelling)]
