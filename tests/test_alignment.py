@@ -13,7 +13,6 @@ from shipped import LANGUAGES
 
 import lipsync_lang as ll
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.emphasis import emphasised
 from lipsync_lang.resolver.nearest_phonemes import model_phones
 from lipsync_lang.schedules import SILENCE
 from lipsync_lang.schedules.schedule import DOUBTFUL
@@ -30,6 +29,7 @@ from lipsync_lang.speech.sphinx.forced import HeardPhoneme
 from lipsync_lang.speech.sphinx.scheduling import Saying, laid
 from lipsync_lang.speech.sphinx.sureness import line_confidence, word_confidence
 from lipsync_lang.speech.sphinx.trellis import START, likeliest_way
+from lipsync_lang.speech.written_text import WrittenText
 
 pytest.importorskip("pocketsphinx")
 pytest.importorskip("soundfile")
@@ -604,7 +604,7 @@ def test_a_line_whose_words_fit_stays_where_it_is_whatever_is_beside_it(monkeypa
     first = ll.Schedule(("m",), [0.0, 1.0], words=said, confidence=0.2, language="german")
     named = [NamedAligner(name, ALIGNERS.known[name], None) for name in ("pocketsphinx", "warp")]
     silence = ll.Audio(np.zeros(16000, np.int16), 16000)
-    found = surest(Speaker.of("german"), lambda: silence, emphasised("Mama"), first, named)
+    found = surest(Speaker.of("german"), lambda: silence, WrittenText("Mama"), first, named)
     assert found.words == said
     assert "hardly agree" in found.remarks[0]
 

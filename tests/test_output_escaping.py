@@ -5,6 +5,8 @@ import json
 from dataclasses import replace
 from html import unescape
 from io import BytesIO, StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -43,6 +45,7 @@ ODD = (
 """What may stand in the name of a shape, a word or a file."""
 
 NO_NAMES = {
+    "audacity": "labels of phonemes alone",
     "mp4": "a video",
     "png": "pictures",
     "wav": "a sound",
@@ -138,7 +141,23 @@ def page(content, _):
     return take["poses"]
 
 
+TIMINGS = {"elan": "eaf", "textgrid": "TextGrid", "timings-csv": "csv", "timings-json": "json"}
+
+
+def timings(suffix):
+    """Return what reads the words of timings; they hold no names of poses."""
+
+    def words(content, _):
+        with TemporaryDirectory() as folder:
+            path = Path(folder, f"line.{suffix}")
+            path.write_bytes(content)
+            return [word.text for word in ll.read_schedule(path).words]
+
+    return words
+
+
 NAMES = {
+    **{name: timings(suffix) for name, suffix in TIMINGS.items()},
     **{name: engine(name) for name in READERS},
     **{name: drawings(name) for name in DRAWN},
     "csv": table,
@@ -156,6 +175,10 @@ NAMES = {
 ONE_LINE = [" ".join(name.split()) for name in ODD]
 
 CHANGED = {
+    **dict.fromkeys(
+        TIMINGS.keys() - {"timings-json"},
+        [one.replace("\x00", "\ufffd").replace("\x07", "\ufffd") for one in ONE_LINE],
+    ),
     "godot": [name.replace(":", "_").replace("\\\\", "\\") for name in ODD],
     "maya": [
         "a__quoted__one",

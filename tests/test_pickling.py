@@ -36,7 +36,11 @@ def assert_alike(one, other):
 def test_a_performer_that_recognised_a_notation_pickles(performer):
     before = [performer.perform(schedule) for schedule in SCHEDULES]
     copy = again(performer)
-    assert (copy.unknown, copy.motion, copy.report) == ("error", performer.motion, performer.report)
+    assert (copy.unknown, copy.motion, copy.report) == (
+        "nearest",
+        performer.motion,
+        performer.report,
+    )
     for schedule, animation in zip(SCHEDULES, before, strict=True):
         assert_alike(copy.perform(schedule), animation)
 

@@ -10,6 +10,7 @@ from shipped import LIBRARY
 from lipsync_lang import SpeechError, read_schedule, resolve
 from lipsync_lang.phonology.g2p import Said, Settings, engine
 from lipsync_lang.phonology.g2p import pinyin as module
+from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.labels import Notation, recognise
 from lipsync_lang.speech.speaking import speak, transcribe
 
@@ -18,12 +19,14 @@ pytest.importorskip("opencc", reason="OpenCC is not installed")
 
 PACK = LIBRARY.language("mandarin").model
 LABELS = PACK.notations["pinyin"]
+READINGS = tuple(Rule(r.spelling, r.to, r.before, r.after) for r in PACK.g2p.readings)
+SETTINGS = Settings(PACK.name, labels=tuple(LABELS), readings=READINGS)
 
 
 @pytest.fixture(scope="module")
 def read():
     """The engine without a voice: foreign words go by their letters."""
-    make = engine("pypinyin", Settings(PACK.name, labels=tuple(LABELS)))
+    make = engine("pypinyin", SETTINGS)
     return lambda text: next(iter(make([text])))
 
 

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Mapping
 from itertools import chain
 from xml.etree import ElementTree as ET
 
-from lipsync_lang.files.xml_text import xml_text
-
 MILLISECONDS = 1000
 
 DATE = "1970-01-01T00:00:00+00:00"
@@ -83,7 +81,7 @@ def _annotate(
 ) -> None:
     annotation = ET.SubElement(tier, "ANNOTATION")
     element = ET.SubElement(annotation, kind, {"ANNOTATION_ID": name, **refers})
-    ET.SubElement(element, "ANNOTATION_VALUE").text = xml_text(label)
+    ET.SubElement(element, "ANNOTATION_VALUE").text = label
 
 
 def _types(root: ET.Element) -> None:

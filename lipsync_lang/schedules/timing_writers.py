@@ -13,6 +13,7 @@ from pathlib import Path
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import argument_path, atomic
+from lipsync_lang.files.xml_text import xml_text
 from lipsync_lang.schedules.elan_document import elan_document
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.tiers import CONFIDENCE
@@ -171,9 +172,9 @@ def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:
 
 
 def _late(spans: Iterable[LabelSpan]) -> list[LabelSpan]:
-    """Return spans from time zero on, with texts of one line."""
+    """Return spans from time zero on, with texts of one line, of characters that readers take."""
     return [
-        (" ".join(label.split()) or SILENCE, max(start, 0.0), end)
+        (" ".join(xml_text(label).split()) or SILENCE, max(start, 0.0), end)
         for label, start, end in spans
         if end > 0
     ]
