@@ -174,11 +174,10 @@ NAMES = {
 
 ONE_LINE = [" ".join(name.split()) for name in ODD]
 
+SINGLE = [name.replace("\x00", "\ufffd").replace("\x07", "\ufffd") for name in ONE_LINE]
+
 CHANGED = {
-    **dict.fromkeys(
-        TIMINGS.keys() - {"timings-json"},
-        [one.replace("\x00", "\ufffd").replace("\x07", "\ufffd") for one in ONE_LINE],
-    ),
+    **{name: SINGLE for name in TIMINGS if name != "timings-json"},
     "godot": [name.replace(":", "_").replace("\\\\", "\\") for name in ODD],
     "maya": [
         "a__quoted__one",
