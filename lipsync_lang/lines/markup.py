@@ -40,8 +40,8 @@ PERCENT = (
     r"%%|%[A-Za-z_]\w+%(?!%)|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]"
     r"|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?[sdifuxc@](?!\w)"
 )
-DOLLAR = r"\$\{[^{}]*\}|\$[A-Za-z_]\w*"
-CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[.|!^<>]"
+DOLLAR = r"[$#]\{[^{}]*\}|@\w+@|\$[A-Za-z_]\w*"
+CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
 """Codes of RPG Maker: colours, names, waits."""
 ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
 ASIDE = (
@@ -61,7 +61,13 @@ SIGN = (
     "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
 )
 """Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
-SIGNS = rf"{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+"
+FACES = (
+    r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
+    r"(?![^\s.,!?])"
+)
+"""Emoticons."""
+BULLET = r"^(?:[-+*]+ )+(?=\D)"
+SIGNS = rf"{FACES}|{BULLET}|{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
 WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
 
 MARKUP = (
@@ -79,7 +85,7 @@ BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|t[dr])\b|\{br\}", re.IGNORECA
 """Tags between which the words are apart."""
 EMPHASIS = re.compile(r"</?emphasis\b", re.IGNORECASE)
 ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
-STRAY = re.compile(r"[{}\[\]]|</?(?=[A-Za-z])|>(?!\s*\d)")
+STRAY = re.compile(r"[{}\[\]]|</?(?!\s*\d)|>(?!\s*\d)")
 NAMED = re.compile(r"[ =].*", re.DOTALL)
 """Values of a tag, behind its name."""
 NAME = re.compile(r"[\w.-]+")

@@ -9,8 +9,9 @@ from unicodedata import normalize
 
 UNUSUAL = re.compile(
     "(?:["
-    "０-９Ａ-Ｚａ-ｚ＇－＋＝％＆＃＠＄￠-￦"  # full width
+    "０-９Ａ-Ｚａ-ｚ＇－＋＝％＆＃＠＄＾＿｜￠-￦"  # full width
     "\uff66-\uffdc"  # half-width kana and hangul
+    "\u2460-\u2473\u3380-\u33df\u203c\u2047-\u2049"  # numbers in circles, units, double marks
     "\u01c4-\u01cc\u01f1-\u01f3\u0132\u0133\ufb00-\ufb4f"  # ligatures
     "\ufb50-\ufd3d\ufd50-\ufdfb\ufe70-\ufefc"  # shapes of Arabic letters
     "\U0001d400-\U0001d7ff"  # letters of formulas
