@@ -67,13 +67,17 @@ FACES = (
 )
 """Emoticons."""
 BULLET = r"^(?:[-+*]+ )+(?=\D)"
-SIGNS = rf"{FACES}|{BULLET}|{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
+SIGNS = rf"{BULLET}|{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
 WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
 
-MARKUP = (
-    f"{RUBY}|{ALIAS}|{ADDRESS}|{DOLLAR}|{WAY_ON}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|(?P<code>{CODE})|{ESCAPE}|{ASIDE}"
-    f"|{HASHTAG}|(?P<sign>{SIGNS})|(?P<soundless>{WAVES})"
+MARKS = (
+    f"{RUBY}|{ALIAS}|{DOLLAR}|{WAY_ON}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|(?P<code>{CODE})|{ESCAPE}"
+    f"|{ASIDE}|{HASHTAG}|(?P<sign>{SIGNS})|(?P<soundless>{WAVES})"
 )
+MARKUP = rf"(?![^\W_]|[\s.,!?'\"])(?:{MARKS})|{ADDRESS}|(?P<face>{FACES})"
+"""Markup; nearly all of it begins with a character that is neither a letter nor a pause."""
+LETTERED = re.compile(rf"www\.|{FACES}")
+"""Markup of letters and pauses alone."""
 PLAIN = re.compile(r"(?:[^\W_]|[\s.,!?;:'’\"…、。！？—–-])*+")
 """Text in which nothing is markup."""
 DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
@@ -141,7 +145,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     ('Hello, Ada!', ('*sighs*',))
     """
     text = ordinary(text)
-    if not cleaning.unspoken and PLAIN.fullmatch(text) and "www." not in text:
+    if not cleaning.unspoken and PLAIN.fullmatch(text) and not LETTERED.search(text):
         return SpokenText(" ".join(text.split()))
     text = ENTITY.sub(
         lambda found: unescape(f"&{found[1]}"), " ".join(text.replace(PAUSE, " ").split())
@@ -248,6 +252,7 @@ class TextCleaner:
             or whole in DOUBLED
             or self._is_tag(whole)
             or found["sign"]
+            or found["face"]
             or found["soundless"]
             or SOUNDLESS.match(whole)
         )
