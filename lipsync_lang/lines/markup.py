@@ -76,10 +76,10 @@ MARKS = (
 )
 MARKUP = rf"(?![^\W_]|[\s.,!?'\"])(?:{MARKS})|{ADDRESS}|(?P<face>{FACES})"
 """Markup; nearly all of it begins with a character that is neither a letter nor a pause."""
-LETTERED = re.compile(rf"www\.|{FACES}")
-"""Markup of letters and pauses alone."""
-PLAIN = re.compile(r"(?:[^\W_]|[\s.,!?;:'’\"…、。！？—–-])*+")
-"""Text in which nothing is markup."""
+SUSPECT = re.compile(
+    r"[][<>{}%$\\(（*~〜～#&@/=]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|" + SIGN
+)
+"""A trace of markup; text without one is spoken as it is."""
 DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
 CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
 SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
@@ -145,7 +145,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     ('Hello, Ada!', ('*sighs*',))
     """
     text = ordinary(text)
-    if not cleaning.unspoken and PLAIN.fullmatch(text) and not LETTERED.search(text):
+    if not cleaning.unspoken and not SUSPECT.search(text):
         return SpokenText(" ".join(text.split()))
     text = ENTITY.sub(
         lambda found: unescape(f"&{found[1]}"), " ".join(text.replace(PAUSE, " ").split())
