@@ -183,7 +183,7 @@ def test_pauses_are_silence_and_the_rest_moves_with_the_sound(english, spoken):
     ("text", "words"),
     [
         ("We paid $20 for 12 eggs", ["We", "paid", "$20", "for", "12", "eggs"]),
-        ("Don’t tell O’Brien’s dog!", ["Don’t", "tell", "O’Brien’s", "dog"]),
+        ("Don’t tell O’Brien’s dog!", ["Don't", "tell", "O'Brien's", "dog"]),
         ("Zorblax quimbled the fnord", ["Zorblax", "quimbled", "the", "fnord"]),
         ("“Yes” — she said; no…", ["Yes", "she", "said", "no"]),
     ],
