@@ -80,6 +80,7 @@ def test_no_markup_is_too_odd(text):
 
 @given(st.text(alphabet="abc äñ漢,.!?'-", max_size=40))
 def test_text_without_markup_stays(text):
+    text = text.lstrip(" -")  # a dash before a word is a bullet
     assert spoken(text)[:3] == (" ".join(text.split()), (), ())
 
 
