@@ -1,10 +1,12 @@
 """The text of scripts: markup, asides, choices and values, and letters in every form of Unicode."""
 
 import csv
+import json
 import unicodedata
 from collections import Counter
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
@@ -22,6 +24,9 @@ from lipsync_lang.phonology.g2p.g2p_engines import Settings
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.phonology.letters import ordinary
 from lipsync_lang.phonology.manner import Manner
+from lipsync_lang.schedules.schedule import Audio, Schedule
+from lipsync_lang.speech.align.aligners import ALIGNERS
+from lipsync_lang.speech.hearing import aligned
 from lipsync_lang.speech.speaking import Speaker
 
 PACK = """\
@@ -29,7 +34,7 @@ kind: language
 format: 1
 name: ruled
 tag: qaa
-g2p: {{engine: rules}}
+g2p: {{engine: rules, letters: ["\u09dc"]}}
 notations: {{ipa: {{a: aa, m: bmp}}}}
 asides: [{asides}]
 """
@@ -290,7 +295,43 @@ def test_a_corpus_counts_what_is_spoken(tmp_path):
     (tmp_path / "a.txt").write_text("<b>ma</b> [who] {x} (gasps) am\n")
     (line,) = read_lines(tmp_path / "a.txt", cleaning=Cleaning({"who": "mam"}))
     assert (line.text, line.dropped) == ("ma mam (gasps) am", ("<b>", "</b>", "{x}"))
-    ruled = PACK.format(asides="gasp...")
-    (tmp_path / "ruled.yaml").write_text(ruled)
+    (tmp_path / "ruled.yaml").write_text(PACK.format(asides="gasp..."), "utf-8")
     found = coverage([line], tmp_path / "ruled.yaml", "crab")
     assert {one.what for one in found.corpus.dropped} == {"<b>", "</b>", "{x}", "(gasps)"}
+
+
+def test_a_pack_states_the_letters_of_its_engine(tmp_path):
+    (tmp_path / "ruled.yaml").write_text(PACK.format(asides="gasp..."), "utf-8")
+    stated = Speaker.of(tmp_path / "ruled.yaml").manner.letters
+    assert stated == {"\u09a1\u09bc": "\u09dc"}
+
+
+def test_an_aligner_gets_what_is_spoken(monkeypatch):
+    class Recorder:
+        def align(self, audio, text, speaker, model=None):  # noqa: ARG002 as aligners are called
+            heard.append(text)
+            return Schedule(("m",), [0.0, 1.0], audio=audio, confidence=1.0)
+
+    heard: list[str] = []
+    monkeypatch.setitem(ALIGNERS.known, "recorder", Recorder())
+    sound = Audio(np.zeros(16000, np.int16), 16000)
+    found = aligned(speaker(values={"who": "am"}), sound, "<b>ma</b> [who]", aligner="recorder")
+    assert heard == ["ma am"]
+    assert found.dropped == ("<b>", "</b>")
+    rest = aligned(speaker(), sound, "(gasps)", aligner="recorder")
+    assert (rest.labels, rest.end, rest.audio) == (("_",), 1.0, sound)
+
+
+def test_commands_take_values_and_the_list_of_the_project(tmp_path, monkeypatch, cli):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ruled.yaml").write_text(PACK.format(asides="gasp..."), "utf-8")
+    (tmp_path / "lipsync.yaml").write_text(
+        "kind: project\nformat: 1\nunspoken: NPC\nvalues: {who: am, where: ma}\n"
+    )
+    text = "NPC ma [who] [where] [when]"
+    given = ("-l", "ruled.yaml", "--value", "who=mam")
+    read = json.loads(cli("transcribe", text, *given, "--json").out)
+    assert (read[0]["text"], read[0]["dropped"]) == ("ma mam ma", ["NPC", "[when]"])
+    told = cli("run", text, *given, "-c", "crab", "--tts", "none").err
+    assert "not spoken: NPC [when]" in told
+    assert "3 words" in told
