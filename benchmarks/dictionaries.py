@@ -1,4 +1,4 @@
-"""Read the words of dictionaries, and count what is read otherwise.
+"""Read the words of dictionaries, and count the phonemes that differ from theirs.
 
 A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag: a word, a
 tab, and its IPA, with or without spaces. Several lines of a word are several pronunciations; the
@@ -33,7 +33,7 @@ Pair = tuple[str, str]
 
 
 class Score(NamedTuple):
-    """What the words of a dictionary cost."""
+    """Errors of a language in the words of a dictionary."""
 
     words: int
     phonemes: int

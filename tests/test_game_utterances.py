@@ -20,7 +20,7 @@ LATIN = {
     "Aaaargh": "V+R?kg", "Eek": "V+kg", "Eeeek": "V+kg", "Haha": "H?V H?V", "Hahahaha": "(H?V)+",
     "Hihihi": "(H?V)+", "Ahem": "V H?V bmp", "HMMM": "H?bmp+",
 }  # fmt: skip
-"""What interjections sound like: common phonemes, with H, S, R and V for their likes."""
+"""Sounds of interjections: common phonemes, with H, S, R and V for groups of them."""
 
 CYRILLIC = {
     "Мм": "bmp+", "Мммм": "bmp+", "МММ": "bmp+", "Хм": "H bmp", "Хммм": "H bmp+",
@@ -135,7 +135,7 @@ STUTTERS = {
 
 
 def patterns(language):
-    """The interjections of a language, with what they sound like."""
+    """The interjections of a language, each with its sounds."""
     name = language.partition(" ")[0]
     latin = {} if name in ("russian", "ukrainian", "mandarin", "japanese") else LATIN
     cyrillic = CYRILLIC if name in ("russian", "ukrainian") else {}

@@ -127,7 +127,7 @@ def test_arrows_within_packs_run_downwards_only():
 
 
 WRITES_SCHEDULES = "animations/performed_timings.py"
-"""The one writer of schedules among those of animations."""
+"""The only module of `animations` that may write schedules."""
 
 
 def test_writers_know_only_the_schedule_itself():

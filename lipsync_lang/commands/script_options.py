@@ -1,4 +1,4 @@
-"""Options on the texts of scripts: values of placeholders, and what is not spoken."""
+"""Options for the text of scripts: values of placeholders, and the project's unspoken passages."""
 
 from argparse import Namespace, _ActionsContainer
 

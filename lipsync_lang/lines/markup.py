@@ -107,7 +107,7 @@ MAX_UNSPOKEN_CHARS = 500
 
 @dataclass(frozen=True)
 class Cleaning:
-    """Settings of what is spoken of a script's text.
+    """Settings of the cleaning of a script's text.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
 
 
 class TextCleaner:
-    """A text, and what is spoken of it so far."""
+    """A text that is being cleaned from its start to its end."""
 
     def __init__(self, text: str, cleaning: Cleaning) -> None:
         self.text, self.cleaning = text, cleaning

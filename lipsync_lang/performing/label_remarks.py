@@ -31,7 +31,7 @@ def label_remarks(reader: "LabelReader", schedule: Schedule) -> tuple[str, ...]:
 
 
 def _by_features(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
-    """Yield a remark on each label that the language does not list, with what it becomes."""
+    """Yield a remark on each label that the language lacks, with the phonemes in its place."""
     found = reader.by_features(schedule)
     for label, value in [*found.items()][:MAX_UNLISTED]:
         times, shown = schedule.labels.count(label), " ".join(name for name, _ in value)

@@ -25,7 +25,11 @@ def _first(whole: object) -> object:
 
 
 def _is_row(value: object) -> bool:
-    return isinstance(value, list) and len(value) == 3 and isinstance(value[2], str)  # noqa: PLR2004 start, end, label
+    """Return True for a list of start, end and label."""
+    match value:
+        case [_, _, str()]:
+            return True
+    return False
 
 
 @reader("charsiu", ".json", sniff=sniff)

@@ -35,4 +35,8 @@ def listed_rows(  # noqa: PLR0913 each says one thing that a format may
 
 
 def _alike(lists: Sequence[Sequence[object]]) -> bool:
-    return len(lists) == 3 and len({len(one) for one in lists}) == 1  # noqa: PLR2004 all three
+    """Return True for three lists of one length."""
+    match lists:
+        case [one, other, third]:
+            return len(one) == len(other) == len(third)
+    return False

@@ -151,8 +151,8 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
     """Fill gaps with silence and close those due to rounding; raise an error for overlaps."""
     filled: list[LabelRow] = []
     end = 0.0
-    for row in rows:
-        label = row.label.strip() or SILENCE
+    for stated in rows:
+        row, label = stated, stated.label.strip() or SILENCE
         check_span(source, row)
         if row.end - row.start < SNAP_SECONDS and label == SILENCE:
             continue
@@ -160,7 +160,7 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
         rounded = SNAP_SECONDS < abs(row.start - end) <= ROUNDING_SECONDS
         if filled and rounded and filled[-1].start < middle:
             filled[-1] = filled[-1]._replace(end=middle)
-            row = row._replace(start=middle)  # noqa: PLW2901 it is mended here
+            row = row._replace(start=middle)
             end = middle
         if row.start < end - SNAP_SECONDS:
             before = filled[-1]

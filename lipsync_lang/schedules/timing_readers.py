@@ -105,7 +105,7 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     return found
 
 
-def read_timings(  # noqa: PLR0913 as above
+def read_timings(  # noqa: PLR0913 each says one thing that a file may not
     path: str | Path,
     notation: str | None = None,
     *,

@@ -44,7 +44,7 @@ def read_transcriber(source: TimingFile) -> Timings:
 
 
 def _parts(source: TimingFile, turn: "Element") -> Iterator[tuple[int, LabelRow]]:
-    """Yield the number of a speaker of the turn, and what is said with its times."""
+    """Yield the words of a turn with their times, and the number of their speaker."""
     spoken = defaultdict(list, {0: [turn.text or ""]})
     start, who = source.time(turn.get("startTime")), 0
     for element in turn:

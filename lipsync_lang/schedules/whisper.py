@@ -139,7 +139,7 @@ def _said(source: TimingFile, item: Json) -> RecognisedPart:
 
 
 def _times(source: TimingFile, item: Json) -> tuple[float | None, float | None]:
-    """Return the start and end of a word or segment; None for what it does not state."""
+    """Return the start and end of a word or segment; None for a time that is not stated."""
     pair: list[Any] = [item.get("start"), item.get("end")]
     if isinstance(item.get("timestamp"), list):
         pair = [*item["timestamp"], None, None][:2]
