@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lanes import costly, full
 
 from lipsync_lang.authoring.bank_import import import_bank
-from lipsync_lang.banks.fit import DECIMALS, MOST_KEYS
+from lipsync_lang.banks.conversion import DECIMALS, MOST_KEYS
 from lipsync_lang.banks.smartbody import MAX_SCRIPT_BYTES, Remarks, read_smartbody
 from lipsync_lang.errors import LipsyncError, PackError
 from lipsync_lang.packs.checking.validate import validate
@@ -171,7 +171,7 @@ def test_a_name_bound_anew_in_a_loop_is_known_no_more(folder):
     assert len(remarks) == 3
 
 
-# Fitting
+# Conversion
 
 
 def test_the_bank_that_is_written(folder, library):

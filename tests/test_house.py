@@ -36,8 +36,8 @@ FLOORS = (
     {"speech"},
     {"performing"},
     {"coverage", "live", "quality", "render"},
-    {"authoring"},
-    {"build", "studio"},
+    {"authoring", "capture"},
+    {"build", "studio", "study"},
     {"commands"},
     {"cli"},
 )

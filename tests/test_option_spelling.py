@@ -16,7 +16,7 @@ AT_HOME = {"cli", "commands", "authoring", "build", "live"}
 ELSEWHERE = {
     "animations/keys.py": "reads what an option of the command line was given",
     "animations/rates.py": "reads what an option of the command line was given",
-    "banks/fit.py": "remarks of a command that imports",
+    "banks/conversion.py": "remarks of a command that imports",
     "coverage/changes.py": "names the command that writes a report",
     "coverage/forms/text.py": "the command's own report",
     "resolver/bank_diff.py": "the command's own report",

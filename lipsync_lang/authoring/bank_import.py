@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lipsync_lang.banks.fit import BankNames, Curves, Fitting
+from lipsync_lang.banks.conversion import BankNames, Conversion, Curves
 from lipsync_lang.banks.smartbody import Remarks, Sets, read_smartbody, visible
 from lipsync_lang.banks.write import (
     NEUTRAL,
@@ -129,7 +129,7 @@ def import_bank(  # noqa: PLR0913 what is read, what it is for, and where it goe
     sets = _merged([read_smartbody(path, remarks) for path in files], remarks)
     chosen = _chosen(sets, style, remarks)
     _refuse_foreign(sets[chosen], poseset, names)
-    found = Fitting(names, remarks).fit(sets[chosen])
+    found = Conversion(names, remarks).fit(sets[chosen])
     if not found:
         raise LipsyncError(_nothing(remarks))
     manner = style or (NEUTRAL if chosen in USUAL else chosen)

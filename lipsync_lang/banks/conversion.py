@@ -1,4 +1,4 @@
-"""Fit bigrams of another program to our phonemes and poses, and report the losses.
+"""Convert bigrams of another program to our phonemes and poses, and report the losses.
 
 Times and weights are clipped to [0, 1], times sorted, both rounded to `DECIMALS`.
 """
@@ -47,7 +47,7 @@ class _Stray:
     farthest: float
 
 
-class Fitting:
+class Conversion:
     """A foreign bank during its conversion to a bank pack."""
 
     def __init__(self, names: BankNames, remarks: Remarks) -> None:

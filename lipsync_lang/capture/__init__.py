@@ -1,0 +1,1 @@
+"""Capture: recorded motion of faces, and the targets, motion and bigrams that reproduce it."""

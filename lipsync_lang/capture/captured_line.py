@@ -1,0 +1,36 @@
+"""Captured lines: recorded motion of a face with the phonemes that it spoke.
+
+Conventions: T samples, S signals, P poses; times are seconds on the schedule's clock.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from lipsync_lang.pipeline.arrays import Floats
+
+if TYPE_CHECKING:
+    from lipsync_lang.schedules.schedule import Schedule
+
+
+@dataclass(frozen=True, eq=False)
+class CapturedLine:
+    """Recorded motion of one spoken line, as signals that are sums of poses."""
+
+    name: str
+    """The file's name without its suffix, unique among the lines of a fit."""
+    schedule: "Schedule"
+    """The spoken phonemes with their times."""
+    times: Floats
+    """(T,) seconds, rising evenly."""
+    signals: tuple[str, ...]
+    """Names of the S recorded signals: poses, rig channels, or measures of the pose set."""
+    values: Floats
+    """(T, S) recorded values; NaN where a sensor was lost."""
+    gains: Floats
+    """(S, P): a signal is its gains times the weights of the poses."""
+    free: bool = False
+    """True if the signals have an unknown scale and offset, as positions in millimetres have."""
+    speaker: str = ""
+    """The speaker's name; empty if unknown."""
+    remarks: tuple[str, ...] = ()
+    """Doubtful points of the file, as sentences."""

@@ -1,0 +1,1 @@
+"""Studies: paired clips that people choose between, and statistics of their choices."""
