@@ -39,6 +39,7 @@ from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.study.study_file import read_answers, read_study
 
 HERE = Path(__file__).parent
 
@@ -104,6 +105,8 @@ def _found() -> Iterator[Target]:
     yield Target("words/lexicon", read_lexicon)
     yield Target("words/inventory", lambda path: read_inventory(path, "1"))
     yield Target("words/coverage", read_document)
+    yield Target("study/key", read_study)
+    yield Target("study/answers", read_answers)
 
 
 @cache

@@ -1,0 +1,266 @@
+"""Files of a study: `study.json`, which has the key to the sides, and the answers of raters.
+
+A study stays with those who made it. Raters see a page without the key; their answers name pairs
+and sides only. Answers are a JSON file of one rater, or JSON lines with one submission each.
+"""
+
+import json
+from collections.abc import Iterator
+from hashlib import blake2b
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple, TypeVar
+
+from pydantic import Field, StringConstraints, ValidationError
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import read_input
+from lipsync_lang.packs.models.fields import Strict
+
+MAX_STUDY_BYTES = 16 * 2**20
+"""Size limit in bytes of a study file."""
+
+MAX_ANSWERS_BYTES = 256 * 2**20
+"""Size limit in bytes of a file of answers."""
+
+MAX_PAIRS = 2_000
+"""Most pairs of a study."""
+
+MAX_SUBMISSION_BYTES = 2**20
+"""Size limit in bytes of one rater's answers: `MAX_PAIRS` pairs, two questions each."""
+
+DIGEST_BYTES = 8
+"""Bytes of a study's digest and of a rater's number."""
+
+QUESTIONS = ("accuracy", "naturalness")
+"""The questions of the paper's study (section 4.1)."""
+
+Side = Literal["left", "right"]
+Question = Literal["accuracy", "naturalness"]
+Hex = Annotated[str, StringConstraints(pattern="^[0-9a-f]{16}$")]
+Key = Annotated[str, StringConstraints(min_length=1, max_length=100)]
+Words = Annotated[str, StringConstraints(max_length=500)]
+Moment = Annotated[
+    str, StringConstraints(pattern=r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)$")
+]
+
+M = TypeVar("M", bound=Strict)
+
+
+class StudyPair(Strict):
+    """Two clips of one line and character, shown side by side."""
+
+    pair: Key
+    """Name of the pair, such as `p001`."""
+    line: Key
+    """Name of the line."""
+    character: Key
+    """Name of the character."""
+    left: Key
+    """Method of the left clip."""
+    right: Key
+    """Method of the right clip."""
+    check: Side | None = None
+    """The sound side of an attention check, whose other side is plainly wrong."""
+
+
+class Study(Strict):
+    """A study with its key: the methods behind the sides of each pair."""
+
+    kind: Literal["study"]
+    """`study`."""
+    format: Literal[1]
+    """Version of the form."""
+    study: Hex
+    """Digest of the study and its clips; answers name it."""
+    title: Words
+    """Title that raters see."""
+    seed: int
+    """Seed of the choice of pairs and sides."""
+    questions: Annotated[tuple[Question, ...], Field(min_length=1)]
+    """Questions of each pair."""
+    methods: Annotated[tuple[Key, ...], Field(min_length=2)]
+    """Names of the compared methods."""
+    raters_see: Annotated[int, Field(ge=1)] | None = None
+    """Number of pairs that each rater sees; null for all."""
+    pairs: Annotated[tuple[StudyPair, ...], Field(min_length=1, max_length=MAX_PAIRS)]
+    """All pairs."""
+    asked: tuple[Key, ...] = ()
+    """Keys of the questions about the rater."""
+
+
+class PairAnswer(Strict):
+    """A rater's choice on one question of one pair."""
+
+    pair: Key
+    """Name of the pair."""
+    question: Question
+    """The question."""
+    choice: Side
+    """The better side."""
+    strength: Annotated[int, Field(ge=1, le=5)]
+    """Strength of the preference, from 1 (weak) to 5 (strong)."""
+    seconds: Annotated[float, Field(ge=0, le=1e6)]
+    """Time from the first sight of the pair to the choice."""
+    plays: Annotated[int, Field(ge=0, le=100_000)]
+    """Times that the clips of the pair were played."""
+
+
+class Submission(Strict):
+    """The answers of one rater."""
+
+    kind: Literal["answers"]
+    """`answers`."""
+    format: Literal[1]
+    """Version of the form."""
+    study: Hex
+    """Digest of the study."""
+    rater: Hex
+    """Random number of the rater, made in the browser."""
+    consent: Literal[True]
+    """True: nobody answers without consent."""
+    started: Moment
+    """Time of consent, ISO 8601."""
+    finished: Moment | None
+    """Time of the last answer, ISO 8601; null if the rater stopped early."""
+    asked: Annotated[dict[Key, Words], Field(max_length=50)]
+    """Answers to the questions about the rater, by key."""
+    answers: Annotated[tuple[PairAnswer, ...], Field(max_length=2 * MAX_PAIRS)]
+    """The choices, in the order in which they were made."""
+
+
+class AnswerFiles(NamedTuple):
+    """Submissions that were read, and the faults of what could not be read."""
+
+    submissions: tuple[Submission, ...]
+    """Well-formed submissions in the order of the files; of any study."""
+    faults: tuple[str, ...]
+    """Located sentences on lines that are no submission."""
+
+
+def read_study(path: Path) -> Study:
+    """Read a study file.
+
+    Raises
+    ------
+    LipsyncError
+        The file cannot be read, or is no study; the message names the place.
+    """
+    content = read_input(path, MAX_STUDY_BYTES, mend="name the study.json of a study")
+    study = parsed(Study, content, str(path))
+    fault = _fault_of_study(study)
+    if fault:
+        raise LipsyncError(f"{path}: {fault}; make the study again")
+    return study
+
+
+def _fault_of_study(study: Study) -> str:
+    """Return the first contradiction within a study; empty if there is none."""
+    seen: set[str] = set()
+    for number, pair in enumerate(study.pairs):
+        unknown = next((m for m in (pair.left, pair.right) if m not in study.methods), None)
+        if unknown is not None:
+            return f"pairs.{number}: unknown method '{unknown}'"
+        if pair.pair in seen:
+            return f"pairs.{number}: '{pair.pair}' names two pairs"
+        seen.add(pair.pair)
+    return ""
+
+
+def study_digest(contents: object) -> str:
+    """Return the digest of a study's contents, plain values that JSON can hold."""
+    text = json.dumps(contents, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return blake2b(text.encode(), digest_size=DIGEST_BYTES).hexdigest()
+
+
+def as_text(model: Study | Submission) -> str:
+    """Return the JSON text of a study, indented, or of a submission, in one line."""
+    indent = 1 if isinstance(model, Study) else None
+    return f"{model.model_dump_json(indent=indent)}\n"
+
+
+def parsed(model: type[M], content: bytes, where: str) -> M:
+    """Return the model in a JSON text.
+
+    Raises
+    ------
+    LipsyncError
+        The text is another one; the message names its first fault.
+    """
+    try:
+        return model.model_validate_json(content)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        kind = "study" if model is Study else "answers"
+        raise LipsyncError(
+            f"{where}: {f'{place}: ' if place else ''}{first['msg']}; "
+            f"a file of kind '{kind}' in format 1 is wanted"
+        ) from None
+    except RecursionError:
+        raise LipsyncError(f"{where}: is nested too deeply to be answers") from None
+
+
+def read_answers(path: Path) -> AnswerFiles:
+    """Read answers: one submission as a JSON file, or JSON lines of many.
+
+    Faulty lines are named and left out.
+
+    Raises
+    ------
+    LipsyncError
+        The file cannot be read at all, or is empty.
+    """
+    content = read_input(path, MAX_ANSWERS_BYTES, mend="give it in parts")
+    if not content.strip():
+        raise LipsyncError(f"{path}: is empty; name a file of answers")
+    submissions, faults = [], []
+    for where, text in _texts(path, content.removeprefix(b"\xef\xbb\xbf")):
+        if len(text) > MAX_SUBMISSION_BYTES:
+            faults.append(f"{where}: is larger than a rater's answers can be")
+            continue
+        try:
+            submissions.append(parsed(Submission, text, where))
+        except LipsyncError as error:
+            faults.append(str(error))
+    return AnswerFiles(tuple(submissions), tuple(faults))
+
+
+def _texts(path: Path, content: bytes) -> Iterator[tuple[str, bytes]]:
+    """Yield the place and text of each submission in a file."""
+    whole = content.strip()
+    if b"\n" in whole and _is_json(whole):
+        yield str(path), whole
+        return
+    for number, line in enumerate(content.split(b"\n"), 1):
+        if line.strip():
+            yield f"{path}:{number}", line
+
+
+def _is_json(content: bytes) -> bool:
+    if len(content) > MAX_SUBMISSION_BYTES:
+        return False
+    try:
+        json.loads(content)
+    except (ValueError, RecursionError):
+        return False
+    return True
+
+
+def faults_against(submission: Submission, study: Study) -> tuple[str, ...]:
+    """Return the contradictions of a submission with a study, as sentences; empty if none."""
+    if submission.study != study.study:
+        return (f"the answers are for study {submission.study}, not {study.study}",)
+    pairs = {pair.pair for pair in study.pairs}
+    faults, seen = [], set()
+    for number, one in enumerate(submission.answers):
+        key = (one.pair, one.question)
+        if one.pair not in pairs:
+            faults.append(f"answers.{number}: the study has no pair '{one.pair}'")
+        elif one.question not in study.questions:
+            faults.append(f"answers.{number}: the study does not ask for {one.question}")
+        elif key in seen:
+            faults.append(f"answers.{number}: {one.pair} has two answers on {one.question}")
+        seen.add(key)
+    unknown = sorted(submission.asked.keys() - set(study.asked))
+    faults += [f"asked.{key}: the study does not ask for it" for key in unknown]
+    return tuple(faults)
