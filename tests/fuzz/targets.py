@@ -22,6 +22,7 @@ from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATI
 from lipsync_lang.authoring.inventories import read_inventory
 from lipsync_lang.banks.smartbody import Remarks, read_smartbody
 from lipsync_lang.build.script import read_script
+from lipsync_lang.capture.fit_file import read_fit
 from lipsync_lang.coverage.changes import read_document
 from lipsync_lang.errors import PackError
 from lipsync_lang.lines.line_readers import READERS as LINES
@@ -102,6 +103,7 @@ def _found() -> Iterator[Target]:
     yield Target("models/drawn", _drawn)
     yield Target("sound/recording", read_audio)
     yield Target("banks/smartbody", lambda path: read_smartbody(path, Remarks()))
+    yield Target("banks/fit", read_fit)
     yield Target("words/lexicon", read_lexicon)
     yield Target("words/inventory", lambda path: read_inventory(path, "1"))
     yield Target("words/coverage", read_document)

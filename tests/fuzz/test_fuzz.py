@@ -67,6 +67,7 @@ HAVE_TARGETS = {
     "authoring/inventories.py",
     "banks/smartbody.py",
     "build/script_files.py",
+    "capture/fit_file.py",
     "coverage/changes.py",
     "lines/line_readers.py",
     "lines/gettext.py",

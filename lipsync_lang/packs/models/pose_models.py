@@ -38,6 +38,9 @@ NO_THRESHOLD = 2.0
 Softness = Annotated[float, Field(ge=0, le=0.2)]
 """Seconds from the middle of a kernel to its end."""
 
+AnticipateSeconds = Annotated[float, Field(ge=0, le=1)]
+"""Seconds by which a pose begins before its sound."""
+
 
 class Pose(Strict):
     """A shape of the face or tongue."""
@@ -48,7 +51,7 @@ class Pose(Strict):
     """The part of the face that the pose moves; a dial scales the poses of one region."""
     softness: Softness | None = None
     """Seconds of rounding off, if they differ from the region's."""
-    anticipate: Annotated[float, Field(ge=0, le=1)] = 0
+    anticipate: AnticipateSeconds = 0
     """Seconds by which the pose begins before its sound, as far as no other sound opposes it."""
     names: tuple[Text, ...] = ()
     """Other names of the pose in models; `{Left,Right}` stands for two names, `*` for any text."""

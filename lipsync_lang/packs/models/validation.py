@@ -5,7 +5,7 @@ Messages use the words of the file, never names of Python classes.
 
 from collections.abc import Mapping, Sequence
 from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -18,6 +18,8 @@ from lipsync_lang.packs.yaml.source import Loc, YamlSource
 
 Data = Any
 """A value from a YAML file, or a type annotation."""
+
+Model = TypeVar("Model", bound=BaseModel)
 
 Report = Mapping[str, Any]
 """An entry of `ValidationError.errors()`."""
@@ -76,6 +78,14 @@ def validated(
     return (None if faults else pack), tuple(faults)
 
 
+def validated_as(source: YamlSource, model: type[Model]) -> tuple[Model | None, tuple[Fault, ...]]:
+    """Return the contents of a file that is no pack (None if faulty), and every fault of it."""
+    try:
+        return model.model_validate(source.data), ()
+    except ValidationError as error:
+        return None, tuple(sorted(set(_translate(source, model, error))))
+
+
 def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None, list[Fault]]:
     """Return the model for a file, or None and the fault of its `kind` or `format`."""
     data = source.data
@@ -109,7 +119,7 @@ def _name(source: YamlSource, name: str | None) -> list[Fault]:
     return [source.fault(("name",), "P111", what, "rename one of the two")]
 
 
-def _translate(source: YamlSource, model: type[PackModel], error: ValidationError) -> list[Fault]:
+def _translate(source: YamlSource, model: type[BaseModel], error: ValidationError) -> list[Fault]:
     """Turn pydantic's errors into faults."""
     return [
         _fault(source, model, report)
@@ -128,7 +138,7 @@ def _echo(report: Report) -> bool:
     )
 
 
-def _fault(source: YamlSource, model: type[PackModel], report: Report) -> Fault:
+def _fault(source: YamlSource, model: type[BaseModel], report: Report) -> Fault:
     loc: Loc = tuple(report["loc"])
     key = bool(loc) and loc[-1] == KEY_STEP
     loc = loc[:-1] if key else loc
@@ -139,7 +149,7 @@ def _fault(source: YamlSource, model: type[PackModel], report: Report) -> Fault:
 
 
 def _say(  # noqa: C901, PLR0911 one return for each family of errors
-    source: YamlSource, model: type[PackModel], loc: Loc, report: Report
+    source: YamlSource, model: type[BaseModel], loc: Loc, report: Report
 ) -> tuple[str, str, str]:
     """Return the code, message and hint for one error."""
     sort, value, context = report["type"], report["input"], report.get("ctx", {})
