@@ -16,47 +16,30 @@ from pathlib import Path
 import numpy as np
 
 import lipsync_lang as ll
+from lipsync_lang.capture.capture_reading import read_captures
 from lipsync_lang.quality.baselines import dominance, keyframes, read_out
 
 LANGUAGE = "german"
 """The pack that knows the labels, which are its SAMPA."""
 
-PAUSES = ("<p:>", "&p:", "H#")
-LONGEST_LAST = 0.1
 FPS = 200.0
-AXES = {
-    "aperture": lambda coil: coil("upper_lip_2") - coil("lower_lip_2"),
-    "protrusion": lambda coil: -(coil("upper_lip_1") + coil("lower_lip_1")) / 2,
-    "tongue_tip": lambda coil: coil("t_tip_2"),
-}
-"""What the coils say of each measure."""
+READ_OUT = Path(__file__).with_suffix(".yaml")
+"""What the coils say of each measure, and the labels of pauses."""
 
 
-def recordings(folder: Path) -> list[tuple[str, ll.Schedule, dict[str, np.ndarray], np.ndarray]]:
+def recordings(
+    folder: Path, performer: ll.Performer | None = None
+) -> list[tuple[str, ll.Schedule, dict[str, np.ndarray], np.ndarray]]:
     """Read every recording: name, schedule, (T,) signals by measure, (T,) times; lost as NaN."""
-    found = []
-    for path in sorted(folder.glob("*.ema.csv")):
-        names = path.read_text(encoding="utf-8").splitlines()[0].split(",")
-        table = np.genfromtxt(path, delimiter=",", skip_header=1)
-        columns = {name: table[:, i] for i, name in enumerate(names)}
-
-        def coil(name: str, columns: dict[str, np.ndarray] = columns) -> np.ndarray:
-            return np.where(columns[name] == 0, np.nan, columns[name])
-
-        rows = []
-        phones = path.with_name(path.name.replace(".ema.csv", ".phones.tsv"))
-        for line in phones.read_text(encoding="utf-8").splitlines():
-            start, end, label = line.split()
-            label = ll.schedules.SILENCE if label in PAUSES else label
-            if float(end) > float(start):
-                rows.append((label, float(start), float(end)))
-        last = max(i for i, row in enumerate(rows) if row[0] != ll.schedules.SILENCE)
-        label, start, end = rows[last]
-        rows[last:] = [(label, start, min(end, start + LONGEST_LAST))]
-        schedule = ll.Schedule.from_intervals(rows, source=path.name, notation="sampa")
-        signals = {measure: of(coil) for measure, of in AXES.items()}
-        found.append((path.name.removesuffix(".ema.csv"), schedule, signals, columns["time_s"]))
-    return found
+    if not any(folder.glob("*.ema.csv")):
+        return []
+    found = read_captures(performer or ll.resolve(LANGUAGE, "facefx"), folder, readout=READ_OUT)
+    for one in found.set_aside:
+        print(f"{one.line} is set aside: {one.why}", file=sys.stderr)
+    return [
+        (line.name, line.schedule, dict(zip(line.signals, line.values.T, strict=True)), line.times)
+        for line in found.lines
+    ]
 
 
 def correlate(
@@ -73,11 +56,11 @@ def correlate(
 
 def main(folder: Path, poseset: str = "facefx") -> int:
     """Print the table."""
-    lines = recordings(folder)
+    performer = ll.resolve(LANGUAGE, poseset)
+    lines = recordings(folder, performer)
     if not lines:
         print(f"{folder} holds no recordings (NAME.ema.csv beside NAME.phones.tsv)")
         return 1
-    performer = ll.resolve(LANGUAGE, poseset)
     methods = {
         "drafted bank": performer.perform,
         "linear warp": performer.with_motion({"warp": "linear"}).perform,

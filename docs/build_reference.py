@@ -142,7 +142,7 @@ def _explained(action: argparse.Action) -> str:
 
 # Packs
 
-ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes", "ipa", "project")
+ORDER = ("language", "poseset", "bank", "character", "rig", "phonemes", "ipa", "project", "readout")
 
 WHERE = {
     "language": "`languages/NAME.yaml`",
@@ -153,6 +153,7 @@ WHERE = {
     "phonemes": "`languages/common.yaml`",
     "ipa": "`languages/ipa.yaml`",
     "project": "`lipsync.yaml`, in a project's folder",
+    "readout": "`readout.yaml`, beside captures",
 }
 
 EXAMPLES = {
@@ -260,6 +261,14 @@ character: anna
 fps: 30
 motion: {window: 0.1}
 outputs: ["takes/{line}.csv", "rhubarb:takes/{line}.tsv"]
+""",
+    "captures/readout.yaml": """\
+kind: readout
+format: 1
+measures:
+  aperture: {upper_lip_2: 1, lower_lip_2: -1}    # heights of two sensors on the lips
+lost: 0                        # a sensor that is lost writes 0
+silences: ["H#"]
 """,
 }
 """A small project with one pack of each kind that people write; the tests validate it."""

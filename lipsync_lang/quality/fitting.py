@@ -1,5 +1,6 @@
 """Animations of other programs, as poses or rig channels of a performer, for `check` to read."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,7 +9,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
 from lipsync_lang.errors import AnimationError
-from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.rigs.shape_matching import placed
 
@@ -78,50 +79,98 @@ def fit(
     recording: Recording, performer: "Performer", schedule: "Schedule", *, channels: bool = False
 ) -> Read:
     """Return a recording as an animation of a face; see `read_for`."""
+    found = placed_columns(recording, performer, channels=channels)
+    values = np.zeros((len(found.times), len(found.face)))
+    values[:, found.numbers] = found.values
+    names = tuple(channel.name for channel in found.face)
+    animation = Animation(found.times, names, values, found.fps, schedule, channels=found.face)
+    remarks = list(found.remarks)
+    if found.missing:
+        told = f"{recording.source} has nothing for {some_names(found.missing)}; they stay at rest"
+        remarks.append(told)
+    return animation, tuple(remarks)
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedColumns:
+    """Columns of a recording that are poses or rig channels of a performer, at an even rate.
+
+    Conventions: C poses or channels of the face, N of them found, P poses, T frames.
+    """
+
+    face: "tuple[Channel, ...]"
+    numbers: Ints
+    """(N,) numbers in `face` of those found, rising."""
+    times: Floats
+    """(T,) seconds."""
+    fps: float
+    values: Floats
+    """(T, N) weights."""
+    gains: Floats
+    """(C, P) weight of each pose in each of the face."""
+    remarks: tuple[str, ...]
+
+    @property
+    def missing(self) -> list[str]:
+        """Names of the face that have no column."""
+        found = set(self.numbers.tolist())
+        return [one.name for number, one in enumerate(self.face) if number not in found]
+
+
+def placed_columns(
+    recording: Recording, performer: "Performer", *, channels: bool = False
+) -> PlacedColumns:
+    """Find the columns of a recording that are poses of a performer, or channels of its rig.
+
+    Parameters
+    ----------
+    channels : read rig channels; by default poses, or channels if more of them are found
+
+    Raises
+    ------
+    AnimationError
+        No column is of the face, or the frames are too uneven.
+    """
     faces = _faces(performer)
     if channels:
         faces = faces[1:]
     if not faces:
         raise AnimationError(f"{performer.character} has no rig; leave out `channels`")
-    shapes = [placed(face, recording.names) for face in faces]
+    shapes = [placed(face, recording.names) for face, _ in faces]
     best = max(range(len(faces)), key=lambda n: (len(shapes[n].shapes), -n))
-    face, found = faces[best], shapes[best].shapes
+    (face, gains), found = faces[best], shapes[best].shapes
     if not found:
         raise AnimationError(
             f"{recording.source}: has nothing of {performer.character}: it has "
-            f"{_some(recording.names)}; wanted are {_some(c.name for c in face)}. Name a character "
-            "of the pose set that it was made for"
+            f"{some_names(recording.names)}; wanted are {some_names(c.name for c in face)}. Name a "
+            "character of the pose set that it was made for"
         )
-    values = np.zeros((len(recording.times), len(face)))
-    for number, columns in found.items():
-        own = recording.values[:, [recording.names.index(name) for name in columns]]
-        values[:, number] = own.max(axis=1)
+    numbers = sorted(found)
+    columns = {name: at for at, name in enumerate(recording.names)}
+    values = np.column_stack(
+        [recording.values[:, [columns[n] for n in found[one]]].max(axis=1) for one in numbers]
+    )
     remarks = [*recording.remarks, *(f"{recording.source}: {d}" for d in shapes[best].doubts)]
     if values.max() > PERCENT_ABOVE:
         values = values / 100
         remarks.append(f"{recording.source}: its weights run to 100, and are taken as percent")
-    times, fps = _even(recording.source, recording.times)
+    times, fps = even_times(recording.source, recording.times)
     if times is not recording.times:
         values = np.column_stack([np.interp(times, recording.times, one) for one in values.T])
-    names = tuple(channel.name for channel in face)
-    animation = Animation(times, names, values, fps, schedule, channels=face)
-    missing = [channel.name for number, channel in enumerate(face) if number not in found]
-    if missing:
-        remarks.append(f"{recording.source} has nothing for {_some(missing)}; they stay at rest")
-    return animation, tuple(remarks)
+    return PlacedColumns(face, np.array(numbers), times, fps, values, gains, tuple(remarks))
 
 
-def _faces(performer: "Performer") -> "list[tuple[Channel, ...]]":
-    """Return the poses of a performer, and the channels of its rig if it has one."""
+def _faces(performer: "Performer") -> "list[tuple[tuple[Channel, ...], Floats]]":
+    """Return the poses of a performer, and the channels of its rig if it has one, with gains."""
     compiled = performer.compiled
-    faces = [performer.channels]
+    faces = [(performer.channels, np.eye(len(performer.poses)))]
     if compiled.rig is not None:
         driver = Driver.from_plain(compiled.rig, performer.poses, compiled.tables.floors)
-        faces.append(driver.channels)
+        faces.append((driver.channels, driver.rig.gains))
     return faces
 
 
-def _even(source: str, times: Floats) -> tuple[Floats, float]:
+def even_times(source: str, times: Floats) -> tuple[Floats, float]:
     """Return evenly spaced times, and frames per second."""
     step = float(np.median(np.diff(times)))
     fps = min(1 / step, MAX_FPS)
@@ -138,6 +187,7 @@ def _even(source: str, times: Floats) -> tuple[Floats, float]:
     return times[0] + np.arange(count) / fps, fps
 
 
-def _some(names: "Iterable[str]") -> str:
+def some_names(names: "Iterable[str]") -> str:
+    """List the first few names."""
     known = list(names)
     return ", ".join(known[:MAX_NAMES]) + (", ..." if len(known) > MAX_NAMES else "")

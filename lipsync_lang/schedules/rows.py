@@ -153,6 +153,8 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
     end = 0.0
     for stated in rows:
         row, label = stated, stated.label.strip() or SILENCE
+        if label.casefold() in source.silences:
+            label = SILENCE
         check_span(source, row)
         if row.end - row.start < SNAP_SECONDS and label == SILENCE:
             continue

@@ -4,6 +4,7 @@ import codecs
 import json
 import re
 from codecs import BOM_UTF16_BE, BOM_UTF16_LE, BOM_UTF32_BE, BOM_UTF32_LE
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -63,6 +64,7 @@ class TimingFile:
     tier : name of the tier, speaker or channel to read; None if the file has only one
     rate : units per second of its times; None for the format's own
     encoding : encoding of its text; None to detect it
+    silences : labels that are silence in this file, besides blank ones, in small letters
     """
 
     path: Path
@@ -70,6 +72,7 @@ class TimingFile:
     tier: str | None = None
     rate: float | None = None
     encoding: str | None = None
+    silences: Collection[str] = ()
 
     def fault(self, what: str, line: int | None = None, column: int | None = None) -> ScheduleError:
         """Return an error at a place of the file; `what` is the mistake and the cure."""

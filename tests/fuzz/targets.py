@@ -22,7 +22,9 @@ from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATI
 from lipsync_lang.authoring.inventories import read_inventory
 from lipsync_lang.banks.smartbody import Remarks, read_smartbody
 from lipsync_lang.build.script import read_script
+from lipsync_lang.capture.capture_files import find_captures
 from lipsync_lang.capture.fit_file import read_fit
+from lipsync_lang.capture.sensors import read_sensors
 from lipsync_lang.coverage.changes import read_document
 from lipsync_lang.errors import PackError
 from lipsync_lang.lines.line_readers import READERS as LINES
@@ -30,7 +32,7 @@ from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.packs import finding
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
-from lipsync_lang.packs.models import MODELS, Project
+from lipsync_lang.packs.models import MODELS, Project, ReadOut
 from lipsync_lang.phonology.g2p.lexicon import read_lexicon
 from lipsync_lang.quality.fitting import read_for
 from lipsync_lang.render.staging import staged
@@ -98,6 +100,8 @@ def _found() -> Iterator[Target]:
         yield Target(f"animations/{name}", lambda path: read_for(_performer(), path, LINE))
     for kind in MODELS:
         yield Target(f"packs/{kind}", _pack, partial(_placed, kind), share=0.2)
+    yield Target("captures/list", _listed)
+    yield Target("captures/sensors", lambda path: read_sensors(path, READ_OUT))
     yield Target("models/names", partial(read_model, bones=True))
     yield Target("models/written", _written)
     yield Target("models/drawn", _drawn)
@@ -161,6 +165,7 @@ PLACES = {
     "rig": "posesets/face/rigs/model.yaml",
     "character": "characters/anna.yaml",
     "project": "lipsync.yaml",
+    "readout": "captures/readout.yaml",
 }
 """The file of a sound tree that is damaged."""
 
@@ -171,6 +176,7 @@ def _placed(kind: str, folder: Path, suffix: str) -> Path:
     del suffix
     if not (folder / PLACES[kind]).exists():
         plant(folder)
+        (folder / PLACES[kind]).parent.mkdir(exist_ok=True)
     return folder / PLACES[kind]
 
 
@@ -189,6 +195,18 @@ def _pack(path: Path) -> None:
 @cache
 def _moi() -> Schedule:
     return Schedule(("p", "a", "_"), np.array([0.0, 0.1, 0.3, 0.5]))
+
+
+# Captures
+
+READ_OUT = ReadOut(
+    kind="readout", format=1, measures={"aperture": {"up": 1, "low": -1}, "other": {"low": 2}}
+)
+
+
+def _listed(path: Path) -> None:
+    for one in find_captures(path).files:
+        assert one.capture.resolve().is_relative_to(path.parent.resolve())
 
 
 # Models

@@ -6,7 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.animations.readers.animation_readers import (
+    Floats,
+    Recording,
+    fail,
+    reader,
+    text_of,
+)
 
 TIMES = {
     "time": 1.0,
@@ -29,6 +35,19 @@ SEPARATORS = ",;\t"
 @reader("csv", suffix=".csv")
 def read_csv(path: Path, content: bytes) -> Recording:
     """A column of times (`time_s`, `time`, `time_ms`, ...), then a column for each curve."""
+    times, names, values = table_of(path, content)
+    return Recording(str(path), times, names, values)
+
+
+def table_of(
+    path: Path, content: bytes, *, gaps: bool = False
+) -> tuple[Floats, tuple[str, ...], Floats]:
+    """Read the times in seconds (T,), the names of C columns, and their values (T, C).
+
+    Parameters
+    ----------
+    gaps : True to take blank cells for `nan`; by default they are errors
+    """
     text = text_of(path, content)
     first = text.partition("\n")[0]
     separator = max(SEPARATORS, key=first.count)
@@ -38,13 +57,15 @@ def read_csv(path: Path, content: bytes) -> Recording:
         fail(path, f"is no table: {error}")
     if not rows:
         fail(path, "is empty", "export it again")
+    if gaps:
+        rows[1:] = [[value.strip() or "nan" for value in row] for row in rows[1:]]
     head = [name.strip() for name in rows[0]]
     unit = TIMES.get(_plain(head[0]))
     if unit is None:
         fail(f"{path}:1", f"its first column is '{head[0]}', no time", "call it time_s or time_ms")
     values = np.array([_numbers(path, n, row, len(head)) for n, row in enumerate(rows[1:], 2)])
     table = values.reshape(-1, len(head))
-    return Recording(str(path), table[:, 0] * unit, tuple(head[1:]), table[:, 1:])
+    return table[:, 0] * unit, tuple(head[1:]), table[:, 1:]
 
 
 def _plain(name: str) -> str:

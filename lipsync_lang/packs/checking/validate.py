@@ -45,6 +45,10 @@ YAML = (".yaml", ".yml")
 """Suffixes of YAML files; packs must have the first."""
 
 
+READOUT = "readout"
+"""The kind of a read-out, which names no other pack."""
+
+
 class File(NamedTuple):
     """A pack file, with the kind and name required at its place; None accepts any."""
 
@@ -153,6 +157,7 @@ class _Validation:
             "rig": self._rig,
             "character": self._character,
             PROJECT: self._project,
+            READOUT: _alone,
         }
         act[pack.model.kind](pack)
 
@@ -304,6 +309,11 @@ class _Validation:
         except PackError as error:
             self._note(Fault(f"{FOLDERS['language']}/{COMMON}.yaml", 1, 1, "P001", str(error)))
         return None
+
+
+def _alone(pack: "Pack[Any]") -> None:
+    """Check nothing more of a pack that names no other."""
+    del pack
 
 
 def _quietly(load: Callable[[], T]) -> T | None:

@@ -40,6 +40,7 @@ from lipsync_lang.packs.models.pose_models import (
     WordCurves,
 )
 from lipsync_lang.packs.models.project_models import Project
+from lipsync_lang.packs.models.readout_models import ReadOut
 
 __all__ = [
     "G2P",
@@ -68,6 +69,7 @@ __all__ = [
     "Pose",
     "PoseSet",
     "Project",
+    "ReadOut",
     "Rewrite",
     "RigChannel",
     "RigPack",
@@ -82,6 +84,6 @@ __all__ = [
 
 MODELS: dict[str, type[PackModel]] = {
     get_args(model.model_fields["kind"].annotation)[0]: model
-    for model in (Phonemes, Language, PoseSet, BankPack, Character, RigPack, Ipa, Project)
+    for model in (Phonemes, Language, PoseSet, BankPack, Character, RigPack, Ipa, Project, ReadOut)
 }
 """The model of each kind of pack, keyed by the value of its `kind` field."""

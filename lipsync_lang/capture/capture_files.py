@@ -1,0 +1,309 @@
+"""Files of captures: which there are, and which timings, texts and sounds belong to each.
+
+The files of a capture NAME lie side by side: `NAME.csv`, `NAME.TextGrid` or `NAME.phones.tsv`, or
+`NAME.txt` and `NAME.wav`. A table with a column `capture` states them instead, a row for each.
+"""
+
+import os
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+from lipsync_lang.animations.readers.animation_readers import READERS
+from lipsync_lang.animations.readers.json import MARK
+from lipsync_lang.capture.fit_file import SetAside
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.files import argument_path
+from lipsync_lang.files.names import folded_name
+from lipsync_lang.lines.line_readers import LineFile
+from lipsync_lang.lines.table import cell, open_table
+from lipsync_lang.lines.timings import SUFFIXES, is_timed
+
+SOUNDS = (".wav", ".flac", ".ogg", ".mp3")
+"""Suffixes of sounds beside a capture, likeliest first."""
+
+TEXTS = (".txt", ".lab")
+"""Suffixes of texts beside a capture, likeliest first."""
+
+READ_OUT = "readout.yaml"
+"""Name of a read-out that holds for the captures in its folder and below."""
+
+MAX_CAPTURES = 20_000
+"""Captures of a fit; more are refused."""
+
+HEAD_BYTES = 4096
+"""Bytes that tell a list of captures and a file of curves from other files."""
+
+COLUMNS = ("capture", "timings", "text", "audio", "speaker", "start", "fps")
+"""Columns of a list of captures; only the first must be there."""
+
+
+@dataclass(frozen=True)
+class CaptureFiles:
+    """The files of one capture."""
+
+    capture: Path
+    name: str
+    """The path below the searched folder, without suffix."""
+    timings: Path | None = None
+    text: str | Path | None = None
+    """The spoken text, or a file of it."""
+    audio: Path | None = None
+    speaker: str = ""
+    start: float = 0.0
+    """Seconds on the clock of the timings at which the clock of the capture is zero."""
+    fps: float | None = None
+    """Frames per second as stated beside the capture."""
+    readout: Path | None = None
+    """The read-out of its folder."""
+
+
+class FoundCaptures(NamedTuple):
+    """Captures found, and those that cannot be used."""
+
+    files: tuple[CaptureFiles, ...]
+    set_aside: tuple[SetAside, ...]
+
+
+def find_captures(
+    paths: str | Path | Iterable[str | Path], *, speaker: str | None = None
+) -> FoundCaptures:
+    """Find the captures among files and below folders.
+
+    Parameters
+    ----------
+    paths : files and folders, one or several
+    speaker : pattern of names that tells the speaker, such as `{speaker}_*`, or of paths below the
+        folder, such as `*/{speaker}/*`. By default the first folder below the searched one
+
+    Raises
+    ------
+    LipsyncError
+        A path is missing, the pattern has no `{speaker}`, or there are no captures, or too many.
+    """
+    pattern = None if speaker is None else _pattern(speaker)
+    found: dict[str, CaptureFiles] = {}
+    aside: list[SetAside] = []
+    for path in map(argument_path, [paths] if isinstance(paths, (str, Path)) else paths):
+        if not path.exists():
+            raise LipsyncError(f"{path}: no such file or folder; check the path")
+        for one in _below(path, aside) if path.is_dir() else _named(path, aside):
+            found.setdefault(os.path.realpath(one.capture), one)
+        if len(found) > MAX_CAPTURES:
+            raise LipsyncError(f"{path}: holds more than {MAX_CAPTURES} captures; give a part")
+    if not found and not aside:
+        raise LipsyncError(
+            f"no captures in {_listed(paths)}; known: {', '.join(READERS.suffixes())}"
+        )
+    told = [one if one.speaker else _with_speaker(one, pattern) for one in found.values()]
+    return FoundCaptures(tuple(_uniquely_named(told)), tuple(aside))
+
+
+def _listed(paths: str | Path | Iterable[str | Path]) -> str:
+    return str(paths) if isinstance(paths, (str, Path)) else ", ".join(map(str, paths))
+
+
+def _pattern(text: str) -> re.Pattern[str]:
+    """Return a pattern of paths as an expression; `*` is any text, `{speaker}` the speaker."""
+    before, mark, after = text.partition("{speaker}")
+    if not mark or text.count("*") > 4 or "{speaker}" in after:  # noqa: PLR2004 few, so that matching is quick
+        raise LipsyncError(
+            f"{text}: a pattern has `{{speaker}}` once and `*` four times at most, as in "
+            "`{speaker}_*`"
+        )
+    parts = (".*".join(map(re.escape, part.split("*"))) for part in (before, after))
+    return re.compile("([^/]+?)".join(parts))
+
+
+def _with_speaker(one: CaptureFiles, pattern: re.Pattern[str] | None) -> CaptureFiles:
+    if pattern is None:
+        return replace(one, speaker=one.name.partition("/")[0] if "/" in one.name else "")
+    found = pattern.fullmatch(one.name) or pattern.fullmatch(one.name.rpartition("/")[2])
+    return replace(one, speaker=found[1] if found else "")
+
+
+def _uniquely_named(found: Sequence[CaptureFiles]) -> Iterator[CaptureFiles]:
+    """Yield captures under names of their own; of the same name, the suffix tells them apart."""
+    counts = Counter(one.name for one in found)
+    seen: Counter[str] = Counter()
+    for one in found:
+        name = one.name if counts[one.name] == 1 else f"{one.name}{one.capture.suffix}"
+        seen[name] += 1
+        yield replace(one, name=name if seen[name] == 1 else f"{name}-{seen[name]}")
+
+
+def _named(path: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
+    """Yield the capture that a file is, or those that it lists."""
+    folder = _Neighbours(path.parent)
+    if _lists_captures(path):
+        yield from _stated(path, folder, path.parent, aside)
+    else:
+        yield folder.files_of(path, path.parent)
+
+
+def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
+    """Yield the captures below a folder in order; those that a table lists come with its words."""
+    stated: dict[str, CaptureFiles] = {}
+    beside: list[CaptureFiles] = []
+    for at, folders, names in os.walk(root):
+        folders.sort()
+        here = Path(at)
+        folder = _Neighbours(here, names)
+        for name in sorted(names):
+            path = here / name
+            if _lists_captures(path):
+                for one in _stated(path, folder, root, aside):
+                    stated.setdefault(os.path.realpath(one.capture), one)
+            elif folder.is_capture(path):
+                beside.append(folder.files_of(path, root))
+        if len(beside) > MAX_CAPTURES:
+            raise LipsyncError(f"{root}: holds more than {MAX_CAPTURES} captures; give a part")
+    yield from stated.values()
+    yield from (one for one in beside if os.path.realpath(one.capture) not in stated)
+
+
+def _head(path: Path) -> str:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(HEAD_BYTES).decode("utf-8-sig", "ignore")
+    except OSError:
+        return ""
+
+
+def _lists_captures(path: Path) -> bool:
+    """Tell a table with a column `capture` from other files."""
+    if path.suffix.lower() not in {".csv", ".tsv"}:
+        return False
+    first = _head(path).partition("\n")[0]
+    return COLUMNS[0] in [one.strip(' "\r').casefold() for one in re.split("[\t,;|]", first)]
+
+
+def _stated(
+    path: Path, folder: "_Neighbours", root: Path, aside: list[SetAside]
+) -> Iterator[CaptureFiles]:
+    """Yield the captures that a table lists; a faulty row is set aside."""
+    source = LineFile(path, lambda _: None)
+    table = open_table(source)
+    head = [name.casefold() for name in table.head]
+    unknown = next((name for name in head if name and name not in COLUMNS), None)
+    if unknown is not None:
+        raise source.fault(1, f"unknown column '{unknown}'; {did_you_mean(unknown, COLUMNS)}")
+    for number, row in table.rows:
+        cells = {name: cell(row, at) for at, name in enumerate(head)}
+        if not any(cells.values()):
+            continue
+        try:
+            yield _row(path, cells, folder, root)
+        except LipsyncError as error:
+            place = f"{path}:{number}"
+            aside.append(SetAside(line=cells[COLUMNS[0]] or place, why=f"{place}: {error}"))
+
+
+def _row(path: Path, cells: dict[str, str], folder: "_Neighbours", root: Path) -> CaptureFiles:
+    files = {what: _inside(path.parent, cells[what]) for what in COLUMNS[:2] if cells.get(what)}
+    audio = _inside(path.parent, cells["audio"]) if cells.get("audio") else None
+    if COLUMNS[0] not in files:
+        raise LipsyncError("names no capture; fill its first column")
+    one = folder.files_of(files[COLUMNS[0]], root)
+    if cells.get("text") or "timings" in files:
+        one = replace(one, timings=files.get("timings"), text=cells.get("text") or None)
+    return replace(
+        one,
+        audio=audio or one.audio,
+        speaker=cells.get("speaker", ""),
+        start=_number(cells, "start", 0.0),
+        fps=_number(cells, "fps", None),
+    )
+
+
+def _inside(folder: Path, name: str) -> Path:
+    """Return a file below the folder of its list."""
+    path = folder / name
+    if Path(name).is_absolute() or ".." in Path(name).parts:
+        raise LipsyncError(f"'{name}' is outside the folder of the list; move the file into it")
+    if not path.is_file():
+        raise LipsyncError(f"there is no file '{name}'; check the path")
+    return path
+
+
+def _number(cells: dict[str, str], what: str, usual: float | None) -> float:
+    text = cells.get(what)
+    if not text:
+        return usual  # type: ignore[return-value]  # None for a rate that nobody states
+    try:
+        number = float(text)
+    except ValueError:
+        number = float("nan")
+    if not abs(number) < 86_400 or (what == "fps" and number <= 0):  # noqa: PLR2004 a day
+        raise LipsyncError(f"`{what}` is '{text[:20]}'; write a number, with a point")
+    return number
+
+
+class _Neighbours:
+    """The files of a folder, by the name that they share with a capture."""
+
+    def __init__(self, folder: Path, names: Iterable[str] | None = None) -> None:
+        self.folder = folder
+        listed = os.listdir(folder) if names is None else names  # noqa: PTH208 names are enough
+        self.by_stem: dict[str, list[str]] = defaultdict(list)
+        self._captures: dict[str, bool] = {}
+        captures: Counter[str] = Counter()
+        for name in sorted(listed):
+            stem = name.rpartition(".")[0] or name
+            for key in dict.fromkeys((stem, stem.partition(".")[0])):
+                self.by_stem[folded_name(key)].append(name)
+            if self.is_capture(folder / name):
+                captures[folded_name(stem.partition(".")[0])] += 1
+        self._shared = {base for base, count in captures.items() if count > 1}
+
+    def is_capture(self, path: Path) -> bool:
+        """Tell captures from timings, by their content."""
+        if path.name not in self._captures:
+            self._captures[path.name] = self._holds_motion(path)
+        return self._captures[path.name]
+
+    @staticmethod
+    def _holds_motion(path: Path) -> bool:
+        if path.suffix.lower() not in READERS.suffixes() or _lists_captures(path):
+            return False
+        if path.suffix.lower() == ".json" and MARK in _head(path):
+            return True
+        return path.suffix.lower() not in SUFFIXES or not is_timed(LineFile(path, lambda _: None))
+
+    def files_of(self, capture: Path, root: Path) -> CaptureFiles:
+        """Return a capture with its neighbours; a full stem comes before the name up to a dot."""
+        stem = capture.name.rpartition(".")[0] or capture.name
+        base = stem.partition(".")[0]
+        keys = [stem] if folded_name(base) in self._shared else list(dict.fromkeys((stem, base)))
+        near = [name for key in keys for name in self.by_stem.get(folded_name(key), ())]
+        beside = [self.folder / name for name in near if name != capture.name]
+        timed = [path for path in beside if _is_timings(path)]
+        told = (p for suffix in TEXTS for p in beside if p.suffix.lower() == suffix)
+        heard = (p for suffix in SOUNDS for p in beside if p.suffix.lower() == suffix)
+        name = capture.with_name(base if base not in self._shared else stem)
+        shown = name.relative_to(root) if name.is_relative_to(root) else Path(name.name)
+        return CaptureFiles(
+            capture,
+            shown.as_posix(),
+            timed[0] if timed else None,
+            next((path for path in told if path not in timed), None),
+            next(heard, None),
+            readout=_above(capture.parent, root),
+        )
+
+
+def _above(folder: Path, root: Path) -> Path | None:
+    """Return the read-out of a folder, or of one above it up to the root."""
+    for at in (folder, *folder.parents):
+        if (at / READ_OUT).is_file():
+            return at / READ_OUT
+        if at == root:
+            break
+    return None
+
+
+def _is_timings(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES and is_timed(LineFile(path, lambda _: None))

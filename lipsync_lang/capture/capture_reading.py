@@ -1,0 +1,221 @@
+"""Reading of captures: files become lines of signals with their phonemes.
+
+A file that cannot be read is set aside with the reason; the others are read all the same.
+"""
+
+from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
+from lipsync_lang.capture.capture_files import CaptureFiles, find_captures
+from lipsync_lang.capture.capture_timings import CaptureTimings, readable
+from lipsync_lang.capture.captured_line import CapturedLine
+from lipsync_lang.capture.fit_file import SetAside
+from lipsync_lang.capture.sensors import SensorSignals, load_readout, read_sensors
+from lipsync_lang.errors import AnimationError, LipsyncError
+from lipsync_lang.pipeline.arrays import Floats
+from lipsync_lang.quality.fitting import even_times, placed_columns, some_names
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import ReadOut
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+FPS_TOLERANCE = 0.01
+"""Share by which a stated frame rate may differ from that of the times."""
+
+
+class Captures(NamedTuple):
+    """Captured lines, and the captures that are not used."""
+
+    lines: tuple[CapturedLine, ...]
+    set_aside: tuple[SetAside, ...]
+
+
+def read_captures(  # noqa: PLR0913 each says one thing that the files may not
+    performer: "Performer",
+    paths: str | Path | Iterable[str | Path],
+    *,
+    readout: str | Path | None = None,
+    speaker: str | None = None,
+    aligner: str | None = None,
+    notation: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Captures:
+    """Read captures with their phonemes, as signals of a performer's face.
+
+    Parameters
+    ----------
+    performer : whose poses, rig channels and measures the signals are, and whose language is read
+    paths : files and folders; `find_captures` says which files belong to a capture
+    readout : the read-out of tables of sensors; by default `readout.yaml` in their folder or above
+    speaker : pattern of paths that tells the speaker, such as `{speaker}_*`
+    aligner : another aligner than the language's, for captures with text and sound
+    notation : of the timings; None for what the read-out or the language tells
+    progress : called with the number of captures read, and of all
+
+    Raises
+    ------
+    LipsyncError
+        A path is missing, or the read-out is unsound. A fault of one capture sets that one aside.
+    """
+    found = find_captures(paths, speaker=speaker)
+    readouts = _ReadOuts(performer, None if readout is None else Path(readout))
+    timed = CaptureTimings(performer, aligner, notation)
+    lines, aside = [], list(found.set_aside)
+    spoken = timed.aligned([one for one in found.files if one.timings is None])
+    for number, files in enumerate(found.files, 1):
+        try:
+            lines.append(_line(performer, files, readouts, timed, spoken.get(files.name)))
+        except (LipsyncError, OSError) as error:
+            aside.append(SetAside(line=files.name, why=str(error)))
+        if progress is not None:
+            progress(number, len(found.files))
+    return Captures(tuple(lines), tuple(aside))
+
+
+class _Moving(NamedTuple):
+    """The motion of a capture, without its phonemes."""
+
+    times: Floats
+    signals: tuple[str, ...]
+    values: Floats
+    gains: Floats
+    free: bool = False
+    remarks: tuple[str, ...] = ()
+    schedule: "Schedule | None" = None
+
+
+def _line(
+    performer: "Performer",
+    files: CaptureFiles,
+    readouts: "_ReadOuts",
+    timed: CaptureTimings,
+    spoken: "Schedule | LipsyncError | None",
+) -> CapturedLine:
+    """Read one capture."""
+    stated = readouts.of(files)
+    motion = _motion(performer, files, stated)
+    _check_rate(files, motion.times)
+    schedule = timed.schedule(files, stated, spoken or motion.schedule)
+    schedule, more = readable(performer, schedule)
+    return CapturedLine(
+        files.name,
+        schedule,
+        motion.times + files.start,
+        motion.signals,
+        motion.values,
+        motion.gains,
+        motion.free,
+        files.speaker,
+        (*motion.remarks, *schedule.remarks, *more),
+    )
+
+
+def _check_rate(files: CaptureFiles, times: Floats) -> None:
+    """Refuse a capture whose times are not at the stated rate."""
+    fps = (len(times) - 1) / float(times[-1] - times[0])
+    if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
+        raise AnimationError(
+            f"{files.capture}: its times run at {fps:.4g} frames per second, but {files.fps:g} are "
+            "stated; one of the two is wrong, so its clock cannot be trusted"
+        )
+
+
+def _motion(performer: "Performer", files: CaptureFiles, readout: "ReadOut | None") -> _Moving:
+    """Read the motion: of sensors if a read-out knows the columns, else of poses or channels."""
+    if readout is not None and files.capture.suffix.lower() == ".csv":
+        sensed = _sensed(files.capture, readout)
+        if sensed is not None:
+            return _measured(performer, files.capture, sensed)
+    try:
+        return _weighted(performer, read_animation(files.capture))
+    except AnimationError as error:
+        if readout is not None or files.capture.suffix.lower() != ".csv":
+            raise
+        raise AnimationError(f"{error} (a table of sensors needs a read-out)") from None
+
+
+def _sensed(path: Path, readout: "ReadOut") -> SensorSignals | None:
+    from lipsync_lang.animations.readers.live_link import fits
+
+    with path.open("rb") as stream:
+        live_link = fits(stream.read(256))
+    return None if live_link else read_sensors(path, readout)
+
+
+def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Moving:
+    """Return the measures of sensors that the pose set has."""
+    known = performer.compiled.measures
+    used = [at for at, name in enumerate(sensed.measures) if name in known]
+    if not used:
+        raise AnimationError(
+            f"{path}: its read-out tells {some_names(sensed.measures)}, but {performer.character} "
+            f"has the measures {some_names(known) or 'none'}; name those in the read-out"
+        )
+    signals = tuple(sensed.measures[at] for at in used)
+    gains = np.array([[known[s].get(pose, 0.0) for pose in performer.poses] for s in signals])
+    times, _ = even_times(str(path), sensed.times)
+    values = sensed.values[:, used]
+    if times is not sensed.times:
+        values = np.column_stack([_resampled(times, sensed.times, one) for one in values.T])
+    other = [name for name in sensed.measures if name not in known]
+    remarks = list(sensed.remarks)
+    if other:
+        remarks.append(
+            f"{path}: {performer.character} has no measure {some_names(other)}; left out"
+        )
+    return _Moving(times, signals, values, gains, free=True, remarks=tuple(remarks))
+
+
+def _resampled(times: Floats, old: Floats, values: Floats) -> Floats:
+    """Return values at other times; NaN within a gap stays NaN."""
+    good = np.isfinite(values)
+    if not good.any():
+        return np.full(len(times), np.nan)
+    made = np.interp(times, old[good], values[good])
+    lost = np.interp(times, old, (~good).astype(float)) > 0
+    return np.where(lost, np.nan, made)
+
+
+def _weighted(performer: "Performer", recording: Recording) -> _Moving:
+    """Return the poses or rig channels of an animation; those without a column are left out."""
+    found = placed_columns(recording, performer)
+    names = [found.face[number].name for number in found.numbers.tolist()]
+    gains = found.gains[found.numbers]
+    remarks = found.remarks
+    if found.missing:
+        told = f"has nothing for {some_names(found.missing)}; they are not fitted"
+        remarks += (f"{recording.source}: {told}",)
+    deaf = ~gains.any(axis=1)
+    if deaf.all():
+        raise AnimationError(f"{recording.source}: no pose moves any of {some_names(names)}")
+    kept = np.flatnonzero(~deaf)
+    signals = tuple(names[at] for at in kept)
+    return _Moving(
+        found.times,
+        signals,
+        found.values[:, kept],
+        gains[kept],
+        remarks=remarks,
+        schedule=recording.schedule,
+    )
+
+
+class _ReadOuts:
+    """Read-outs by their file; each is read once."""
+
+    def __init__(self, performer: "Performer", stated: Path | None) -> None:
+        self._performer = performer
+        self._stated = None if stated is None else load_readout(stated)
+        self._load = cache(load_readout)
+
+    def of(self, files: CaptureFiles) -> "ReadOut | None":
+        """Return the read-out of a capture: the stated one, or that of its folder."""
+        if self._stated is not None or files.readout is None:
+            return self._stated
+        return self._load(files.readout)

@@ -1,0 +1,164 @@
+"""Timings of captures: read from files beside them, or found in their sound."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.capture.capture_files import CaptureFiles
+from lipsync_lang.errors import LipsyncError, ScheduleError
+from lipsync_lang.files import read_input
+from lipsync_lang.quality.fitting import some_names
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.timed_words import TimedWords
+from lipsync_lang.schedules.timing_file import TimingFile, timing_bytes
+from lipsync_lang.schedules.timing_readers import timings_of
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import ReadOut
+    from lipsync_lang.performing.performer import Performer
+
+LONG_LAST_SECONDS = 0.5
+"""A longer last sound runs on into silence."""
+
+LAST_SECONDS = 0.1
+"""Length that such a sound keeps."""
+
+MAX_UNKNOWN_SHARE = 0.1
+"""Share of the labels that may be unknown to the language, and are taken for silence."""
+
+MAX_TEXT_BYTES = 2**20
+"""Largest text of a capture."""
+
+
+@dataclass(frozen=True, eq=False)
+class CaptureTimings:
+    """Timings of captures, in the language of a performer."""
+
+    performer: "Performer"
+    aligner: str | None
+    notation: str | None
+
+    def schedule(
+        self,
+        files: CaptureFiles,
+        readout: "ReadOut | None",
+        spoken: "Schedule | LipsyncError | None",
+    ) -> Schedule:
+        """Return the phonemes of a capture: from its timings, else as aligned or in its file."""
+        if files.timings is not None:
+            return self._read(files, files.timings, readout)
+        if isinstance(spoken, LipsyncError):
+            raise spoken
+        if spoken is not None:
+            return spoken
+        near = files.capture.with_name(files.name.rpartition("/")[2])
+        has = "a text, but no sound" if files.text is not None else "no timings"
+        raise ScheduleError(
+            f"{files.capture}: has {has}; put {near.name}.TextGrid, or {near.name}.txt and "
+            f"{near.name}.wav, beside it"
+        )
+
+    def _read(self, files: CaptureFiles, path: Path, readout: "ReadOut | None") -> Schedule:
+        from lipsync_lang.speech.filling import filled
+
+        quiet = {*self.performer.compiled.silences, *(readout.silences if readout else ())}
+        silences = frozenset(one.casefold() for one in quiet)
+        found = timings_of(TimingFile(path, timing_bytes(path), silences=silences))
+        if isinstance(found, TimedWords):
+            return filled(self.performer.speaker, found, audio=files.audio)
+        notation = self.notation or (readout.notation if readout else None) or found.notation
+        return replace(found, notation=notation)
+
+    def aligned(self, files: Sequence[CaptureFiles]) -> "dict[str, Schedule | LipsyncError]":
+        """Align the captures that have a text and a sound; return what was found by name."""
+        from lipsync_lang.speech.hearing import align_many
+
+        known = [one for one in files if one.text is not None and one.audio is not None]
+        told: dict[str, str] = {}
+        out: dict[str, Schedule | LipsyncError] = {}
+        for one in known:
+            try:
+                told[one.name] = _text(one.text)
+            except LipsyncError as error:
+                out[one.name] = error
+        pairs = [(one, told[one.name]) for one in known if one.name in told]
+        if pairs:
+            sounds = ((one.audio, text) for one, text in pairs if one.audio is not None)
+            found: Iterator[Schedule | LipsyncError] = align_many(
+                self.performer.speaker, sounds, aligner=self.aligner
+            )
+            out |= zip((one.name for one, _ in pairs), found, strict=True)
+        return out
+
+
+def _text(text: str | Path | None) -> str:
+    """Return a text, or what a file of it holds."""
+    if not isinstance(text, Path):
+        return text or ""
+    content = read_input(text, MAX_TEXT_BYTES, mend="give the text of one line")
+    try:
+        return content.decode("utf-8-sig").strip()
+    except UnicodeDecodeError as error:
+        raise LipsyncError(
+            f"{text}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
+        ) from None
+
+
+def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tuple[str, ...]]:
+    """Return a schedule with silence for a few unknown labels; refuse one with many.
+
+    The sound is dropped, for a performance would take its loudness into account. A last sound that
+    runs on into silence is cut.
+    """
+    reader = performer.labels
+    known = reader.notation(schedule)
+    labels = dict.fromkeys(schedule.labels)
+    unknown = {
+        one for one in labels if known.find(one) is None and reader.unlisted(known, one) is None
+    }
+    lost = [at for at, label in enumerate(schedule.labels) if label in unknown]
+    told: tuple[str, ...] = ()
+    if len(lost) > MAX_UNKNOWN_SHARE * len(schedule):
+        raise ScheduleError(
+            f"{schedule.source}: {len(lost)} of {len(schedule)} labels are unknown to "
+            f"{performer.language}: {some_names(sorted(unknown))}; name their notation, or list "
+            "the silent ones in a read-out"
+        )
+    if lost:
+        what = f"labels unknown to {performer.language}, taken for silence"
+        told = (f"{schedule.source}: {what}: {some_names(sorted(unknown))}",)
+    made = replace(
+        schedule,
+        labels=tuple(SILENCE if label in unknown else label for label in schedule.labels),
+        audio=None,
+    )
+    values = reader.values(made)
+    silent = [value == reader.values(_SILENT)[0] for value in values]
+    if all(silent):
+        raise ScheduleError(f"{schedule.source}: has no sound, only silence; is it the right file?")
+    return _cut_last(made, max(at for at, mute in enumerate(silent) if not mute)), told
+
+
+_SILENT = Schedule((SILENCE,), np.array([0.0, 1.0]))
+
+
+def _cut_last(schedule: Schedule, last: int) -> Schedule:
+    """Cut a last sound that runs on into silence."""
+    start, end = schedule.times[last : last + 2].tolist()
+    if end - start <= LONG_LAST_SECONDS:
+        return schedule
+    labels = (*schedule.labels[: last + 1], SILENCE)
+    times = np.array([*schedule.times[: last + 1], start + LAST_SECONDS, schedule.end])
+    stress = (*schedule.stress[: last + 1], None) if schedule.stress else ()
+    words = tuple(word for word in schedule.words if word.stop <= last + 1)
+    told = (
+        f"{schedule.source}: its last sound, {schedule.labels[last]!r}, lasts {end - start:.2f} s; "
+        f"{LAST_SECONDS:g} s of it count"
+    )
+    return replace(
+        schedule, labels=labels, times=times, stress=stress, words=words, lines=(),
+        remarks=(*schedule.remarks, told),
+    )  # fmt: skip

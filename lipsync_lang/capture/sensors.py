@@ -1,0 +1,106 @@
+"""Sensors: tables of positions, read as measures of a pose set by a stated read-out.
+
+Conventions: T samples, M measures; times are in seconds.
+"""
+
+from pathlib import Path
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from lipsync_lang.animations.readers.animation_readers import (
+    LEAST,
+    LONGEST_SECONDS,
+    MAX_ANIMATION_BYTES,
+    fail,
+)
+from lipsync_lang.animations.readers.csv import table_of
+from lipsync_lang.errors import AnimationError, did_you_mean
+from lipsync_lang.files import read_input
+from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.models import ReadOut
+from lipsync_lang.pipeline.arrays import Floats
+
+
+class SensorSignals(NamedTuple):
+    """Measures that a table of sensors shows."""
+
+    times: Floats
+    """(T,) seconds."""
+    measures: tuple[str, ...]
+    values: Floats
+    """(T, M); NaN where a sensor was lost."""
+    remarks: tuple[str, ...]
+
+
+def load_readout(path: Path) -> ReadOut:
+    """Read a read-out.
+
+    Raises
+    ------
+    PackFaults
+        The file is unsound; every fault of its form.
+    """
+    return cast("ReadOut", Library(project=None).load(path, "readout").model)
+
+
+def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
+    """Read a table of sensors; None if it has no column of the read-out.
+
+    Raises
+    ------
+    AnimationError
+        The file is no table of numbers with rising times, or lacks some of the columns of every
+        measure.
+    """
+    content = read_input(
+        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="is it a table of sensors?"
+    )
+    times, names, table = table_of(path, content, gaps=True)
+    wanted = {column for sums in readout.measures.values() for column in sums}
+    if wanted.isdisjoint(names):
+        return None
+    _check_times(path, times)
+    known, lacking = _with_columns(readout, names)
+    if not known:
+        column = min(wanted - set(names))
+        fail(path, f"has no column '{column}'", did_you_mean(column, names))
+    remarks = [
+        f"{path}: has no column '{column}' for '{measure}', which is left out"
+        for measure, column in lacking.items()
+    ]
+    sensed = np.where(np.isfinite(table), table, np.nan)
+    if readout.lost is not None:
+        sensed[sensed == readout.lost] = np.nan
+    places = {name: at for at, name in enumerate(names)}
+    values = np.column_stack(
+        [
+            sum(
+                weight * sensed[:, places[column]]
+                for column, weight in readout.measures[one].items()
+            )
+            for one in known
+        ]
+    )
+    return SensorSignals(times, tuple(known), values, tuple(remarks))
+
+
+def _with_columns(readout: ReadOut, names: tuple[str, ...]) -> tuple[list[str], dict[str, str]]:
+    """Return the measures whose columns are there, and a missing column of each other one."""
+    lacking = {
+        measure: column
+        for measure, sums in readout.measures.items()
+        for column in sums
+        if column not in names
+    }
+    return [measure for measure in readout.measures if measure not in lacking], lacking
+
+
+def _check_times(path: Path, times: Floats) -> None:
+    if len(times) < LEAST:
+        fail(path, f"has {len(times)} samples", "export the whole recording")
+    if not (np.isfinite(times) & (np.abs(times) <= LONGEST_SECONDS)).all():
+        fail(path, "a time is no number of seconds", "call the column time_ms if it counts those")
+    falls = np.diff(times) <= 0
+    if falls.any():
+        fail(path, f"sample {int(falls.argmax()) + 1}: its time does not rise", "put it in order")
