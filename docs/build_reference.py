@@ -238,6 +238,9 @@ name: anna
 poseset: puppet
 motion: {speed_limit: 8}
 checks: {closure_late: 0.03}
+targets: {aa: {jaw: 0.8, status: fitted}}  # a fit to captures found it, and may change it again
+anticipate: {jaw: 0.05}
+fitted: {anticipate.jaw: 0.05}
 pronunciations:
   stage-english: {either: [ay, th, er]}    # said so by her alone
 bigrams:

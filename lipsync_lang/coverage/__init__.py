@@ -4,7 +4,7 @@
 - `Coverage.to_dict` returns the document that all other forms are made of.
 
 A bigram is *authored* if a bank has it edited or approved. Drafts are not authored, and neither are
-curves that an added phoneme borrows from a similar one.
+bigrams fitted to captures, nor curves that an added phoneme borrows from a similar one.
 """
 
 from typing import TYPE_CHECKING

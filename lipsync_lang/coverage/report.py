@@ -60,7 +60,7 @@ class BigramNeed(Fact):
     layer: str
     """Source of its curves: character, language, shared, like, draft or gap."""
     status: str
-    """drafted, edited or approved; empty for a gap."""
+    """drafted, fitted, edited or approved; empty for a gap."""
     example: str
     """A word with this bigram; empty if there is none."""
     places: tuple[str, ...]

@@ -7,7 +7,8 @@ and recorded as the origin of the bigram:
 2. the language's banks for this pose set,
 3. the pose set's shared banks,
 4. the same pair with added phonemes replaced by their `like` phonemes, in layers 1 to 3,
-5. a draft from the pose set's phoneme targets.
+5. a bigram fitted to captures, in layers 1 to 4,
+6. a draft from the phoneme targets of the character, or else of the pose set.
 
 A pair with shades is looked up finest first, down to the pair of their parents, and drafted only if
 nobody drew any of these.

@@ -10,6 +10,7 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.banks.draft import PASSIVE
 from lipsync_lang.packs.library import Library
+from lipsync_lang.packs.own_face import own_face
 from lipsync_lang.performing.performer import Performer
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.constrain import FREE
@@ -103,12 +104,13 @@ def dominance(
 def _targets(
     performer: Performer, library: Library | None
 ) -> "Mapping[str, tuple[PhonemeTarget, ...]]":
-    """Return the targets of the performer's pose set, found on the performer's own paths.
+    """Return the targets of the performer's character, found on the performer's own paths.
 
     A shade without a target has that of its parent.
     """
     packs = library or Library(performer.paths)
-    targets = packs.poseset(performer.compiled.poseset).model.targets
+    who = packs.character(performer.compiled.character).model
+    targets = own_face(packs.poseset(who.poseset).model, who).targets
     parents = performer.compiled.shades.items()
     return {shade: targets.get(parent, ()) for shade, parent in parents} | targets
 

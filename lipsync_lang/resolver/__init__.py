@@ -7,7 +7,8 @@ it wins, and the performer remembers where it came from:
 2. the language's banks for this pose set,
 3. the pose set's shared banks,
 4. the same pair, an added phoneme replaced by what it is `like`, in 1 to 3,
-5. a draft from the pose set's phoneme targets.
+5. a bigram fitted to captures, in 1 to 4,
+6. a draft from the phoneme targets of the character, or else of the pose set.
 
 What still has none is a gap, named; it is performed as rest only when the caller says so.
 """

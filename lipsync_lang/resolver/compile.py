@@ -123,7 +123,7 @@ def told(shelf: PairPacks, rows: PairRows, tables: Tables) -> dict[str, Any]:
 
 def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
     """Return rows, rows of styles, and the rules of the pose set as read-only arrays."""
-    poseset = shelf.poseset.model
+    poseset = shelf.face
     curves = tabulated(rows.every, len(shelf.poses))
     boundary, free = marks(rows.every)
     return frozen(

@@ -19,7 +19,7 @@ class Origin(NamedTuple):
     pair: Pair
     layer: str
     status: str
-    """Status: drafted, edited or approved. A draft is never called authored."""
+    """Status: drafted, fitted, edited or approved. The first two are never called authored."""
     places: tuple[str, ...]
     """file:line:column of the bigram, or of the two targets it was drafted from."""
     word: str | None = None

@@ -1,6 +1,6 @@
 """The packs of one pair, and the bigrams of each of their layers."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -14,6 +14,7 @@ from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.known import known
 from lipsync_lang.packs.library import FilePlace
+from lipsync_lang.packs.own_face import own_face
 from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import FREE
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
 
 NEUTRAL = "neutral"
 """The style of a bank that names none."""
+
+DRAFTED, FITTED = "drafted", "fitted"
+"""The statuses of bigrams that no person drew."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +60,10 @@ class DrawnBigrams(NamedTuple):
     rows: Mapping[Pair, BigramRow]
 
 
-UNDRAWN = frozenset({"known", "parents", "likes", "_mapped"})
+Layers = dict[str, dict[str, dict[Pair, BigramRow]]]
+"""Bigrams by layer, then style."""
+
+UNDRAWN = frozenset({"face", "known", "parents", "likes", "_mapped"})
 """Cached properties of `PairPacks` that do not depend on bigrams."""
 
 
@@ -135,6 +142,11 @@ class PairPacks:
         common = self.common.model
         return known(self.library, {*common.phonemes, *common.shades, *self.phonemes})
 
+    @cached_property
+    def face(self) -> "models.PoseSet":
+        """The pose set, with the character's own targets and seconds in place of its."""
+        return own_face(self.poseset.model, self.character.model)
+
     @property
     def poses(self) -> tuple[str, ...]:
         """Pose names, in the order of the curves."""
@@ -161,7 +173,7 @@ class PairPacks:
         """Shades of the language that a target or a bank tells from their parents."""
         stated = (rows for layer in self.layers.values() for rows in layer.values())
         drawn = {phoneme for rows in stated for pair in rows for phoneme in pair}
-        shown = drawn | self.poseset.model.targets.keys()
+        shown = drawn | self.face.targets.keys()
         return tuple(name for name in self.parents if name in shown and self._says(name))
 
     def _says(self, shade: str) -> bool:
@@ -211,15 +223,20 @@ class PairPacks:
         return tuple(found)
 
     @cached_property
-    def layers(self) -> dict[str, dict[str, dict[Pair, BigramRow]]]:
+    def layers(self) -> Layers:
         """Bigrams of the first three layers, by style."""
-        layers: dict[str, dict[str, dict[Pair, BigramRow]]] = {
-            layer: {} for layer in ("character", "language", "shared")
-        }
-        for file in self.drawn:
-            layer = layers[file.layer]
-            layer[file.style] = {**file.rows, **layer.get(file.style, {})}
-        return layers
+        return _layered(self.drawn)
+
+    @cached_property
+    def _unfitted(self) -> Layers:
+        """The layers without fitted bigrams."""
+        return _layered(_only(self.drawn, lambda row: row.origin.status != FITTED))
+
+    @cached_property
+    def _fitted(self) -> Layers:
+        """The layers of fitted bigrams; empty if there are none."""
+        fitted = _only(self.drawn, lambda row: row.origin.status == FITTED)
+        return _layered(fitted) if any(file.rows for file in fitted) else {}
 
     def redrawn(self, drawn: "tuple[DrawnBigrams, ...]") -> Self:
         """Return these packs with other bigrams in their files."""
@@ -316,15 +333,22 @@ class PairPacks:
 
         Of a pair with shades it is the finest that a bank draws, down to that of their parents: a
         drawn parent comes before a drafted shade. Within a layer the style comes first, then
-        neutral.
+        neutral. A fitted row comes after all that a person drew, and before drafts.
         """
+        row = self._found(pair, style, self._unfitted)
+        if self._fitted and (row is None or row.origin.status == DRAFTED):
+            return self._found(pair, style, self._fitted) or row
+        return row
+
+    def _found(self, pair: Pair, style: str, layers: Layers) -> BigramRow | None:
+        """Return the row of a pair, of a coarser one, or of its substitute, in some layers."""
         for finer in self._coarser(pair):
-            row = self._stated(finer, style)
+            row = _stated(layers, finer, style)
             if row is not None:
                 return row
         pair, likes = finer, self.likes
         alike = (likes.get(pair[0], pair[0]), likes.get(pair[1], pair[1]))
-        row = self._stated(alike, style) if alike != pair else None
+        row = _stated(layers, alike, style) if alike != pair else None
         return row and replace(row, origin=row.origin._replace(pair=pair, layer="like"))
 
     def _coarser(self, pair: Pair) -> list[Pair]:
@@ -332,13 +356,6 @@ class PairPacks:
         first, second = pair
         parents = self.parents.get(first, first), self.parents.get(second, second)
         return [*dict.fromkeys((pair, (first, parents[1]), (parents[0], second), parents))]
-
-    def _stated(self, pair: Pair, style: str) -> BigramRow | None:
-        for layer in self.layers.values():
-            for manner in dict.fromkeys((style, NEUTRAL)):
-                if pair in layer.get(manner, ()):
-                    return layer[manner][pair]
-        return None
 
     def drafts(self, pairs: list[Pair]) -> dict[Pair, BigramRow]:
         """Draft the pairs whose two phonemes have targets."""
@@ -353,19 +370,20 @@ class PairPacks:
         for pair, lines, moves in zip(able, points, moving, strict=True):
             places = tuple(targets[p][1] for p in pair if targets[p][1])
             curves = {pose: line for pose, line in enumerate(lines) if moves[pose]}
-            drafts[pair] = BigramRow(Origin(pair, "draft", "drafted", places), curves, drafted=True)
+            drafts[pair] = BigramRow(Origin(pair, "draft", DRAFTED, places), curves, drafted=True)
         return drafts
 
     @cached_property
     def targets(self) -> dict[str, tuple[Target, str]]:
         """Target of each phoneme with its location; silence rests by default."""
-        model = self.poseset.model
+        model, own = self.face, self.character
         bound = thresholds(model) < FREE
         found = {}
         for phoneme in self.numbered:
             name = self._targeted(phoneme)
             if name in model.targets:
-                place = str(self.poseset.where(("targets", name)))
+                pack = own if name in own.model.targets else self.poseset
+                place = str(pack.where(("targets", name)))
                 found[phoneme] = (self._target(model.targets[name], bound), place)
         silence = self.common.model.silence
         if found and silence not in found:
@@ -375,7 +393,7 @@ class PairPacks:
 
     def _targeted(self, phoneme: str) -> str:
         """Return the phoneme whose target a phoneme has: itself, its parent or its substitute."""
-        targets = self.poseset.model.targets
+        targets = self.face.targets
         coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
         return coarse if coarse in targets else self.likes.get(coarse, coarse)
 
@@ -427,7 +445,7 @@ class PairPacks:
 
         Shades are left out: their targets change no curve of other phonemes.
         """
-        targets, shades = self.poseset.model.targets.items(), self.common.model.shades
+        targets, shades = self.face.targets.items(), self.common.model.shades
         steps = [step for name, steps in targets if name not in shades for step in steps]
         tops = [max((s.weights.get(pose, 0.0) for s in steps), default=0.0) for pose in self.poses]
         return np.array([top or 1 for top in tops], float)
@@ -437,13 +455,38 @@ class PairPacks:
 
         A target with `W: 0` opposes early rounding.
         """
-        targets = self.poseset.model.targets
+        targets = self.face.targets
         out = np.zeros((len(self.numbered), len(self.poses)), bool)
         for number, phoneme in enumerate(self.numbered[1:], start=1):
             steps = targets.get(self._targeted(phoneme), ())
             for pose, weight in steps[-1].weights.items() if steps else ():
                 out[number, self.poses.index(pose)] = weight == 0
         return out
+
+
+def _layered(files: Iterable[DrawnBigrams]) -> Layers:
+    """Return the bigrams of some files by layer and style; the earlier file wins."""
+    layers: Layers = {layer: {} for layer in ("character", "language", "shared")}
+    for file in files:
+        layer = layers[file.layer]
+        layer[file.style] = {**file.rows, **layer.get(file.style, {})}
+    return layers
+
+
+def _only(files: Iterable[DrawnBigrams], kept: Callable[[BigramRow], bool]) -> list[DrawnBigrams]:
+    """Return files with some of their bigrams."""
+    return [
+        file._replace(rows={pair: row for pair, row in file.rows.items() if kept(row)})
+        for file in files
+    ]
+
+
+def _stated(layers: Layers, pair: Pair, style: str) -> BigramRow | None:
+    for layer in layers.values():
+        for manner in dict.fromkeys((style, NEUTRAL)):
+            if pair in layer.get(manner, ()):
+                return layer[manner][pair]
+    return None
 
 
 def _all_faults(library: "Library", error: PackFaults) -> PackFaults:

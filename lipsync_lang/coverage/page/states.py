@@ -24,6 +24,7 @@ STATUSES = {
     "approved": "a person has approved it",
     "edited": "a person has drawn it",
     BORROWED: "drawn by a person for a sound like it",
+    "fitted": "fitted to captures, seen by nobody",
     "drafted": "drawn by the program, seen by nobody",
     NONE: "no curves at all",
 }

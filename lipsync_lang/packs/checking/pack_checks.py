@@ -186,16 +186,21 @@ def _poses_named(model: PoseSet) -> Iterator[tuple[Loc, str]]:
     for name, contact in model.contacts.items():
         yield from ((("contacts", name, "floor", pose), pose) for pose in contact.floor)
         yield from ((("contacts", name, "ceiling", pose), pose) for pose in contact.ceiling)
-    for label, targets in model.targets.items():
-        for index, target in enumerate(targets):
-            at_target: Loc = ("targets", label, index)
-            yield from (((*at_target, pose), pose) for pose in target.weights)
-            yield from (((*at_target, "dominance", pose), pose) for pose in target.dominance)
+    yield from _poses_targeted(model)
     for name, style in model.styles.items():
         yield from ((("styles", name, "scale", pose), pose) for pose in style.scale)
         yield from ((("styles", name, "offset", pose), pose) for pose in style.offset)
     for name, gains in model.measures.items():
         yield from ((("measures", name, pose), pose) for pose in gains)
+
+
+def _poses_targeted(model: PoseSet | Character) -> Iterator[tuple[Loc, str]]:
+    """Yield (place, name) for every pose of a target."""
+    for label, targets in model.targets.items():
+        for index, target in enumerate(targets):
+            at: Loc = ("targets", label, index)
+            yield from (((*at, pose), pose) for pose in target.weights)
+            yield from (((*at, "dominance", pose), pose) for pose in target.dominance)
 
 
 def _priority(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
@@ -264,6 +269,7 @@ def check_character(  # noqa: PLR0913 what is known of others
     for name, line in model.lines.items():
         yield from _delivery(character, ("lines", name), line, poseset, styles)
     yield from check_bigrams(character, model.bigrams, poseset, phonemes)
+    yield from _own_drafts(character, poseset, phonemes)
     for word, edit in model.words.items():
         for pose in edit.curves:
             yield from check_pose(character, ("words", word, "curves", pose), pose, poseset.poses)
@@ -282,6 +288,25 @@ def check_character(  # noqa: PLR0913 what is known of others
     if model.rig is not None and model.rig not in rigs:
         what, hint = f"unknown rig '{model.rig}'", did_you_mean(model.rig, rigs)
         yield character.fault(("rig",), "P212", what, hint)
+
+
+def _own_drafts(
+    character: "Pack[Character]", poseset: PoseSet, phonemes: Collection[str]
+) -> Iterator[Fault]:
+    """Check that a character's own targets and seconds name phonemes, poses and regions."""
+    model = character.model
+    for label in model.targets:
+        yield from _phoneme(character, ("targets", label), label, phonemes, key=True)
+    for loc, pose in _poses_targeted(model):
+        yield from check_pose(character, loc, pose, poseset.poses)
+    for region in model.softness:
+        yield from _region(character, ("softness", region), region, poseset, key=True)
+    for pose in model.anticipate:
+        yield from check_pose(character, ("anticipate", pose), pose, poseset.poses)
+    for item in model.fitted:
+        if model.scalar(item) is None:
+            what, hint = f"the character states no `{item}`", "delete this line"
+            yield character.warning(("fitted", item), "W308", what, hint, key=True)
 
 
 def _rules(

@@ -4,6 +4,7 @@ A validator here sees one file; `packs.checking` compares files. Times are in se
 times and weights in [0, 1], angles in degrees.
 """
 
+import re
 from itertools import pairwise
 from math import inf
 from typing import Annotated, Literal, Self
@@ -31,6 +32,9 @@ from lipsync_lang.packs.models.fields import (
     Unit,
 )
 from lipsync_lang.pipeline.motion import LEAST_SPEED
+
+SPEED_ITEM = "motion.speed_limit"
+"""The setting of motion that a fit may write, by its place in a character."""
 
 NO_THRESHOLD = 2.0
 """The threshold of an unconstrained pair: two weights never add up to more."""
@@ -188,22 +192,28 @@ class PhonemeTarget(Strict):
     """The dominance of each pose over the neighbours' targets; or one number for all poses."""
     overall: NotNegative | None = None
     """Dominance of all poses except those constrained against a pose of the target."""
+    status: Literal["fitted"] | None = None
+    """`fitted` on the first target of a phoneme that a fit wrote; a person wrote all others."""
+
+
+_RESERVED = ("dominance", "status")
+"""Keys of the flat form of a target that are no poses."""
 
 
 def _target(value: Data) -> Data:
-    """Expand the flat form of a target: poses beside the reserved key `dominance`."""
+    """Expand the flat form of a target: poses beside the reserved keys."""
     if not isinstance(value, dict) or "weights" in value:
         return value
-    rest = {pose: weight for pose, weight in value.items() if pose != "dominance"}
-    if "dominance" not in value:
-        return {"weights": rest}
-    stated = value["dominance"]
+    full = {"weights": {pose: one for pose, one in value.items() if pose not in _RESERVED}}
+    full |= {key: value[key] for key in _RESERVED if key in value}
+    stated = full.get("dominance", {})
     if isinstance(stated, bool) or not isinstance(stated, (int, float)):
-        return {"weights": rest, "dominance": stated}
+        return full
     if not 0 <= stated < inf:
         what = "`dominance` must be a finite number and at least 0, got {got}"
         raise PydanticCustomError("P104", what, {"got": f"{stated:g}", "field": "dominance"})
-    return {"weights": rest, "overall": stated}
+    del full["dominance"]
+    return full | {"overall": stated}
 
 
 FlatTarget = Short(
@@ -222,7 +232,11 @@ FlatTarget = Short(
                         },
                         {"type": "number", "minimum": 0},
                     ],
-                }
+                },
+                "status": {
+                    "description": descriptions(PhonemeTarget)["status"],
+                    "const": "fitted",
+                },
             },
             "additionalProperties": {"type": "number", "minimum": 0, "maximum": 1},
         }
@@ -270,8 +284,8 @@ class BigramCurves(Strict):
 
     word: str | None = None
     """An example word with the bigram."""
-    status: Literal["drafted", "edited", "approved"] = "edited"
-    """The state of the artist's work."""
+    status: Literal["drafted", "fitted", "edited", "approved"] = "edited"
+    """The state of the artist's work; `fitted` to captures, and seen by nobody."""
     boundary: Annotated[float, Field(gt=0, lt=1)] = 0.5
     """The end of the first phoneme, in normalised time."""
     contact: Literal["hold", "free"] = "hold"
@@ -375,6 +389,16 @@ class LineEdits(Delivery):
     """Edits in order; a later edit wins."""
 
 
+def _scalar_item(item: str) -> str:
+    """Refuse the name of a value that no fit writes."""
+    if item != SPEED_ITEM and not re.fullmatch(r"(softness|anticipate)\..+", item):
+        what = (
+            f"'{{item}}' is no value of a fit: write softness.NAME, anticipate.NAME or {SPEED_ITEM}"
+        )
+        raise PydanticCustomError("P106", what, {"item": item})
+    return item
+
+
 class Character(PackModel, Delivery):
     """A face that speaks: a pose set with bigrams, words and lines of its own, and a rig."""
 
@@ -394,6 +418,14 @@ class Character(PackModel, Delivery):
     """The character's own pronunciations of words, by language, as common phonemes."""
     lines: dict[Text, LineEdits] = Field(default={})
     """Edits and delivery of single lines, by name."""
+    targets: dict[Common, Targets] = Field(default={})
+    """Targets by phoneme, each in place of the pose set's; a fit marks its own `status: fitted`."""
+    softness: dict[Text, Softness] = Field(default={})
+    """Seconds of rounding off by region, in place of the pose set's; a pose's own stay."""
+    anticipate: dict[PoseName, AnticipateSeconds] = Field(default={})
+    """Seconds by which poses begin before their sounds, in place of the pose set's."""
+    fitted: dict[Annotated[str, AfterValidator(_scalar_item)], float] = Field(default={})
+    """Values that a fit wrote, such as `softness.jaw: 0.05`; one that differs now is a person's."""
     motion: MotionFields = MotionFields()
     """Differences from the pose set's motion."""
     checks: Checks = Checks()
@@ -402,6 +434,14 @@ class Character(PackModel, Delivery):
     """The rig that drives the model."""
     model: Text | None = None
     """The model file."""
+
+    def scalar(self, item: str) -> float | None:
+        """Return the character's own value of ``softness.REGION`` and the like, or None."""
+        field, _, name = item.partition(".")
+        if item == SPEED_ITEM:
+            return self.motion.speed_limit
+        own = {"softness": self.softness, "anticipate": self.anticipate}.get(field, {})
+        return own.get(name)
 
 
 Vector = tuple[float, float, float]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Tally
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.resolver.layers import DRAFTED, FITTED
 from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.routes.asking import Routes, Wish, sent_file
 from lipsync_lang.studio.script_count import script_of, scripts_in
@@ -80,7 +81,8 @@ def _told(report: CoverageReport) -> Json:
     missing = [row for row in report.bigrams if not row.authored]
     status: dict[str, list[int]] = {}
     for row in report.bigrams:
-        own = row.status if row.authored else "drafted" if row.status else "gap"
+        shown = row.authored or row.status == FITTED
+        own = row.status if shown else DRAFTED if row.status else "gap"
         kinds = status.setdefault(own, [0, 0])
         kinds[0] += 1
         kinds[1] += row.count

@@ -4,7 +4,7 @@ import { made } from "./elements.js";
 
 /** Statuses with their sign and their words; the sign tells them apart without colours. */
 const STATUSES = {
-  approved: ["✓", "approved"], edited: ["●", "edited"], drafted: ["·", "drafted"], gap: ["×", "gap: nothing answers"], none: ["", "never spoken"],
+  approved: ["✓", "approved"], edited: ["●", "edited"], fitted: ["◦", "fitted to captures"], drafted: ["·", "drafted"], gap: ["×", "gap: nothing answers"], none: ["", "never spoken"],
 };
 /** Bigrams that are listed as wanted. */
 const MOST = 40;

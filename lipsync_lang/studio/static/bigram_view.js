@@ -10,6 +10,8 @@ import { tellKeys } from "./studio_keys.js";
 /** Milliseconds after a change of the packs, before they are asked for anew. */
 const SETTLE = 120;
 const STATUSES = ["drafted", "edited", "approved"];
+/** Statuses that no person gave: a change makes the bigram an edited one. */
+const UNDRAWN = ["drafted", "fitted"];
 
 tellKeys({
   "n": "bigrams: the next one that is needed",
@@ -66,7 +68,7 @@ export class BigramView {
     this.#makeHead();
     this.editor = new CurveEditor(curves, {
       changed: (what, { merge, title }) => {
-        this.now = { ...this.now, ...what, status: what.curves || this.now.status === "drafted" ? "edited" : this.now.status };
+        this.now = { ...this.now, ...what, status: what.curves || UNDRAWN.includes(this.now.status) ? "edited" : this.now.status };
         this.#send(`${title} in ${this.pair}`, merge);
       },
       seek: (time) => this.#seek(time),
@@ -177,8 +179,8 @@ export class BigramView {
     for (const one of this.status.children) one.setAttribute("aria-pressed", String(one.getAttribute("data-status") === now.status));
     [this.word.value, this.why.value, this.kind.value, this.contact.value, this.target.value] = [now.word, now.why, now.interpolation, now.contact, ""];
     const drawn = told.drawn_as ? `, drawn as ${told.drawn_as}` : "";
-    const from = told.place ? `${told.layer}: ${told.place}${drawn}` : told.layer;
-    this.origin.textContent = told.locked ? `${from}; ${told.locked}` : told.stated ? told.place : `${from}; edits go into ${told.file}`;
+    const from = told.place ? `${told.layer}: ${told.place}${drawn}` : told.layer, fitted = now.status === "fitted" ? ", fitted to captures" : "";
+    this.origin.textContent = told.locked ? `${from}${fitted}; ${told.locked}` : told.stated ? `${told.place}${fitted}` : `${from}${fitted}; edits go into ${told.file}`;
     const ghosts = [...told.ghosts, ...["before", "after"].flatMap((side) => {
       const one = told[side];
       return one ? [{ name: one.pair, kind: "neighbour", curves: beside(one.curves, one.boundary, now.boundary, /** @type {"before" | "after"} */ (side)) }] : [];

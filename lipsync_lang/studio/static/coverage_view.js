@@ -9,7 +9,7 @@ const LOOK = 400;
 const MOST = 100;
 /** Minutes for a bigram unless stated, as `lipsync-lang coverage` has it. */
 const MINUTES = "5";
-const STATUSES = { approved: "approved", edited: "edited", drafted: "drafted only", gap: "gap: nothing answers" };
+const STATUSES = { approved: "approved", edited: "edited", fitted: "fitted to captures", drafted: "drafted only", gap: "gap: nothing answers" };
 
 /** @typedef {{bigram: string, count: number, percent: number, layer: string, status: string, example: string, places: string[]}} Need */
 
