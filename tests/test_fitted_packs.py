@@ -23,6 +23,7 @@ from lipsync_lang.quality.baselines import dominance
 from lipsync_lang.resolver.bank_diff import diff_banks
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.studio.routes import coverage_routes
+from lipsync_lang.studio.workshop import Workshop
 
 PACKAGE = Path(lipsync_lang.__file__).parent
 
@@ -234,3 +235,30 @@ def test_the_studio_tells_fitted_bigrams_from_drafts(tmp_path):
     assert told["status"]["fitted"] == [1, 1]
     assert "l-ow" in [need["bigram"] for need in told["plan"]]
     assert report.reports[0].left.bigrams == len(told["plan"])
+
+
+def test_an_edit_in_the_studio_keeps_what_a_fit_wrote(tmp_path):
+    text = (
+        "targets: {ow: [{open: 0.4, status: fitted}, {W: 0.9}]}   # from captures\n"
+        "softness: {jaw: 0.05}\nanticipate: {W: 0.1}\n"
+        "fitted: {softness.jaw: 0.05, anticipate.W: 0.1}\n"
+        "bigrams:\n" + entry("l-ow", "fitted", 0.9)
+    )
+    anna(tmp_path, text)
+    workshop = Workshop(tmp_path, engine="none")
+    workshop.open("english", "anna")
+    path = tmp_path / "characters/anna.yaml"
+    drawn = {"status": "edited", "curves": {"open": [[0, 0], [1, 1]]}}
+    workshop.edit("Draw", [(path, ("bigrams", "d-ow"), drawn)])
+    workshop.edit("Draw", [(path, ("bigrams", "l-ow", "status"), "edited")])
+    edited = workshop.desk.contents[path].decode()
+    kept, _, bigrams = edited.partition("bigrams:\n")
+    assert kept == HEAD + text.partition("bigrams:\n")[0]
+    assert "status: fitted" not in bigrams
+    compiled = workshop.performer.compiled
+    assert origin(compiled, ("l", "ow")).status == "edited"
+    assert compiled.tables.softness[compiled.poses.index("open")] == 0.05
+    other = tmp_path / "other"
+    put(other, "characters/anna.yaml", edited)
+    fresh = made(other)
+    assert np.array_equal(compiled.tables.curves, fresh.tables.curves)

@@ -134,6 +134,11 @@ class FitItem(Strict):
         return value
 
     @property
+    def typed(self) -> Data:
+        """The value as a part of a pack: targets, a number, or `FittedCurves`."""
+        return _adapters(self.kind)[1].validate_python(self.value)
+
+    @property
     def kind(self) -> str:
         """The kind of item."""
         return split_item(self.item)[0]
@@ -254,15 +259,15 @@ def write_fit(stream: TextIO, proposal: FitProposal) -> None:
     items, rest = data.pop("items"), data
     head = json.dumps(rest, ensure_ascii=False, allow_nan=False, indent=1)
     rows = ",\n  ".join(
-        json.dumps(_rounded(row), ensure_ascii=False, allow_nan=False) for row in items
+        json.dumps(rounded(row), ensure_ascii=False, allow_nan=False) for row in items
     )
     stream.write(re.sub(r"\n}\Z", "", head) + f',\n "items": [\n  {rows}\n ]\n}}\n')
 
 
-def _rounded(value: Data) -> Data:
+def rounded(value: Data) -> Data:
     """Return plain data with floats of `VALUE_DECIMALS`."""
     if isinstance(value, dict):
-        return {key: _rounded(one) for key, one in value.items()}
+        return {key: rounded(one) for key, one in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_rounded(one) for one in value]
+        return [rounded(one) for one in value]
     return round(value, VALUE_DECIMALS) if isinstance(value, float) else value

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from lipsync_lang.commands import banks
+from lipsync_lang.commands import banks, fit_acceptance
 from lipsync_lang.commands.shared_options import Add, Command, add_json, add_pair, add_path
 from lipsync_lang.files import argument_path
 
@@ -13,7 +13,7 @@ def add_bank(add: Add) -> None:
     bank_ = add(
         "bank",
         banks.draft,
-        "draft bigrams, import them, or see what a bank changes",
+        "draft bigrams, import them, accept fitted ones, or see what a bank changes",
         "bank draft -l english -c facefx",
     )
     actions = bank_.add_subparsers(title="actions", metavar="ACTION", required=True)
@@ -58,6 +58,16 @@ def add_bank(add: Add) -> None:
             "bank diff -l english -c facefx --plot changes.png",
         )
     )
+    _add_accept(
+        action(
+            "accept",
+            fit_acceptance.accept,
+            "accept what a fit to captures proposes for a character",
+            ": all of it, or item by item; without --all and items, list it. What a person wrote "
+            "or drew stays",
+            "bank accept fit.json targets.ow softness.jaw -c anna",
+        )
+    )
 
 
 def _add_draft(made: argparse.ArgumentParser) -> None:
@@ -96,6 +106,33 @@ def _add_import(made: argparse.ArgumentParser) -> None:
         "--map", metavar="THEIRS=OURS", action="append", default=[],
         help="our phoneme or pose for a name of theirs; may be repeated",
     )  # fmt: skip
+    add_path(made)
+    add_json(made)
+
+
+def _add_accept(made: argparse.ArgumentParser) -> None:
+    made.add_argument(
+        "items", metavar="FIT.json ITEM", nargs="*",
+        help="the file of the fit, and items of it, such as targets.ow or bigrams.l-ow",
+    )  # fmt: skip
+    made.add_argument(
+        "-c", "--character", metavar="CHARACTER",
+        help="the character whose file takes the items [the project's]",
+    )  # fmt: skip
+    made.add_argument("--all", action="store_true", help="every item that may be accepted")
+    made.add_argument(
+        "--confidence", metavar="X", type=float, default=0.5,
+        help="least confidence of items that --all accepts, from 0 to 1 [0.5]",
+    )  # fmt: skip
+    made.add_argument(
+        "--anyway", action="store_true",
+        help="accept items of a fit that does not hold on lines it has not seen",
+    )  # fmt: skip
+    made.add_argument(
+        "--remove", action="store_true",
+        help="take accepted items out again: those named, or --all; this needs no FIT.json",
+    )  # fmt: skip
+    made.add_argument("--dry-run", action="store_true", help="change no file")
     add_path(made)
     add_json(made)
 
