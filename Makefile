@@ -7,12 +7,13 @@ LOWEST := $(VENV)-lowest
 RECORDINGS ?= articulography
 TEXTS ?= text
 DICTIONARIES ?= dictionaries
+DATA ?= data
 
 # npm packages that read what we write; tests that need them skip, and say so, where they are missing
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-lowest consumers usd lint types bench articulography motion languages wheel clean
+.PHONY: help demo test test-rest test-all test-lowest consumers usd lint types bench articulography motion languages dictionaries figures wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -100,6 +101,10 @@ languages: $(VENV)/ready ## print how every language reads: make languages TEXTS
 
 dictionaries: $(VENV)/ready ## count what is read otherwise: make dictionaries DICTIONARIES=folder
 	$(BIN)/python benchmarks/dictionaries.py $(DICTIONARIES)
+
+figures: $(VENV)/ready ## measure "How good is it?" anew: make figures DATA=folder DICTIONARIES=folder
+	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES)
+	$(BIN)/python docs/how_good.py
 
 wheel: $(VENV)/ready ## build the wheel into dist/
 	$(BIN)/python -m build --wheel

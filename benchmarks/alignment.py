@@ -1,6 +1,7 @@
 """Compare alignments with known boundaries: how far off they are, and how fast they come.
 
     python benchmarks/alignment.py SENTENCES [--lab WAV LAB TEXT] [--aligner NAME] [-l english]
+        [--json FILE]
 
 SENTENCES is a file of English sentences; the first twenty are spoken by the language's own voice,
 which says when each phoneme starts, and aligned again from sound and text alone. Of a recording,
@@ -19,7 +20,9 @@ import time
 from collections.abc import Iterator
 from difflib import SequenceMatcher
 from pathlib import Path
+from typing import Any
 
+import json_figures
 import numpy as np
 
 import lipsync_lang as ll
@@ -83,19 +86,22 @@ def joined(schedules: list[Schedule], seconds: float) -> Schedule:
     return Schedule.from_intervals(rows, notation=schedules[0].notation, audio=audio)
 
 
-def told(name: str, off: list[float], sound: float, took: float, sure: list[float]) -> None:
-    """Print one row of figures."""
+def told(
+    name: str, off: list[float], sound: float, took: float, sure: list[float]
+) -> dict[str, Any]:
+    """Print one row of figures, and return them."""
     far = np.abs(off) * 1000
     print(
         f"{name:24} {len(far):6} {np.median(far):7.1f} {np.median(off) * 1000:+7.1f} "
         f"{np.quantile(far, 0.9):7.1f} {np.mean(far <= 20):7.0%} {np.mean(sure):6.2f} "
         f"{sound / took:7.1f}"
     )
+    return json_figures.boundary_errors(off) | {"name": name, "speed": sound / took}
 
 
 def measured(
     name: str, pairs: list[tuple[str, Schedule]], speaker: Speaker, aligner: str | None
-) -> None:
+) -> dict[str, Any]:
     """Align sounds with their texts, and print how far off they are."""
     off, sure, took, sound = [], [], 0.0, 0.0
     for text, known in pairs:
@@ -105,7 +111,7 @@ def measured(
         sound += known.audio.seconds
         sure.append(found.confidence or 0.0)
         off += errors(found, known, speaker)
-    told(name, off, sound, took, sure)
+    return told(name, off, sound, took, sure)
 
 
 def labelled(wav: Path, lab: Path) -> Schedule:
@@ -126,6 +132,7 @@ def main() -> int:
     parser.add_argument("--lab", nargs=3, metavar=("WAV", "LAB", "TEXT"))
     parser.add_argument("--aligner")
     parser.add_argument("-l", "--language", default="english")
+    json_figures.add_option(parser)
     options = parser.parse_args()
     speaker = Speaker.of(options.language)
     texts = options.sentences.read_text(encoding="utf-8").split("\n")[:SPOKEN]
@@ -134,7 +141,7 @@ def main() -> int:
     titles = ("pairs", "median", "bias", "90 %", "<=20ms", "sure", "speed")
     print(f"{'':24} {titles[0]:>6} " + " ".join(f"{t:>7}" for t in titles[1:5]), end="")
     print(f" {titles[5]:>6} {titles[6]:>7}")
-    measured("spoken", spoken, speaker, options.aligner)
+    rows = [measured("spoken", spoken, speaker, options.aligner)]
     random = np.random.default_rng(0)
     babble = sum(
         np.resize(resampled(one.audio, RATE).samples.astype(float), 30 * RATE)
@@ -145,16 +152,16 @@ def main() -> int:
             (text, Schedule(known.labels, known.times, audio=noisy(known.audio, noise)))
             for text, known in spoken
         ]
-        measured(f"{name}, {SNR:g} dB", loud, speaker, options.aligner)
+        rows.append(measured(f"{name}, {SNR:g} dB", loud, speaker, options.aligner))
     long = joined([known for _, known in spoken], LONG)
     times = round(long.audio.seconds / joined([k for _, k in spoken], 1).audio.seconds)
-    measured(
-        f"{long.audio.seconds:.0f} s", [(" ".join(texts * times), long)], speaker, options.aligner
-    )
+    pair = (" ".join(texts * times), long)
+    rows.append(measured(f"{long.audio.seconds:.0f} s", [pair], speaker, options.aligner))
     if options.lab:
         wav, lab, text = options.lab
         known = labelled(Path(wav), Path(lab))
-        measured(Path(wav).name, [(text, known)], speaker, options.aligner)
+        rows.append(measured(Path(wav).name, [(text, known)], speaker, options.aligner))
+    json_figures.write_figures(options.json, {"rows": rows})
     return 0
 
 

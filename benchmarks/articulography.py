@@ -1,6 +1,6 @@
 """Compare curves with real mouths: Pearson r of read-outs on articulograph recordings.
 
-    python benchmarks/articulography.py FOLDER [-c facefx]
+    python benchmarks/articulography.py FOLDER [-c facefx] [--json FILE]
 
 FOLDER holds, for each recording, NAME.ema.csv (time_s and coil positions in mm, axis 1 front to
 back, axis 2 upwards) and NAME.phones.tsv (start, end, label in German SAMPA). The read-outs are
@@ -13,6 +13,7 @@ import argparse
 import sys
 from pathlib import Path
 
+import json_figures
 import numpy as np
 
 import lipsync_lang as ll
@@ -54,7 +55,7 @@ def correlate(
     return float(np.corrcoef(ours, signal[inside])[0, 1]) if np.ptp(ours) else 0.0
 
 
-def main(folder: Path, poseset: str = "facefx") -> int:
+def main(folder: Path, poseset: str = "facefx", file: Path | None = None) -> int:
     """Print the table."""
     performer = ll.resolve(LANGUAGE, poseset)
     lines = recordings(folder, performer)
@@ -69,6 +70,7 @@ def main(folder: Path, poseset: str = "facefx") -> int:
         "keyframes at centres": lambda schedule, fps: keyframes(performer, schedule, fps),
         "dominance, utterance": lambda schedule, fps: dominance(performer, schedule, fps),
     }
+    kept: dict[str, dict[str, list[float]]] = {}
     print(f"Pearson r, {performer.character} speaking {performer.language}, at {FPS:g} fps")
     for measure, gains in performer.compiled.measures.items():
         if not all(measure in signals for _, _, signals, _ in lines):
@@ -81,8 +83,11 @@ def main(folder: Path, poseset: str = "facefx") -> int:
                 correlate(perform(schedule, fps=FPS), gains, signals[measure], times)
                 for _, schedule, signals, times in lines
             ]
+            kept.setdefault(measure, {})[method] = values
             row = "".join(f"{value:>16.3f}" for value in values)
             print(f"  {method:<22}{row}{np.mean(values):>8.3f}")
+    names = [name for name, *_ in lines]
+    json_figures.write_figures(file, {"poseset": poseset, "recordings": names, "r": kept})
     return 0
 
 
@@ -90,5 +95,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", nargs="?", default="articulography", type=Path)
     parser.add_argument("-c", "--poseset", default="facefx", help="whose targets, measures")
+    json_figures.add_option(parser)
     arguments = parser.parse_args()
-    sys.exit(main(arguments.folder, arguments.poseset))
+    sys.exit(main(arguments.folder, arguments.poseset, arguments.json))

@@ -1,12 +1,13 @@
 """Read the words of dictionaries, and count the phonemes that differ from theirs.
 
-A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag: a word, a
-tab, and its IPA, with or without spaces. Several lines of a word are several pronunciations; the
-nearest counts. Both sides become common phonemes, and a shade counts as its parent, as in the
-packs' tests.
+A folder holds a dictionary for each language, `LANGUAGE.tsv` by the pack's name or tag, or several,
+`LANGUAGE.NAME.tsv`: a word, a tab, and its IPA, with or without spaces and slashes. Several lines
+of a word, or several entries between commas, are several pronunciations; the nearest counts. Both
+sides become common phonemes, and a shade counts as its parent, as in the packs' tests.
 
 Printed for each language: words, phoneme error (edit distance by phonemes of the dictionary), the
 share of words whose lip closures differ, and with `--confusions N` the commonest differences.
+`--json FILE` keeps the figures.
 Dictionaries that a pack was tuned on say nothing: keep those for judging apart.
 """
 
@@ -16,6 +17,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
+
+import json_figures
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.library import Library
@@ -119,7 +122,8 @@ def words_of(path: Path, most: int) -> dict[str, list[str]]:
     for line in path.read_text("utf-8").splitlines():
         word, _, ipa = line.partition("\t")
         if word.strip() and ipa.strip():
-            found.setdefault(word.strip(), []).append(ipa)
+            stated = (one.strip().strip("/") for one in ipa.split(","))
+            found.setdefault(word.strip(), []).extend(one for one in stated if one)
     step = max(1, -(-len(found) // most))
     return dict(list(found.items())[::step])
 
@@ -131,25 +135,29 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", default=[])
     parser.add_argument("--most", type=int, default=1000, help="words of a dictionary")
     parser.add_argument("--confusions", type=int, default=0)
+    json_figures.add_option(parser)
     options = parser.parse_args()
     library = Library()
+    kept: dict[str, dict[str, float]] = {}
     errors: list[float] = []
     print(f"{'language':<16}{'words':>7}{'error':>8}{'closures':>10}")
     for path in sorted(options.folder.glob("*.tsv")):
-        if options.only and path.stem not in options.only:
+        if options.only and path.stem.partition(".")[0] not in options.only:
             continue
         try:
-            score = Judge(library, path.stem).score(words_of(path, options.most))
+            score = Judge(library, path.stem.partition(".")[0]).score(words_of(path, options.most))
         except LipsyncError as error:
             print(f"{path.stem:<16} {str(error).splitlines()[0]}")
             continue
         errors.append(score.error)
         wrong = score.closures / max(score.words, 1)
+        kept[path.stem] = {"words": score.words, "error": score.error, "closures": wrong}
         print(f"{path.stem:<16}{score.words:>7}{score.error:>8.3f}{wrong:>9.1%}")
         for (stated, read), count in score.confusions.most_common(options.confusions):
             print(f"    {stated} read as {read}: {count}")
     if errors:
         print(f"{'median':<16}{'':>7}{median(errors):>8.3f}")
+    json_figures.write_figures(options.json, {"languages": kept})
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How well recordings of any language are aligned, and how sure the aligner is.
 
-    python benchmarks/hearing.py DATA [--aligner NAME] [--only SECTION ...]
+    python benchmarks/hearing.py DATA [--aligner NAME] [--only SECTION ...] [--json FILE]
 
 DATA is a folder of foreign recordings: `recordings/mfa_tests`, `articulography`, `text/udhr`.
 Beside them, Festival's voices speak six languages, where Festival and they are installed: voices
@@ -21,8 +21,9 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import json_figures
 import numpy as np
 import warping
 
@@ -166,6 +167,8 @@ class Bench:
         self.aligner = aligner
         self.speakers: dict[str, Speaker] = {}
         self.sound = self.took = 0.0
+        self.figures: dict[str, Any] = {}
+        """What sections keep for `--json`."""
 
     def align(self, recording: Recording, text: str | None = None) -> Schedule:
         """Align a recording with its text or another."""
@@ -200,6 +203,7 @@ def boundaries(bench: Bench, data: Path) -> None:
         found = bench.align(Recording("german", true.audio, text))
         late += [*warping.errors(found, true, bench.speakers["german"])]
     told("german, all, by hand", late)
+    bench.figures["german, all, by hand"] = json_figures.boundary_errors(late)
     off: dict[str, list[float]] = defaultdict(list)
     lips: dict[str, list[float]] = defaultdict(list)
     for one in spoken():
@@ -227,6 +231,7 @@ def texts(bench: Bench, data: Path) -> None:
             doubted[kind].append(sure < DOUBTFUL)
     for kind, ones in doubted.items():
         print(f"{'remarked on, ' + kind:28}{len(ones):6}{np.mean(ones):8.1%}")
+        bench.figures[kind] = {"texts": len(ones), "remarked_on": np.mean(ones)}
 
 
 def wrong(one: Recording, data: Path, chance: random.Random) -> Iterator[tuple[str, str]]:
@@ -324,11 +329,15 @@ def main() -> int:
     parser.add_argument("data", type=Path)
     parser.add_argument("--aligner")
     parser.add_argument("--only", nargs="+", choices=SECTIONS, default=SECTIONS)
+    json_figures.add_option(parser)
     options = parser.parse_args()
+    kept = {}
     for name in options.only:
         bench = Bench(options.aligner)
         SECTIONS[name](bench, options.data)
+        kept[name] = bench.figures
         print(f"{bench.sound / max(bench.took, 1e-9):.1f} s of sound per second of processor\n")
+    json_figures.write_figures(options.json, kept)
     return 0
 
 

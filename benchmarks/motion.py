@@ -1,6 +1,7 @@
 """Print how curves move, beside what captures of real faces show.
 
     python benchmarks/motion.py [FOLDER] [-c POSESET ...] [--set NAME=VALUE ...] [--contacts]
+        [--json FILE]
 
 Eight English lines are spoken by eSpeak NG and performed. FOLDER may hold articulograph
 recordings, as `articulography.py` reads them. All that a row says is of the poses of one region
@@ -24,10 +25,12 @@ peak          99th percentile of the jaw
 
 import argparse
 import sys
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 import articulography
+import json_figures
 import numpy as np
 
 import lipsync_lang as ll
@@ -140,10 +143,12 @@ def leads(performer: ll.Performer, gains: dict[str, float]) -> dict[str, float]:
     return {f"lead {share:g}": float(np.median(kept)) for share, kept in found.items() if kept}
 
 
-def missed(performer: ll.Performer, fps: float) -> tuple[int, int]:
+def missed(
+    performer: ll.Performer, fps: float, spoken: Sequence[ll.Schedule] = ()
+) -> tuple[int, int]:
     """Count the phonemes that do not get their contact, and those that demand one."""
     lost = wanted = 0
-    for line in lines():
+    for line in spoken or lines():
         performance = performer.performance(line, fps)
         weights, times = performance.weights(), performance.frames.times()
         track = performance.track
@@ -175,8 +180,16 @@ def correlations(performer: ll.Performer, folder: Path) -> dict[str, float]:
     return found
 
 
-def main(folder: Path, posesets: list[str], settings: dict[str, str], *, contacts: bool) -> int:
+def main(
+    folder: Path,
+    posesets: list[str],
+    settings: dict[str, str],
+    *,
+    contacts: bool,
+    file: Path | None = None,
+) -> int:
     """Print the figures of each pose set."""
+    kept: dict[str, dict[str, object]] = {}
     for name in posesets:
         performer = ll.resolve("english", name).with_motion(settings)
         row = movement(performer) | {"shut %": shut(performer)}
@@ -186,10 +199,14 @@ def main(folder: Path, posesets: list[str], settings: dict[str, str], *, contact
             german = ll.resolve(articulography.LANGUAGE, name).with_motion(settings)
             row |= correlations(german, folder)
         print(name + "".join(f"   {what} {value:.3g}" for what, value in row.items()))
+        kept[name] = {**row}
         if contacts:
             counts = [(fps, *missed(performer, fps)) for fps in RATES]
             told = ", ".join(f"{lost} of {wanted} at {fps}" for fps, lost, wanted in counts)
             print(f"  contacts missed: {told}", flush=True)
+            kept[name]["missed"] = {fps: lost for fps, lost, _ in counts}
+            kept[name]["contacts"] = counts[0][2]
+    json_figures.write_figures(file, {"lines": len(lines()), "posesets": kept})
     return 0
 
 
@@ -199,8 +216,10 @@ if __name__ == "__main__":
     parser.add_argument("-c", "--poseset", action="append", help="facefx unless stated")
     parser.add_argument("--set", action="append", default=[], help="a motion setting, NAME=VALUE")
     parser.add_argument("--contacts", action="store_true", help="count contacts missed as well")
+    json_figures.add_option(parser)
     arguments = parser.parse_args()
     chosen = dict(setting.split("=", 1) for setting in arguments.set)
+    named = arguments.poseset or ["facefx"]
     sys.exit(
-        main(arguments.folder, arguments.poseset or ["facefx"], chosen, contacts=arguments.contacts)
+        main(arguments.folder, named, chosen, contacts=arguments.contacts, file=arguments.json)
     )

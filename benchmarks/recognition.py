@@ -1,6 +1,6 @@
 """Recognisers on natural recordings: wrong words, lip closures, and time.
 
-    python benchmarks/recognition.py DATA [--recogniser NAME]... [--texts]
+    python benchmarks/recognition.py DATA [--recogniser NAME]... [--texts] [--json FILE]
 
 DATA holds `recordings/mfa_tests`, `alignments` and `articulography`. Of English recordings with a
 text: the word error rate (substitutions, insertions and deletions for each word of the text; "uh"
@@ -18,7 +18,9 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
+import json_figures
 import numpy as np
 
 import lipsync_lang as ll
@@ -150,8 +152,8 @@ def frames(found: Sequence[tuple[str, float, float]], seconds: float) -> np.ndar
     return out
 
 
-def report_words(name: str, data: Path, speaker: Speaker, *, texts: bool) -> None:
-    """Print the row of a recogniser."""
+def report_words(name: str, data: Path, speaker: Speaker, *, texts: bool) -> dict[str, Any]:
+    """Print the row of a recogniser, and return its figures."""
     errors = words = right = count = 0
     sure: list[float] = []
     took = sound = 0.0
@@ -174,10 +176,12 @@ def report_words(name: str, data: Path, speaker: Speaker, *, texts: bool) -> Non
         f"{name:14} {words:6} {errors / words:12.0%} {right / max(count, 1):12.2f} "
         f"{np.mean(sure) if sure else 0:12.2f} {took / sound:14.2f}"
     )
+    return {"words": words, "error": errors / words, "seconds_a_second": took / sound}
 
 
-def report_sounds(name: str, data: Path, speakers: dict[str, Speaker]) -> None:
+def report_sounds(name: str, data: Path, speakers: dict[str, Speaker]) -> dict[str, Any]:
     """Print the rows of a recogniser, or of alignment with the text, for each language."""
+    kept = {}
     for language, speaker in speakers.items():
         lost = made = there = ours = same = speech = 0
         took = sound = 0.0
@@ -208,6 +212,13 @@ def report_sounds(name: str, data: Path, speakers: dict[str, Speaker]) -> None:
                 f"{name:14} {language:8} {there:9} {lost / there:9.0%} {made / max(ours, 1):9.0%} "
                 f"{same / speech:9.0%} {took / sound:14.2f}"
             )
+            kept[language] = {
+                "closures": there,
+                "lost": lost / there,
+                "invented": made / max(ours, 1),
+                "phonemes": same / speech,
+            }
+    return kept
 
 
 def report_noises(name: str, speaker: Speaker) -> None:
@@ -234,6 +245,7 @@ def main() -> int:
     parser.add_argument("data", type=Path)
     parser.add_argument("--recogniser", action="append")
     parser.add_argument("--texts", action="store_true", help="print what was heard")
+    json_figures.add_option(parser)
     options = parser.parse_args()
     names = options.recogniser or ["whisper", "pocketsphinx", "phones"]
     speakers = {name: Speaker.of(name) for name in ("english", "german")}
@@ -245,18 +257,20 @@ def main() -> int:
         f"{'':14} {'words':>6} {'word error':>12} {'right heard':>12} {'confidence':>12} "
         f"{'s a second':>14}"
     )
-    for name in names:
-        if name != "phones":
-            report_words(name, options.data, speakers["english"], texts=options.texts)
+    words = {
+        name: report_words(name, options.data, speakers["english"], texts=options.texts)
+        for name in names
+        if name != "phones"
+    }
     print(
         f"\n{'':14} {'':8} {'closures':>9} {'lost':>9} {'invented':>9} {'phonemes':>9} "
         f"{'s a second':>14}"
     )
-    for name in ("(its text)", *names):
-        report_sounds(name, options.data, speakers)
+    sounds = {name: report_sounds(name, options.data, speakers) for name in ("(its text)", *names)}
     print()
     for name in names:
         report_noises(name, speakers["english"])
+    json_figures.write_figures(options.json, {"words": words, "sounds": sounds})
     return 0
 
 

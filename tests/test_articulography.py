@@ -1,5 +1,6 @@
 """Real mouths: the draft follows them better than keys at phoneme centres do."""
 
+import json
 import sys
 
 import numpy as np
@@ -40,10 +41,14 @@ def test_the_draft_follows_real_lips_better_than_keyframes(bench, data):
 
 
 def test_the_table_is_printed_and_an_empty_folder_is_told(bench, data, tmp_path, capsys):
-    assert bench.main(data / "articulography") == 0
+    file = tmp_path / "figures.json"
+    assert bench.main(data / "articulography", file=file) == 0
     table = capsys.readouterr().out
     for word in ("aperture", "protrusion", "tongue_tip", "draft", "keyframes at centres", "mean"):
         assert word in table
+    kept = json.loads(file.read_text("utf-8"))
+    assert f"{np.mean(kept['r']['aperture']['drafted bank']):.3f}" in table
+    assert len(kept["recordings"]) == len(kept["r"]["aperture"]["drafted bank"])
     assert bench.main(tmp_path) == 1
     assert "holds no recordings" in capsys.readouterr().out
 

@@ -338,6 +338,14 @@ def test_thaiphon_cuts_words_reads_numbers_and_repeats():
     ]  # fmt: skip
 
 
+def test_thaiphon_leaves_out_a_word_whose_marks_have_no_letter():
+    pytest.importorskip("thaiphon", reason="the thaiphon extra is not installed")
+    pytest.importorskip("pythainlp", reason="the thaiphon extra is not installed")
+    (found,) = engine("thaiphon", Settings("x"))(["อยู่ใตัอำนาจ"])  # a real misprint
+    assert [said.text for said in found if said.unread]
+    assert any(said.labels for said in found), "the words around it are read"
+
+
 def test_an_engine_that_is_not_installed_is_replaced_by_the_other_that_the_pack_names(monkeypatch):
     def missing(settings):
         raise MissingReaderError(f"{settings.language} needs something")

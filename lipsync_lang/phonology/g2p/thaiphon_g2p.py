@@ -40,6 +40,7 @@ def engine(settings: Settings) -> Engine:
         from pythainlp.tokenize import word_tokenize
         from pythainlp.util import num_to_thaiword
         from thaiphon import transcribe
+        from thaiphon.errors import ThaiphonError
     except ImportError:
         raise SpeechError(
             f"{settings.language} is read by thaiphon and PyThaiNLP, which are not both installed; "
@@ -49,7 +50,10 @@ def engine(settings: Settings) -> Engine:
 
     @lru_cache(CACHED_WORDS)
     def labels_of(word: str) -> tuple[str, ...]:
-        ipa = _TONES.sub("", transcribe(word, "ipa"))
+        try:
+            ipa = _TONES.sub("", transcribe(word, "ipa"))
+        except ThaiphonError:  # a misspelt word: a mark without its letter
+            return ()
         return tuple(label for part in ipa.split(".") for label in segments(part, known))
 
     def number(digits: str) -> tuple[str, ...]:
