@@ -78,6 +78,10 @@ def test_a_study_is_read_as_it_is_written(tmp_path):
     ({"methods": ["ours"]}, "methods: Tuple should have at least 2"),
     ({"methods": ["ours", "held"]}, "pairs.0: unknown method 'keyframes'"),
     ({"pairs": [STUDY["pairs"][0]] * 2}, "pairs.1: 'p001' names two pairs"),
+    (
+        {"pairs": [STUDY["pairs"][0] | {"right": STUDY["pairs"][0]["left"], "check": None}]},
+        "pairs.0: 'ours' stands on both sides, and is no attention check",
+    ),
     ({"more": 1}, "more: Extra inputs"),
 ])  # fmt: skip
 def test_a_faulty_study_is_refused_with_the_place(tmp_path, changed, told):

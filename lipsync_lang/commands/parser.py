@@ -17,6 +17,7 @@ from lipsync_lang.commands.performing_options import (
     add_transcribe,
 )
 from lipsync_lang.commands.shared_options import Command, add_json, add_words
+from lipsync_lang.commands.study_options import add_study
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.version import __version__
 
@@ -57,6 +58,7 @@ def parser() -> argparse.ArgumentParser:
     add_build(add)
     add_packs(add)
     add_bank(add)
+    add_study(add)
     voices_ = add("voices", listing.voices, "list the voices that speak text", "voices")
     voices_.add_argument(
         "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"

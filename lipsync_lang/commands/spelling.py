@@ -9,9 +9,9 @@ import re
 OPTIONS = {
     name: f"--{name.replace('_', '-')}"
     for name in (
-        "aligner", "audio", "channels", "column", "cut", "encoding", "fps", "gaps", "language",
-        "model", "notation", "offset", "rate", "read_as", "recogniser", "schedule", "tier",
-        "unknown",
+        "aligner", "alpha", "audio", "channels", "column", "correlation", "cut", "encoding", "fps",
+        "gaps", "language", "model", "notation", "offset", "pairs", "power", "rate", "raters",
+        "read_as", "recogniser", "schedule", "share", "tier", "unknown",
     )
 } | {"engine": "--tts", "paths": "--path"}  # fmt: skip
 """Option names by Python argument name."""

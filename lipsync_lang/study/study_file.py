@@ -61,6 +61,8 @@ class StudyPair(Strict):
     """Method of the right clip."""
     check: Side | None = None
     """The sound side of an attention check, whose other side is plainly wrong."""
+    seconds: Annotated[float, Field(gt=0, le=3600)] | None = None
+    """Length of the longer clip; null if unknown."""
 
 
 class Study(Strict):
@@ -160,6 +162,8 @@ def _fault_of_study(study: Study) -> str:
         unknown = next((m for m in (pair.left, pair.right) if m not in study.methods), None)
         if unknown is not None:
             return f"pairs.{number}: unknown method '{unknown}'"
+        if pair.left == pair.right and pair.check is None:
+            return f"pairs.{number}: '{pair.left}' stands on both sides, and is no attention check"
         if pair.pair in seen:
             return f"pairs.{number}: '{pair.pair}' names two pairs"
         seen.add(pair.pair)

@@ -43,6 +43,9 @@ from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
 from lipsync_lang.study.study_file import read_answers, read_study
+from lipsync_lang.study.study_page import report_page
+from lipsync_lang.study.study_report import report_answers
+from lipsync_lang.study.study_text import report_text
 
 HERE = Path(__file__).parent
 
@@ -113,6 +116,7 @@ def _found() -> Iterator[Target]:
     yield Target("words/coverage", read_document)
     yield Target("study/key", read_study)
     yield Target("study/answers", read_answers)
+    yield Target("study/report", _report)
 
 
 @cache
@@ -231,3 +235,13 @@ def _drawn(path: Path) -> None:
 
 def _written(path: Path) -> None:
     write_glb(_animation(path), BytesIO())
+
+
+# Studies
+
+
+def _report(path: Path) -> None:
+    report = report_answers(read_study(HERE / "seeds/study/key/study.json"), [path])
+    whole = sum(one.submissions for one in report.answers.set_aside)
+    assert report.answers.submissions == report.answers.raters + whole
+    _plain(report_text(report) + report_page(report))

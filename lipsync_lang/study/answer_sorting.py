@@ -1,0 +1,461 @@
+"""Answers of raters, sorted into those that count and those that are set aside with a reason.
+
+Every submission and every answer is counted exactly once: as counted, as an answer to an
+attention check, or as set aside.
+"""
+
+import json
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import read_input
+from lipsync_lang.study.comparisons import Choice
+from lipsync_lang.study.study_file import (
+    MAX_ANSWERS_BYTES,
+    MAX_PAIRS,
+    MAX_SUBMISSION_BYTES,
+    PairAnswer,
+    Study,
+    StudyPair,
+)
+
+MIN_COPIED_ANSWERS = 5
+"""Fewest answers that can be a copy of another rater's, seconds included."""
+
+MIN_ALIKE_ANSWERS = 10
+"""Fewest answers that are suspicious if two raters give all the same, at other speeds."""
+
+UNKNOWN_CLIP_SECONDS = 1.0
+"""Least time for a pair of clips of unknown length."""
+
+MAX_RATER_CHARS = 64
+"""Longest number of a rater that is believed."""
+
+STUDY_NAME = "study.json"
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+@dataclass(frozen=True)
+class SortingRules:
+    """Rules by which raters and answers are set aside."""
+
+    failed_checks: int = 0
+    """Attention checks that a rater may fail."""
+    keep_unfinished: bool = False
+    """True if raters who stopped early count."""
+    least_seconds: float | None = None
+    """Least time for a pair; None for the length of its longer clip, or `UNKNOWN_CLIP_SECONDS`."""
+    one_side: int = 10
+    """Pairs from which on a rater who always takes one side is set aside; 0 for never."""
+
+    @property
+    def words(self) -> dict[str, str]:
+        """The rule behind each reason, as a sentence without its full stop."""
+        least = f"the length of the clip ({UNKNOWN_CLIP_SECONDS:g} s if unknown)"
+        if self.least_seconds is not None:
+            least = f"{self.least_seconds:g} s"
+        return {
+            "unreadable": "text that is cut off, damaged, or no JSON",
+            "no answers": "a file or line of another kind or form",
+            "other study": "answers to another study",
+            "no consent": "consent is not stated",
+            "repeated": "the first complete submission of a rater counts, no other",
+            "unfinished": "the rater stopped early",
+            "copied": f"at least {MIN_COPIED_ANSWERS} answers with the choices, strengths and "
+            "seconds of an earlier rater",
+            "failed checks": f"the rater failed more than {self.failed_checks} attention checks",
+            "fast rater": f"more than half of the rater's pairs were answered within {least}",
+            "one side": f"one side in every answer to at least {self.one_side} pairs",
+            "out of range": "a damaged answer: choice, strength, seconds or plays out of range",
+            "unknown pair": "a pair or question that the study does not have",
+            "answered twice": "the first answer to a question of a pair counts",
+            "too fast": f"an answer within {least}",
+        }
+
+
+class Uncounted(NamedTuple):
+    """Submission or answers that do not count."""
+
+    reason: str
+    """Key of `SortingRules.words`."""
+    place: str
+    """File, and line where it has several."""
+    rater: str
+    """Number of the rater; empty if unknown."""
+    submissions: int
+    """1 for a whole submission, 0 for single answers."""
+    answers: int
+    words: str
+
+
+@dataclass
+class SortedAnswers:
+    """Choices that count, and all that was set aside."""
+
+    choices: list[Choice] = field(default_factory=list)
+    submissions: int = 0
+    """Submissions that were read, set aside or not; damaged lines and foreign files included."""
+    answers: int = 0
+    """Answers that were read, set aside or not."""
+    raters: int = 0
+    """Raters that count."""
+    unfinished: int = 0
+    """Unfinished raters that count."""
+    checks: int = 0
+    """Answers of these raters to attention checks."""
+    unchecked: int = 0
+    """Raters that count and answered no attention check, if the study has any."""
+    set_aside: list[Uncounted] = field(default_factory=list)
+    suspicious: list[str] = field(default_factory=list)
+    """Sentences on raters that count, but want a look."""
+
+
+@dataclass
+class _Rater:
+    """A submission of the study, with its sound answers."""
+
+    place: str
+    rater: str
+    finished: bool
+    given: list[Any]
+    answers: list[PairAnswer] = field(default_factory=list)
+    kept: list[PairAnswer] = field(default_factory=list)
+    dropped: list[tuple[str, str]] = field(default_factory=list)
+    """Reason and words of each answer that does not count."""
+
+
+def sort_answers(
+    paths: Iterable[Path], study: Study, rules: SortingRules | None = None
+) -> SortedAnswers:
+    """Read and sort all answers.
+
+    Parameters
+    ----------
+    paths : files of answers, one submission each or JSON lines, in any mix
+    study : the study that was answered
+    rules : rules of setting aside [the defaults]
+    """
+    told = SortedAnswers()
+    sorting = _Sorting(study, rules or SortingRules(), told)
+    raters: dict[str, list[_Rater]] = defaultdict(list)
+    for place, text in _texts(paths):
+        told.submissions += 1
+        found = sorting.submission(place, text)
+        if found:
+            told.answers += len(found.given)
+            raters[found.rater].append(found)
+    chosen = [one for given in raters.values() if (one := sorting.of_rater(given))]
+    chosen = sorting.without_copies(chosen)
+    for one in chosen:
+        sorting.count(one)
+    return told
+
+
+class _Sorting:
+    """The steps of sorting, each of which sets aside what it does not hand on."""
+
+    def __init__(self, study: Study, rules: SortingRules, told: SortedAnswers) -> None:
+        self._study, self._rules, self._told = study, rules, told
+        self._pairs = {pair.pair: pair for pair in study.pairs}
+
+    def _aside(self, reason: str, one: _Rater, words: str) -> None:
+        self._told.set_aside.append(
+            Uncounted(reason, one.place, one.rater, 1, len(one.given), words)
+        )
+
+    def submission(self, place: str, text: bytes | LipsyncError) -> _Rater | None:
+        """Return a submission to this study; set aside everything else."""
+        reason, words, data = _parsed(text)
+        given = data.get("answers") if isinstance(data, dict) else None
+        answers = given if isinstance(given, list) else []
+        rater = data.get("rater") if isinstance(data, dict) else None
+        name = rater if isinstance(rater, str) and len(rater) <= MAX_RATER_CHARS else ""
+        if not reason:
+            reason, words = self._header(data)
+        if not reason and not name:
+            reason, words = "no answers", "the rater has no number"
+        if reason:
+            self._told.answers += len(answers)
+            self._told.set_aside.append(Uncounted(reason, place, name, 1, len(answers), words))
+            return None
+        found = _Rater(place, name, bool(data["finished"]), answers)
+        self._read_answers(found)
+        return found
+
+    def _header(self, data: Any) -> tuple[str, str]:
+        """Return why a document is no submission to this study, and the words for it."""
+        if not isinstance(data, dict) or data.get("kind") != "answers":
+            return "no answers", "its kind is not 'answers'"
+        if data.get("format") != 1 or "finished" not in data:
+            return "no answers", "its form is not that of answers in format 1"
+        if data.get("study") != self._study.study:
+            return "other study", f"its study is {_shown(data.get('study'))}"
+        if data.get("consent") is not True:
+            return "no consent", "consent is not true"
+        if not isinstance(data.get("answers"), list) or len(data["answers"]) > 2 * MAX_PAIRS:
+            return "no answers", "its answers are no list, or too many"
+        return "", ""
+
+    def _read_answers(self, one: _Rater) -> None:
+        """Check each answer by itself and against the study."""
+        seen: set[tuple[str, str]] = set()
+        for number, raw in enumerate(one.given):
+            where = f"answers.{number}"
+            try:
+                answer = PairAnswer.model_validate(raw, strict=True)
+            except ValidationError as error:
+                first = error.errors(include_url=False, include_input=False)[0]
+                step = ".".join(map(str, first["loc"]))
+                one.dropped.append(("out of range", f"{where}.{step}: {first['msg']}"))
+                continue
+            key = (answer.pair, answer.question)
+            if answer.pair not in self._pairs:
+                words = f"{where}: the study has no pair {_shown(answer.pair)}"
+                one.dropped.append(("unknown pair", words))
+            elif answer.question not in self._study.questions:
+                words = f"{where}: the study does not ask for {answer.question}"
+                one.dropped.append(("unknown pair", words))
+            elif key in seen:
+                words = f"{where}: {answer.pair} has an earlier answer on {answer.question}"
+                one.dropped.append(("answered twice", words))
+            else:
+                seen.add(key)
+                one.answers.append(answer)
+
+    def of_rater(self, given: Sequence[_Rater]) -> _Rater | None:
+        """Return the submission of a rater that counts, if there is one."""
+        complete = [one for one in given if self._complete(one)]
+        chosen = complete[0] if complete else None
+        if chosen is None and self._rules.keep_unfinished:
+            chosen = max(given, key=lambda one: len(one.answers))
+        for one in given:
+            if one is chosen:
+                continue
+            if chosen is None and one is given[0]:
+                self._aside("unfinished", one, self._missing(one))
+            else:
+                first = chosen or given[0]
+                self._aside("repeated", one, f"the rater's submission at {first.place} comes first")
+        return chosen
+
+    def _expected(self) -> int:
+        """Return the fewest pairs that a complete submission answers."""
+        return min(self._study.raters_see or len(self._pairs), len(self._pairs))
+
+    def _complete(self, one: _Rater) -> bool:
+        return one.finished and len({raw_pair(raw) for raw in one.given}) >= self._expected()
+
+    def _missing(self, one: _Rater) -> str:
+        pairs = len({raw_pair(raw) for raw in one.given})
+        stopped = "" if one.finished else "no time of finishing; "
+        return f"{stopped}{pairs} of {self._expected()} pairs are answered"
+
+    def without_copies(self, raters: Sequence[_Rater]) -> list[_Rater]:
+        """Return the raters whose answers are their own; name those that are suspiciously alike."""
+        kept: list[_Rater] = []
+        exact: dict[tuple[Any, ...], _Rater] = {}
+        alike: dict[tuple[Any, ...], list[_Rater]] = defaultdict(list)
+        for one in raters:
+            timed = _pattern(one, timed=True)
+            first = exact.setdefault(timed, one)
+            if first is not one and len(timed) >= MIN_COPIED_ANSWERS:
+                self._aside("copied", one, f"the answers are those of rater {first.rater}")
+                continue
+            kept.append(one)
+            untimed = _pattern(one, timed=False)
+            if len(untimed) >= MIN_ALIKE_ANSWERS:
+                alike[untimed].append(one)
+        self._told.suspicious += [
+            f"{len(same)} raters gave the same {len(pattern)} choices and strengths at other "
+            f"speeds: {_named(one.rater for one in same)}"
+            for pattern, same in alike.items()
+            if len(same) > 1
+        ]
+        return kept
+
+    def count(self, one: _Rater) -> None:
+        """Count a rater's answers, or set the rater aside."""
+        fault = self._fault(one)
+        if fault:
+            self._aside(*fault)
+            return
+        self._drop_fast(one)
+        told = self._told
+        told.raters += 1
+        told.unfinished += not self._complete(one)
+        tested = [answer for answer in one.kept if self._pairs[answer.pair].check]
+        told.checks += len(tested)
+        told.unchecked += not tested and any(pair.check for pair in self._study.pairs)
+        told.choices += [
+            _choice(one.rater, answer, self._pairs[answer.pair])
+            for answer in one.kept
+            if not self._pairs[answer.pair].check
+        ]
+        for reason, answers in _grouped(one.dropped).items():
+            more = f", and {len(answers) - 1} more" if len(answers) > 1 else ""
+            told.set_aside.append(
+                Uncounted(reason, one.place, one.rater, 0, len(answers), answers[0] + more)
+            )
+
+    def _fault(self, one: _Rater) -> tuple[str, _Rater, str] | None:
+        """Return the reason to set a rater aside, if there is one."""
+        failed = {a.pair for a in one.answers if self._pairs[a.pair].check not in (None, a.choice)}
+        if len(failed) > self._rules.failed_checks:
+            return "failed checks", one, f"failed at {_named(sorted(failed))}"
+        pairs, fast = {a.pair for a in one.answers}, self._fast(one)
+        if fast and 2 * len(fast) > len(pairs):
+            return "fast rater", one, f"{len(fast)} of {len(pairs)} pairs were too fast"
+        sides = {a.choice for a in one.answers}
+        if len(sides) == 1 and 0 < self._rules.one_side <= len(pairs):
+            return "one side", one, f"always the {sides.pop()} side, in {len(pairs)} pairs"
+        return None
+
+    def _fast(self, one: _Rater) -> dict[str, float]:
+        """Return the pairs that were answered faster than one can see a clip, with their time."""
+        spent: dict[str, float] = {}
+        for answer in one.answers:  # seconds run from the first sight of the pair
+            spent[answer.pair] = max(spent.get(answer.pair, 0.0), answer.seconds)
+        return {pair: took for pair, took in spent.items() if took < self._least(pair)}
+
+    def _least(self, pair: str) -> float:
+        if self._rules.least_seconds is not None:
+            return self._rules.least_seconds
+        return self._pairs[pair].seconds or UNKNOWN_CLIP_SECONDS
+
+    def _drop_fast(self, one: _Rater) -> None:
+        fast = self._fast(one)
+        for answer in one.answers:
+            if answer.pair in fast:
+                words = f"{answer.pair}: {fast[answer.pair]:g} s"
+                one.dropped.append(("too fast", words))
+            else:
+                one.kept.append(answer)
+
+
+def raw_pair(raw: Any) -> str:
+    """Return the pair that an answer names, as text, sound or not."""
+    return str(raw.get("pair")) if isinstance(raw, dict) else ""
+
+
+def _choice(rater: str, answer: PairAnswer, pair: StudyPair) -> Choice:
+    left = answer.choice == "left"
+    chosen, other = (pair.left, pair.right) if left else (pair.right, pair.left)
+    return Choice(
+        rater,
+        pair.pair,
+        pair.line,
+        pair.character,
+        answer.question,
+        chosen,
+        other,
+        answer.strength,
+    )
+
+
+def _pattern(one: _Rater, *, timed: bool) -> tuple[Any, ...]:
+    return tuple(
+        sorted(
+            (a.pair, a.question, a.choice, a.strength, a.seconds if timed else 0.0)
+            for a in one.answers
+        )
+    )
+
+
+def _grouped(dropped: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = defaultdict(list)
+    for reason, words in dropped:
+        found[reason].append(words)
+    return found
+
+
+def _named(names: Iterable[str], shown: int = 5) -> str:
+    every = list(names)
+    more = f" and {len(every) - shown} more" if len(every) > shown else ""
+    return ", ".join(every[:shown]) + more
+
+
+def _shown(value: Any, most: int = 40) -> str:
+    text = str(value)
+    return f"'{text}'" if len(text) <= most else f"'{text[:most]}...'"
+
+
+def reasons(set_aside: Iterable[Uncounted]) -> dict[str, tuple[int, int]]:
+    """Return the submissions and answers that each reason sets aside."""
+    submissions: Counter[str] = Counter()
+    answers: Counter[str] = Counter()
+    for one in set_aside:
+        submissions[one.reason] += one.submissions
+        answers[one.reason] += one.answers
+    return {reason: (submissions[reason], answers[reason]) for reason in submissions}
+
+
+# Files
+
+
+def answer_files(places: Iterable[Path]) -> list[Path]:
+    """Return the files of answers in files and folders, in order, each once.
+
+    Folders give their `.json` and `.jsonl` files, without the study itself.
+
+    Raises
+    ------
+    LipsyncError
+        A folder cannot be read, or holds no such file.
+    """
+    found: dict[Path, None] = {}
+    for place in places:
+        if not place.is_dir():
+            found[place] = None
+            continue
+        inside = sorted(
+            path
+            for path in place.iterdir()
+            if path.suffix in (".json", ".jsonl") and path.name != STUDY_NAME and path.is_file()
+        )
+        if not inside:
+            raise LipsyncError(f"{place}: holds no .json or .jsonl file of answers")
+        found |= dict.fromkeys(inside)
+    return list(found)
+
+
+def _texts(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]]:
+    """Yield the place and text of each submission, or why a file is not read."""
+    for path in paths:
+        try:
+            content = read_input(path, MAX_ANSWERS_BYTES, mend="give it in parts")
+        except LipsyncError as error:
+            yield str(path), error
+            continue
+        content = content.removeprefix(BYTE_ORDER_MARK).strip()
+        lines = content.split(b"\n")
+        if not any(_is_document(line) for line in lines) or _is_document(content):
+            yield str(path), content
+            continue
+        for number, line in enumerate(lines, 1):
+            if line.strip():
+                yield f"{path}:{number}", line
+
+
+def _is_document(text: bytes) -> bool:
+    """Tell whether a text is a document by itself: the whole file, or a line of JSON lines."""
+    found = _parsed(text)[2]
+    return isinstance(found, dict) and "kind" in found
+
+
+def _parsed(text: bytes | LipsyncError) -> tuple[str, str, Any]:
+    """Return the reason and words for text that is no JSON, and the document."""
+    if isinstance(text, LipsyncError):
+        return "unreadable", str(text), None
+    if len(text) > MAX_SUBMISSION_BYTES:
+        return "unreadable", "is larger than a rater's answers can be", None
+    try:
+        return "", "", json.loads(text)
+    except (ValueError, RecursionError) as error:
+        words = "is empty" if not text else f"is no JSON, or is cut off: {error}"
+        return "unreadable", words, None

@@ -1,0 +1,214 @@
+"""Bradley-Terry: strengths of more than two methods from choices between two of them.
+
+A method of strength s beats one of strength t with probability 1 / (1 + exp(t - s)). Strengths are
+natural logarithms of odds and add up to 0. There are no ties.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats
+from lipsync_lang.study.comparisons import ALL, Choice
+from lipsync_lang.study.distributions import (
+    NORMAL_QUANTILE,
+    Interval,
+    chi_square_tail,
+    t_quantile,
+)
+
+MAX_STEPS = 200
+TOLERANCE = 1e-10
+"""Largest gradient, in choices, at which the fit ends, times the number of choices."""
+
+
+class MethodStrength(NamedTuple):
+    """Strength of one method among several."""
+
+    method: str
+    wins: int
+    """Choices for the method."""
+    choices: int
+    """Choices in which the method took part."""
+    strength: float
+    interval: Interval | None
+    """Interval by raters; None with fewer than two raters."""
+    beats_others: float
+    """Mean probability of a choice for it, over all other methods."""
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Strengths of several methods on one question, by one character or all of them."""
+
+    character: str
+    """Name of the character; empty for all characters together."""
+    question: str
+    methods: tuple[MethodStrength, ...]
+    """Strongest first; empty if there are no finite strengths."""
+    likelihood_ratio: float | None
+    """Statistic against equal strengths of all methods."""
+    freedom: int
+    """Degrees of freedom of the statistic."""
+    p_likelihood_ratio: float | None
+    """Probability, as if all choices were independent."""
+    problem: str = ""
+    """Sentence on why there are no strengths."""
+
+
+def ranked(choices: Sequence[Choice], methods: Sequence[str]) -> list[Ranking]:
+    """Rank the methods by question and character; two methods need no ranking."""
+    if len(methods) <= 2:  # noqa: PLR2004 a pair
+        return []
+    characters = sorted({one.character for one in choices})
+    cells = [*characters, *([ALL] if len(characters) > 1 else [])]
+    return [
+        ranking(
+            [o for o in choices if o.question == question and character in (ALL, o.character)],
+            methods,
+            character=character,
+            question=question,
+        )
+        for question in sorted({one.question for one in choices})
+        for character in cells
+    ]
+
+
+def ranking(
+    choices: Sequence[Choice], methods: Sequence[str], *, character: str = ALL, question: str = ""
+) -> Ranking:
+    """Fit strengths to choices."""
+    index = {method: number for number, method in enumerate(methods)}
+    wins = win_matrix(choices, index)
+    freedom = len(methods) - 1
+    problem = _problem(wins, methods)
+    if problem:
+        return Ranking(character, question, (), None, freedom, None, problem)
+    strengths = fitted_strengths(wins)
+    ratio = 2 * (_log_likelihood(wins, strengths) - _log_likelihood(wins, np.zeros(len(methods))))
+    found = sorted(
+        _described(choices, methods, wins, strengths), key=lambda one: (-one.strength, one.method)
+    )
+    tail = chi_square_tail(ratio, freedom)
+    return Ranking(character, question, tuple(found), max(ratio, 0.0), freedom, tail)
+
+
+def win_matrix(choices: Iterable[Choice], index: dict[str, int]) -> Floats:
+    """Count the choices for each method (row) over each other (column)."""
+    wins = np.zeros((len(index), len(index)))
+    for one in choices:
+        wins[index[one.chosen], index[one.other]] += 1
+    return wins
+
+
+def fitted_strengths(wins: Floats) -> Floats:
+    """Return the strengths of greatest likelihood, by Newton's method with halved steps."""
+    strengths = np.zeros(len(wins))
+    for _ in range(MAX_STEPS):
+        gradient = _gradient(wins, strengths)
+        if np.abs(gradient).max() <= TOLERANCE * wins.sum():
+            break
+        step = np.linalg.pinv(_information(wins, strengths)) @ gradient
+        before = _log_likelihood(wins, strengths)
+        while _log_likelihood(wins, strengths + step) < before and np.abs(step).max() > TOLERANCE:
+            step = step / 2
+        strengths = strengths + step
+        strengths -= strengths.mean()
+    return strengths
+
+
+def _chances(strengths: Floats) -> Floats:
+    """Return the probability that each method (row) beats each other (column)."""
+    chances: Floats = 1 / (1 + np.exp(strengths[None, :] - strengths[:, None]))
+    return chances
+
+
+def _log_likelihood(wins: Floats, strengths: Floats) -> float:
+    return float(-(wins * np.logaddexp(0, strengths[None, :] - strengths[:, None])).sum())
+
+
+def _gradient(wins: Floats, strengths: Floats) -> Floats:
+    gradient: Floats = (wins - (wins + wins.T) * _chances(strengths)).sum(axis=1)
+    return gradient
+
+
+def _information(wins: Floats, strengths: Floats) -> Floats:
+    chances = _chances(strengths)
+    weights = (wins + wins.T) * chances * chances.T
+    information: Floats = np.diag(weights.sum(axis=1)) - weights
+    return information
+
+
+def _described(
+    choices: Sequence[Choice], methods: Sequence[str], wins: Floats, strengths: Floats
+) -> list[MethodStrength]:
+    errors, quantile = _standard_errors(choices, methods, wins, strengths)
+    others = (_chances(strengths).sum(axis=1) - 0.5) / (len(methods) - 1)
+    return [
+        MethodStrength(
+            method=method,
+            wins=int(wins[n].sum()),
+            choices=int(wins[n].sum() + wins[:, n].sum()),
+            strength=float(strengths[n]),
+            interval=None
+            if errors is None
+            else Interval(
+                float(strengths[n] - quantile * errors[n]),
+                float(strengths[n] + quantile * errors[n]),
+            ),
+            beats_others=float(others[n]),
+        )
+        for n, method in enumerate(methods)
+    ]
+
+
+def _standard_errors(
+    choices: Sequence[Choice], methods: Sequence[str], wins: Floats, strengths: Floats
+) -> tuple[Floats | None, float]:
+    """Return standard errors, and the quantile for intervals.
+
+    The errors are a sandwich of the information around the gradients of raters, and no smaller
+    than those of independent choices.
+    """
+    index = {method: number for number, method in enumerate(methods)}
+    by_rater: dict[str, list[Choice]] = defaultdict(list)
+    for one in choices:
+        by_rater[one.rater].append(one)
+    raters = len(by_rater)
+    if raters == 1:
+        return None, NORMAL_QUANTILE
+    inverse = np.linalg.pinv(_information(wins, strengths))
+    gradients = np.array(
+        [_gradient(win_matrix(given, index), strengths) for given in by_rater.values()]
+    )
+    clustered = inverse @ (gradients.T @ gradients) @ inverse * (raters / (raters - 1))
+    errors: Floats = np.sqrt(np.maximum(np.diag(clustered), np.diag(inverse)))
+    return errors, t_quantile(raters - 1)
+
+
+def _problem(wins: Floats, methods: Sequence[str]) -> str:
+    """Return why the choices give no finite strengths; empty if they do (Ford 1957)."""
+    reached = _reachable((wins + wins.T) > 0)
+    if not reached.all():
+        groups = dict.fromkeys(_named(methods, row) for row in reached)
+        return f"no choice connects these groups of methods: {' | '.join(groups)}"
+    for row in _reachable(wins > 0):
+        if not row.all():
+            weak, strong = _named(methods, row), _named(methods, ~row)
+            return f"no choice prefers {weak} to {strong}, so the strengths have no limit"
+    return ""
+
+
+def _named(methods: Sequence[str], among: Bools) -> str:
+    return ", ".join(method for method, one in zip(methods, among, strict=True) if one)
+
+
+def _reachable(edges: Bools) -> Bools:
+    """Return which nodes each node reaches along edges, itself included."""
+    reached: Bools = edges | np.eye(len(edges), dtype=bool)
+    for middle in range(len(edges)):
+        reached |= np.outer(reached[:, middle], reached[middle])
+    return reached

@@ -1,0 +1,192 @@
+"""Power before a study: how many choices and raters show a preference of a given share.
+
+The test is the exact binomial one. Choices of one rater are alike: with M choices each and an
+intraclass correlation r, N raters give N M / (1 + (M - 1) r) independent choices (Kish 1965).
+"""
+
+from dataclasses import asdict, dataclass
+from math import ceil, floor
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.study.distributions import binomial_masses
+
+FORMAT = "lipsync-lang study power 1"
+MIN_CHANCE = 0.0001
+"""Least power and level; beyond it studies have no end."""
+
+MIN_DISTANCE = 0.005
+"""Least distance of a share from one half: 80 % power takes some 80,000 choices there."""
+
+MAX_CHOICES = 1_000_000
+SEARCHED_SHARE, SEARCHED_CHOICES = 0.15, 60
+"""Distance from the normal approximation within which the exact number is searched."""
+
+PAIRS_SHOWN = (10, 20, 40)
+"""Pairs per rater that are shown if none are given."""
+
+
+@dataclass(frozen=True)
+class PowerRow:
+    """A design and its power."""
+
+    pairs: int
+    """Choices of each rater on one question."""
+    raters: int
+    choices: int
+    """Choices of all raters."""
+    effective: int
+    """Independent choices that these are worth."""
+    power: float
+    """Probability of a significant result."""
+
+
+@dataclass(frozen=True)
+class PowerQuestion:
+    """Question how large a study must be, or how much power a design has."""
+
+    share: float
+    """Assumed share of the choices for the preferred method, 0 to 1, not one half."""
+    raters: int | None = None
+    pairs: int | None = None
+    """Pairs that each rater judges."""
+    power: float = 0.8
+    """Wanted probability of a significant result."""
+    alpha: float = 0.05
+    """Level of the two-sided test."""
+    correlation: float = 0.1
+    """Assumed correlation of two choices of one rater."""
+
+
+@dataclass(frozen=True)
+class PowerPlan:
+    """Answer to a question of power."""
+
+    question: PowerQuestion
+    choices: int
+    """Independent choices needed: raters who judge one pair each."""
+    rows: tuple[PowerRow, ...]
+    """The design asked about if both raters and pairs are given, else designs with the power."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the plan as JSON holds it."""
+        return {"format": FORMAT, **asdict(self)}
+
+
+def plan_study(question: PowerQuestion) -> PowerPlan:
+    """Plan a study of two methods.
+
+    Raises
+    ------
+    LipsyncError
+        A number is out of range, or no number of pairs is enough for these raters.
+    """
+    _check(question)
+    raters, pairs, correlation = question.raters, question.pairs, question.correlation
+    needed = choices_needed(question.share, question.power, question.alpha)
+    if raters and pairs:
+        sizes = [(pairs, raters)]
+    elif pairs:
+        sizes = [(pairs, raters_for(needed, pairs, correlation))]
+    elif raters:
+        sizes = [(pairs_for(needed, raters, correlation), raters)]
+    else:
+        sizes = [(one, raters_for(needed, one, correlation)) for one in PAIRS_SHOWN]
+    return PowerPlan(question, needed, tuple(_row(question, *size) for size in sizes))
+
+
+def _check(question: PowerQuestion) -> None:
+    share = question.share
+    if not 0 < share < 1 or abs(share - 0.5) < MIN_DISTANCE:
+        raise LipsyncError(
+            f"`share={share:g}`: give a share between 0 and 1 that differs from 0.5 by at least "
+            f"{MIN_DISTANCE:g}"
+        )
+    for name, value in (("power", question.power), ("alpha", question.alpha)):
+        if not MIN_CHANCE <= value <= 1 - MIN_CHANCE:
+            raise LipsyncError(
+                f"`{name}={value:g}`: give a number from {MIN_CHANCE:g} to {1 - MIN_CHANCE:g}"
+            )
+    if not 0 <= question.correlation <= 1:
+        raise LipsyncError(f"`correlation={question.correlation:g}`: give a number from 0 to 1")
+    for name, number in (("raters", question.raters), ("pairs", question.pairs)):
+        if number is not None and number < 1:
+            raise LipsyncError(f"`{name}={number}`: give a number from 1 on")
+    if (question.raters or 1) * (question.pairs or 1) > MAX_CHOICES:
+        raise LipsyncError(f"more than {MAX_CHOICES:,} choices: give fewer raters or pairs")
+
+
+def _row(question: PowerQuestion, pairs: int, raters: int) -> PowerRow:
+    effective = effective_choices(raters, pairs, question.correlation)
+    power = exact_power(effective, question.share, question.alpha)
+    return PowerRow(pairs, raters, raters * pairs, effective, power)
+
+
+def effective_choices(raters: int, pairs: int, correlation: float) -> int:
+    """Return the independent choices that raters with so many pairs each are worth."""
+    return floor(raters * pairs / (1 + (pairs - 1) * correlation) + 1e-9)
+
+
+def raters_for(choices: int, pairs: int, correlation: float) -> int:
+    """Return the fewest raters with so many pairs each that are worth independent choices."""
+    return ceil(choices * (1 + (pairs - 1) * correlation) / pairs - 1e-9)
+
+
+def pairs_for(choices: int, raters: int, correlation: float) -> int:
+    """Return the fewest pairs for each of some raters that are worth independent choices.
+
+    Raises
+    ------
+    LipsyncError
+        Any number of pairs is too few.
+    """
+    room = raters - choices * correlation
+    if room <= 0:
+        least = floor(choices * correlation) + 1
+        raise LipsyncError(
+            f"`raters={raters}`: any number of pairs is too few, as choices of one rater are "
+            f"alike (correlation {correlation:g}); take at least {least} raters"
+        )
+    pairs = max(1, ceil(choices * (1 - correlation) / room - 1e-9))
+    if raters * pairs > MAX_CHOICES:
+        raise LipsyncError(f"`raters={raters}`: needs {pairs:,} pairs each; take more raters")
+    return pairs
+
+
+def exact_power(choices: int, share: float, alpha: float) -> float:
+    """Return the power of the exact two-sided binomial test against an even split."""
+    if choices < 1:
+        return 0.0
+    even = binomial_masses(choices, 0.5)
+    tails = np.cumsum(even)  # P(X <= k), and by symmetry P(X >= choices - k)
+    below = int(np.searchsorted(tails, alpha / 2, side="right"))  # k < below is significant
+    if below == 0:
+        return 0.0
+    masses = binomial_masses(choices, share)
+    return float(min(1.0, masses[:below].sum() + masses[choices + 1 - below :].sum()))
+
+
+def choices_needed(share: float, power: float, alpha: float) -> int:
+    """Return the number of independent choices from which on the power is kept.
+
+    The power of an exact test falls a little between steps, so that the first number with enough
+    power may be followed by one without.
+    """
+    normal = NormalDist()
+    z_alpha, z_power = normal.inv_cdf(1 - alpha / 2), normal.inv_cdf(power)
+    spread = z_alpha * 0.5 + z_power * (share * (1 - share)) ** 0.5
+    near = max(1, ceil((spread / abs(share - 0.5)) ** 2)) if spread > 0 else 1
+    low = max(1, floor(near * (1 - SEARCHED_SHARE)) - SEARCHED_CHOICES)
+    high = ceil(near * (1 + SEARCHED_SHARE)) + SEARCHED_CHOICES
+    if high > MAX_CHOICES:
+        raise LipsyncError(f"more than {MAX_CHOICES:,} choices are needed: ask for less power")
+    while high - low > 2 * SEARCHED_CHOICES:
+        middle = (low + high) // 2
+        window = range(middle, middle + SEARCHED_CHOICES)
+        enough = all(exact_power(number, share, alpha) >= power for number in window)
+        low, high = (low, middle) if enough else (middle, high)
+    short = [n for n in range(low, high + 1) if exact_power(n, share, alpha) < power]
+    return (short[-1] if short else low - 1) + 1

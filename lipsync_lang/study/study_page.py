@@ -1,0 +1,229 @@
+"""A study's report as one HTML page that needs nothing else, in the look of the coverage page.
+
+Plots are SVG stretched to the width at hand, each with a name in words. The page has no script.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import NamedTuple
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from lipsync_lang.coverage.page.assembling import TightLayout, own_file
+from lipsync_lang.coverage.page.wording import NBSP, count
+from lipsync_lang.study import study_text
+from lipsync_lang.study.answer_sorting import reasons
+from lipsync_lang.study.bradley_terry import Ranking
+from lipsync_lang.study.comparisons import Comparison, MeanStrength
+from lipsync_lang.study.distributions import Interval
+from lipsync_lang.study.study_report import StudyReport
+from lipsync_lang.study.study_text import EVERYBODY
+
+WIDTH = 1000
+"""Width of a plot in its own units."""
+
+MAX_PAGE_NAMED = 200
+"""Rows of single faults that the page shows."""
+
+WEAKEST, STRONGEST = 1, 5
+"""Ends of the scale of strength."""
+
+
+class Dot(NamedTuple):
+    """A value with its interval, in units of a plot's width."""
+
+    class_: str
+    at: float
+    interval: tuple[float, float] | None
+    """Start and length."""
+    height: int = 10
+    """Height of its middle, 0 to 20 from the top."""
+
+
+@dataclass(frozen=True)
+class PlotRow:
+    """A row of a plot: a name, values with intervals, and the same in words."""
+
+    label: str
+    words: str
+    dots: tuple[Dot, ...]
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot of rows over one scale."""
+
+    title: str
+    caption: str
+    rows: tuple[PlotRow, ...]
+    ticks: tuple[tuple[str, float], ...]
+    """Text, and its place in percent of the width."""
+    middle: float
+    """Place of the vertical line, in percent of the width."""
+
+
+@dataclass(frozen=True)
+class PairView:
+    """Comparisons of two methods on one question."""
+
+    question: str
+    first: str
+    second: str
+    rows: tuple[Comparison, ...]
+    shares: Plot
+    strengths: Plot
+
+
+def report_page(report: StudyReport) -> str:
+    """Return the page."""
+    found = reasons(report.answers.set_aside)
+    return (
+        _environment()
+        .get_template("study_report.html")
+        .render(
+            report=report,
+            answers=report.answers,
+            pairs=_pairs(report),
+            rankings=[(one, _strength_plot(one)) for one in report.rankings],
+            heads=[one for one in _pairs(report) if len(report.study.methods) == 2],  # noqa: PLR2004
+            aside=found,
+            rules=report.rules.words,
+            named=report.answers.set_aside[:MAX_PAGE_NAMED],
+            whole=sum(whole for whole, _ in found.values()),
+            style=Markup(own_file("style.css") + _own("study_report.css")),  # noqa: S704 our own
+        )
+    )
+
+
+def _pairs(report: StudyReport) -> list[PairView]:
+    keys = dict.fromkeys((one.question, one.first, one.second) for one in report.comparisons)
+    views = []
+    for question, first, second in keys:
+        rows = tuple(
+            one
+            for one in report.comparisons
+            if (one.question, one.first, one.second) == (question, first, second)
+        )
+        views.append(PairView(question, first, second, rows, _shares(rows), _strengths(rows)))
+    return views
+
+
+def _shares(rows: Sequence[Comparison]) -> Plot:
+    """Plot the share of the first method, 0 to 100 %."""
+    first, second = rows[0].first, rows[0].second
+    drawn = tuple(
+        PlotRow(
+            one.character or EVERYBODY,
+            _percents(one.share, one.clustering.interval or one.interval),
+            (_dot("first", one.share, one.clustering.interval or one.interval, 0, 1),),
+        )
+        for one in rows
+    )
+    return Plot(
+        f"Choices for {first}",
+        f"Right of the line {first} is preferred, left of it {second}. Bars are 95{NBSP}% "
+        "intervals by raters.",
+        drawn,
+        tuple((f"{part}{NBSP}%", float(part)) for part in (0, 25, 50, 75, 100)),
+        50.0,
+    )
+
+
+def _strengths(rows: Sequence[Comparison]) -> Plot:
+    """Plot the mean strengths of the preferences for both methods."""
+    first, second = rows[0].first, rows[0].second
+
+    def dots(one: Comparison) -> tuple[Dot, ...]:
+        both = (("first", one.strength_of_first, 6), ("second", one.strength_of_second, 14))
+        return tuple(
+            _dot(class_, mean.mean, mean.interval, WEAKEST, STRONGEST)._replace(height=height)
+            for class_, mean, height in both
+            if mean
+        )
+
+    def words(one: Comparison) -> str:
+        both = (one.strength_of_first, one.strength_of_second)
+        return " / ".join(f"{mean.mean:.2f}" if mean else "–" for mean in both)
+
+    return Plot(
+        "Mean strength",
+        f"Where {first} is preferred (filled) and where {second} is (open), from 1, weak, to 5, "
+        "strong.",
+        tuple(PlotRow(one.character or EVERYBODY, words(one), dots(one)) for one in rows),
+        tuple((str(n), 100 * _part(n, WEAKEST, STRONGEST)) for n in range(WEAKEST, STRONGEST + 1)),
+        50.0,
+    )
+
+
+def _strength_plot(ranking: Ranking) -> Plot | None:
+    """Plot the strengths of several methods; None if there are none."""
+    if not ranking.methods:
+        return None
+    ends = [one.interval or Interval(one.strength, one.strength) for one in ranking.methods]
+    most = max(0.5, *(abs(end) for interval in ends for end in interval))
+    rows = tuple(
+        PlotRow(
+            one.method,
+            f"{one.strength:+.2f}",
+            (_dot("first", one.strength, one.interval, -most, most),),
+        )
+        for one in ranking.methods
+    )
+    return Plot(
+        "Strengths (Bradley-Terry)",
+        f"Logarithms of odds around the mean of all methods; bars are 95{NBSP}% intervals by "
+        "raters.",
+        rows,
+        ((f"{-most:.2g}", 0.0), ("0", 50.0), (f"{most:+.2g}", 100.0)),
+        50.0,
+    )
+
+
+def _dot(class_: str, at: float, interval: Interval | None, low: float, high: float) -> Dot:
+    ends = None
+    if interval is not None:
+        left, right = (min(max(_part(end, low, high), 0), 1) for end in interval)
+        ends = (round(WIDTH * left, 1), round(WIDTH * (right - left), 1))
+    return Dot(class_, round(WIDTH * _part(at, low, high), 1), ends)
+
+
+def _part(value: float, low: float, high: float) -> float:
+    return (value - low) / (high - low)
+
+
+def _percents(share: float, interval: Interval) -> str:
+    return (
+        f"{100 * share:.0f}{NBSP}% ({100 * interval.low:.0f} to {100 * interval.high:.0f}{NBSP}%)"
+    )
+
+
+def _strength(mean: MeanStrength | None) -> str:
+    return study_text.strength(mean).replace("-", "–")
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        autoescape=True,
+        extensions=[TightLayout],
+        loader=PackageLoader("lipsync_lang.study", "report_templates"),
+        undefined=StrictUndefined,
+    )
+    environment.globals |= {
+        "count": count,
+        "WIDTH": WIDTH,
+        "EVERYBODY": EVERYBODY,
+        "percents": study_text.percents,
+        "percent": study_text.percent,
+        "probability": study_text.probability,
+        "strength": _strength,
+        "share_in_words": _percents,
+    }
+    return environment
+
+
+def _own(name: str) -> str:
+    return (files("lipsync_lang.study") / "report_templates" / name).read_text("utf-8")

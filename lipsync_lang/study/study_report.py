@@ -1,0 +1,166 @@
+"""Reports of a study: counted raters and choices, what was set aside, and the statistics."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.study.answer_sorting import (
+    STUDY_NAME,
+    SortedAnswers,
+    SortingRules,
+    answer_files,
+    reasons,
+    sort_answers,
+)
+from lipsync_lang.study.bradley_terry import Ranking, ranked
+from lipsync_lang.study.comparisons import Comparison, compared
+from lipsync_lang.study.distributions import CONFIDENCE
+from lipsync_lang.study.study_file import Study, read_study
+
+FORMAT = "lipsync-lang study report 1"
+LEVEL = 0.05
+"""Level of significance that notes speak of."""
+
+ANSWERS_FOLDER = "answers"
+"""Folder within a study in which answers may lie."""
+
+
+@dataclass(frozen=True)
+class StudyReport:
+    """Results of a study."""
+
+    study: Study
+    files: tuple[str, ...]
+    """Files of answers."""
+    rules: SortingRules
+    answers: SortedAnswers
+    comparisons: tuple[Comparison, ...]
+    rankings: tuple[Ranking, ...]
+    """Strengths of more than two methods."""
+    notes: tuple[str, ...]
+    """Sentences that a reader of the figures must know."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the report as JSON holds it; `docs/reference/study-report.md` names its keys."""
+        answers, rules = self.answers, self.rules.words
+        return {
+            "format": FORMAT,
+            "study": self.study.study,
+            "title": self.study.title,
+            "methods": list(self.study.methods),
+            "questions": list(self.study.questions),
+            "files": list(self.files),
+            "confidence": CONFIDENCE,
+            "rules": asdict(self.rules),
+            "counted": {
+                "raters": answers.raters,
+                "unfinished": answers.unfinished,
+                "unchecked": answers.unchecked,
+                "choices": len(answers.choices),
+                "check_answers": answers.checks,
+            },
+            "read": {"submissions": answers.submissions, "answers": answers.answers},
+            "set_aside": [
+                {"reason": reason, "submissions": whole, "answers": single, "rule": rules[reason]}
+                for reason, (whole, single) in reasons(answers.set_aside).items()
+            ],
+            "named": [one._asdict() for one in answers.set_aside],
+            "suspicious": list(answers.suspicious),
+            "comparisons": [_plain(asdict(one)) for one in self.comparisons],
+            "rankings": [_plain(asdict(one)) for one in self.rankings],
+            "notes": list(self.notes),
+        }
+
+
+def _plain(value: Any) -> Any:
+    """Return named tuples as dictionaries, within anything that JSON holds."""
+    if hasattr(value, "_asdict"):
+        return _plain(value._asdict())
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(one) for one in value]
+    return value
+
+
+def report_study(
+    study: Path, answers: Sequence[Path] = (), rules: SortingRules | None = None
+) -> StudyReport:
+    """Report a study.
+
+    Parameters
+    ----------
+    study : folder of the study, or its `study.json`
+    answers : files of answers, or folders of them [those in the study's folder]
+    rules : rules by which raters and answers are set aside [the defaults]
+
+    Raises
+    ------
+    LipsyncError
+        The study cannot be read, or no answers are found.
+    """
+    file = study / STUDY_NAME if study.is_dir() else study
+    known = read_study(file)
+    files = answer_files(answers or _beside(file))
+    return report_answers(known, files, rules)
+
+
+def report_answers(
+    study: Study, files: Sequence[Path], rules: SortingRules | None = None
+) -> StudyReport:
+    """Report a study from files of answers."""
+    rules = rules or SortingRules()
+    answers = sort_answers(files, study, rules)
+    comparisons = compared(answers.choices, study.methods)
+    rankings = ranked(answers.choices, study.methods)
+    return StudyReport(
+        study,
+        tuple(map(str, files)),
+        rules,
+        answers,
+        tuple(comparisons),
+        tuple(rankings),
+        tuple(_notes(study, answers, comparisons)),
+    )
+
+
+def _beside(study: Path) -> list[Path]:
+    folder = study.parent
+    inside = folder / ANSWERS_FOLDER
+    if not inside.is_dir():
+        return [folder]
+    found = [inside]
+    try:
+        return [*answer_files([folder]), *found]
+    except LipsyncError:
+        return found
+
+
+def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Comparison]) -> list[str]:
+    """Return the sentences that limit what the figures say."""
+    if not comparisons:
+        return ["no choice counts, so there is nothing to report"]
+    notes = [
+        "p (raters) allows for choices of one rater being alike; chi-square and binomial do not",
+        "p (lines) allows for choices about one line being alike, as if other lines had been drawn",
+    ]
+    fewest = min(min(one.raters, one.lines) for one in comparisons)
+    if 2.0 ** (1 - fewest) >= LEVEL:
+        notes.append(
+            f"{fewest} raters or lines can never give p below {2.0 ** (1 - fewest):.2g}: more are "
+            "needed"
+        )
+    if len(comparisons) > 1:
+        notes.append(
+            f"{len(comparisons)} comparisons are tested: by Bonferroni, each wants p below "
+            f"{LEVEL / len(comparisons):.2g}"
+        )
+    if answers.unfinished:
+        notes.append(f"{answers.unfinished} raters who stopped early are counted")
+    if answers.unchecked:
+        notes.append(f"{answers.unchecked} counted raters answered no attention check")
+    if not any(pair.check for pair in study.pairs):
+        notes.append("the study has no attention checks")
+    return notes

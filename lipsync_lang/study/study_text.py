@@ -1,0 +1,199 @@
+"""Text of a study's report and plan for a terminal."""
+
+from collections.abc import Iterator, Sequence
+
+from lipsync_lang.study.answer_sorting import reasons
+from lipsync_lang.study.bradley_terry import Ranking
+from lipsync_lang.study.comparisons import Comparison, MeanStrength
+from lipsync_lang.study.distributions import Interval
+from lipsync_lang.study.power import PowerPlan
+from lipsync_lang.study.study_report import StudyReport
+from lipsync_lang.text_table import columns
+
+MAX_NAMED = 20
+"""Rows that are named of all that is set aside."""
+
+EVERYBODY = "all"
+"""Word for all characters together."""
+
+SMALLEST_P = 1e-4
+"""Probability below which its digits say nothing."""
+
+
+def report_text(report: StudyReport) -> str:
+    """Return the report as text."""
+    blocks = [
+        list(_heading(report)),
+        list(_set_aside(report)),
+        *(_question(report, question) for question in report.study.questions),
+        *(list(_ranking(one)) for one in report.rankings),
+        ["notes", *(f"  {note}" for note in report.notes)],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in blocks if lines) + "\n"
+
+
+def _heading(report: StudyReport) -> Iterator[str]:
+    answers = report.answers
+    yield f"{report.study.title or 'study'} ({report.study.study})"
+    yield f"methods: {', '.join(report.study.methods)}"
+    yield (
+        f"{count(answers.raters, 'rater')} and {count(len(answers.choices), 'choice')} counted, of "
+        f"{count(answers.submissions, 'submission')} with {count(answers.answers, 'answer')}; "
+        f"{count(answers.checks, 'answer')} to attention checks"
+    )
+
+
+def _set_aside(report: StudyReport) -> Iterator[str]:
+    found = report.answers.set_aside
+    if not found:
+        yield "set aside: nothing"
+    else:
+        rules = report.rules.words
+        rows = [("set aside", "submissions", "answers", "rule")]
+        rows += [
+            (f"  {reason}", f"{whole:11}", f"{single:7}", rules[reason])
+            for reason, (whole, single) in reasons(found).items()
+        ]
+        yield from columns(rows)
+        for one in found[:MAX_NAMED]:
+            rater = f" rater {one.rater}" if one.rater else ""
+            yield f"  {one.place}:{rater} {one.reason}: {one.words}"
+        if len(found) > MAX_NAMED:
+            yield f"  ... and {len(found) - MAX_NAMED} more; JSON names all"
+    yield from (f"  suspicious, but counted: {one}" for one in report.answers.suspicious)
+
+
+def _question(report: StudyReport, question: str) -> list[str]:
+    """Return the tables of one question, two for each pair of methods."""
+    lines: list[str] = []
+    found = [one for one in report.comparisons if one.question == question]
+    for pair in dict.fromkeys((one.first, one.second) for one in found):
+        rows = [one for one in found if (one.first, one.second) == pair]
+        lines += ["", f"{question}: {pair[0]} against {pair[1]}"]
+        lines += [f"  {line}" for line in columns(_preferences(rows))]
+        lines += [""] + [f"  {line}" for line in columns(_strengths(rows))]
+    return lines[1:]
+
+
+def _preferences(found: Sequence[Comparison]) -> Iterator[Sequence[str]]:
+    yield (
+        "character", "first", "second", "share", "95 % independent", "95 % raters", "chi2 (1)", "p",
+        "p binomial", "p (raters)", "p (lines)",
+    )  # fmt: skip
+    for one in found:
+        yield (
+            one.character or EVERYBODY,
+            f"{one.for_first:5}",
+            f"{one.choices - one.for_first:6}",
+            percent(one.share),
+            percents(one.interval),
+            percents(one.clustering.interval),
+            f"{one.chi_square:8.2f}",
+            probability(one.p_chi_square),
+            probability(one.p_binomial),
+            probability(one.p_raters),
+            probability(one.p_lines),
+        )
+
+
+def _strengths(found: Sequence[Comparison]) -> Iterator[Sequence[str]]:
+    yield (
+        "character", "difference", "strength of first", "of second", "raters", "lines",
+        "design effect", "correlation", "agreement", "alpha",
+    )  # fmt: skip
+    for one in found:
+        agreed = one.agreement
+        effect, correlation = one.clustering.design_effect, one.clustering.correlation
+        yield (
+            one.character or EVERYBODY,
+            f"{100 * one.difference:+8.1f} %",
+            strength(one.strength_of_first),
+            strength(one.strength_of_second),
+            f"{one.raters:6}",
+            f"{one.lines:5}",
+            "-" if effect is None else f"{effect:.2f}",
+            "-" if correlation is None else f"{correlation:.2f}",
+            "-" if agreed is None else f"{agreed.percent:.0f} %",
+            "-" if agreed is None or agreed.alpha is None else f"{agreed.alpha:.2f}",
+        )
+
+
+def _ranking(found: Ranking) -> Iterator[str]:
+    who = f" by {found.character}" if found.character else ""
+    yield f"{found.question}{who}: strengths (Bradley-Terry)"
+    if found.problem:
+        yield f"  none: {found.problem}"
+        return
+    rows = [("method", "choices for", "of", "strength", "95 % raters", "beats others")]
+    rows += [
+        (
+            one.method,
+            f"{one.wins:11}",
+            f"{one.choices}",
+            f"{one.strength:+.2f}",
+            "-" if one.interval is None else f"{one.interval.low:+.2f} to {one.interval.high:+.2f}",
+            percent(one.beats_others),
+        )
+        for one in found.methods
+    ]
+    yield from (f"  {line}" for line in columns(rows))
+    if found.likelihood_ratio is not None and found.p_likelihood_ratio is not None:
+        yield (
+            f"  against equal strengths: likelihood ratio {found.likelihood_ratio:.2f}, "
+            f"{found.freedom} degrees of freedom, p {probability(found.p_likelihood_ratio)}"
+        )
+
+
+def plan_text(plan: PowerPlan) -> str:
+    """Return a plan as text."""
+    asked = plan.question
+    lines = [
+        f"{percent(asked.share)} for one method against an even split, level {asked.alpha:g}:",
+        f"  {plan.choices:,} independent choices give a power of {percent(asked.power)}",
+        f"choices of one rater are alike (correlation {asked.correlation:g}):",
+    ]
+    rows = [("pairs each", "raters", "choices", "worth", "power")]
+    rows += [
+        (
+            f"{one.pairs:10,}",
+            f"{one.raters:6,}",
+            f"{one.choices:7,}",
+            f"{one.effective:5,}",
+            percent(one.power),
+        )
+        for one in plan.rows
+    ]
+    return "\n".join([*lines, *(f"  {line}" for line in columns(rows))]) + "\n"
+
+
+# Words for figures
+
+
+def percent(share: float) -> str:
+    """Write a share as a percentage with one decimal."""
+    return f"{100 * share:.1f} %"
+
+
+def percents(interval: Interval | None) -> str:
+    """Write an interval of a share in percent."""
+    return "-" if interval is None else f"{100 * interval.low:.1f} to {100 * interval.high:.1f} %"
+
+
+def probability(value: float) -> str:
+    """Write a probability: three decimals, more where it is small."""
+    if value < SMALLEST_P:
+        return f"< {SMALLEST_P:.4f}"
+    return f"{value:.4f}" if value < 0.01 else f"{value:.3f}"  # noqa: PLR2004 a second zero
+
+
+def strength(mean: MeanStrength | None) -> str:
+    """Write a mean strength with its interval."""
+    if mean is None:
+        return "-"
+    around = mean.interval
+    return f"{mean.mean:.2f}" + (f" ({around.low:.2f} to {around.high:.2f})" if around else "")
+
+
+def count(number: int, noun: str) -> str:
+    """Write a number with its noun."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
