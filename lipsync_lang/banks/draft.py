@@ -53,12 +53,13 @@ class Target:
     """(P,) positive: how strongly each pose keeps its weight against the neighbour's."""
 
 
-def draft(first: list[Target], second: list[Target]) -> Floats:
+def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> Floats:
     """Draft bigrams.
 
     Parameters
     ----------
     first, second : B targets each; bigram b passes from ``first[b]`` to ``second[b]``
+    exact : True for values that are not rounded, and follow small changes of a target
 
     Returns
     -------
@@ -85,6 +86,8 @@ def draft(first: list[Target], second: list[Target]) -> Floats:
     for _ in range(4):
         values = (values + fitted - values @ (curves @ solve)).clip(0, 1)
         values[..., [0, -1]] = 0
+    if exact:
+        return values
     values[values < FAINT] = 0
     return values.round(DECIMALS)
 

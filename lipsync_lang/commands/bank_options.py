@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from lipsync_lang.commands import banks, fit_acceptance
+from lipsync_lang.commands import bank_fitting, banks, fit_acceptance
 from lipsync_lang.commands.shared_options import Add, Command, add_json, add_pair, add_path
 from lipsync_lang.files import argument_path
 
@@ -47,6 +47,15 @@ def add_bank(add: Add) -> None:
             "import the phone-bigram banks of SmartBody",
             ", its Python scripts (which are read, never run) or its text exports",
             "bank import init-diphoneDefault.py -c facefx",
+        )
+    )
+    _add_fit(
+        action(
+            "fit",
+            bank_fitting.fit,
+            "fit targets, motion and bigrams to captures of a face",
+            ", and prove them on lines that the fit did not see",
+            "bank fit captures/ -l english -c facefx -o fit.json",
         )
     )
     _add_diff(
@@ -134,6 +143,36 @@ def _add_accept(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     made.add_argument("--dry-run", action="store_true", help="change no file")
     add_path(made)
+    add_json(made)
+
+
+def _add_fit(made: argparse.ArgumentParser) -> None:
+    made.add_argument(
+        "captures", metavar="CAPTURE", type=Path, nargs="+",
+        help="a capture, a list of captures, or a folder that is searched; timings, or text and "
+        "sound, lie beside each",
+    )  # fmt: skip
+    add_pair(made)
+    made.add_argument(
+        "--readout", metavar="FILE", type=Path,
+        help="the measures that a table of sensors shows [readout.yaml of its folder]",
+    )  # fmt: skip
+    made.add_argument(
+        "--speaker", metavar="PATTERN",
+        help="where a file's name tells the speaker, such as '{speaker}_*' [the first folder]",
+    )  # fmt: skip
+    made.add_argument("--notation", metavar="NAME", help="the notation of the timings' labels")
+    made.add_argument(
+        "--aligner", metavar="NAME[:MODEL]",
+        help="another aligner than the language's, for captures with text and sound",
+    )  # fmt: skip
+    made.add_argument(
+        "-o", "--output", metavar="FILE", type=argument_path,
+        help="write the proposal, for `bank accept`; - is standard output",
+    )  # fmt: skip
+    made.add_argument(
+        "--workers", metavar="N", type=int, default=None, help="processes at work [one a core]"
+    )
     add_json(made)
 
 

@@ -60,10 +60,21 @@ def warp(bank: Bank, track: Track, place: FramePlace) -> tuple[Floats, Floats]:
     -------
     (T, P), (T, P): the bigram that ends with the frame's phoneme, and the one that begins with it
     """
-    last = len(track.rows)
-    if last == 0:  # nothing but silence
+    if not len(track.rows):  # nothing but silence
         still = np.zeros((len(place.phoneme), bank.curves.shape[-1]))
         return still, still
+    ending, beginning = _read(bank.curves, *positions(bank, track, place))
+    return ending, beginning
+
+
+def positions(bank: Bank, track: Track, place: FramePlace) -> tuple[Ints, Floats]:
+    """Return the table rows of the two bigrams that cover each frame, and the place in each.
+
+    Returns
+    -------
+    (2, T) rows, 0 for rest, and (2, T) normalised times; the bigram that ends comes first
+    """
+    last = len(track.rows)
     # before the first phoneme and after the last there is rest, row 0
     rows, boundary = np.zeros(last + 2, np.intp), np.zeros(last + 2)
     rows[1:-1], boundary[1:-1] = track.rows, track.boundary(bank)
@@ -73,8 +84,7 @@ def warp(bank: Bank, track: Track, place: FramePlace) -> tuple[Floats, Floats]:
     row[1] *= place.going >= 0
     position[0] += (1 - position[0]) * place.coming
     position[1] *= place.going
-    ending, beginning = _read(bank.curves, row, position)
-    return ending, beginning
+    return row, position
 
 
 def _read(curves: Singles, rows: Ints, position: Floats) -> Floats:

@@ -380,7 +380,7 @@ class PairPacks:
         bound = thresholds(model) < FREE
         found = {}
         for phoneme in self.numbered:
-            name = self._targeted(phoneme)
+            name = self.targeted(phoneme)
             if name in model.targets:
                 pack = own if name in own.model.targets else self.poseset
                 place = str(pack.where(("targets", name)))
@@ -391,7 +391,7 @@ class PairPacks:
             found[silence] = (Target(still, np.ones(len(self.poses))), "")
         return found
 
-    def _targeted(self, phoneme: str) -> str:
+    def targeted(self, phoneme: str) -> str:
         """Return the phoneme whose target a phoneme has: itself, its parent or its substitute."""
         targets = self.face.targets
         coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
@@ -416,6 +416,13 @@ class PairPacks:
             usual = usual if overall is None or opposed else overall
             dominance.append(stated.get(pose, usual))
         return Target(np.array(weights), np.maximum(dominance, 1e-6))
+
+    def usual_dominance(self, steps: "Iterable[Mapping[str, float]]") -> Floats:
+        """Return the dominance (P,) of a target that states only the weights of each step."""
+        from lipsync_lang.packs.models import PhonemeTarget
+
+        plain = [PhonemeTarget(weights=dict(weights)) for weights in steps]
+        return self._target(plain, thresholds(self.poseset.model) < FREE).dominance
 
     def contacts(self) -> Iterator[Contact]:
         """Contacts as arrays.
@@ -458,7 +465,7 @@ class PairPacks:
         targets = self.face.targets
         out = np.zeros((len(self.numbered), len(self.poses)), bool)
         for number, phoneme in enumerate(self.numbered[1:], start=1):
-            steps = targets.get(self._targeted(phoneme), ())
+            steps = targets.get(self.targeted(phoneme), ())
             for pose, weight in steps[-1].weights.items() if steps else ():
                 out[number, self.poses.index(pose)] = weight == 0
         return out

@@ -1,0 +1,231 @@
+"""Fit a pair to captures: targets, motion and bigrams, proved on lines that the fit did not see."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from statistics import median
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.capture.fit_file import VALUE_DECIMALS, FitFold, FitProposal, FitVerdict, SetAside
+from lipsync_lang.capture.fit_folds import FitTask, Fold, Shares, choose, errors, folds, run_fits
+from lipsync_lang.capture.fit_items import fit_items
+from lipsync_lang.capture.fit_lines import FitLine, fit_rate, lay_lines
+from lipsync_lang.capture.fit_motion import MotionGroups
+from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from lipsync_lang.capture.captured_line import CapturedLine
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.resolver.retouch import OpenPair
+
+OUTLIER_SPREADS = 5.0
+"""Spreads above the median of all lines at which the error of a line makes an outlier."""
+
+OUTLIER_SHARE = 1.5
+"""An outlier's error is at least this share of the median."""
+
+FEWEST_LINES = 5
+"""Lines below which no outlier can be told."""
+
+WHOLE = Shares(1.0, 0.0)
+"""Shares at which a refused fit is shown: the whole way, without bigrams."""
+
+Progress = Callable[[str], None]
+
+
+class Followed(NamedTuple):
+    """A captured line beside the curves before and after a fit, at the frames of the fit."""
+
+    line: FitLine
+    before: np.ndarray
+    """(T, S) signals of the curves before."""
+    after: np.ndarray
+    """(T, S) signals of the curves after."""
+
+
+@dataclass(frozen=True, eq=False)
+class CaptureFit:
+    """The result of a fit."""
+
+    proposal: FitProposal
+    followed: tuple[Followed, ...]
+    face: FitFace
+    values: FitValues
+    """The values at which the proposal's items stand; the start where the fit is refused."""
+
+
+def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
+    pair: "OpenPair",
+    performer: "Performer",
+    captured: "Sequence[CapturedLine]",
+    *,
+    workers: int = 1,
+    progress: Progress = lambda _: None,
+    set_aside: Sequence[SetAside] = (),
+) -> CaptureFit:
+    """Fit the targets, motion and bigrams of a pair to captured lines.
+
+    Parameters
+    ----------
+    pair : the language and character, with their packs
+    performer : a performer of the same pair
+    captured : lines, with their signals
+    workers : processes; more than one need `if __name__ == "__main__":` in a script
+    progress : is told what is done
+    set_aside : lines that were left out before, with reasons
+
+    Raises
+    ------
+    LipsyncError
+        There are no lines, no signal of them shows a pose, or scipy is missing.
+    """
+    _require_scipy()
+    laid = _laid(performer, captured, set_aside)
+    progress("fitting all lines")
+    task, full, strays = _without_strays(pair, laid)
+    parts = folds(task.lines)
+    fits = []
+    for number, fit in enumerate(run_fits(task, [part.kept for part in parts], workers), 1):
+        progress(f"cross-validation {number} of {len(parts)}")
+        fits.append(fit)
+    shares = choose(task, parts, fits) if parts else Shares(0.0, 0.0)
+    verdict = _verdict(task, parts, fits, shares)
+    start, shown = task.face.start, shares if verdict.accepted else WHOLE
+    values = start.towards(full, *shown)
+    others = [
+        start.towards(fit, *shown)
+        for part, fit in zip(parts, fits, strict=True)
+        if part.by == "line"
+    ]
+    captured = [line.captured for line in task.lines]
+    proposal = FitProposal(
+        language=performer.language,
+        character=performer.character,
+        poseset=pair.compiled.poseset,
+        lines=len(captured),
+        seconds=round(sum(map(_seconds, task.lines)), 3),
+        speakers=tuple(sorted({line.speaker for line in captured} - {""})),
+        verdict=verdict,
+        items=tuple(fit_items(pair, task, values, others)),
+        remarks=tuple(dict.fromkeys(remark for line in captured for remark in line.remarks)),
+        set_aside=(*set_aside, *strays),
+    )
+    return CaptureFit(proposal, _followed(task, values), task.face, values)
+
+
+def _require_scipy() -> None:
+    if find_spec("scipy") is None:
+        raise LipsyncError('a fit needs scipy: pip install "lipsync-lang[capture]"')
+
+
+def _without_strays(
+    pair: "OpenPair", lines: tuple[FitLine, ...]
+) -> tuple[FitTask, FitValues, list[SetAside]]:
+    """Fit all lines, and again without those that nothing follows."""
+    task = FitTask(FitFace.of(pair, lines), lines, motion_groups(pair))
+    full = task.fit(range(len(lines)))
+    strays = _strays(task, full)
+    if not strays:
+        return task, full, []
+    kept = tuple(line for number, line in enumerate(lines) if number not in strays)
+    told = [SetAside(line=lines[n].captured.name, why=why) for n, why in strays.items()]
+    task = FitTask(FitFace.of(pair, kept), kept, task.groups)
+    return task, task.fit(range(len(kept))), told
+
+
+def _laid(
+    performer: "Performer", captured: "Sequence[CapturedLine]", set_aside: Sequence[SetAside]
+) -> tuple[FitLine, ...]:
+    if not captured:
+        reasons = "".join(f"\n  {one.line}: {one.why}" for one in set_aside)
+        raise LipsyncError(f"no capture can be used; {len(set_aside)} were set aside{reasons}")
+    lines = lay_lines(performer, captured, fit_rate(captured))
+    if not any(line.seen.any() for line in lines):
+        raise LipsyncError(
+            "the captures show nothing while somebody speaks; check that the timings are theirs"
+        )
+    return lines
+
+
+def motion_groups(pair: "OpenPair") -> MotionGroups:
+    """Return the poses that share a softness, and those that look ahead, by region."""
+    soft: dict[str, list[int]] = {}
+    ahead: dict[str, list[int]] = {}
+    for number, pose in enumerate(pair.shelf.face.poses.values()):
+        if pose.region and pose.softness is None:
+            soft.setdefault(pose.region, []).append(number)
+        if pair.compiled.tables.anticipate[number] > 0:
+            ahead.setdefault(pose.region, []).append(number)
+    return MotionGroups(
+        {region: np.array(poses) for region, poses in soft.items()},
+        {region: np.array(poses) for region, poses in ahead.items()},
+    )
+
+
+def _strays(task: FitTask, values: FitValues) -> dict[int, str]:
+    """Return lines whose error after the fit is far above that of the others, with reasons."""
+    if len(task.lines) < FEWEST_LINES:
+        return {}
+    found = [task.error(values, [number]) for number in range(len(task.lines))]
+    middle = median(found)
+    spread = 1.4826 * median(abs(one - middle) for one in found)
+    limit = max(middle + OUTLIER_SPREADS * spread, OUTLIER_SHARE * middle)
+    return {
+        number: f"its error after the fit is {error:.3f}, that of half of the lines below "
+        f"{middle:.3f}; check its timings and its recording"
+        for number, error in enumerate(found)
+        if error > limit
+    }
+
+
+def _verdict(
+    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: Shares
+) -> FitVerdict:
+    """Judge a fit by what it did not see."""
+    if not parts:
+        return FitVerdict(
+            accepted=False, why="one line alone cannot show that a fit generalises; add lines"
+        )
+    accepted = shares.values > 0
+    shown = shares if accepted else WHOLE
+    before = [task.error(task.face.start, part.tested) for part in parts]
+    after = errors(task, parts, fits, shown)
+    told = tuple(
+        FitFold(
+            held_out=part.name,
+            by=part.by,
+            before=round(b, VALUE_DECIMALS),
+            after=round(a, VALUE_DECIMALS),
+        )
+        for part, b, a in zip(parts, before, after, strict=True)
+    )
+    units = " and ".join(f"{by}s" for by in dict.fromkeys(part.by for part in parts))
+    means = f"{np.mean(before):.4f} before, {np.mean(after):.4f} after"
+    if not accepted:
+        unseen = f"on {units} that it did not see"
+        why = f"the fit does not generalise: {unseen}, the mean error is {means}"
+    else:
+        extent = (
+            "" if shares.values == 1 else f"; {shares.values:.0%} of the change follow them best"
+        )
+        bigrams = (
+            "" if shares.bigrams else "; bigrams of their own do not help there, and are left out"
+        )
+        why = f"on {units} that the fit did not see, the mean error is {means}{extent}{bigrams}"
+    return FitVerdict(accepted=accepted, why=why, folds=told)
+
+
+def _followed(task: FitTask, values: FitValues) -> tuple[Followed, ...]:
+    start = task.face.shown(task.face.start, task.lines)
+    end = task.face.shown(values, task.lines)
+    return tuple(
+        Followed(line, one @ line.gains.T, other @ line.gains.T)
+        for line, one, other in zip(task.lines, start, end, strict=True)
+    )
+
+
+def _seconds(line: FitLine) -> float:
+    return float(line.seen.any(axis=1).sum()) / line.frames.fps

@@ -1,0 +1,161 @@
+"""Cross-validation: fits without some lines or speakers, tested on them.
+
+Conventions: an error is a root mean square over all recorded values, in weights of a pose; signals
+without a scale are in units of the curves before the fit.
+"""
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.capture.fit_bigrams import fit_bigrams
+from lipsync_lang.capture.fit_lines import FitLine
+from lipsync_lang.capture.fit_motion import MotionGroups, fit_motion
+from lipsync_lang.capture.fit_targets import fit_targets
+from lipsync_lang.capture.fit_values import FitFace, FitValues
+
+MOST_FOLDS = 5
+"""Parts into which lines or speakers are divided."""
+
+SHARES = (0.25, 0.5, 0.75, 1.0)
+"""Shares of the way from the values before the fit to the fitted ones that are tried."""
+
+BIGRAM_SHARES = (0.5, 1.0)
+"""The same for the curves of bigrams."""
+
+BIGRAM_WORTH = 0.99
+"""Share of the held-out error to which bigrams must bring it; the average of timing errors gains
+a little, too."""
+
+By = Literal["line", "speaker"]
+
+
+@dataclass(frozen=True, eq=False)
+class FitTask:
+    """All that a fit depends on; it goes to worker processes."""
+
+    face: FitFace
+    lines: tuple[FitLine, ...]
+    groups: MotionGroups
+
+    def fit(self, kept: Sequence[int]) -> FitValues:
+        """Fit targets, then motion, then bigrams to some of the lines."""
+        lines = [self.lines[number] for number in kept]
+        found = fit_targets(self.face, self.face.start, lines)
+        found = fit_motion(self.face, found, lines, self.groups)
+        return fit_bigrams(self.face, found, lines)
+
+    def error(self, values: FitValues, tested: Sequence[int]) -> float:
+        """Return the error of some values on some lines."""
+        lines = [self.lines[number] for number in tested]
+        errors = self.face.errors(values, lines)
+        count = sum(int(line.seen.sum()) for line in lines)
+        return float(np.sqrt((errors**2).sum() / max(count, 1)))
+
+
+class Fold(NamedTuple):
+    """A part of the lines that a fit leaves out."""
+
+    by: By
+    name: str
+    kept: tuple[int, ...]
+    tested: tuple[int, ...]
+
+
+class Shares(NamedTuple):
+    """Shares of the way towards a fit; 0 refuses it."""
+
+    values: float
+    bigrams: float
+
+
+def folds(lines: Sequence[FitLine]) -> list[Fold]:
+    """Divide lines into parts, and again by speaker if there are several; none of a single line."""
+    return [*_parts("line", [line.captured.name for line in lines]), *_by_speaker(lines)]
+
+
+def _by_speaker(lines: Sequence[FitLine]) -> Iterator[Fold]:
+    speakers = [line.captured.speaker for line in lines]
+    if len(set(speakers)) > 1:
+        yield from _parts("speaker", speakers)
+
+
+def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
+    """Yield folds in which lines of one name stay together."""
+    known = list(dict.fromkeys(names))
+    count = min(MOST_FOLDS, len(known))
+    for part in range(count if count > 1 else 0):
+        left = known[part::count]
+        tested = tuple(n for n, name in enumerate(names) if name in left)
+        kept = tuple(n for n, name in enumerate(names) if name not in left)
+        yield Fold(by, ", ".join(left), kept, tested)
+
+
+def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iterator[FitValues]:
+    """Yield the fit to each selection of lines, in order; more than one worker are processes."""
+    if workers <= 1 or len(kept) <= 1:
+        yield from map(task.fit, kept)
+        return
+    with ProcessPoolExecutor(min(workers, len(kept)), initializer=_begin, initargs=(task,)) as pool:
+        yield from pool.map(_fit, kept)
+
+
+_TASK: list[FitTask] = []
+"""The task of a worker process, sent once."""
+
+
+def _begin(task: FitTask) -> None:
+    _TASK[:] = [task]
+
+
+def _fit(kept: Sequence[int]) -> FitValues:
+    return _TASK[0].fit(kept)
+
+
+def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> Shares:
+    """Return the shares at which held-out lines are followed best; 0 where none helps.
+
+    Held-out speakers count as much as held-out lines: the worse of the two decides.
+    """
+    start = task.face.start
+    before = [task.error(start, part.tested) for part in parts]
+
+    def score(shares: Shares) -> float:
+        return worst(parts, before, errors(task, parts, fits, shares))
+
+    best, lowest = Shares(0.0, 0.0), 1.0
+    tried = [Shares(share, 0.0) for share in SHARES]
+    for shares in tried:
+        found = score(shares)
+        if found < lowest:
+            best, lowest = shares, found
+    limit = BIGRAM_WORTH * lowest
+    for share in BIGRAM_SHARES if best.values else ():
+        shares = Shares(best.values, share)
+        found = score(shares)
+        if found < limit:
+            best, limit = shares, found
+    return best
+
+
+def errors(
+    task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: Shares
+) -> list[float]:
+    """Return the error of each fold's fit on the lines that it left out."""
+    start = task.face.start
+    return [
+        task.error(start.towards(fit, *shares), part.tested)
+        for part, fit in zip(parts, fits, strict=True)
+    ]
+
+
+def worst(parts: Sequence[Fold], before: Sequence[float], after: Sequence[float]) -> float:
+    """Return the mean error after the fit over that before it, by lines or by speakers."""
+    found = []
+    for by in dict.fromkeys(part.by for part in parts):
+        own = [number for number, part in enumerate(parts) if part.by == by]
+        found.append(sum(after[n] for n in own) / max(sum(before[n] for n in own), 1e-12))
+    return max(found)

@@ -1,0 +1,282 @@
+"""Items of a proposal: each fitted value in the form of a pack, with the evidence for it.
+
+The confidence of an item comes from the fits that left out a part of the lines (jackknife). With
+the change d of each of its numbers and that change's standard error s over the parts::
+
+    confidence = sum d^2 / (sum d^2 + sum s^2)
+
+So 1 is a change that every part of the lines shows, and 0.5 one no larger than its own error.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.banks.draft import TIMES
+from lipsync_lang.capture.fit_file import VALUE_DECIMALS, FitItem
+from lipsync_lang.capture.fit_folds import FitTask
+from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.pipeline.arrays import Bools, Floats
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs import models
+    from lipsync_lang.resolver.retouch import OpenPair
+
+DECIMALS = 3
+"""Decimals of fitted values in a proposal."""
+
+LEAST_WEIGHT, LEAST_DOMINANCE, LEAST_SECONDS, LEAST_SPEED_CHANGE = 0.005, 0.05, 0.0005, 0.1
+"""Changes of weights, of the logarithm of a dominance, of times and of the speed limit below which
+a value stays as it is."""
+
+BIGRAM_GAIN = 0.98
+"""Share of its error to which the curves of a bigram's own must bring it."""
+
+FAINTEST = 0.01
+"""Least weight of a pose that moves in a target: a target that states 0 opposes an early start."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Evidence:
+    """Errors before and after a fit, phoneme by phoneme of all lines."""
+
+    task: FitTask
+    before: list[Floats]
+    """(T, S) errors of each line."""
+    after: list[Floats]
+
+    def of(self, chosen: Sequence[Bools]) -> tuple[float | None, float | None]:
+        """Return the errors over some frames of each line, (T,) each: before and after."""
+        found = []
+        for errors in (self.before, self.after):
+            parts = [
+                (error[some & seen.any(axis=1)] ** 2).sum(axis=0)
+                for error, some, seen in zip(errors, chosen, self._seen, strict=True)
+            ]
+            total = float(sum(part.sum() for part in parts))
+            count = sum(
+                int(seen[some].sum()) for some, seen in zip(chosen, self._seen, strict=True)
+            )
+            found.append(round((total / count) ** 0.5, VALUE_DECIMALS) if count else None)
+        return found[0], found[1]
+
+    @property
+    def _seen(self) -> list[Bools]:
+        return [line.seen for line in self.task.lines]
+
+
+def fit_items(
+    pair: "OpenPair", task: FitTask, values: FitValues, others: Sequence[FitValues]
+) -> Iterator[FitItem]:
+    """Yield an item for each value that a fit changed.
+
+    Parameters
+    ----------
+    values : at which the items stand
+    others : of the fits that left out a part of the lines
+    """
+    face, lines = task.face, task.lines
+    errors = [
+        [line.errors(w) for line, w in zip(lines, face.shown(one, lines), strict=True)]
+        for one in (face.start, values)
+    ]
+    evidence = _Evidence(task, *errors)
+    yield from _target_items(pair, evidence, values, others)
+    yield from _motion_items(pair, evidence, values, others)
+    yield from _bigram_items(pair, evidence, values, others)
+
+
+def confidence(start: Floats, value: Floats, others: Sequence[Floats]) -> float:
+    """Return the confidence of a change; 0 without fits that left something out."""
+    count = len(others)
+    if count < 2:  # noqa: PLR2004 an error needs two parts
+        return 0.0
+    change = float(((value - start) ** 2).sum())
+    spread = np.stack(others) - np.mean(others, axis=0)
+    noise = float((spread**2).sum()) * (count - 1) / count
+    return round(change / (change + noise), 3) if change else 0.0
+
+
+# Targets
+
+
+def _target_items(
+    pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
+) -> Iterator[FitItem]:
+    face, start = evidence.task.face, evidence.task.face.start
+    shelf = pair.shelf
+    for number, name in enumerate(face.names):
+        if not face.steps[number]:
+            continue
+        weight = np.abs(values.weights[number] - start.weights[number]).max()
+        dominance = np.abs(values.dominance[number] - start.dominance[number]).max()
+        if weight < LEAST_WEIGHT and dominance < LEAST_DOMINANCE:
+            continue
+        meant = {n for n, p in enumerate(shelf.numbered) if shelf.targeted(p) == name}
+        chosen, count = _frames(evidence.task, [meant])
+        before, after = evidence.of(chosen)
+        yield FitItem(
+            item=f"targets.{name}",
+            value=_target(pair, face, number, values),
+            was=[_stated(step) for step in shelf.face.targets[name]],
+            occurrences=count,
+            residual_before=before,
+            residual_after=after,
+            confidence=confidence(*_numbers(start, values, others, number)),
+        )
+
+
+def _numbers(
+    start: FitValues, values: FitValues, others: Sequence[FitValues], number: int
+) -> tuple[Floats, Floats, list[Floats]]:
+    """Return the weights of a target before, after, and by the fits that left something out."""
+
+    def of(one: FitValues) -> Floats:
+        weights: Floats = one.weights[number].ravel()
+        return weights
+
+    return of(start), of(values), [of(one) for one in others]
+
+
+def _target(
+    pair: "OpenPair", face: FitFace, number: int, values: FitValues
+) -> list[dict[str, Any]]:
+    """Return a target as a pack states it: poses by step, and dominances that are not usual."""
+    poses, shelf = pair.shelf.poses, pair.shelf
+    weights = values.weights[number][: face.steps[number]]
+    before = face.start.weights[number][: face.steps[number]]
+    stated = shelf.face.targets[face.names[number]]
+    out: list[dict[str, Any]] = []
+    for step, now, was in zip(stated, weights, before, strict=True):
+        own: dict[str, Any] = {
+            pose: _weight(float(now[poses.index(pose)]), moved=was[poses.index(pose)] > 0)
+            for pose in step.weights
+        }
+        missing = face.mentioned[number] & (now >= FAINTEST)
+        own |= {
+            pose: round(float(now[n]), DECIMALS)
+            for n, pose in enumerate(poses)
+            if missing[n] and pose not in own
+        }
+        out.append(own)
+    usual = shelf.usual_dominance(out)
+    fitted = np.exp(values.dominance[number])
+    apart = np.abs(np.log(fitted / usual)) > LEAST_DOMINANCE
+    dominance = {poses[n]: round(float(fitted[n]), DECIMALS) for n in np.flatnonzero(apart)}
+    if dominance:
+        out[0]["dominance"] = dominance
+    return out
+
+
+def _weight(weight: float, *, moved: bool) -> float:
+    """Return a weight as a pack states it; a pose that stayed at 0 stays there."""
+    if moved:
+        return round(max(weight, FAINTEST), DECIMALS)
+    return 0.0 if weight < FAINTEST else round(weight, DECIMALS)
+
+
+def _stated(step: "models.PhonemeTarget") -> dict[str, Any]:
+    """Return one step of a target in its flat form."""
+    dominance: Any = dict(step.dominance) or step.overall
+    return {**step.weights, **({} if dominance is None else {"dominance": dominance})}
+
+
+def _frames(task: FitTask, meant: Sequence[set[int]]) -> tuple[list[Bools], int]:
+    """Return the frames in which common phonemes follow each other, and how often they do."""
+    chosen, count = [], 0
+    for line in task.lines:
+        ids, bounds, times = line.track.ids, line.track.bounds, line.frames.times()
+        fits = np.ones(len(ids) - len(meant) + 1, bool)
+        for offset, some in enumerate(meant):
+            fits &= np.isin(ids[offset : offset + len(fits)], list(some))
+        frames = np.zeros(len(times), bool)
+        for first in np.flatnonzero(fits):
+            frames |= (times >= bounds[first]) & (times < bounds[first + len(meant)])
+        chosen.append(frames)
+        count += int(fits.sum())
+    return chosen, count
+
+
+# Motion
+
+
+def _motion_items(
+    pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
+) -> Iterator[FitItem]:
+    task, start, poses = evidence.task, evidence.task.face.start, pair.shelf.poses
+    changed: dict[str, tuple[float, float, list[float], float]] = {}
+
+    def put(name: str, kind: str, pose: int, least: float) -> None:
+        each = (start, values, *others)
+        now, then, *rest = (float(getattr(one, kind)[pose]) for one in each)
+        changed[name] = (now, then, rest, least)
+
+    for region, some in task.groups.softness.items():
+        put(f"softness.{region}", "softness", int(some[0]), LEAST_SECONDS)
+    for some in task.groups.anticipate.values():
+        for pose in some.tolist():
+            put(f"anticipate.{poses[pose]}", "anticipate", pose, LEAST_SECONDS)
+    speeds = [one.speed for one in others]
+    changed["motion.speed_limit"] = (start.speed, values.speed, speeds, LEAST_SPEED_CHANGE)
+    everything = [np.ones(line.frames.count, bool) for line in task.lines]
+    before, after = evidence.of(everything)
+    count = sum(len(line.track.ids) for line in task.lines)
+    for name, (was, value, rest, least) in changed.items():
+        if abs(value - was) >= least:
+            yield FitItem(
+                item=name,
+                value=round(value, DECIMALS),
+                was=round(was, 6),
+                occurrences=count,
+                residual_before=before,
+                residual_after=after,
+                confidence=confidence(
+                    np.array([was]), np.array([value]), [np.array([one]) for one in rest]
+                ),
+            )
+
+
+# Bigrams
+
+
+def _bigram_items(
+    pair: "OpenPair", evidence: _Evidence, values: FitValues, others: Sequence[FitValues]
+) -> Iterator[FitItem]:
+    from dataclasses import replace
+
+    task, face = evidence.task, evidence.task.face
+    if not values.bigrams:
+        return
+    controls = dict(zip(face.rows.tolist(), face.controls(values), strict=True))
+    plain = face.shown(replace(values, bigrams={}), task.lines)
+    drafted = [line.errors(w) for line, w in zip(task.lines, plain, strict=True)]
+    own = _Evidence(task, drafted, evidence.after)
+    numbers = {phoneme: {n} for n, phoneme in enumerate(pair.shelf.numbered)}
+    for row, change in sorted(values.bigrams.items()):
+        first, second = pair.rows.every[row - 1].origin.pair
+        chosen, count = _frames(task, [numbers[first], numbers[second]])
+        before, after = own.of(chosen)
+        if before is None or after is None or after > BIGRAM_GAIN * before:
+            continue
+        still = np.zeros(change.shape)
+        rest = [one.bigrams.get(row, still).ravel() for one in others]
+        yield FitItem(
+            item=f"bigrams.{first}-{second}",
+            value={"boundary": 0.5, "curves": _curves(pair, controls[row])},
+            occurrences=count,
+            residual_before=before,
+            residual_after=after,
+            confidence=confidence(still.ravel(), change.ravel(), rest),
+        )
+
+
+def _curves(pair: "OpenPair", controls: Floats) -> Mapping[str, list[list[float]]]:
+    """Return the control points of the poses that move."""
+    rounded = controls.round(DECIMALS)
+    return {
+        pose: [[float(t), float(v)] for t, v in zip(TIMES, line, strict=True)]
+        for pose, line in zip(pair.shelf.poses, rounded, strict=True)
+        if line.any()
+    }

@@ -1,0 +1,184 @@
+"""Captured lines laid out for a fit: the frames of a performance, and the recorded values there.
+
+Conventions: T frames, S signals, P poses; times are seconds.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.performing.batch import Delivered
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
+from lipsync_lang.pipeline.prepare import prepare
+
+if TYPE_CHECKING:
+    from lipsync_lang.capture.captured_line import CapturedLine
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.pipeline.levels import Dial
+    from lipsync_lang.pipeline.motion import Motion
+    from lipsync_lang.pipeline.tables import Tables
+    from lipsync_lang.pipeline.track import Track
+
+MOST_FPS = 60.0
+"""Frames per second of a fit of a few minutes; captures of more are sampled at this rate."""
+
+LEAST_FPS = 30.0
+"""Frames per second of a fit of many minutes."""
+
+MOST_FRAMES = 24_000
+"""Frames above which a fit lowers its rate."""
+
+EDGE_SECONDS = 0.15
+"""Seconds before the first sound and after the last that count; farther away a face may do
+anything."""
+
+LONG_PAUSE_SECONDS = 0.5
+"""Pauses longer than this count only next to sounds."""
+
+FREE_SPREAD = 0.2
+"""Standard deviation that every signal without a scale is given, in weights of a pose."""
+
+PLAIN = {"styles": None, "dials": None, "intensity": 0.0}
+"""Options of a performance without styles and dials."""
+
+
+@dataclass(frozen=True, eq=False)
+class FitLine:
+    """A captured line, ready to be performed and compared."""
+
+    captured: "CapturedLine"
+    track: "Track"
+    frames: Frames
+    dials: "tuple[Dial, ...]"
+    wanted: Floats
+    """(T, S) recorded values in units of the poses; NaN where there is none to compare with."""
+    gains: Floats
+    """(S, P)"""
+
+    def perform(self, tables: "Tables", motion: "Motion") -> Performance:
+        """Return the line's performance by some tables."""
+        prepared = prepare(tables, motion, self.frames.fps)
+        return Performance(tables, self.track, motion, self.frames, prepared, (), (), self.dials)
+
+    def errors(self, weights: Floats) -> Floats:
+        """Return shown minus recorded values, 0 where there is none: (T, S)."""
+        return np.nan_to_num(weights @ self.gains.T - self.wanted)
+
+    @property
+    def seen(self) -> Bools:
+        """(T, S) True where a value was recorded."""
+        found: Bools = np.isfinite(self.wanted)
+        return found
+
+
+def fit_rate(lines: "Iterable[CapturedLine]") -> float:
+    """Return the frames per second at which captures are fitted."""
+    lines = tuple(lines)
+    seconds = sum(float(line.times[-1] - line.times[0]) for line in lines)
+    own = max(1 / float(np.median(np.diff(line.times))) for line in lines)
+    enough = max(LEAST_FPS, MOST_FRAMES / max(seconds, 1e-9))
+    return float(min(MOST_FPS, own, enough))
+
+
+def lay_lines(
+    performer: "Performer", captured: "Sequence[CapturedLine]", fps: float
+) -> tuple[FitLine, ...]:
+    """Lay out captured lines; signals without a scale get that of the performer's own curves.
+
+    A free signal is shifted and scaled, line by line, so that its mean and its standard deviation
+    are those of the curves before the fit. All free signals count alike.
+    """
+    tables, motion = performer.compiled.tables, performer.motion
+    tables = tables.papers if motion.thresholds == "paper" else tables
+    asked = {**PLAIN, "intensity": None}
+    laid = []
+    for line, sounds in zip(
+        captured, performer.labels.read([one.schedule for one in captured]), strict=True
+    ):
+        quiet = replace(line.schedule, audio=None)
+        said = Delivered.of(performer, quiet, sounds, None, asked)
+        made = said.performance(motion, sounds, fps)
+        frames = lay_frames(made.track, motion, fps, made.prepared.lead)
+        wanted = _sampled(line, made.track, frames, tables.silence)
+        laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains))
+    return _scaled(tuple(laid), tables, motion)
+
+
+def _sampled(line: "CapturedLine", track: "Track", frames: Frames, silence: int) -> Floats:
+    """Return the recorded values at the frames of a performance; NaN outside of speech."""
+    times = frames.times()
+    out = np.full((len(times), len(line.signals)), np.nan)
+    step = float(np.median(np.diff(line.times)))
+    for number, values in enumerate(line.values.T):
+        known = np.isfinite(values)
+        if known.sum() < 2:  # noqa: PLR2004 a line needs two points
+            continue
+        out[:, number] = np.interp(times, line.times[known], values[known], np.nan, np.nan)
+        lost = np.interp(times, line.times, known.astype(float)) < 1 - 1e-6
+        out[lost, number] = np.nan
+    out[(times < line.times[0] - step) | (times > line.times[-1] + step)] = np.nan
+    out[~_spoken(track, times, silence)] = np.nan
+    return out
+
+
+def _spoken(track: "Track", times: Floats, silence: int) -> Bools:
+    """Return True for frames of speech, short pauses, and the edges of long ones: (T,)."""
+    sounds = track.ids != silence
+    starts, ends = track.bounds[:-1], track.bounds[1:]
+    counts = sounds | ((ends - starts) < LONG_PAUSE_SECONDS)
+    counts[[0, -1]] &= sounds[[0, -1]]
+    out = np.zeros(len(times), bool)
+    for start, end in zip(starts[counts], ends[counts], strict=True):
+        out |= (times >= start - EDGE_SECONDS) & (times <= end + EDGE_SECONDS)
+    return out
+
+
+def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> tuple[FitLine, ...]:
+    """Return the lines with free signals in units of the poses."""
+    free = [line for line in lines if line.captured.free]
+    shown = {id(line): line.perform(tables, motion).weights() @ line.gains.T for line in free}
+    spread: dict[str, list[Floats]] = {}
+    for line in free:
+        for signal, seen, curve in zip(
+            line.captured.signals, line.seen.T, shown[id(line)].T, strict=True
+        ):
+            spread.setdefault(signal, []).append(curve[seen])
+    even = {name: _even(np.concatenate(curves)) for name, curves in spread.items()}
+    return tuple(
+        _rescaled(line, shown[id(line)], even) if line.captured.free else line for line in lines
+    )
+
+
+def _even(curve: Floats) -> float:
+    """Return the factor that gives a signal the standard deviation of a pose."""
+    spread = float(curve.std()) if curve.size else 0.0
+    return FREE_SPREAD / spread if spread > 0 else 0.0
+
+
+def _rescaled(line: FitLine, shown: Floats, even: dict[str, float]) -> FitLine:
+    factors = np.array([even[signal] for signal in line.captured.signals])
+    wanted = line.wanted.copy()
+    for number, seen in enumerate(line.seen.T):
+        factor, offset = _scale(shown[seen, number], wanted[seen, number])
+        wanted[:, number] = (wanted[:, number] * factor + offset) * factors[number]
+    return replace(line, wanted=wanted, gains=line.gains * factors[:, None])
+
+
+def _scale(shown: Floats, recorded: Floats) -> tuple[float, float]:
+    """Return the factor and offset that give recorded values the mean and spread of shown ones."""
+    spread = float(recorded.std()) if recorded.size else 0.0
+    if spread <= 0:
+        return 0.0, float(shown.mean()) if shown.size else 0.0
+    factor = float(shown.std()) / spread
+    return factor, float(shown.mean()) - factor * float(recorded.mean())
+
+
+def occurrences(lines: Iterable[FitLine], rows: int) -> Ints:
+    """Count how often each table row is played: (rows,)."""
+    out = np.zeros(rows, np.intp)
+    for line in lines:
+        np.add.at(out, line.track.rows, 1)
+    return out

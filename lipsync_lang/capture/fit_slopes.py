@@ -1,0 +1,202 @@
+"""Slopes of curves: how much each recorded value changes with each fitted one.
+
+Conventions: F frames of all lines end to end, with rests between; P poses, R drafted rows of n
+control values, K parameters. Matrices are sparse.
+
+A curve is the larger of two bigrams, each a sum of its control values; then the stages of motion
+follow. Where these let a curve pass, its slope is that of the larger bigram, rounded off by the
+kernel of the pose. Where a contact, a constraint, the speed limit or anticipation decides, the
+slope is 0: there the value says nothing about a target. The curves themselves are always those of
+the whole pipeline, so that slopes steer a fit and never judge it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lipsync_lang.banks.draft import TIMES, Target, shape
+from lipsync_lang.capture.fit_lines import FitLine
+from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.warp import locate, positions
+
+if TYPE_CHECKING:
+    from lipsync_lang.pipeline.motion import Motion
+    from lipsync_lang.pipeline.tables import Tables
+
+Sparse = Any
+"""A matrix of scipy.sparse."""
+
+WEIGHT_STEP, DOMINANCE_STEP = 0.02, 0.05
+"""Changes of a weight and of a dominance's logarithm that measure the slopes of drafts."""
+
+PASSED = 1e-3
+"""Change of a value by the stages below which they let the curve pass."""
+
+
+@dataclass(frozen=True, eq=False)
+class ControlSlopes:
+    """Slopes of recorded values against the control values of drafted rows."""
+
+    matrix: Sparse
+    """(O, R P n) for O values, recorded or not, in the order of lines, frames and signals."""
+    poses: int
+
+    def columns(self, rows: Ints) -> Sparse:
+        """Return the columns of all control values of some rows."""
+        each = self.poses * len(TIMES)
+        wanted = (rows[:, None] * each + np.arange(each)).ravel()
+        return self.matrix[:, wanted]
+
+
+def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> ControlSlopes:
+    """Return slopes against control values where the lines stand now."""
+    from scipy import sparse
+
+    tables, motion = face.moved(values), face.motion(values)
+    parts = [_line_slopes(face, tables, motion, line) for line in lines]
+    return ControlSlopes(sparse.vstack(parts, format="csr"), len(tables.priority))
+
+
+def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLine) -> Sparse:
+    from scipy import sparse
+
+    made = line.perform(tables, motion)
+    stages = {stage.name: stage.curves.T for stage in made.stages(0, line.frames.count)}
+    level, eased, passed = _passes(stages)
+    raw = _raw_slopes(face, tables, line, made.track, level)
+    if made.prepared.wide:
+        raw = _kernel_matrix(made.prepared.wide, len(tables.priority), line.frames.count) @ raw
+    out = sparse.diags((eased & passed).ravel().astype(float)) @ raw
+    if made.prepared.shared:
+        kernel = _kernel_matrix(made.prepared.shared, len(tables.priority), line.frames.count)
+        out = kernel @ out
+    observed = sparse.kron(sparse.identity(line.frames.count), sparse.csr_matrix(line.gains))
+    return sparse.csr_matrix(observed @ out)
+
+
+def _passes(stages: dict[str, Floats]) -> tuple[Floats, Bools, Bools]:
+    """Return the level of dials, and where the stages before and after easing let curves pass."""
+    stitched = stages["stitch"]
+    dialled = stages.get("dial", stages.get("overlay", stitched))
+    level = np.where(stitched > PASSED, dialled / np.maximum(stitched, PASSED), 1.0)
+    ahead = stages.get("anticipate", dialled)
+    eased = stages.get("ease", ahead)
+    last = stages.get("limit", eased)
+    if list(stages).index("constrain") > list(stages).index("limit"):
+        last = stages["constrain"]
+    return level, np.abs(ahead - dialled) < PASSED, np.abs(last - eased) < PASSED
+
+
+def _raw_slopes(
+    face: FitFace, tables: "Tables", line: FitLine, track: Any, level: Floats
+) -> Sparse:
+    """Return slopes of stitched curves against control values: (T P, R P n)."""
+    from scipy import sparse
+
+    place = locate(track, line.frames.times())
+    row, position = positions(tables.neutral, track, place)
+    count, poses, points = len(place.phoneme), len(tables.priority), len(TIMES)
+    where = np.full(len(tables.curves), -1)
+    where[face.rows] = np.arange(len(face.rows))
+    drafted = where[row]
+    values = _values(tables, row, position)
+    larger = values[0] >= values[1]
+    frame, pose = np.indices((count, poses))
+    entries: list[tuple[Any, Any, Any]] = []
+    for side, wins in enumerate((larger, ~larger)):
+        basis = shape(position[side].clip(0, 1)).T
+        some = wins & (drafted[side] >= 0)[:, None] & (values[side] > 0)
+        at, of = frame[some], pose[some]
+        first = (drafted[side][at] * poses + of) * points
+        share = basis[at] * level[at, of][:, None]
+        rows = np.repeat(at * poses + of, points)
+        columns = (first[:, None] + np.arange(points)).ravel()
+        entries.append((share.ravel(), rows, columns))
+    data, rows, columns = map(np.concatenate, zip(*entries, strict=True))
+    size = count * poses, len(face.rows) * poses * points
+    return sparse.csr_matrix((data, (rows, columns)), shape=size)
+
+
+def _values(tables: "Tables", row: Ints, position: Floats) -> Floats:
+    """Return the two bigrams' values, as near as the table's steps: (2, T, P)."""
+    steps = tables.curves.shape[1] - 1
+    nearest = np.rint(position.clip(0, 1) * steps).astype(np.intp)
+    out: Floats = tables.curves[row, nearest].astype(float)
+    return out
+
+
+def _kernel_matrix(blurs: Any, poses: int, count: int) -> Sparse:
+    """Return the matrix that rounds (T P,) curves off."""
+    from scipy import sparse
+
+    reach = max(len(blur.kernel) // 2 for blur in blurs)
+    taps = np.zeros((2 * reach + 1, poses))
+    taps[reach] = 1
+    for blur in blurs:
+        own = len(blur.kernel) // 2
+        taps[:, blur.poses] = 0
+        taps[reach - own : reach + own + 1, blur.poses] = blur.kernel[:, None]
+    offsets = (np.arange(2 * reach + 1) - reach) * poses
+    diagonals = [np.tile(tap, count) for tap in taps]
+    size = count * poses
+    kept = [n for n, offset in enumerate(offsets) if abs(offset) < size]
+    return sparse.diags(
+        [diagonals[n][: size - abs(int(offsets[n]))] for n in kept],
+        offsets=[int(offsets[n]) for n in kept],
+        shape=(size, size),
+        format="csr",
+    )
+
+
+def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
+    """Return slopes of control values against weights, then dominances: (R P n, N M P + N P).
+
+    They are differences of drafts. A pose of a row depends on that pose of its two targets alone,
+    so all poses and all rows are tried at once: each step of the first target, each of the second.
+    """
+    from scipy import sparse
+
+    targets = face.targets(values)
+    now = face.drafted(targets, targets)
+    rows, poses, points = now.shape
+    most = values.weights.shape[1]
+    weights = values.weights.size
+    index = np.arange(rows * poses * points)
+    row, pose = index // (poses * points), index // points % poses
+    parts: list[tuple[Floats, Ints, Ints]] = []
+    for ends, side in ((face.first, 0), (face.second, 1)):
+        for step in range(most):
+            tried = [_weights_moved(target, step) for target in targets]
+            size = np.array([change for _, change in tried])[ends]
+            moved = [one for one, _ in tried]
+            slope = _difference(face, targets, moved, side, now, size)
+            parts.append((slope, index, (ends[row] * most + step) * poses + pose))
+        moved = [Target(t.weights, t.dominance * np.exp(DOMINANCE_STEP)) for t in targets]
+        size = np.full((rows, poses), DOMINANCE_STEP)
+        slope = _difference(face, targets, moved, side, now, size)
+        parts.append((slope, index, weights + ends[row] * poses + pose))
+    data, at, columns = map(np.concatenate, zip(*parts, strict=True))
+    kept = data != 0
+    shape_ = rows * poses * points, weights + values.dominance.size
+    return sparse.csr_matrix((data[kept], (at[kept], columns[kept])), shape=shape_)
+
+
+def _weights_moved(target: Target, step: int) -> tuple[Target, Floats]:
+    """Return a target with one step's weights moved towards the middle, and by how much: (P,)."""
+    if step >= len(target.weights):
+        return target, np.ones(target.weights.shape[1])
+    change = np.where(target.weights[step] > 0.5, -WEIGHT_STEP, WEIGHT_STEP)  # noqa: PLR2004 half
+    weights = target.weights.copy()
+    weights[step] += change
+    return Target(weights, target.dominance), change
+
+
+def _difference(  # noqa: PLR0913, PLR0917 two sets of targets, and where they differ
+    face: FitFace, targets: list[Target], moved: list[Target], side: int, now: Floats, size: Floats
+) -> Floats:
+    sides = (moved, targets) if side == 0 else (targets, moved)
+    slope: Floats = (face.drafted(*sides) - now) / size[..., None]
+    return slope.ravel()

@@ -1,0 +1,89 @@
+"""Robust least squares through the pipeline, with a prior at the values before the fit.
+
+A fit lowers::
+
+    sum_o 2 s^2 (sqrt(1 + (e_o / s)^2) - 1)  +  |Q (x - x0)|^2
+
+over recorded values o and parameters x: errors e beyond s, which is `SCALE`, count in proportion,
+not by their square, so that a stretch in which a face did something else pulls little. The prior Q
+keeps what is rarely heard near the values before the fit.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats
+
+SCALE = 0.1
+"""Weight of a pose beyond which an error is an outlier."""
+
+ROUNDS = 8
+"""Most linearisations of a fit."""
+
+ENOUGH = 1e-3
+"""Share of the cost whose further fall ends a fit."""
+
+EXACT = 1e-5
+"""Tolerance of the linear least squares within a step."""
+
+DAMPINGS = (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0)
+"""Damping of a step, tried in this order until the cost falls."""
+
+
+def robust_cost(errors: Floats) -> float:
+    """Return the cost of some errors."""
+    return float(2 * SCALE**2 * (np.sqrt(1 + (errors / SCALE) ** 2) - 1).sum())
+
+
+def solve(
+    start: Floats,
+    prior: Any,
+    bounds: tuple[Floats, Floats],
+    errors: Callable[[Floats], Floats],
+    slopes: Callable[[Floats], Any],
+) -> Floats:
+    """Return the fitted parameters: (K,).
+
+    Errors are made straight again and again (Gauss-Newton), and each step is damped until the cost
+    falls through the whole pipeline.
+
+    Parameters
+    ----------
+    start : (K,) values before the fit, where the prior has its middle
+    prior : sparse (L, K) matrix Q of the prior
+    bounds : least and greatest value of each; a start beyond them stays possible
+    errors : the (O,) errors of some values, through the whole pipeline
+    slopes : a sparse (O, K) matrix, their slopes
+    """
+    low, high = np.minimum(bounds[0], start), np.maximum(bounds[1], start)
+    now, found = start.copy(), errors(start)
+    cost = robust_cost(found)
+    for _ in range(ROUNDS):
+        matrix, before = slopes(now), cost
+        for damping in DAMPINGS:
+            tried = np.clip(now + _step(matrix, found, prior, now - start, damping), low, high)
+            after = errors(tried)
+            total = robust_cost(after) + float(((prior @ (tried - start)) ** 2).sum())
+            if total < cost:
+                now, found, cost = tried, after, total
+                break
+        if before - cost < ENOUGH * cost:
+            break
+    return now
+
+
+def _step(matrix: Any, found: Floats, prior: Any, moved: Floats, damping: float) -> Floats:
+    """Return the change of parameters that lowers the cost most, if errors were straight: (K,)."""
+    from scipy import sparse
+    from scipy.sparse.linalg import lsmr
+
+    share = (1 + (found / SCALE) ** 2) ** -0.25  # the root of each error's weight
+    rows = sparse.vstack((sparse.diags(share) @ matrix, prior), format="csr")
+    wanted = -np.concatenate((share * found, prior @ moved))
+    size = np.sqrt(np.asarray(rows.multiply(rows).sum(axis=0)).ravel())
+    size[size == 0] = 1
+    even = rows @ sparse.diags(1 / size)
+    step: Floats = lsmr(even, wanted, damp=damping**0.5, atol=EXACT, btol=EXACT)[0] / size
+    return step

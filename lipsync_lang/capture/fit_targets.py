@@ -1,0 +1,143 @@
+"""Fit targets: weights and dominance of each pose at each phoneme.
+
+Conventions: N targets of at most M steps, P poses, K parameters.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from lipsync_lang.capture.fit_lines import FitLine
+from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes
+from lipsync_lang.capture.fit_solver import solve
+from lipsync_lang.capture.fit_values import MOST_DOMINANCE, PASSIVE_LOG, FitFace, FitValues
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+
+PRIOR_OCCURRENCES = 2.0
+"""Occurrences of a phoneme that weigh as much as its target before the fit."""
+
+OCCURRENCE_SECONDS = 0.04
+"""Seconds of one occurrence in which its target alone decides."""
+
+DOMINANCE_SHARE = 0.03
+"""Strength of the prior of a dominance's logarithm, as a share of that of a weight."""
+
+
+HEIGHT_SHARE = 0.1
+"""Strength of the prior of a pose's height, as a share of that of a weight."""
+
+MOST_HEIGHT = 4.0
+"""Greatest height of a pose: a factor of all its weights."""
+
+
+@dataclass(frozen=True, eq=False)
+class TargetParameters:
+    """Heights of poses, free weights and dominances of a face, as one vector.
+
+    A height is a factor of all weights of a pose, from which the prior measures each weight: a
+    capture in which every jaw opens wider so moves the jaw of rare phonemes too.
+    """
+
+    face: FitFace
+    heights: Ints
+    """Poses with a free weight."""
+    weights: Bools
+    """(N, M, P) True for free weights."""
+    dominance: Bools
+    """(N, P) True for free dominances."""
+
+    @classmethod
+    def of(cls, face: FitFace, seen: Bools) -> Self:
+        """Free what the targets name, for poses that some signal shows: `seen` (P,)."""
+        weights: Bools = face.free & seen
+        dominance = np.asarray(weights.any(axis=1))
+        return cls(face, np.flatnonzero(dominance.any(axis=0)), weights, dominance)
+
+    @property
+    def free(self) -> Ints:
+        """Columns of `draft_slopes` that are free; the vector has the heights before them."""
+        return np.flatnonzero(np.concatenate((self.weights.ravel(), self.dominance.ravel())))
+
+    def vector(self, values: FitValues) -> Floats:
+        """Return heights of 1, and the free values: (K,)."""
+        free = values.weights[self.weights], values.dominance[self.dominance]
+        return np.concatenate((np.ones(len(self.heights)), *free))
+
+    def values(self, vector: Floats, base: FitValues) -> FitValues:
+        """Return values with the free ones from a vector."""
+        weights, dominance = base.weights.copy(), base.dominance.copy()
+        vector = vector[len(self.heights) :]
+        count = int(self.weights.sum())
+        weights[self.weights] = vector[:count]
+        dominance[self.dominance] = vector[count:]
+        return replace(base, weights=weights, dominance=dominance)
+
+    def parts(self, of_heights: float, of_weights: float, of_dominance: float) -> Floats:
+        """Return one number for each height, another for each weight and dominance: (K,)."""
+        counts = len(self.heights), int(self.weights.sum()), int(self.dominance.sum())
+        return np.repeat([of_heights, of_weights, of_dominance], counts)
+
+    def prior(self, strength: float) -> Any:
+        """Return the matrix of the prior, for `solve`; `strength` is that of a weight."""
+        from scipy import sparse
+
+        shares = self.parts(HEIGHT_SHARE, 1.0, DOMINANCE_SHARE)
+        out = sparse.diags(np.sqrt(strength * shares)).tolil()
+        poses = np.nonzero(self.weights)[2]
+        first = len(self.heights)
+        start = self.face.start.weights[self.weights]
+        for number, (pose, weight) in enumerate(zip(poses, start, strict=True)):
+            column = int(np.searchsorted(self.heights, pose))
+            out[first + number, column] = -np.sqrt(strength) * weight
+        return out.tocsr()
+
+
+def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
+    """Fit the targets of a face to lines; `base` has the values of everything else."""
+    from scipy import sparse
+
+    parameters = TargetParameters.of(face, seen_poses(lines))
+    strength = PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].frames.fps
+    free = parameters.free
+
+    def errors(vector: Floats) -> Floats:
+        return face.errors(parameters.values(vector, base), lines)
+
+    def slopes(vector: Floats) -> Any:
+        values = parameters.values(vector, base)
+        drafts = draft_slopes(face, values)[:, free]
+        found = seen_rows(lines, control_slopes(face, values, lines).matrix @ drafts)
+        none = sparse.csr_matrix((found.shape[0], len(parameters.heights)))
+        return sparse.hstack((none, found), format="csr")
+
+    solved = solve(
+        parameters.vector(
+            replace(base, weights=face.start.weights, dominance=face.start.dominance)
+        ),
+        parameters.prior(strength),
+        (
+            parameters.parts(0.0, 0.0, PASSIVE_LOG),
+            parameters.parts(MOST_HEIGHT, 1.0, float(np.log(MOST_DOMINANCE))),
+        ),
+        errors,
+        slopes,
+    )
+    return parameters.values(solved, base)
+
+
+def seen_poses(lines: Sequence[FitLine]) -> Bools:
+    """Return True for the poses that some recorded signal shows: (P,)."""
+    out: Bools = np.any(
+        [np.any(line.gains[line.seen.any(axis=0)] != 0, axis=0) for line in lines], axis=0
+    )
+    return out
+
+
+def seen_rows(lines: Sequence[FitLine], matrix: Any) -> Any:
+    """Return slopes with rows of 0 where nothing was recorded."""
+    from scipy import sparse
+
+    seen = np.concatenate([line.seen.ravel() for line in lines]).astype(float)
+    return sparse.diags(seen) @ matrix

@@ -1,0 +1,225 @@
+"""Values that a fit changes: targets, motion and bigrams, and the tables that follow from them.
+
+Conventions: N targets of at most M steps, P poses, R drafted rows of n control values. Weights are
+in [0, 1], dominance is kept as its natural logarithm.
+"""
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+
+from lipsync_lang.banks.draft import PASSIVE, TIMES, Target, draft, shape
+from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.pipeline.motion import Motion
+from lipsync_lang.pipeline.tables import RESOLUTION, Tables
+
+if TYPE_CHECKING:
+    from lipsync_lang.capture.fit_lines import FitLine
+    from lipsync_lang.resolver.layers import PairPacks
+    from lipsync_lang.resolver.retouch import OpenPair
+
+MOST_DOMINANCE = 12.0
+"""Greatest dominance that a fit gives; a neighbour's share is then too small to see."""
+
+PASSIVE_LOG = float(np.log(PASSIVE))
+"""Logarithm of the least dominance that a fit gives: that of a pose without a mention."""
+
+
+@dataclass(frozen=True, eq=False)
+class FitValues:
+    """Values of targets, motion and bigrams, before a fit or after it."""
+
+    weights: Floats
+    """(N, M, P)"""
+    dominance: Floats
+    """(N, P) logarithms."""
+    softness: Floats
+    """(P,) seconds."""
+    anticipate: Floats
+    """(P,) seconds."""
+    speed: float
+    """Highest speed of a pose, in weight per second."""
+    bigrams: Mapping[int, Floats]
+    """Changes of the control values of some rows, (P, n) each, on top of their drafts."""
+
+    def towards(self, fitted: "FitValues", share: float, of_bigrams: float) -> "FitValues":
+        """Return values some share of the way to fitted ones, and bigrams some other share."""
+
+        def between(start: Any, end: Any) -> Any:
+            return start + share * (end - start)
+
+        return FitValues(
+            between(self.weights, fitted.weights),
+            between(self.dominance, fitted.dominance),
+            between(self.softness, fitted.softness),
+            between(self.anticipate, fitted.anticipate),
+            between(self.speed, fitted.speed),
+            {row: of_bigrams * change for row, change in fitted.bigrams.items()}
+            if of_bigrams
+            else {},
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FitFace:
+    """A pair whose drafted rows follow from targets; all other rows stay as they are."""
+
+    tables: Tables
+    plain: Motion
+    """The motion before the fit."""
+    names: tuple[str, ...]
+    """(N,) phonemes that name a target of their own."""
+    steps: Ints
+    """(N,) steps of each target; 0 for rest, which is none."""
+    mentioned: Bools
+    """(N, P) True where a target names a pose."""
+    rows: Ints
+    """(R,) table rows of the drafted bigrams that are played."""
+    first: Ints
+    """(R,) target of the first phoneme of each."""
+    second: Ints
+    """(R,) target of the second."""
+    start: FitValues
+    """The values before the fit."""
+
+    @classmethod
+    def of(cls, pair: "OpenPair", lines: "Iterable[FitLine]") -> Self:
+        """Find the targets and drafted rows that some lines play."""
+        shelf, every, compiled = pair.shelf, pair.rows.every, pair.compiled
+        tables = compiled.tables
+        tables = tables.papers if compiled.motion.thresholds == "paper" else tables
+        played = sorted({int(row) for line in lines for row in line.track.rows} - {0})
+        drafted = [row for row in played if row <= len(every) and every[row - 1].drafted]
+        ends = [every[row - 1].origin.pair for row in drafted]
+        named = {p: shelf.targeted(p) for p in sorted({p for pair in ends for p in pair})}
+        known = {name: shelf.targets[phoneme][0] for phoneme, name in named.items()}
+        order = {name: number for number, name in enumerate(known)}
+        numbers = np.array([[order[named[p]] for p in pair] for pair in ends], np.intp)
+        first, second = numbers.reshape(-1, 2).T
+        start = FitValues(
+            *_stacked(list(known.values()), len(shelf.poses)),
+            tables.softness,
+            tables.anticipate,
+            compiled.motion.speed_limit,
+            {},
+        )
+        silence = shelf.common.model.silence
+        steps = [0 if name == silence else len(t.weights) for name, t in known.items()]
+        mentioned = _mentioned(shelf, known)
+        rows = np.array(drafted, np.intp)
+        return cls(
+            tables, compiled.motion, tuple(known), np.array(steps, np.intp), mentioned, rows, first,
+            second, start,
+        )  # fmt: skip
+
+    @property
+    def free(self) -> Bools:
+        """(N, M, P) True for weights that a fit may change: those that the targets name."""
+        most = self.start.weights.shape[1]
+        there = np.arange(most)[None, :] < self.steps[:, None]
+        return there[:, :, None] & self.mentioned[:, None, :]
+
+    def targets(self, values: FitValues) -> list[Target]:
+        """Return the targets of some values."""
+        return [
+            Target(weights[: max(1, steps)], np.exp(dominance))
+            for weights, dominance, steps in zip(
+                values.weights, values.dominance, self.steps.tolist(), strict=True
+            )
+        ]
+
+    def controls(self, values: FitValues) -> Floats:
+        """Return the control values of every drafted row: (R, P, n)."""
+        targets = self.targets(values)
+        out = self.drafted(targets, targets)
+        for number, row in enumerate(self.rows.tolist()):
+            if row in values.bigrams:
+                out[number] = (out[number] + values.bigrams[row]).clip(0, 1)
+        return out
+
+    def drafted(self, early: list[Target], late: list[Target]) -> Floats:
+        """Draft every row with some targets for its first phoneme and some for its second."""
+        if not len(self.rows):
+            return np.zeros((0, self.start.weights.shape[2], len(TIMES)))
+        first = [early[n] for n in self.first.tolist()]
+        second = [late[n] for n in self.second.tolist()]
+        return draft(first, second, exact=True)
+
+    def moved(self, values: FitValues) -> Tables:
+        """Return tables with the curves and motion of some values."""
+        base, curves = self._base(values), self._curves(values)
+        return base.with_rows(curves, base.boundary, base.free, base.pairs, base.styles)
+
+    def _curves(self, values: FitValues) -> Singles:
+        """Return the samples of every row; a search for motion asks for the same ones."""
+        key = values.weights, values.dominance, values.bigrams
+        if not self._latest or any(a is not b for a, b in zip(key, self._latest[0], strict=True)):
+            curves = self.tables.curves.copy()
+            if len(self.rows):
+                sampled = self.controls(values) @ self._basis
+                curves[self.rows] = sampled.swapaxes(1, 2).clip(0, 1)
+            self._latest[:] = [key, curves]
+        found: Singles = self._latest[1]
+        return found
+
+    @cached_property
+    def _latest(self) -> list[Any]:
+        """The latest targets and bigrams, and their curves."""
+        return []
+
+    def motion(self, values: FitValues) -> Motion:
+        """Return the pair's motion with the speed of some values."""
+        return replace(self.plain, speed_limit=values.speed)
+
+    def shown(self, values: FitValues, lines: "Sequence[FitLine]") -> list[Floats]:
+        """Perform lines by some values, through every stage: (T, P) each."""
+        tables, motion = self.moved(values), self.motion(values)
+        return [line.perform(tables, motion).weights() for line in lines]
+
+    def errors(self, values: FitValues, lines: "Sequence[FitLine]") -> Floats:
+        """Return shown minus recorded values of every line, end to end: (O,)."""
+        shown = self.shown(values, lines)
+        return np.concatenate([one.errors(w).ravel() for one, w in zip(lines, shown, strict=True)])
+
+    @cached_property
+    def _basis(self) -> Floats:
+        return shape(np.linspace(0, 1, RESOLUTION + 1))
+
+    @cached_property
+    def _bases(self) -> dict[tuple[bytes, bytes], Tables]:
+        """The tables of the latest softness and anticipation; settings derived from it stay."""
+        return {}
+
+    def _base(self, values: FitValues) -> Tables:
+        key = values.softness.tobytes(), values.anticipate.tobytes()
+        if key not in self._bases:
+            self._bases.clear()
+            self._bases[key] = replace(
+                self.tables, softness=values.softness, anticipate=values.anticipate
+            )
+        return self._bases[key]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickle only the fields."""
+        return {name: vars(self)[name] for name in self.__dataclass_fields__}
+
+
+def _stacked(targets: Sequence[Target], poses: int) -> tuple[Floats, Floats]:
+    """Return the weights and the logarithms of the dominance of targets."""
+    most = max((len(target.weights) for target in targets), default=1)
+    weights = np.zeros((len(targets), most, poses))
+    for number, target in enumerate(targets):
+        weights[number, : len(target.weights)] = target.weights
+    dominance = np.array([target.dominance for target in targets]).reshape(len(targets), poses)
+    return weights, np.log(dominance)
+
+
+def _mentioned(shelf: "PairPacks", names: Collection[str]) -> Bools:
+    """Return True where the stated target of a name mentions a pose: (N, P)."""
+    stated = shelf.face.targets
+    each = [{p for step in stated.get(name, ()) for p in step.weights} for name in names]
+    found = [[pose in mentioned for pose in shelf.poses] for mentioned in each]
+    return np.array(found, bool).reshape(len(each), len(shelf.poses))
