@@ -12,7 +12,7 @@ from study_answers import crowd, model, placed, study_of, submission
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.answer_sorting import SortingRules, answer_files, reasons, sort_answers
 from lipsync_lang.study.distributions import chi_square_tail
-from lipsync_lang.study.study_page import report_page
+from lipsync_lang.study.preference_page import report_page
 from lipsync_lang.study.study_report import report_study
 from lipsync_lang.study.study_text import report_text
 

@@ -73,7 +73,7 @@ def _written(found: "StudyReport", form: str) -> str:
     if form == "json":
         return as_json(found.to_dict()) + "\n"
     if form == "html":
-        from lipsync_lang.study.study_page import report_page
+        from lipsync_lang.study.preference_page import report_page
 
         return report_page(found)
     from lipsync_lang.study.study_text import report_text

@@ -42,8 +42,8 @@ from lipsync_lang.schedules.timing_readers import read_timings
 from lipsync_lang.speech.sound import read_audio
 from lipsync_lang.studio.array_pack import ArrayPack
 from lipsync_lang.studio.face_data import face_data
+from lipsync_lang.study.preference_page import report_page
 from lipsync_lang.study.study_file import read_answers, read_study
-from lipsync_lang.study.study_page import report_page
 from lipsync_lang.study.study_report import report_answers
 from lipsync_lang.study.study_text import report_text
 

@@ -60,7 +60,7 @@ NO_TARGET = {
     "studio/server.py": "scripts of our own",
     "studio/sheets.py": "packs, which are a target",
     "studio/workshop.py": "opens a pair by its name",
-    "study/study_page.py": "templates of our own",
+    "study/preference_page.py": "templates of our own",
     "speech": "what engines and models installed on purpose have written; recordings are a target",
 }
 """Modules that open files and have no target of their own, and why."""
