@@ -135,6 +135,11 @@ def tables(draw):
     curves = np.stack([random_curves(rng, poses) for _ in range(rows + 1)])
     curves[0] = 0
     boundary = np.where(rng.random(rows + 1) < 0.5, 0.5, rng.uniform(0.1, 0.9, rows + 1))
+    share = draw(st.sampled_from([0, 0, 0.02, 0.3, 1]))
+    codes, halves, edges = _trigrams(rng, phonemes, silence, poses, share)
+    trigram_rows = rows + 1 + np.arange(2 * len(codes)).reshape(-1, 2)
+    curves, boundary = np.concatenate((curves, halves)), np.concatenate((boundary, edges))
+    rows += len(edges)
     free = rng.random(rows + 1) < draw(st.sampled_from([0, 0, 0.1]))
     free[0] = False
 
@@ -172,8 +177,23 @@ def tables(draw):
     opposed = rng.random((phonemes, poses)) < 0.1
     return Tables(
         curves, boundary, free, pairs, silence, contacts, thresholds, paper, priority, softness,
-        early, highest, opposed, at_most, styles,
+        early, highest, opposed, at_most, styles, codes, trigram_rows,
     )  # fmt: skip
+
+
+def _trigrams(rng, phonemes, silence, poses, share):
+    """Return the codes of some trigrams, with curves and boundaries of their halves."""
+    codes = np.array([c for c in range(phonemes**3) if c // phonemes % phonemes != silence], int)
+    codes = codes[rng.random(len(codes)) < share][:40]
+    curves, edges = [np.zeros((0, RESOLUTION + 1, poses), np.float32)], []
+    at = np.linspace(0, 1, RESOLUTION + 1)
+    for _ in codes:
+        whole, (first, second) = random_curves(rng, poses), np.sort(rng.uniform(0.1, 0.9, 2))
+        for start, end, middle in ((0, second, first), (first, 1, second)):
+            half = [np.interp(start + (end - start) * at, at, curve) for curve in whole.T]
+            curves.append(np.stack(half, axis=1, dtype=np.float32)[None])
+            edges.append((middle - start) / (end - start))
+    return codes, np.concatenate(curves), np.array(edges)
 
 
 def _needed(contacts, priority):

@@ -57,6 +57,23 @@ def test_an_edited_bigram_remakes_the_lines_that_contain_it(built):
     assert built.build().built == ["low"]
 
 
+def test_a_trigram_remakes_the_lines_that_contain_it(game):
+    game.say("apart", "HH OW _ OW M")  # the same bigrams, but not in a row
+    game.script([*SOUNDS, "apart"])
+    game.build()
+    before, path = game.takes(), "posesets/facefx/banks/common.yaml"
+    for level in (0.8, 0.9):
+        curves = f"{{FV: [[0, 0], [0.3, {level}], [0.6, {level}], [1, 0]]}}"
+        drawn = f"trigrams:\n  h-ow-bmp: {{curves: {curves}}}\n"
+        game.write(path, f"kind: bank\nformat: 1\nname: common\nposeset: facefx\n{drawn}")
+        assert game.build("--dry-run").stale == {"home": ["the trigram h-ow-bmp changed"]}
+        assert game.build().built == ["home"]
+        assert [name for name, take in game.takes().items() if take != before[name]] == ["home"]
+    (game.folder / path).unlink()
+    assert game.build().built == ["home"]
+    assert game.takes() == before
+
+
 def test_a_bank_that_says_what_the_draft_says_remakes_nothing(built, capsys):
     assert main(["bank", "draft", "-l", "english", "-c", "facefx", "--write", "bmp-f"]) == 0
     capsys.readouterr()

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from importlib import import_module
-from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -136,14 +135,11 @@ def test_a_lead_in_and_a_tail_last_a_quarter_of_a_second_at_most(preset, line, f
     assert times[-1] <= line.times[-1] + longest
 
 
-def demanded(line, contact):
+def demanded(line, contact, track):
     """The phonemes of a line that demand a contact: each one's span."""
-    tables = line.tables
-    around = [tables.silence, *line.ids, tables.silence]
-    rows = [tables.pairs[a, b] for a, b in pairwise(around)]
-    for index, phoneme in enumerate(line.ids):
-        waived = line.free[rows[index]] or line.free[rows[index + 1]]
-        if contact.phonemes[phoneme] and not waived:
+    for place, index in enumerate(track.source):
+        waived = line.free[track.rows[max(place - 1, 0) : place + 1]].any()
+        if contact.phonemes[track.ids[place]] and not waived:
             yield line.times[index], line.times[index + 1]
 
 
@@ -154,7 +150,7 @@ def test_every_contact_is_seen_however_short_the_phoneme(line, motion, fps):
     for contact in line.tables.contacts:
         up = (weights >= 0.9 * contact.floor - EXACT).all(axis=1)
         down = (weights <= contact.ceiling + GIVEN + EXACT).all(axis=1)
-        for start, end in demanded(line, contact):
+        for start, end in demanded(line, contact, performance.track):
             near = (times >= start - 0.5 / fps - MOVED) & (times <= end + 0.5 / fps + MOVED)
             assert (near & up & down).any(), (start, end)
 
@@ -164,7 +160,7 @@ def test_floors_are_reached_in_full_for_42_ms_or_a_frame(line, motion, fps):
     performance, weights = weights_of(line, motion, fps)
     times = performance.frames.times()
     for contact in line.tables.contacts:
-        for start, end in demanded(line, contact):
+        for start, end in demanded(line, contact, performance.track):
             reach = max(0.042, 1 / fps) / 2
             middle = (start + end) / 2
             low, high = min(start + 0.03, middle - reach), max(end - 0.03, middle + reach)

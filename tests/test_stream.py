@@ -140,7 +140,7 @@ def test_frames_are_those_of_the_whole_with_any_tables_and_motion(line, motion, 
         if stop > number:
             found.append(frames.weights(heard, number, stop))
             number = stop
-            heard.forget(frames.seconds(heard, frames.needed(stop)))
+            frames.forget(heard, stop)
 
     laid = [(one, int(np.argmin(np.abs(line.times - one.start)))) for one in line.overlays()]
     for n, (start, end) in enumerate(pairwise(line.times.tolist())):

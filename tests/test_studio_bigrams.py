@@ -5,7 +5,7 @@ import pytest
 pytest.importorskip("starlette", reason="the studio needs Starlette")
 
 from packs_tree import TREE, plant, put
-from studio_calls import TOKEN, Caller
+from studio_calls import TOKEN, Caller, unpacked
 
 import lipsync_lang as ll
 from lipsync_lang.errors import LipsyncError
@@ -179,6 +179,31 @@ def test_an_edit_is_of_the_bank_or_of_the_character_alone(told, workshop):
     edit(workshop, ("bank", ["a-p", "why"], "round"))
     assert homes(workshop) == {"common.yaml": True}
     assert told("bigram/a-p")["why"] == "round"
+
+
+def test_an_edit_keeps_the_trigrams_of_its_file_and_the_line_names_them(tmp_path):
+    plant(tmp_path)
+    drawn = "trigrams:\n  p-a-p: {curves: {FV: [[0, 0], [0.5, 1], [1, 0]]}}  # as in pap\n"
+    put(tmp_path, "characters/anna.yaml", TREE["characters/anna.yaml"] + drawn)
+    workshop = Workshop(tmp_path, engine="none")
+    workshop.open("parent", "anna")
+    workshop.line = SpokenLine(LINE)
+    for value in (0.5, 0.7):
+        edit(workshop, ("character", ["a-p"], {"curves": {"open": [[0, 0], [1, value]]}}))
+    assert workshop.pair().compiled.report.trigrams == {"p-a-p": "character"}
+    (content,) = workshop.desk.contents.values()
+    assert drawn in content.decode()
+    document, _ = unpacked(Caller(workshop).post("take"))
+    (take,) = document["takes"]
+    assert [one.get("trigram") for one in take["making"]["bigrams"]] == [
+        None,
+        "p-a-p",
+        "p-a-p",
+        None,
+        None,
+    ]
+    assert Caller(workshop).post("save").status == 200
+    assert drawn in (tmp_path / "characters/anna.yaml").read_text("utf-8")
 
 
 def test_the_kind_of_curve_is_told_with_that_of_the_bank(told, workshop):

@@ -302,7 +302,7 @@ def held(spans, fps, count):
     times = [0.0, *spans, spans[-1] + 1]
     wanted = np.array([False, *[True] * (len(spans) - 1), False])
     many = np.zeros(len(wanted))
-    track = Track(many, np.array(times), many, many, many, many, many, many, 0.0, times[-1])
+    track = Track(many, np.array(times), *[many] * 6, 0.0, times[-1], many)
     return np.flatnonzero(held_frames(wanted, track, 0.0, fps, count)).tolist()
 
 

@@ -3,14 +3,18 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
+PAIR = 2
+"""Phonemes of a bigram."""
+
 
 @dataclass(frozen=True)
 class BigramAt:
-    """A bigram that covers the frame."""
+    """A bigram, or a trigram, that covers the frame."""
 
-    pair: tuple[str, str]
+    pair: tuple[str, ...]
+    """Its phonemes: two, or three of a trigram."""
     position: float
-    """Normalised time within the bigram."""
+    """Normalised time within it."""
     layer: str
     status: str
     places: tuple[str, ...]
@@ -18,8 +22,13 @@ class BigramAt:
     word: str | None
     styles: tuple["StyleAt", ...] = ()
     """Styles that change the bigram at this time."""
-    drawn_as: tuple[str, str] | None = None
-    """The pair whose curves are played, if a bank draws that one instead: the shades' parents."""
+    drawn_as: tuple[str, ...] | None = None
+    """The phonemes whose curves are played, if a bank draws those instead: the shades' parents."""
+
+    @property
+    def unit(self) -> str:
+        """The kind of unit."""
+        return "bigram" if len(self.pair) == PAIR else "trigram"
 
 
 @dataclass(frozen=True)
@@ -85,7 +94,7 @@ class Explanation:
             example = f", as in {bigram.word}" if bigram.word else ""
             drawn = f", drawn as {'-'.join(bigram.drawn_as)}" if bigram.drawn_as else ""
             lines.append(
-                f"  bigram {'-'.join(bigram.pair)} at {bigram.position:.2f}{example}: "
+                f"  {bigram.unit} {'-'.join(bigram.pair)} at {bigram.position:.2f}{example}: "
                 f"{bigram.layer}, {bigram.status or 'none'}{drawn}"
             )
             lines.extend(f"    {place}" for place in bigram.places)

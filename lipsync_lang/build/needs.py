@@ -4,7 +4,7 @@ A need has a name, such as `bigram m iy`, and a digest of the value that the pac
 whose needs all have the digests of the last build would be made the same again.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -28,8 +28,11 @@ OF_LINES = frozenset((
 ))  # fmt: skip
 """Fields of a compiled pair that have needs of their own, or that no output shows."""
 
-OF_ROWS = frozenset(("boundary", "contacts", "curves", "free", "opposed", "pairs", "styles"))
-"""Fields of the tables with a row for each bigram or phoneme."""
+OF_ROWS = frozenset((
+    "boundary", "contacts", "curves", "free", "opposed", "pairs", "styles", "trigram_rows",
+    "trigrams",
+))  # fmt: skip
+"""Fields of the tables with a row for each bigram, trigram or phoneme."""
 
 TOLD = {
     "program": "the program's version",
@@ -82,7 +85,7 @@ class PairNeeds:
         names += ["places"] if reasons else []
         names += self._labels(schedule)
         names += [f"word {text}" for text in dict.fromkeys(word.text for word in schedule.words)]
-        names += self._bigrams(schedule)
+        names += self._units(schedule)
         return {name: self.current(name) for name in names}
 
     def current(self, name: str) -> bytes:
@@ -102,7 +105,9 @@ class PairNeeds:
     def _digest(self, name: str) -> bytes:
         kind, _, rest = name.partition(" ")
         if kind == "bigram":
-            return self._rows.get(rest, ABSENT)
+            return self._bigrams.get(rest, ABSENT)
+        if kind == "trigram":
+            return self._trigrams.get(rest, ABSENT)
         if kind == "label":
             notation, _, label = rest.partition(" ")
             return digest(self._sounds(notation, label))
@@ -119,14 +124,19 @@ class PairNeeds:
             yield "labels"
         yield from (f"label {name} {label}" for label in dict.fromkeys(schedule.labels))
 
-    def _bigrams(self, schedule: Schedule) -> list[str]:
+    def _units(self, schedule: Schedule) -> Iterator[str]:
+        """Yield the bigrams of a line, and its trigrams, whether anybody drew them or not."""
         ids, _, _ = self.performer.common_phonemes(schedule)
         compiled = self.performer.compiled
         silence = np.array([compiled.tables.silence])
         around = np.concatenate((silence, ids, silence))
         names, count = compiled.phonemes, len(compiled.phonemes)
-        pairs = np.unique(around[:-1] * count + around[1:])
-        return [f"bigram {names[one // count]} {names[one % count]}" for one in pairs.tolist()]
+        pairs = around[:-1] * count + around[1:]
+        threes = (pairs[:-1] * count + around[2:])[around[1:-1] != silence]
+        for one in np.unique(pairs).tolist():
+            yield f"bigram {names[one // count]} {names[one % count]}"
+        for one in np.unique(threes).tolist():
+            yield f"trigram {' '.join(_three(names, one))}"
 
     def _sounds(self, notation: str, label: str) -> Any:
         """Return the phonemes that a label stands for, shades folded as they are performed."""
@@ -171,11 +181,27 @@ class PairNeeds:
         }
 
     @cached_property
-    def _rows(self) -> dict[str, bytes]:
+    def _rows(self) -> list[bytes]:
+        """Digest of each row of the tables: its curves in every style."""
+        tables = self.performer.compiled.tables
+        banks: tuple[Bank, ...] = (tables.neutral, *tables.styles)
+        return [_row_digest(banks, row) for row in range(len(tables.curves))]
+
+    @cached_property
+    def _trigrams(self) -> dict[str, bytes]:
+        """Digest of each trigram that somebody drew, by its three phonemes."""
+        tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
+        both = zip(tables.trigrams.tolist(), tables.trigram_rows.tolist(), strict=True)
+        return {
+            " ".join(_three(names, code)): joined(*(self._rows[row] for row in rows))
+            for code, rows in both
+        }
+
+    @cached_property
+    def _bigrams(self) -> dict[str, bytes]:
         """Digest of each bigram by its two phonemes: its curves in every style, and its rules."""
         tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
-        banks: tuple[Bank, ...] = (tables.neutral, *tables.styles)
-        rows = [_row_digest(banks, row) for row in range(len(tables.curves))]
+        rows = self._rows
         asked = [contact.phonemes for contact in tables.contacts]
         rules = [
             joined(tables.opposed[at].tobytes(), bytes(bool(one[at]) for one in asked))
@@ -189,6 +215,12 @@ class PairNeeds:
         }
 
 
+def _three(names: Sequence[str], code: int) -> tuple[str, str, str]:
+    """Return the phonemes of a trigram by its code."""
+    pair, last = divmod(code, len(names))
+    return names[pair // len(names)], names[pair % len(names)], names[last]
+
+
 def _row_digest(banks: Iterable[Bank], row: int) -> bytes:
     arrays = (array[row] for bank in banks for array in bank)
     return joined(*(np.ascontiguousarray(one).tobytes() for one in arrays))
@@ -197,8 +229,8 @@ def _row_digest(banks: Iterable[Bank], row: int) -> bytes:
 def told(name: str) -> str:
     """Return a need in words, as the reason why a line is made again."""
     kind, _, rest = name.partition(" ")
-    if kind == "bigram":
-        return f"the bigram {rest.replace(' ', '-')}"
+    if kind in {"bigram", "trigram"}:
+        return f"the {kind} {rest.replace(' ', '-')}"
     if kind == "label":
         return f"the sound of {rest.partition(' ')[2]}"
     return f"the word {rest}" if kind == "word" else TOLD.get(kind, f"'{name}'")

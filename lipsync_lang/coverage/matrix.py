@@ -232,8 +232,8 @@ def report_of(
     counted, phonemes = counted_lines.count, performer.compiled.counted
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
     codes = {name: code for code, name in enumerate(names)}
-    keyed = (("-".join(origin.pair), origin) for origin in performer.compiled.origins)
-    origins = {codes[key]: origin for key, origin in keyed if key in codes}
+    bigrams = (origin for origin in performer.compiled.origins if origin.triple is None)
+    origins = {codes[one.name]: one for one in bigrams if one.name in codes}
     rows = counted_lines.bigrams(counted_lines.spoken, origins, names)
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]

@@ -8,7 +8,7 @@ from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.yaml.faults import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
 
     from lipsync_lang.packs import models
     from lipsync_lang.packs.finding import Kind
@@ -128,8 +128,9 @@ def _sum(gains: "Mapping[str, float]") -> str:
 def _character(library: "Library", pack: "Pack[models.Character]") -> Description:
     model = pack.model
     lines = [f"{model.title or model.name}, {shown(pack.path)}", f"pose set: {model.poseset}"]
-    counts = {
+    counts: Mapping[str, Collection[str]] = {
         "bigrams of its own": model.bigrams,
+        "trigrams of its own": model.trigrams,
         "banks": model.banks,
         "words": model.words,
         "lines": model.lines,

@@ -120,9 +120,12 @@ def animate(
 
 
 def _kept(performer: "Performer", fps: float) -> "Kept | None":
-    """Return what the compiled kernel keeps of the neutral bank; None where it does not serve."""
+    """Return what the compiled kernel keeps of the neutral bank; None where it does not serve.
+
+    Laying the tracks of a bank with trigrams is left to `lay_track`.
+    """
     tables, motion = performer.compiled.tables, performer.motion
-    if not serves(motion):
+    if not serves(motion) or len(tables.trigrams):
         return None
     shown = tables.papers if motion.thresholds == "paper" else tables
     return keep(shown, motion, prepare(shown, motion, fps), fps)

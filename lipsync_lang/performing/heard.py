@@ -5,6 +5,7 @@ are forgotten, so that hours need no more room than seconds.
 """
 
 from bisect import bisect_right
+from collections.abc import Collection
 from copy import copy
 from dataclasses import dataclass, field
 from typing import NamedTuple, Self
@@ -201,9 +202,14 @@ class Heard:
         ]  # fmt: skip
         return inside[0] if inside else None
 
-    def forget(self, seconds: float) -> None:
-        """Forget what no frame from a time on depends on."""
-        kept = max(bisect_right(self.starts, seconds) - 3, 0)
+    def forget(self, seconds: float, begun: Collection[int] = ()) -> None:
+        """Forget what no frame from a time on depends on.
+
+        Parameters
+        ----------
+        begun : sounds that begin a trigram, by index
+        """
+        kept = self._first(seconds, begun)
         if kept:
             del self.sounds[:kept], self.starts[:kept], self.sources[:kept]
             self.forgotten = True
@@ -279,12 +285,29 @@ class Heard:
         far = max(silence_reach, 1e-9)
         return max(self.until - self.starts[-1], far) if alone else self.until - self.starts[-1]
 
-    def between(self, begin: float, end: float) -> tuple[Ints, Floats]:
-        """Return the common phonemes around a stretch of time, and their (m + 1,) boundaries."""
-        first = max(bisect_right(self.starts, begin) - 3, 0)
+    def between(
+        self, begin: float, end: float, begun: Collection[int] = ()
+    ) -> tuple[Ints, Floats, bool]:
+        """Return the common phonemes around a stretch of time, and their (m + 1,) boundaries.
+
+        Parameters
+        ----------
+        begun : sounds that begin a trigram, by index
+
+        Returns
+        -------
+        phonemes, boundaries, and True if no phoneme was heard before these
+        """
+        first = self._first(begin, begun)
         stop = min(bisect_right(self.starts, end) + 2, len(self.starts))
         edge = self.starts[stop : stop + 1] or [self._until()]
-        return np.array(self.sounds[first:stop]), np.array(self.starts[first:stop] + edge)
+        bounds = np.array(self.starts[first:stop] + edge)
+        return np.array(self.sounds[first:stop]), bounds, first == 0 and not self.forgotten
+
+    def _first(self, seconds: float, begun: Collection[int]) -> int:
+        """Return the index of the first sound that frames from a time on depend on."""
+        first = max(bisect_right(self.starts, seconds) - 3, 0)
+        return first - (first > 0 and first - 1 in begun)
 
     def _until(self) -> float:
         last = self.starts[-1]

@@ -114,7 +114,8 @@ class Stream:
         """Seconds that all stages together look ahead, at most.
 
         A frame is final as soon as a phoneme is known that starts by so much later, or a silence
-        that lasts by `motion.silence_reach` longer than that.
+        that lasts by `motion.silence_reach` longer than that. Where that phoneme may be the second
+        of a trigram, the next one must be known as well.
         """
         return sum(self.delays.values())
 
@@ -282,7 +283,7 @@ class Stream:
         made = parts[0] if len(parts) == 1 else np.concatenate(parts)
         if stop > begin:
             self._given, self._made = stop, made[stop - begin :]
-            heard.forget(frames.seconds(heard, frames.needed(stop)))
+            frames.forget(heard, stop)
         return FinalFrames(frames.laid(heard, begin, stop).times(), made[: stop - begin])
 
     @property

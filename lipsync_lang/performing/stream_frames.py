@@ -11,6 +11,7 @@ import numpy as np
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.performing.heard import Heard
+from lipsync_lang.performing.heard_trigrams import begun_trigrams, open_trigram
 from lipsync_lang.performing.stress import ramped_level, vowel_level
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.hold import MARGIN
@@ -67,6 +68,10 @@ class StreamFrames:
         clear = held = heard.clear(reach, linear=linear, emphasis=self.emphasis)
         if self.motion.contacts == "hold":
             held = heard.held(MARGIN, widened(self.fps))
+        unsure = open_trigram(heard, self.tables, reach)
+        if unsure is not None:
+            clear = min(clear, unsure)
+            held = min(held, unsure - max(MARGIN, widened(self.fps)))
         least = self.ahead.stop(heard.until - heard.start, heard.closing(reach))
         final = self.ahead.settled(clear - heard.start, held - heard.start, least)
         return max(final + self.lead, 0)
@@ -97,9 +102,11 @@ class StreamFrames:
         beyond = self.ahead.ramp if high != self.count else 0
         frames = self.laid(heard, low - more, high + beyond)
         times = self.seconds(heard, low), self.seconds(heard, high)
-        ids, bounds = heard.between(*times)
+        ids, bounds, opening = heard.between(*times, begun_trigrams(heard, self.tables))
         source = np.arange(len(ids))
-        track = lay_track(ids, bounds, source, self.tables, self.motion, self.blends)
+        track = lay_track(
+            ids, bounds, source, self.tables, self.motion, self.blends, opening=opening
+        )
         performance = perform(
             self.tables,
             track,
@@ -125,6 +132,11 @@ class StreamFrames:
             level = ramped_level([word.ramp for word in words], [word.high for word in words])
             out.append(Dial(poses, level, "emphasis"))
         return tuple(out)
+
+    def forget(self, heard: Heard, given: int) -> None:
+        """Let what was heard forget what no frame after those that were given depends on."""
+        since = self.seconds(heard, self.needed(given))
+        heard.forget(since, begun_trigrams(heard, self.tables))
 
     def laid(self, heard: Heard, begin: int, stop: int) -> Frames:
         """Return frames `begin` to `stop`."""

@@ -114,7 +114,10 @@ def _bigrams(
     place: "FramePlace",
     heard: Mapping[str, float],
 ) -> tuple[BigramAt | None, BigramAt | None]:
-    """Return the bigrams that end and begin with the phoneme of the frame."""
+    """Return the bigrams that end and begin with the phoneme of the frame.
+
+    In the middle of a trigram both are halves of it, and the second stands for it.
+    """
     at, track = int(place.phoneme[0]), performance.track
     found: list[BigramAt | None] = [None, None]
     boundary = track.boundary(performer.compiled.tables.neutral)
@@ -125,6 +128,8 @@ def _bigrams(
         )
     if at < len(track.rows) and place.going[0] >= 0:
         found[1] = _bigram(performer, track, at, float(boundary[at] * place.going[0]), heard)
+    if found[1] is not None and at - 1 in track.trigrams:
+        found[0] = None
     return found[0], found[1]
 
 
@@ -137,8 +142,11 @@ def _bigram(
 ) -> BigramAt:
     compiled = performer.compiled
     origin = compiled.origins[int(track.rows[number])]
-    names = (compiled.phonemes[int(i)] for i in track.ids[number : number + 2])
-    first, second = names
+    first, count = number, 2
+    if origin.triple is not None:
+        first, count = number - (number not in track.trigrams), 3
+        position = _in_trigram(compiled, track, first, position, later=first < number)
+    names = tuple(compiled.phonemes[int(i)] for i in track.ids[first : first + count])
     own = (
         (style, share, _style_origin(compiled, style, int(track.rows[number])))
         for style, share in heard.items()
@@ -146,17 +154,29 @@ def _bigram(
     styles = tuple(
         StyleAt(style, share, o.layer, o.status, o.places) for style, share, o in own if o
     )
-    finer = origin.pair != (first, second) and origin.layer != "gap"
+    drawn = origin.triple or origin.pair
+    finer = drawn != names and origin.layer != "gap"
     return BigramAt(
-        (first, second),
+        names,
         position,
         origin.layer,
         origin.status,
         origin.places,
         origin.word,
         styles,
-        origin.pair if finer else None,
+        drawn if finer else None,
     )
+
+
+def _in_trigram(
+    compiled: "Compiled", track: "Track", first: int, position: float, *, later: bool
+) -> float:
+    """Return the normalised time in a trigram of a position in one of its halves."""
+    rows = track.rows[first : first + 2]
+    before, after = (float(one) for one in compiled.tables.boundary[rows])
+    end = after / (1 - before + before * after)  # of its second phoneme
+    start = before * end
+    return start + (1 - start) * position if later else end * position
 
 
 def _style_origin(compiled: "Compiled", style: str, row: int) -> Origin | None:

@@ -100,7 +100,8 @@ class Performance:
     @property
     def compiled(self) -> bool:
         """True if the compiled kernel serves."""
-        return kernel_plan.serves(self.motion) and not (self.overlays or self.blends)
+        other = self.overlays or self.blends or self.track.mixed
+        return kernel_plan.serves(self.motion) and not other
 
     def _weigh(self, begin: int, stop: int) -> Floats:
         kept = kernel_plan.keep(self.tables, self.motion, self.prepared, self.frames.fps)

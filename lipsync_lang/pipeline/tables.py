@@ -5,7 +5,7 @@ bigram are normalised to [0, 1]. Curves are tabulated once, at `RESOLUTION` step
 styles and anticipation are not in the paper.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
 from math import prod
 from typing import Any, NamedTuple, Self
@@ -53,6 +53,14 @@ class Bank(NamedTuple):
     """(B,) True where a bigram waives the contacts of its two phonemes."""
 
 
+class PlayedRows(NamedTuple):
+    """The rows that phonemes play, as `Tables` has them."""
+
+    pairs: Ints
+    trigrams: Ints
+    trigram_rows: Ints
+
+
 @dataclass(frozen=True, eq=False)
 class Tables:
     """A language and a character, ready to be performed."""
@@ -86,6 +94,10 @@ class Tables:
     """(pose, other): pose never above other, in an order in which each other is final."""
     styles: tuple[Bank, ...] = ()
     """Other manners of speaking, row by row like the neutral one."""
+    trigrams: Ints = field(default_factory=lambda: np.zeros(0, np.intp))
+    """(K,) the code (a N + b) N + c of each three common phonemes that play a trigram, rising."""
+    trigram_rows: Ints = field(default_factory=lambda: np.zeros((0, 2), np.intp))
+    """(K, 2) the rows of its first two phonemes and of its last two."""
 
     @property
     def neutral(self) -> Bank:
@@ -135,18 +147,9 @@ class Tables:
         """Values that `prepare` derived from these tables, by motion and frame rate."""
         return {}
 
-    def with_rows(
-        self,
-        curves: Singles,
-        boundary: Floats,
-        free: Bools,
-        pairs: Ints,
-        styles: tuple[Bank, ...],
-    ) -> Self:
+    def with_rows(self, neutral: Bank, styles: tuple[Bank, ...], played: PlayedRows) -> Self:
         """Return tables with other bigrams; values derived from all else are kept."""
-        made = replace(
-            self, curves=curves, boundary=boundary, free=free, pairs=pairs, styles=styles
-        )
+        made = replace(self, **neutral._asdict(), styles=styles, **played._asdict())
         kept = ("prepared", "caps", "binding", "held", "floors", "blockers")
         vars(made).update({name: getattr(self, name) for name in kept})
         return made

@@ -16,6 +16,9 @@ from lipsync_lang.pipeline.levels import Blend
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Bank, Tables
 
+NO_TRIGRAMS: Ints = np.zeros(0, np.intp)
+NO_TRIGRAMS.setflags(write=False)
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
@@ -42,10 +45,28 @@ class Track:
     """Seconds at which the schedule starts: a frame lies there."""
     end: float
     """Seconds at which it ends."""
+    trigrams: Ints
+    """(k,) bigrams that begin a trigram: their rows, and those of the next, are its halves."""
 
     def boundary(self, bank: Bank) -> Floats:
-        """Return the normalised time of each bigram's phoneme boundary: (n - 1,)."""
-        return bank.boundary[self.rows] if self.even is None else self.even
+        """Return the normalised time of each bigram's phoneme boundary: (n - 1,).
+
+        The boundaries of a trigram are pinned always, so that its halves agree where they overlap.
+        """
+        own = bank.boundary[self.rows]
+        if self.even is None:
+            return own
+        if not len(self.trigrams):
+            return self.even
+        even = self.even.copy()
+        for halves in (self.trigrams, self.trigrams + 1):
+            even[halves] = own[halves]
+        return even
+
+    @property
+    def mixed(self) -> bool:
+        """True if only some of the bigrams are stretched evenly, which the kernel cannot do."""
+        return self.even is not None and len(self.trigrams) > 0
 
     def knots(self, number: int, boundary: float) -> tuple[Floats, Floats]:
         """Return where the pace of a bigram changes: seconds and normalised times, (7,) each.
@@ -68,11 +89,14 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     tables: Tables,
     motion: Motion,
     blends: Sequence[Blend] = (),
+    *,
+    opening: bool = True,
 ) -> Track:
     """Surround common phonemes with silence and pair neighbours.
 
     Bigram (p_i, p_i+1) covers (t_i, t_i+2). Silence lends a bigram at most
-    `motion.silence_reach`, at the side of the sound.
+    `motion.silence_reach`, at the side of the sound. Where three phonemes have a trigram, its
+    halves take the places of two bigrams; of two trigrams that share a bigram the first plays.
 
     Parameters
     ----------
@@ -80,6 +104,8 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     times : (m + 1,) boundaries in seconds, rising
     source : (m,) index of each in the schedule
     blends : styles over the neutral bank
+    opening : False if phonemes were left out before these, so that no trigram begins with the
+        silence put before them
     """
     start, end = float(times[0]), float(times[-1])
     quiet = ids == tables.silence
@@ -106,7 +132,11 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     quiet = ids == tables.silence
     moving = np.minimum(length, np.where(quiet, far, motion.sound_reach))
     reach = np.where(quiet, moving, length)
-    rows = tables.pairs[ids[:-1], ids[1:]]
+    rows, begun = tables.pairs[ids[:-1], ids[1:]], NO_TRIGRAMS
+    if len(tables.trigrams):
+        begun = trigrams_in(ids, tables, first=0 if opening or not head else 1)
+        at = tables.trigrams.searchsorted(_codes(ids, tables)[begun])
+        rows[begun], rows[begun + 1] = tables.trigram_rows[at].T
     even = None if motion.warp == "anchored" else moving[:-1] / (moving[:-1] + moving[1:])
     free = tables.free[rows]
     if blends:
@@ -114,7 +144,31 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     waived = np.zeros(len(ids), bool)
     waived[:-1] |= free
     waived[1:] |= free
-    return Track(ids, bounds, reach, moving, rows, even, waived, source, start, end)
+    return Track(ids, bounds, reach, moving, rows, even, waived, source, start, end, begun)
+
+
+def trigrams_in(ids: Ints, tables: Tables, first: int = 0) -> Ints:
+    """Return where the trigrams among common phonemes begin: (k,) indices of their first phonemes.
+
+    From the left, each is played that shares no bigram with the one before it.
+
+    Parameters
+    ----------
+    first : index of the first phoneme that may begin one
+    """
+    known = np.isin(_codes(ids, tables), tables.trigrams).nonzero()[0]
+    begun: list[int] = []
+    for at in known[known >= first].tolist():
+        if not begun or at > begun[-1] + 1:
+            begun.append(at)
+    return np.array(begun, np.intp)
+
+
+def _codes(ids: Ints, tables: Tables) -> Ints:
+    """Return the code of each three neighbours, as `Tables.trigrams` has them."""
+    size = len(tables.pairs)
+    codes: Ints = (ids[:-2] * size + ids[1:-1]) * size + ids[2:]
+    return codes
 
 
 def _heard(tables: Tables, blends: Sequence[Blend]) -> Iterator[Bank]:

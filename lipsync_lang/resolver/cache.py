@@ -42,7 +42,7 @@ COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
 
 ARRAYS = (
     "curves", "boundary", "free", "pairs", "thresholds", "paper", "priority", "softness",
-    "anticipate", "highest", "opposed",
+    "anticipate", "highest", "opposed", "trigrams", "trigram_rows",
 )  # fmt: skip
 """Arrays of the tables."""
 
@@ -255,6 +255,7 @@ def _tables(head: dict[str, Any], body: memoryview) -> Tables:
     plain = head["plain"]
     rows, poses, phonemes = (len(plain[name]) for name in ("origins", "poses", "phonemes"))
     array = _reader(head["arrays"], body)
+    (trigrams,) = head["arrays"]["trigrams"][1]
     return Tables(
         curves=array("curves", np.float32, rows, RESOLUTION + 1, poses),
         boundary=array("boundary", np.float64, rows),
@@ -267,6 +268,8 @@ def _tables(head: dict[str, Any], body: memoryview) -> Tables:
         highest=array("highest", np.float64, poses),
         opposed=array("opposed", np.bool_, phonemes, poses),
         priority=array("priority", np.float64, poses),
+        trigrams=array("trigrams", np.intp, trigrams),
+        trigram_rows=array("trigram_rows", np.intp, trigrams, 2),
         silence=head["silence"],
         contacts=tuple(
             Contact(
@@ -304,8 +307,10 @@ def _check_indices(tables: Tables) -> None:
     """Raise an error for indices of rows, phonemes or poses outside the tables."""
     poses = {pose for pair in tables.at_most for pose in pair}
     sound = (
-        bool((tables.pairs >= 0).all())
-        and bool((tables.pairs < len(tables.boundary)).all())
+        all(
+            bool((rows >= 0).all()) and bool((rows < len(tables.boundary)).all())
+            for rows in (tables.pairs, tables.trigram_rows)
+        )
         and tables.silence in range(len(tables.pairs))
         and poses <= set(range(len(tables.priority)))
     )
@@ -316,5 +321,6 @@ def _check_indices(tables: Tables) -> None:
 def _origin(plain: Any) -> "Origin":
     from lipsync_lang.resolver.compiled import Origin
 
-    pair, layer, status, places, word = plain
-    return Origin((pair[0], pair[1]), layer, status, tuple(places), word)
+    pair, layer, status, places, word, triple = plain
+    whole = None if triple is None else (triple[0], triple[1], triple[2])
+    return Origin((pair[0], pair[1]), layer, status, tuple(places), word, whole)

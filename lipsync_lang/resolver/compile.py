@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -12,17 +13,18 @@ import numpy as np
 from lipsync_lang.banks.draft import shape
 from lipsync_lang.packs.models.rig_channels import pose_names
 from lipsync_lang.packs.yaml.faults import Fault, shown
-from lipsync_lang.pipeline.arrays import Bools, Floats, Ints, Singles
+from lipsync_lang.pipeline.arrays import Bools, Floats, Singles
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.motion import Motion
-from lipsync_lang.pipeline.tables import RESOLUTION, Bank, Tables
+from lipsync_lang.pipeline.tables import RESOLUTION, Bank, PlayedRows, Tables
 from lipsync_lang.resolver import pose_arrays
-from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Pair, Report
+from lipsync_lang.resolver.compiled import LAYERS, Compiled, Origin, Pair, Report, Triple
 from lipsync_lang.resolver.language_tables import manner_of, tables_of, visemes_of
-from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, PairPacks
+from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, Halves, PairPacks
 from lipsync_lang.resolver.nearest_phonemes import plain_among, spelling
 from lipsync_lang.resolver.rigging import model_file, plain_rig
 from lipsync_lang.resolver.settings import motion_with
+from lipsync_lang.resolver.trigrams import drawn_trigrams, played_trigrams, trigram_arrays
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -45,20 +47,60 @@ class PairRows:
     """The row of each pair with a shade; several may share the row of a coarser pair."""
     styles: dict[str, list[BigramRow]]
     """By style, a row for each of `every`; those that the style does not change are neutral's."""
+    halves: dict[Triple, Halves]
+    """Drawn trigrams that some phonemes play."""
+    played: dict[Triple, Triple]
+    """The drawn trigram of each three phonemes that play one."""
 
     @classmethod
     def of(cls, shelf: PairPacks) -> Self:
         """Look up every pair."""
-        made = cls(shelf.rows(), shelf.shade_rows(), {})
-        every = made.every
-        styles = {style: [styled(shelf, row, style) for row in every] for style in shelf.styles}
+        drawn = drawn_trigrams(shelf)
+        played = played_trigrams(shelf, drawn)
+        halves = {triple: drawn[triple] for triple in sorted(set(played.values()))}
+        made = cls(shelf.rows(), shelf.shade_rows(), {}, halves, played)
+        styles = {
+            style: made.with_halves([styled(shelf, row, style) for row in made.bigrams])
+            for style in shelf.styles
+        }
         return replace(made, styles=styles)
 
     @cached_property
-    def every(self) -> list[BigramRow]:
-        """The rows of the tables, from row 1: those counted, then those of pairs with shades."""
+    def bigrams(self) -> list[BigramRow]:
+        """The rows of bigrams: those counted, then those of pairs with shades."""
         own = (row for pair, row in self.finer.items() if row.origin.pair == pair)
         return [*self.counted, *own]
+
+    @cached_property
+    def every(self) -> list[BigramRow]:
+        """The rows of the tables, from row 1: bigrams, then the halves of trigrams."""
+        return [*self.bigrams, *chain.from_iterable(self.halves.values())]
+
+    @cached_property
+    def numbers(self) -> dict[Pair, int]:
+        """The number of the row that each pair plays; several may share that of a coarser pair."""
+        every = enumerate(self.bigrams, 1)
+        own = {row.origin.pair: n for n, row in every if row.origin.layer != "gap"}
+        return own | {pair: own[row.origin.pair] for pair, row in self.finer.items()}
+
+    @property
+    def triple_rows(self) -> dict[Triple, int]:
+        """The number of the first row of each drawn trigram."""
+        first = len(self.bigrams) + 1
+        return {triple: first + 2 * n for n, triple in enumerate(self.halves)}
+
+    def with_halves(self, bigrams: list[BigramRow]) -> list[BigramRow]:
+        """Return rows of a style for bigrams, with those for the halves of trigrams.
+
+        No style draws trigrams. Where it draws a bigram of one, its bigrams play instead.
+        """
+        rows = [*bigrams]
+        for (one, two, three), halves in self.halves.items():
+            numbers = [self.numbers.get(pair, 0) for pair in ((one, two), (two, three))]
+            found = [bigrams[number - 1] for number in numbers if number]
+            drawn = any(row.style != NEUTRAL for row in found) and all(numbers)
+            rows += found if drawn else halves
+        return rows
 
 
 def compiled(shelf: PairPacks, rows: PairRows) -> Compiled:
@@ -117,6 +159,9 @@ def told(shelf: PairPacks, rows: PairRows, tables: Tables) -> dict[str, Any]:
         "report": replace(
             _report(shelf, [row.origin for row in rows.counted], warnings),
             styles={style: _statuses(some[:counted]) for style, some in rows.styles.items()},
+            trigrams={
+                "-".join(triple): row.origin.layer for triple, (row, _) in rows.halves.items()
+            },
         ),
     }
 
@@ -131,7 +176,7 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
             curves=curves,
             boundary=boundary,
             free=free,
-            pairs=row_numbers(shelf, rows),
+            **row_numbers(shelf, rows)._asdict(),
             silence=0,
             contacts=tuple(shelf.contacts()),
             thresholds=pose_arrays.thresholds(poseset),
@@ -142,21 +187,18 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
             highest=shelf.highest(),
             opposed=shelf.opposed(),
             at_most=tuple(pose_arrays.at_most(poseset)),
-            styles=tuple(_bank(changed, curves) for changed in rows.styles.values()),
+            styles=tuple(_bank(changed, rows.every, curves) for changed in rows.styles.values()),
         )
     )
 
 
-def row_numbers(shelf: PairPacks, rows: PairRows) -> Ints:
-    """Return (N, N) row numbers; several pairs with shades may share the row of a coarser pair."""
-    every = enumerate(rows.every, 1)
-    numbers = {row.origin.pair: n for n, row in every if row.origin.layer != "gap"}
-    played = numbers | {pair: numbers[row.origin.pair] for pair, row in rows.finer.items()}
+def row_numbers(shelf: PairPacks, rows: PairRows) -> PlayedRows:
+    """Return the rows that the phonemes of a pair play."""
     index = shelf.numbers
     pairs = np.zeros((len(index), len(index)), np.intp)
-    for (a, b), number in played.items():
+    for (a, b), number in rows.numbers.items():
         pairs[index[a], index[b]] = number
-    return pairs
+    return PlayedRows(pairs, *trigram_arrays(index, rows.played, rows.triple_rows))
 
 
 def frozen(tables: Tables) -> Tables:
@@ -199,17 +241,18 @@ def tabulated(rows: list[BigramRow], poses: int) -> Singles:
     """Return (B, RESOLUTION + 1, P) samples of every bigram's curves; row 0 is rest."""
     at = np.linspace(0, 1, RESOLUTION + 1)
     out = np.zeros((len(rows) + 1, RESOLUTION + 1, poses), np.float32)
-    alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
+    alike: dict[tuple[int, bool, tuple[float, float]], list[tuple[int, int, Floats]]] = {}
     drafted: list[tuple[int, int, Floats]] = []
     for number, row in enumerate(rows, start=1):
         for pose, points in row.curves.items():
-            kept = drafted if row.drafted else alike.setdefault((len(points), row.linear), [])
+            sort = len(points), row.linear, row.span
+            kept = drafted if row.drafted else alike.setdefault(sort, [])
             kept.append((number, pose, points))
     if drafted:  # drafts share their control times, so one basis serves them all
         _put(out, drafted, _mixed(np.stack([points[:, 1] for _, _, points in drafted]), shape(at)))
-    for (_, linear), curves in alike.items():
+    for (_, linear, (begin, end)), curves in alike.items():
         points = np.stack([control for _, _, control in curves])
-        _put(out, curves, (polyline if linear else bspline)(points, at))
+        _put(out, curves, (polyline if linear else bspline)(points, begin + (end - begin) * at))
     return out
 
 
@@ -242,9 +285,15 @@ def styled(shelf: PairPacks, row: BigramRow, style: str) -> BigramRow:
     return found if found is not None and found.style == style else row
 
 
-def _bank(rows: list[BigramRow], neutral: Singles) -> Bank:
-    """Return a style's bank: neutral's samples, with the style's own rows laid over them."""
-    own = [number for number, row in enumerate(rows, 1) if row.style != NEUTRAL]
+def differing(rows: list[BigramRow], neutral: list[BigramRow]) -> list[int]:
+    """Return the numbers of a style's rows that are not neutral's."""
+    both = enumerate(zip(rows, neutral, strict=True), 1)
+    return [number for number, (row, other) in both if row is not other]
+
+
+def _bank(rows: list[BigramRow], plain: list[BigramRow], neutral: Singles) -> Bank:
+    """Return a style's bank: neutral's samples, with the rows that differ laid over them."""
+    own = differing(rows, plain)
     curves = neutral.copy()
     curves[own] = tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
     return Bank(curves, *marks(rows))
@@ -316,6 +365,8 @@ def _shorts(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> Iterator
     ]
     names = list(shelf.poseset.model.contacts)
     for row, side, number, pose in sorted(found):
+        if side == 0 and rows[asked[row] - 1].span[0] > 0:
+            continue  # the first half of a trigram has told of its middle
         top, floor = float(tops[side, row, pose]), float(tables.contacts[number].floor[pose])
         one = rows[asked[row] - 1]
         yield _short(one, one.origin.pair[side], names[number], shelf.poses[pose], top, floor)
@@ -343,7 +394,7 @@ def _short(  # noqa: PLR0913, PLR0917 the parts of one message
 ) -> Fault:
     file, line, column = row.place or ("", 0, 0)
     what = (
-        f"{'-'.join(row.origin.pair)} brings {pose} to {top:.2f} at {phoneme}, where contact "
+        f"{row.origin.name} brings {pose} to {top:.2f} at {phoneme}, where contact "
         f"'{contact}' wants {floor:g}"
     )
     hint = "it is held up all the same; raise the curve, or say `contact: free` if it may be missed"

@@ -12,17 +12,27 @@ LAYERS = ("character", "language", "shared", "like", "draft", "gap")
 
 Pair = tuple[str, str]
 
+Triple = tuple[str, str, str]
+
 
 class Origin(NamedTuple):
-    """The source of a bigram's curves."""
+    """The source of the curves of a bigram, or of half a trigram."""
 
     pair: Pair
+    """The two phonemes of the row; of half a trigram, two of its three."""
     layer: str
     status: str
     """Status: drafted, fitted, edited or approved. The first two are never called authored."""
     places: tuple[str, ...]
     """file:line:column of the bigram, or of the two targets it was drafted from."""
     word: str | None = None
+    triple: Triple | None = None
+    """The trigram that the row is half of."""
+
+    @property
+    def name(self) -> str:
+        """The unit that was drawn, such as `l-ow` or `s-d-r`."""
+        return "-".join(self.triple or self.pair)
 
 
 @dataclass(frozen=True)
@@ -53,6 +63,8 @@ class Report:
     warnings: tuple[str, ...] = ()
     styles: dict[str, dict[str, int]] = field(default_factory=dict)
     """Bigrams of each style by status, with silence; all others are neutral's."""
+    trigrams: dict[str, str] = field(default_factory=dict)
+    """Layer of each trigram that this pair plays."""
 
     def __str__(self) -> str:
         total = self.shared + self.extra
@@ -67,6 +79,9 @@ class Report:
             f"{sum(sum(s.values()) for s in self.silence_layers.values())} more with silence",
             *_layer_lines(self.silence_layers),
         ]
+        if self.trigrams:
+            named = ", ".join(f"{name} ({layer})" for name, layer in self.trigrams.items())
+            lines.append(f"{len(self.trigrams)} trigram{'s' * (len(self.trigrams) > 1)}: {named}")
         if self.shades:
             lines.append(f"{len(self.shades)} shades: {' '.join(self.shades)}")
         if self.automatic:

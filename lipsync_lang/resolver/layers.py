@@ -19,7 +19,7 @@ from lipsync_lang.packs.yaml.faults import PackFaults, shown
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.constrain import FREE
 from lipsync_lang.pipeline.tables import Contact
-from lipsync_lang.resolver.compiled import Origin, Pair
+from lipsync_lang.resolver.compiled import Origin, Pair, Triple
 from lipsync_lang.resolver.pose_arrays import thresholds
 
 if TYPE_CHECKING:
@@ -49,15 +49,25 @@ class BigramRow:
     style: str = NEUTRAL
     drafted: bool = False
     """True if its control times are those of every draft."""
+    span: tuple[float, float] = (0.0, 1.0)
+    """Normalised times of the curves at which the row begins and ends; half a trigram's differ."""
+
+
+THIRDS = 1 / 3, 2 / 3
+"""Boundaries of a trigram that states none."""
+
+Halves = tuple[BigramRow, BigramRow]
+"""A trigram as rows: its first two phonemes and its last two; both have the one in the middle."""
 
 
 class DrawnBigrams(NamedTuple):
-    """The bigrams of one file."""
+    """The bigrams and trigrams of one file."""
 
     path: Path
     layer: str
     style: str
     rows: Mapping[Pair, BigramRow]
+    halves: Mapping[Triple, Halves]
 
 
 Layers = dict[str, dict[str, dict[Pair, BigramRow]]]
@@ -171,8 +181,12 @@ class PairPacks:
     @cached_property
     def shades(self) -> tuple[str, ...]:
         """Shades of the language that a target or a bank tells from their parents."""
-        stated = (rows for layer in self.layers.values() for rows in layer.values())
-        drawn = {phoneme for rows in stated for pair in rows for phoneme in pair}
+        drawn = {
+            phoneme
+            for file in self.drawn
+            for unit in chain(file.rows, file.halves)
+            for phoneme in unit
+        }
         shown = drawn | self.face.targets.keys()
         return tuple(name for name in self.parents if name in shown and self._says(name))
 
@@ -211,16 +225,20 @@ class PairPacks:
     def drawn(self) -> tuple[DrawnBigrams, ...]:
         """Bigrams of the first three layers, file by file; the earlier file wins."""
         own = self.character
-        found = [DrawnBigrams(own.path, "character", NEUTRAL, self.drawn_rows("character", own))]
+        found = [self._file("character", own)]
         for bank in (*self.own_banks, *self.banks):
             layer = "character" if bank in self.own_banks else "shared"
             if layer == "shared" and bank.model.language is not None:
                 if bank.model.language not in self.language.lineage:
                     continue
                 layer = "language"
-            rows = self.drawn_rows(layer, bank)
-            found.append(DrawnBigrams(bank.path, layer, bank.model.style, rows))
+            found.append(self._file(layer, bank))
         return tuple(found)
+
+    def _file(self, layer: str, pack: "Pack[Any]") -> DrawnBigrams:
+        style = getattr(pack.model, "style", NEUTRAL)
+        halves = self._drawn_halves(layer, pack)
+        return DrawnBigrams(pack.path, layer, style, self.drawn_rows(layer, pack), halves)
 
     @cached_property
     def layers(self) -> Layers:
@@ -255,24 +273,40 @@ class PairPacks:
 
     def drawn_rows(self, layer: str, pack: "Pack[Any]") -> dict[Pair, BigramRow]:
         """Return the bigrams of a bank or a character as rows."""
-        model = pack.model
-        linear = getattr(model, "interpolation", "") == "linear"
-        style = getattr(model, "style", NEUTRAL)
-        numbers = {pose: number for number, pose in enumerate(self.poses)}
-        rows, file = {}, shown(pack.path)
-        for key, bigram in model.bigrams.items():
+        rows = {}
+        for key, bigram in pack.model.bigrams.items():
             first, second = key.split("-")
-            place = FilePlace(pack.path, *pack.source.where(("bigrams", key), key=True))
-            told = f"{file}:{place.line}:{place.column}"
-            origin = Origin((first, second), layer, bigram.status, (told,), bigram.word)
-            curves = {
-                numbers[pose]: np.array(points, float) for pose, points in bigram.curves.items()
-            }
-            straight = bigram.interpolation == "linear" or (linear and not bigram.interpolation)
-            free = bigram.contact == "free"
-            row = BigramRow(origin, curves, straight, bigram.boundary, free, place, style)
-            rows[first, second] = row
+            row = self._drawn_row(layer, pack, ("bigrams", key), (first, second))
+            rows[first, second] = replace(row, boundary=bigram.boundary)
         return rows
+
+    def _drawn_halves(self, layer: str, pack: "Pack[Any]") -> dict[Triple, Halves]:
+        """Return the trigrams of a bank or a character as rows."""
+        halves = {}
+        for key, trigram in pack.model.trigrams.items():
+            one, two, three = key.split("-")
+            row = self._drawn_row(layer, pack, ("trigrams", key), (one, two))
+            halves[one, two, three] = _halves(row, (one, two, three), trigram.boundaries or THIRDS)
+        return halves
+
+    def _drawn_row(
+        self, layer: str, pack: "Pack[Any]", loc: tuple[str, str], pair: Pair
+    ) -> BigramRow:
+        """Return the curves at a location of a pack as a row for two phonemes."""
+        field, key = loc
+        unit = getattr(pack.model, field)[key]
+        linear = getattr(pack.model, "interpolation", "") == "linear"
+        numbers = {pose: number for number, pose in enumerate(self.poses)}
+        place = FilePlace(pack.path, *pack.source.where(loc, key=True))
+        told = f"{shown(pack.path)}:{place.line}:{place.column}"
+        return BigramRow(
+            Origin(pair, layer, unit.status, (told,), unit.word),
+            {numbers[pose]: np.array(points, float) for pose, points in unit.curves.items()},
+            linear=unit.interpolation == "linear" or (linear and not unit.interpolation),
+            free=unit.contact == "free",
+            place=place,
+            style=getattr(pack.model, "style", NEUTRAL),
+        )
 
     def rows(self, pairs: Sequence[Pair] | None = None) -> list[BigramRow]:
         """Return a row for some pairs without shades, or for every ordered pair, in their order."""
@@ -494,6 +528,17 @@ def _stated(layers: Layers, pair: Pair, style: str) -> BigramRow | None:
             if pair in layer.get(manner, ()):
                 return layer[manner][pair]
     return None
+
+
+def _halves(row: BigramRow, triple: Triple, boundaries: tuple[float, float]) -> Halves:
+    """Return the two rows of a trigram: up to its second boundary, and from its first on."""
+    first, second = boundaries
+    origin = row.origin._replace(triple=triple)
+    later = origin._replace(pair=triple[1:])
+    return (
+        replace(row, origin=origin, boundary=first / second, span=(0.0, second)),
+        replace(row, origin=later, boundary=(second - first) / (1 - first), span=(first, 1.0)),
+    )
 
 
 def _all_faults(library: "Library", error: PackFaults) -> PackFaults:

@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+import numpy as np
+
 from lipsync_lang.packs.checking.pack_checks import check_bigrams
 from lipsync_lang.packs.library import FilePlace, Pack
 from lipsync_lang.packs.models.validation import validated
@@ -21,6 +23,7 @@ from lipsync_lang.pipeline.tables import Bank, Tables
 from lipsync_lang.resolver.compile import (
     PairRows,
     compiled,
+    differing,
     frozen,
     marks,
     row_numbers,
@@ -29,7 +32,7 @@ from lipsync_lang.resolver.compile import (
     told,
 )
 from lipsync_lang.resolver.compiled import Compiled, Pair
-from lipsync_lang.resolver.layers import NEUTRAL, BigramRow, DrawnBigrams, PairPacks
+from lipsync_lang.resolver.layers import BigramRow, DrawnBigrams, PairPacks
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -188,6 +191,8 @@ def _looked_up(shelf: PairPacks, old: PairRows, concerned: Collection[Pair]) -> 
         [fresh.get(row.origin.pair, row) for row in old.counted],
         {pair: shades[pair] for pair in (*drawn, *drafts)},
         {},
+        old.halves,
+        old.played,
     )
     return replace(rows, styles=dict(_styles(shelf, old, rows, concerned)))
 
@@ -196,14 +201,12 @@ def _styles(
     shelf: PairPacks, old: PairRows, rows: PairRows, concerned: Collection[Pair]
 ) -> Iterable[tuple[str, list[BigramRow]]]:
     for style, before in old.styles.items():
-        kept = {row.origin.pair: one for row, one in zip(old.every, before, strict=True)}
-        yield (
-            style,
-            [
-                styled(shelf, row, style) if row.origin.pair in concerned else kept[row.origin.pair]
-                for row in rows.every
-            ],
-        )
+        kept = {row.origin.pair: one for row, one in zip(old.bigrams, before, strict=False)}
+        bigrams = [
+            styled(shelf, row, style) if row.origin.pair in concerned else kept[row.origin.pair]
+            for row in rows.bigrams
+        ]
+        yield style, rows.with_halves(bigrams)
 
 
 def _retabulated(shelf: PairPacks, old: PairRows, new: PairRows, tables: Tables) -> Tables:
@@ -214,10 +217,12 @@ def _retabulated(shelf: PairPacks, old: PairRows, new: PairRows, tables: Tables)
     for bank, style in zip(tables.styles, new.styles, strict=True):
         rows = new.styles[style]
         own = _taken(bank.curves, old.styles[style], rows)
-        plain = [number for number, row in enumerate(rows, 1) if row.style == NEUTRAL]
+        plain = np.ones(len(own), bool)
+        plain[differing(rows, new.every)] = False
         own[plain] = curves[plain]
         styles.append(Bank(own, *marks(rows)))
-    return frozen(tables.with_rows(curves, boundary, free, row_numbers(shelf, new), tuple(styles)))
+    played = row_numbers(shelf, new)
+    return frozen(tables.with_rows(Bank(curves, boundary, free), tuple(styles), played))
 
 
 def _taken(curves: Singles, old: Sequence[BigramRow], new: Sequence[BigramRow]) -> Singles:

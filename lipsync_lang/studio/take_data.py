@@ -235,7 +235,9 @@ class _Making:
         }
         if origin.word:
             data["word"] = origin.word
-        if origin.pair != pair and origin.layer != "gap":
+        if origin.triple is not None:
+            data["trigram"] = origin.name
+        elif origin.pair != pair and origin.layer != "gap":
             data["drawn_as"] = "-".join(origin.pair)
         return data
 

@@ -242,8 +242,9 @@ def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:
         *(
             (pose, max(value for _, value in curve))
             for bank in banks
-            for bigram in bank.bigrams.values()
-            for pose, curve in bigram.curves.items()
+            for units in (bank.bigrams, bank.trigrams)
+            for unit in units.values()
+            for pose, curve in unit.curves.items()
         ),
         *(
             (pose, floor)

@@ -23,6 +23,7 @@ from lipsync_lang.packs.models import (
     PoseSet,
     RigPack,
     Threshold,
+    TrigramCurves,
 )
 from lipsync_lang.packs.models.braces import expanded
 from lipsync_lang.packs.yaml.faults import Fault
@@ -251,6 +252,7 @@ def check_bank(
         hint = did_you_mean(bank.model.language, languages)
         yield bank.fault(("language",), "P210", f"unknown language '{bank.model.language}'", hint)
     yield from check_bigrams(bank, bank.model.bigrams, poseset, phonemes)
+    yield from check_bigrams(bank, bank.model.trigrams, poseset, phonemes, field="trigrams")
 
 
 def check_character(  # noqa: PLR0913 what is known of others
@@ -270,6 +272,7 @@ def check_character(  # noqa: PLR0913 what is known of others
         yield from _delivery(character, ("lines", name), line, poseset, styles)
     yield from check_bigrams(character, model.bigrams, poseset, phonemes)
     yield from _own_drafts(character, poseset, phonemes)
+    yield from check_bigrams(character, model.trigrams, poseset, phonemes, field="trigrams")
     for word, edit in model.words.items():
         for pose in edit.curves:
             yield from check_pose(character, ("words", word, "curves", pose), pose, poseset.poses)
@@ -394,17 +397,19 @@ def with_shades(phonemes: Collection[str], common: Phonemes) -> set[str]:
 
 def check_bigrams(
     pack: "Pack[BankPack] | Pack[Character]",
-    bigrams: Mapping[str, BigramCurves],
+    bigrams: Mapping[str, BigramCurves | TrigramCurves],
     poseset: PoseSet,
     phonemes: Collection[str] | None,
+    *,
+    field: str = "bigrams",
 ) -> Iterator[Fault]:
-    """Check that bigrams name known phonemes and poses."""
+    """Check that bigrams, or the trigrams of another field, name known phonemes and poses."""
     for key, bigram in bigrams.items():
         for label in dict.fromkeys(key.split("-")):
             if phonemes is not None:
-                yield from _phoneme(pack, ("bigrams", key), label, phonemes, key=True)
+                yield from _phoneme(pack, (field, key), label, phonemes, key=True)
         for pose in bigram.curves:
-            yield from check_pose(pack, ("bigrams", key, "curves", pose), pose, poseset.poses)
+            yield from check_pose(pack, (field, key, "curves", pose), pose, poseset.poses)
 
 
 def check_home(

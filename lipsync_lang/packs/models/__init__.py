@@ -37,6 +37,7 @@ from lipsync_lang.packs.models.pose_models import (
     RigChannel,
     RigPack,
     Threshold,
+    TrigramCurves,
     WordCurves,
 )
 from lipsync_lang.packs.models.project_models import Project
@@ -78,6 +79,7 @@ __all__ = [
     "Sounds",
     "Test",
     "Threshold",
+    "TrigramCurves",
     "Visemes",
     "WordCurves",
 ]

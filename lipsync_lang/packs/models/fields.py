@@ -57,6 +57,7 @@ def _plain(text: str) -> str:
 _COMMON = r"^([a-z]+|_)$"
 _SOUND = r"^[a-z]+$"
 _BIGRAM = r"([a-z]+|_)-([a-z]+|_)"
+_TRIGRAM = r"([a-z]+|_)-([a-z]+)-([a-z]+|_)"
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*$"
 _PARENT = r"^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$"
 
@@ -97,6 +98,9 @@ Format = Literal[1]
 def _bigram(key: str) -> str:
     if re.fullmatch(_BIGRAM, key):
         return key
+    if re.fullmatch(_TRIGRAM, key):
+        what, hint = "'{key}' is a trigram, not a bigram", "put it under `trigrams`"
+        raise PydanticCustomError("P112", what, {"key": key, "hint": hint})
     if key.count("-") > 1:
         what = "'{key}' has three or more parts: these are reserved for longer units"
         raise PydanticCustomError("P112", what, {"key": key})
@@ -106,6 +110,21 @@ def _bigram(key: str) -> str:
 
 BigramKey = Annotated[str, AfterValidator(_bigram)]
 """Two common phonemes joined by `-`."""
+
+
+def _trigram(key: str) -> str:
+    if re.fullmatch(_TRIGRAM, key):
+        return key
+    what = "'{key}' is not a trigram"
+    hint = "write three common phonemes joined by '-', such as 's-d-r'"
+    if key.split("-")[1:-1] == ["_"]:
+        what = "'{key}' has silence in its middle"
+        hint = "silence stands at either end of a trigram; draw the two bigrams instead"
+    raise PydanticCustomError("P106", what, {"key": key, "hint": hint})
+
+
+TrigramKey = Annotated[str, AfterValidator(_trigram)]
+"""Three common phonemes joined by `-`; silence at either end only."""
 
 
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

@@ -29,12 +29,16 @@ from lipsync_lang.packs.models.fields import (
     Sound,
     Strict,
     Text,
+    TrigramKey,
     Unit,
 )
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 SPEED_ITEM = "motion.speed_limit"
 """The setting of motion that a fit may write, by its place in a character."""
+
+NEUTRAL_STYLE = "neutral"
+"""The style of a bank that names none."""
 
 NO_THRESHOLD = 2.0
 """The threshold of an unconstrained pair: two weights never add up to more."""
@@ -279,6 +283,10 @@ class PoseSet(PackModel):
     """A model file that shows the poses."""
 
 
+Inside = Annotated[float, Field(gt=0, lt=1)]
+"""A normalised time between the ends of a unit."""
+
+
 class BigramCurves(Strict):
     """The curves of one phone bigram, in normalised time."""
 
@@ -286,7 +294,7 @@ class BigramCurves(Strict):
     """An example word with the bigram."""
     status: Literal["drafted", "fitted", "edited", "approved"] = "edited"
     """The state of the artist's work; `fitted` to captures, and seen by nobody."""
-    boundary: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    boundary: Inside = 0.5
     """The end of the first phoneme, in normalised time."""
     contact: Literal["hold", "free"] = "hold"
     """`free` leaves the contacts of the two phonemes unheld."""
@@ -298,6 +306,46 @@ class BigramCurves(Strict):
     """A curve for each pose that moves."""
 
 
+SHORTEST_MIDDLE = 0.01
+"""Least normalised time of the phoneme in the middle of a trigram; tables have 128 steps."""
+
+MAX_TRIGRAMS = 1000
+"""Trigrams of a file; each takes as much room in the tables as two bigrams."""
+
+
+def _apart(ends: tuple[float, float]) -> tuple[float, float]:
+    """Refuse boundaries between which the phoneme in the middle has no time."""
+    if ends[1] - ends[0] < SHORTEST_MIDDLE:
+        what = "the boundaries leave the phoneme in the middle no time: {first} and {last}"
+        hint = f"let the second be {SHORTEST_MIDDLE:g} or more above the first"
+        told = {"first": f"{ends[0]:g}", "last": f"{ends[1]:g}", "hint": hint}
+        raise PydanticCustomError("P104", what, told)
+    return ends
+
+
+class TrigramCurves(Strict):
+    """The curves of one trigram, three phonemes in a row, in normalised time."""
+
+    word: str | None = None
+    """An example word with the trigram."""
+    status: Literal["drafted", "edited", "approved"] = "edited"
+    """The state of the artist's work."""
+    boundaries: Annotated[tuple[Inside, Inside], AfterValidator(_apart)] | None = None
+    """The ends of the first and of the second phoneme, in normalised time; thirds unless stated."""
+    contact: Literal["hold", "free"] = "hold"
+    """`free` leaves the contacts of the three phonemes unheld."""
+    interpolation: Literal["bspline", "linear"] | None = None
+    """The kind of curve, if it differs from the bank's."""
+    why: str | None = None
+    """The reason for these curves."""
+    curves: Curves
+    """A curve for each pose that moves."""
+
+
+Trigrams = Annotated[dict[TrigramKey, TrigramCurves], Field(max_length=MAX_TRIGRAMS)]
+"""Curves by trigram."""
+
+
 class BankPack(PackModel):
     """Curves for bigrams over the poses of one pose set."""
 
@@ -307,12 +355,23 @@ class BankPack(PackModel):
     """The pose set whose poses move."""
     language: Name | None = None
     """The bank's language; all languages unless stated."""
-    style: Text = "neutral"
+    style: Text = NEUTRAL_STYLE
     """The style of speaking."""
     interpolation: Literal["bspline", "linear"] = "bspline"
     """The kind of curve."""
     bigrams: dict[BigramKey, BigramCurves] = Field(default={})
     """Curves by bigram."""
+    trigrams: Trigrams = Field(default={})
+    """Curves by trigram, for the few sequences that two phonemes cannot show."""
+
+    @model_validator(mode="after")
+    def _neutral_trigrams(self) -> Self:
+        if self.trigrams and self.style != NEUTRAL_STYLE:
+            what = "a bank of style '{style}' cannot draw trigrams"
+            hint = "draw the bigrams of that style: they come before neutral trigrams"
+            told = {"style": self.style, "field": "trigrams", "hint": hint}
+            raise PydanticCustomError("P115", what, told)
+        return self
 
 
 class WordCurves(Strict):
@@ -408,6 +467,8 @@ class Character(PackModel, Delivery):
     """The pose set whose poses move."""
     bigrams: dict[BigramKey, BigramCurves] = Field(default={})
     """The character's own bigrams."""
+    trigrams: Trigrams = Field(default={})
+    """The character's own trigrams."""
     banks: tuple[Text, ...] = ()
     """Bank files beside the character, with more bigrams."""
     words: dict[Text, WordCurves] = Field(default={})

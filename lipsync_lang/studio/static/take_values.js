@@ -50,7 +50,8 @@ export class TakeValues {
     this.places.moment.replaceChildren(made("b", { dir: "auto" }, sound.label), `${as}${sound.word ? ", in " : ""}`, made("bdi", {}, sound.word));
     this.places.bigrams.replaceChildren(...take.bigramsAt(frame).map((one) => {
       const drawn = one.drawn_as ? `, drawn as ${one.drawn_as}` : "", word = one.word ? `, as in ${one.word}` : "";
-      return made("li", {}, `${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${word} `,
+      const half = one.trigram ? `, in the trigram ${one.trigram}` : "";
+      return made("li", {}, `${one.pair} at ${one.position.toFixed(2)}: ${one.layer}, ${one.status || "none"}${drawn}${half}${word} `,
         made("small", {}, one.from.join(", ")), ...(this.does.more?.(one) ?? []));
     }));
     this.rows.forEach((name, row) => this.#value(take, name, row, frame, playing));

@@ -1,0 +1,72 @@
+"""Trigrams of a pair: which are drawn, which phonemes play them, and their numbers in tables.
+
+Trigrams are never drafted, and no phoneme plays that of its substitute (`like`): where nobody drew
+three phonemes, two bigrams show them.
+"""
+
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Ints
+from lipsync_lang.resolver.compiled import LAYERS, Triple
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from lipsync_lang.resolver.layers import Halves, PairPacks
+
+
+def drawn_trigrams(shelf: "PairPacks") -> "dict[Triple, Halves]":
+    """Return the trigrams of all files; the earlier layer wins, then the earlier file."""
+    found: dict[Triple, Halves] = {}
+    for file in sorted(shelf.drawn, key=lambda file: LAYERS.index(file.layer)):
+        found = {**file.halves, **found}
+    return found
+
+
+def played_trigrams(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]") -> dict[Triple, Triple]:
+    """Return the drawn trigram that each three phonemes of the pair play.
+
+    Of phonemes with shades it is the finest that is drawn, down to that of their parents.
+    """
+    kin: dict[str, list[str]] = {}
+    for name in shelf.numbered:
+        for one in {name, shelf.parents.get(name, name)}:
+            kin.setdefault(one, []).append(name)
+    played = {
+        (one, two, three)
+        for triple in drawn
+        for one, two, three in product(*(kin.get(phoneme, ()) for phoneme in triple))
+    }
+    return {triple: _finest(shelf, drawn, triple) for triple in sorted(played)}
+
+
+def _finest(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]", triple: Triple) -> Triple:
+    """Return the drawn trigram with the fewest parents in place of shades."""
+    names = [(phoneme, shelf.parents.get(phoneme, phoneme)) for phoneme in triple]
+    coarser = sorted(product((0, 1), repeat=len(names)), key=sum)
+    found = ((names[0][a], names[1][b], names[2][c]) for a, b, c in coarser)
+    return next(one for one in found if one in drawn)
+
+
+def trigram_arrays(
+    numbers: "Mapping[str, int]", played: "Mapping[Triple, Triple]", rows: "Mapping[Triple, int]"
+) -> tuple[Ints, Ints]:
+    """Return codes of three phonemes, rising, and the two rows that each plays: (K,) and (K, 2).
+
+    Parameters
+    ----------
+    numbers : of phonemes in the tables
+    played : the drawn trigram of each three phonemes
+    rows : number of the first row of each drawn trigram; the second follows it
+    """
+    size = len(numbers)
+    found = sorted(
+        ((numbers[a] * size + numbers[b]) * size + numbers[c], rows[drawn])
+        for (a, b, c), drawn in played.items()
+    )
+    codes = np.array([code for code, _ in found], np.intp)
+    firsts = np.array([row for _, row in found], np.intp)
+    return codes, firsts[:, None] + np.arange(2)
