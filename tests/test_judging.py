@@ -1,0 +1,256 @@
+"""Judgement of captures: sound ones pass, spoiled ones are set aside with the reason."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from lanes import full
+
+import lipsync_lang as ll
+from lipsync_lang.capture.capture_reading import Captures, read_captures
+from lipsync_lang.capture.captured_line import CapturedLine
+from lipsync_lang.capture.fit_file import SetAside
+from lipsync_lang.capture.judging import judge_captures, outlying_lines
+from lipsync_lang.quality.baselines import dominance
+
+TEXTS = (
+    "The birch canoe slid on the smooth planks.",
+    "These days a chicken leg is a rare dish.",
+    "The hogs were fed chopped corn and garbage.",
+)
+
+
+@cache
+def performer(character="facefx"):
+    return ll.resolve("english", character)
+
+
+@cache
+def spoken(number):
+    """Estimated times of a text, so that no voice is needed."""
+    return replace(ll.speak(TEXTS[number], "english", engine="none"), audio=None)
+
+
+@cache
+def capture(number=0, fps=60):
+    """A noisy face that speaks by another method than the shipped curves."""
+    rng = np.random.default_rng(number)
+    face = performer()
+    moved = dominance(face, spoken(number), fps)
+    noisy = moved.weights * rng.uniform(0.7, 1.2, len(face.poses))
+    noisy = noisy + rng.normal(0, 0.04, noisy.shape)
+    gains = np.eye(len(face.poses))
+    return CapturedLine(f"line{number}", spoken(number), moved.times, face.poses, noisy, gains)
+
+
+def sensed(number=0):
+    """The same, as three measures of unknown scale."""
+    line, face = capture(number), performer()
+    measures = face.compiled.measures
+    gains = np.array([[one.get(pose, 0.0) for pose in face.poses] for one in measures.values()])
+    return replace(
+        line,
+        signals=tuple(measures),
+        gains=gains,
+        values=-7 + 11 * line.values @ gains.T,
+        free=True,
+    )
+
+
+def judged(*lines, face=None):
+    return judge_captures(face or performer(), Captures(lines, ()))
+
+
+def kept(line):
+    captures = judged(line)
+    assert not captures.set_aside
+    return captures.lines[0]
+
+
+def why(line):
+    captures = judged(line)
+    assert not captures.lines
+    return captures.set_aside[0].why
+
+
+@pytest.mark.parametrize("make", [capture, sensed])
+@pytest.mark.parametrize("number", range(len(TEXTS)))
+def test_sound_lines_pass_as_they_are(make, number):
+    line = make(number)
+    found = kept(line)
+    assert found.remarks == ()
+    np.testing.assert_array_equal(found.values, line.values)
+    np.testing.assert_array_equal(found.times, line.times)
+
+
+@pytest.mark.parametrize("make", [capture, sensed])
+@pytest.mark.parametrize("number", range(len(TEXTS)))
+def test_timings_of_another_line_are_refused(make, number):
+    other = spoken((number + 1) % len(TEXTS))
+    told = why(replace(make(number), schedule=other))
+    assert "follow its timings" in told or "clock drifts" in told or "motion comes" in told
+
+
+def test_noise_is_refused_with_numbers():
+    line = capture()
+    noise = np.random.default_rng(5).normal(0.3, 0.1, line.values.shape)
+    told = why(replace(line, values=noise))
+    assert "does not follow its timings (likeness 0." in told
+    assert "chance gives" in told
+
+
+@pytest.mark.parametrize("make", [capture, sensed])
+@pytest.mark.parametrize("late", [-0.2, -0.12, 0.12, 0.2])
+def test_small_offsets_are_corrected_and_told(make, late):
+    line = make()
+    found = kept(replace(line, times=line.times + late))
+    np.testing.assert_allclose(found.times, line.times, atol=0.04)
+    assert f"s {'late' if late > 0 else 'early'} and is moved" in found.remarks[0]
+
+
+def test_large_offsets_are_refused_with_their_size():
+    line = capture()
+    long = np.arange(line.times[0] - 1, line.times[-1] + 1, 1 / 60)
+    values = [np.interp(long, line.times, one) for one in line.values.T]
+    told = why(replace(line, times=long + 0.6, values=np.column_stack(values)))
+    assert "comes 0.6" in told
+    assert "s late" in told
+    assert "state where it starts" in told
+
+
+@pytest.mark.parametrize("make", [capture, sensed])
+@pytest.mark.parametrize("speed", [0.9, 1.12])
+def test_a_drifting_clock_is_refused(make, speed):
+    line = make()
+    told = why(replace(line, times=line.times[0] + (line.times - line.times[0]) * speed))
+    assert "clock drifts: it " + ("loses" if speed > 1 else "gains") in told
+
+
+def test_a_frame_rate_that_lies_is_refused():
+    line = capture()
+    told = why(replace(line, times=line.times * 2))
+    assert "its frame rate lies: the motion fits at 2 times its speed" in told
+
+
+def test_a_slow_capture_is_refused():
+    line = capture(fps=15)
+    assert "has 15 frames per second; closures of the lips need 24" in why(line)
+
+
+def test_a_capture_that_ends_before_the_speech_is_refused():
+    line = capture()
+    half = len(line.times) // 2
+    told = why(replace(line, times=line.times[:half], values=line.values[:half]))
+    assert "but the speech from" in told
+
+
+def test_minutes_without_any_motion_are_refused():
+    line = capture()
+    assert "nothing moves in" in why(replace(line, values=np.full_like(line.values, 0.2)))
+    lost = np.full_like(line.values, np.nan)
+    assert "all signals are lost" in why(replace(line, values=lost))
+
+
+def test_frozen_and_lost_signals_are_left_out_and_named():
+    line = capture()
+    values = line.values.copy()
+    values[:, 0] = 0.4
+    values[: len(values) * 3 // 4, 1] = np.nan
+    found = kept(replace(line, values=values))
+    assert found.signals == line.signals[2:]
+    np.testing.assert_array_equal(found.gains, line.gains[2:])
+    told = " ".join(found.remarks)
+    assert f"frozen, and left out: {line.signals[0]}" in told
+    assert f"lost in most of the speech, and left out: {line.signals[1]}" in told
+
+
+def test_a_stretch_without_tracking_is_taken_for_lost():
+    line = capture()
+    values = line.values.copy()
+    values[60:100] = values[60]
+    found = kept(replace(line, values=values))
+    assert np.isnan(found.values[62:99]).all()
+    assert np.isfinite(found.values[:60]).all()
+    assert any("s of speech, which are left out" in told for told in found.remarks)
+
+
+def test_gaps_within_a_line_do_no_harm():
+    line = sensed()
+    values = line.values.copy()
+    values[30:40] = np.nan
+    assert kept(replace(line, values=values)).remarks == ()
+
+
+def test_sensors_that_run_backwards_are_left_out():
+    line = sensed()
+    values = line.values.copy()
+    values[:, 1] *= -1
+    found = kept(replace(line, values=values))
+    assert line.signals[1] not in found.signals
+    assert "run against their curves" in found.remarks[0]
+
+
+def test_a_line_twice_counts_once():
+    line = capture()
+    captures = judged(line, capture(1), replace(line, name="again"))
+    assert [one.name for one in captures.lines] == ["line0", "line1"]
+    assert captures.set_aside[0].line == "again"
+    assert "its motion is that of 'line0'" in captures.set_aside[0].why
+
+
+def test_a_word_is_too_short_to_judge_its_clock():
+    schedule = ll.Schedule(("_", "M", "AA", "_"), [0, 0.2, 0.3, 0.5, 0.8], notation="arpabet")
+    made = performer().perform(schedule)
+    line = CapturedLine("ma", schedule, made.times, made.poses, made.weights, np.eye(9))
+    assert "has 2 sounds, too few to judge its clock" in kept(line).remarks[-1]
+
+
+def test_what_was_set_aside_before_stays_so_and_progress_is_told():
+    seen = []
+    before = (SetAside(line="x", why="y"),)
+    captures = judge_captures(
+        performer(), Captures((capture(),), before), progress=lambda *done: seen.append(done)
+    )
+    assert captures.set_aside == before
+    assert seen == [(1, 1)]
+
+
+def test_lines_with_far_residuals_are_named():
+    usual = {f"line{n}": 0.05 + 0.002 * n for n in range(6)}
+    assert outlying_lines(usual) == ()
+    (one,) = outlying_lines({**usual, "odd": 0.2})
+    assert one.line == "odd"
+    assert "its residual is 0.200, and 0.056 is usual" in one.why
+    assert outlying_lines({"a": 0.1, "b": 0.9}) == ()
+
+
+def test_recordings_of_real_mouths_pass_and_exchanged_ones_do_not(root, data):
+    german = ll.resolve("german", "facefx")
+    captures = read_captures(
+        german, data / "articulography", readout=root / "benchmarks/articulography.yaml"
+    )
+    found = judge_captures(german, captures)
+    assert len(found.lines) == 3
+    assert not found.set_aside
+    for line, before in zip(found.lines, captures.lines, strict=True):
+        assert line.signals == before.signals
+        np.testing.assert_array_equal(line.times, before.times)
+    lines = captures.lines
+    for shift in (1, 2):
+        wrong = [
+            replace(one, schedule=lines[(at + shift) % 3].schedule) for at, one in enumerate(lines)
+        ]
+        assert not judged(*wrong, face=german).lines
+
+
+@full
+@pytest.mark.parametrize("language", ["finnish", "german", "japanese", "spanish"])
+def test_sound_lines_of_other_languages_pass(language):
+    texts = {"finnish": "hyvää huomenta kaikille", "german": "guten Morgen zusammen",
+             "japanese": "おはようございます", "spanish": "buenos días a todos"}  # fmt: skip
+    face = ll.resolve(language, "facefx")
+    schedule = replace(ll.speak(texts[language], language, engine="none"), audio=None)
+    moved = dominance(face, schedule, 60)
+    line = CapturedLine("one", schedule, moved.times, face.poses, moved.weights, np.eye(9))
+    assert judged(line, face=face).lines
