@@ -151,7 +151,7 @@ class FitFace:
     def moved(self, values: FitValues) -> Tables:
         """Return tables with the curves and motion of some values."""
         base, curves = self._base(values), self._curves(values)
-        return base.with_rows(curves, base.boundary, base.free, base.pairs, base.styles)
+        return base.with_rows(base.neutral._replace(curves=curves), base.styles)
 
     def _curves(self, values: FitValues) -> Singles:
         """Return the samples of every row; a search for motion asks for the same ones."""

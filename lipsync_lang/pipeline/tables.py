@@ -147,9 +147,17 @@ class Tables:
         """Values that `prepare` derived from these tables, by motion and frame rate."""
         return {}
 
-    def with_rows(self, neutral: Bank, styles: tuple[Bank, ...], played: PlayedRows) -> Self:
-        """Return tables with other bigrams; values derived from all else are kept."""
-        made = replace(self, **neutral._asdict(), styles=styles, **played._asdict())
+    def with_rows(
+        self, neutral: Bank, styles: tuple[Bank, ...], played: PlayedRows | None = None
+    ) -> Self:
+        """Return tables with other bigrams; values derived from all else are kept.
+
+        Parameters
+        ----------
+        played : the rows that phonemes play; None for the same as now
+        """
+        numbers = {} if played is None else played._asdict()
+        made = replace(self, **neutral._asdict(), styles=styles, **numbers)
         kept = ("prepared", "caps", "binding", "held", "floors", "blockers")
         vars(made).update({name: getattr(self, name) for name in kept})
         return made
