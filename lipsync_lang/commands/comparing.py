@@ -1,7 +1,6 @@
 """Other takes of a line: from a file, by a plain method, or of another character."""
 
 from argparse import Namespace
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +25,7 @@ def takes_against(options: Namespace, animation: "Animation") -> "dict[str, Anim
 def _take(options: Namespace, animation: "Animation", name: str) -> "Animation":
     from lipsync_lang.animations.readers.animation_readers import READERS
     from lipsync_lang.quality.baselines import BASELINES
-    from lipsync_lang.quality.fitting import read_for
+    from lipsync_lang.quality.fitting import on_model, read_for
 
     performer: Performer = animation.performer
     if name in BASELINES:
@@ -43,11 +42,3 @@ def _take(options: Namespace, animation: "Animation", name: str) -> "Animation":
             f"--against {name}: is no file, no plain method ({known}) and no character: {error}"
         ) from None
     return other.rigged(other.perform(animation.schedule, options.fps))
-
-
-def on_model(animation: "Animation", performer: "Performer") -> "Animation":
-    """Return an animation of a performer's poses, or of its rig's channels, on its model."""
-    if animation.poses != performer.poses:
-        return replace(animation, model=performer.model)
-    placed = replace(animation, channels=performer.channels, model=performer.model)
-    return performer.rigged(placed)

@@ -101,7 +101,7 @@ def _page(
     """Return a page of the first take, with the others beside it."""
     from dataclasses import replace
 
-    from lipsync_lang.commands.comparing import on_model
+    from lipsync_lang.quality.fitting import on_model
     from lipsync_lang.studio.line_page import line_page
 
     first, *others = takes

@@ -4,6 +4,7 @@ import argparse
 
 from lipsync_lang.commands import study_reports
 from lipsync_lang.commands.shared_options import Add, Command
+from lipsync_lang.commands.study_making_options import add_new, add_serve
 from lipsync_lang.commands.study_report_options import add_power, add_report
 
 
@@ -28,5 +29,7 @@ def add_study(add: Add) -> None:
         made.set_defaults(command=command)
         return made
 
+    add_new(action)
+    add_serve(action)
     add_report(action)
     add_power(action)

@@ -1,6 +1,6 @@
 """Animations of other programs, as poses or rig channels of a performer, for `check` to read."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -158,6 +158,14 @@ def placed_columns(
     if times is not recording.times:
         values = np.column_stack([np.interp(times, recording.times, one) for one in values.T])
     return PlacedColumns(face, np.array(numbers), times, fps, values, gains, tuple(remarks))
+
+
+def on_model(animation: "Animation", performer: "Performer") -> "Animation":
+    """Return an animation of a performer's poses, or of its rig's channels, on its model."""
+    if animation.poses != performer.poses:
+        return replace(animation, model=performer.model)
+    placed = replace(animation, channels=performer.channels, model=performer.model)
+    return performer.rigged(placed)
 
 
 def _faces(performer: "Performer") -> "list[tuple[tuple[Channel, ...], Floats]]":

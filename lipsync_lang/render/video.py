@@ -16,9 +16,10 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
+from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist, Pixels
-from lipsync_lang.render.staging import staged
+from lipsync_lang.render.staging import staged, sweep
 from lipsync_lang.schedules.schedule import Audio
 from lipsync_lang.terminal import progress, wipe
 
@@ -51,7 +52,15 @@ PATIENCE = 2.0
 T = TypeVar("T")
 
 
-def film(animation: Animation, out: BinaryIO, kind: str) -> None:
+def film(  # noqa: PLR0913 what is shown, and how it is packed
+    animation: Animation,
+    out: BinaryIO,
+    kind: str,
+    *,
+    size: int = SIZE,
+    codec: Sequence[str] = (),
+    framing: Animation | None = None,
+) -> None:
     """Draw every frame of an animation and write a video with its sound.
 
     The duration is the longer of animation and sound.
@@ -59,6 +68,9 @@ def film(animation: Animation, out: BinaryIO, kind: str) -> None:
     Parameters
     ----------
     kind : a name in `CODECS`
+    size : side of a frame in pixels
+    codec : options of the encoder, instead of those in `CODECS`
+    framing : animation of the same model that camera and light are set for; by default, this one
 
     Raises
     ------
@@ -73,18 +85,20 @@ def film(animation: Animation, out: BinaryIO, kind: str) -> None:
     audio = animation.schedule.audio
     seconds = max(scene.seconds, scene.sound + (audio.seconds if audio else 0.0))
     count = math.floor(seconds * animation.fps + 1e-3) + 1
-    artist = Artist(scene, SIZE)
+    widest = staged(sweep(framing)) if framing is not None else None
+    artist = Artist(scene, size, None if widest is None else framed(widest), widest)
     frames = (artist.draw(number / animation.fps) for number in _told(range(count)))
     with TemporaryDirectory(prefix="lipsync-lang-") as folder:
         path, sound = Path(folder) / f"film.{kind}", Path(folder) / "sound.wav"
         rate = Fraction(animation.fps).limit_denominator(1001)
-        inputs = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{SIZE}x{SIZE}", "-r", f"{rate}"]
+        inputs = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{size}x{size}", "-r", f"{rate}"]
         inputs += ["-i", "-"]
         if audio is not None:
             _write_sound(audio, scene.sound, count / animation.fps, sound)
             inputs += ["-i", str(sound)]
         said = ["-loglevel", "error", "-nostdin", "-y"]
-        _pack([ffmpeg, *said, *inputs, *COLOURS, *CODECS[kind], *ALIKE, str(path)], frames)
+        packed = [*COLOURS, *(codec or CODECS[kind]), *ALIKE, str(path)]
+        _pack([ffmpeg, *said, *inputs, *packed], frames)
         with path.open("rb") as stream:
             copyfileobj(stream, out)
 

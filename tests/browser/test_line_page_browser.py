@@ -12,7 +12,7 @@ from test_consumers import chromium, found, run
 from test_line_page import NASTY, schedule
 
 import lipsync_lang as ll
-from lipsync_lang import studio
+from lipsync_lang import studio, study
 from lipsync_lang.quality.baselines import keyframes
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.picture import Artist
@@ -64,9 +64,9 @@ def test_the_types_of_the_scripts_hold():
 def test_the_scripts_keep_to_the_rules():
     node, modules = found("eslint")
     linter = Path(modules) / "eslint" / "bin" / "eslint.js"
-    scripts = Path(studio.__file__).parent / "static"
+    scripts = [Path(room.__file__).parent / "static" for room in (studio, study)]
     done = subprocess.run(
-        [node, linter, "--max-warnings", "0", "-c", HERE / "eslint.config.mjs", scripts],
+        [node, linter, "--max-warnings", "0", "-c", HERE / "eslint.config.mjs", *scripts],
         capture_output=True, encoding="utf-8", check=False,
         env=os.environ | {"LIPSYNC_LANG_NODE_MODULES": modules},
     )  # fmt: skip

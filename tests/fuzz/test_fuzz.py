@@ -61,6 +61,12 @@ NO_TARGET = {
     "studio/sheets.py": "packs, which are a target",
     "studio/workshop.py": "opens a pair by its name",
     "study/preference_page.py": "templates of our own",
+    "study/answer_server.py": "a page of our own, and answers, which are a target",
+    "study/methods.py": "banks, which are a target",
+    "study/study_clips.py": "clips of our own, and models, which are a target",
+    "study/study_maker.py": "clips of our own",
+    "study/study_page.py": "scripts of our own",
+    "commands/studies.py": "a plain text",
     "speech": "what engines and models installed on purpose have written; recordings are a target",
 }
 """Modules that open files and have no target of their own, and why."""

@@ -1,0 +1,297 @@
+"""Methods of lip sync that a study compares, all on one face, schedule and set of frames."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.quality.baselines import BASELINES
+from lipsync_lang.quality.fitting import on_model, read_for
+from lipsync_lang.study.study_lines import files_by_stem, only_file
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+OURS = "ours"
+"""The method of the performer itself."""
+
+NAMED = ("character", "bank", "motion")
+"""Words before the colon of a method that changes the performer."""
+
+USUAL_MANNER = "keyframes"
+"""Plain method that animates timings of other programs: one key per shape, as most tables do."""
+
+MAX_APART_SECONDS = 0.5
+"""Most seconds between the ends of a line and of a curve file that belong together."""
+
+MAX_METHOD_CHARS = 100
+"""Characters of a method's name."""
+
+REST_FRAMES = 2
+"""Least frames in which a mouth opens from rest at the start of a clip."""
+
+MAX_BANK_BYTES = 64 * 2**20
+"""Size limit in bytes of a bank."""
+
+CHECK_SHIFT_SECONDS = 0.4
+"""Delay of the mouth in the wrong clip of an attention check."""
+
+
+class Method(NamedTuple):
+    """A method by name, and the source of its curves."""
+
+    name: str
+    how: str
+    """`ours`, a plain method, one of `NAMED`, or `files`."""
+    what: str = ""
+    """The character, bank, preset or folder."""
+    manner: str = USUAL_MANNER
+    """Plain method for timings among the files."""
+
+
+def parse_method(text: str) -> Method:
+    """Parse a method: a built-in name, or NAME=SOURCE.
+
+    >>> parse_method("angry=motion:paper")
+    Method(name='angry', how='motion', what='paper', manner='keyframes')
+
+    Raises
+    ------
+    LipsyncError
+        The source is unknown, or its folder is missing.
+    """
+    built_in = (OURS, *BASELINES)
+    name, equals, source = text.partition("=")
+    source = source if equals else name
+    if not name.strip() or len(name) > MAX_METHOD_CHARS or not name.isprintable():
+        raise LipsyncError(f"method '{text}': write NAME=SOURCE with a short name")
+    if source in built_in:
+        return Method(name, source)
+    how, colon, what = source.partition(":")
+    if colon and how in NAMED and what:
+        return Method(name, how, what)
+    manner, folder = (how, what) if colon and how in BASELINES else (USUAL_MANNER, source)
+    if equals and Path(folder).is_dir():
+        return Method(name, "files", folder, manner)
+    known = f"{', '.join(built_in)}; or NAME=FOLDER of files called like the lines, "
+    known += ", ".join(f"NAME={one}:..." for one in NAMED)
+    hint = f"there is no folder '{folder}'" if equals else did_you_mean(source, built_in)
+    raise LipsyncError(f"method '{text}': {hint}; give {known}")
+
+
+def parse_methods(texts: list[str]) -> tuple[Method, ...]:
+    """Parse two or more methods with different names.
+
+    Raises
+    ------
+    LipsyncError
+        There are fewer, two have one name, or one cannot be parsed.
+    """
+    methods = tuple(map(parse_method, texts))
+    names = [method.name for method in methods]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise LipsyncError(f"method '{twice}' is given twice; name each NAME=SOURCE")
+    if len(methods) < 2:  # noqa: PLR2004 a pair
+        raise LipsyncError(
+            "a study compares two methods or more; give `ours`, "
+            f"{', '.join(BASELINES)}, or NAME=SOURCE"
+        )
+    return methods
+
+
+@dataclass(frozen=True, eq=False)
+class StudyCharacter:
+    """A character, and the methods that move it."""
+
+    performer: "Performer"
+    """Performer of the character; its face and its frames are everyone's."""
+    model: Path
+    """The model that is drawn."""
+    other: Callable[[Method], "Performer"]
+    """Resolves the performer of a method that changes it."""
+    fps: float = 30
+
+    @property
+    def name(self) -> str:
+        """Name of the character."""
+        return self.performer.character
+
+    def frames(self, schedule: "Schedule") -> Animation:
+        """Return the character's own performance, whose face and frames all methods share."""
+        return self.shown(self.performer.perform(schedule, self.fps))
+
+    def animate(self, method: Method, line: str, own: Animation) -> Animation:
+        """Animate a line by a method, over the frames of the character's own performance.
+
+        Parameters
+        ----------
+        line : name of the line, by which files are found
+        own : what `frames` returns
+
+        Raises
+        ------
+        LipsyncError
+            The method has no curves for the line, or for another line or face.
+        """
+        if method.how == OURS:
+            return own
+        if method.how in NAMED:
+            return _over(self.shown(self._by_other(method, own.schedule)), own)
+        if method.how in BASELINES:
+            made = BASELINES[method.how](self.performer, own.schedule, self.fps)
+        else:
+            made = self._read(method, _file(Path(method.what), line), own.schedule)
+        return _from_rest(_over(self.shown(made), own))
+
+    def shown(self, animation: Animation) -> Animation:
+        """Return an animation on the model that is drawn."""
+        return replace(on_model(animation, self.performer), model=self.model, performer=None)
+
+    def _by_other(self, method: Method, schedule: "Schedule") -> Animation:
+        other = self.other(method)
+        made = other.perform(schedule, self.fps)
+        if made.poses == self.performer.poses:
+            return made
+        made = other.rigged(made)
+        own = {channel.name for channel in self.shown(self.performer.perform(schedule)).columns}
+        if not own & {channel.name for channel in made.columns}:
+            raise LipsyncError(
+                f"method '{method.name}': {other.character} moves nothing of {self.name}; name a "
+                "character with the same pose set or rig"
+            )
+        return made
+
+    def _read(self, method: Method, path: Path, schedule: "Schedule") -> Animation:
+        """Read an animation, or timings that a plain method animates."""
+        from lipsync_lang.animations.readers.animation_readers import READERS
+        from lipsync_lang.schedules.timed_words import TimedWords
+        from lipsync_lang.schedules.timing_readers import read_timings
+
+        if path.suffix.lower() in READERS.suffixes():
+            try:
+                made, _ = read_for(self.performer, path, schedule)
+            except LipsyncError as error:
+                refused: LipsyncError | None = error
+            else:
+                _refuse_apart(path, float(made.times[-1]), schedule)
+                return made
+        else:
+            refused = None
+        try:
+            timings = read_timings(path)
+        except LipsyncError as error:
+            raise (refused or error) from None
+        if isinstance(timings, TimedWords):
+            raise LipsyncError(f"{path}: times words alone; export its phonemes or mouth shapes")
+        _refuse_apart(path, timings.end, schedule)
+        made = BASELINES[method.manner](self.performer, timings, self.fps)
+        return replace(made, schedule=schedule)
+
+
+def with_bank(
+    performer: "Performer",
+    name: str,
+    bank: Path,
+    resolved: "Callable[[Path], Performer]",
+) -> "Performer":
+    """Return the performer of a character with one more bank, which comes before its others.
+
+    Parameters
+    ----------
+    name : name of the character
+    resolved : resolves the file of a character
+
+    Raises
+    ------
+    LipsyncError
+        The bank is missing or unsound, or of another pose set.
+    """
+    from lipsync_lang.files import read_input
+    from lipsync_lang.packs.library import Library
+
+    library = Library(performer.paths)
+    character = library.character(name)
+    plain = character.model.model_dump(mode="json", exclude_defaults=True)
+    plain |= {"kind": "character", "format": 1, "poseset": character.model.poseset}
+    banks = [bank, *(one.path for one in library.character_banks(character))]
+    with TemporaryDirectory(prefix="lipsync-lang-") as folder:
+        names = [f"{number}/{path.name}" for number, path in enumerate(banks)]
+        for own_name, path in zip(names, banks, strict=True):
+            copied = Path(folder, own_name)
+            copied.parent.mkdir()
+            copied.write_bytes(read_input(path, MAX_BANK_BYTES, mend="name a bank"))
+        plain |= {"name": "with_bank", "banks": names}
+        plain.pop("model", None)
+        path = Path(folder, "with_bank.yaml")
+        path.write_text(json.dumps(plain), "utf-8")
+        return resolved(path)
+
+
+def _file(folder: Path, line: str) -> Path:
+    files = _listed(folder).get(line)
+    if not files:
+        raise LipsyncError(f"{folder}: has no file for line '{line}'")
+    return only_file(files)
+
+
+@cache
+def _listed(folder: Path) -> dict[str, list[Path]]:
+    return files_by_stem(folder)
+
+
+def lacks(method: Method, line: str) -> bool:
+    """Return True if a method reads files and has none for a line."""
+    return method.how == "files" and line not in _listed(Path(method.what))
+
+
+def _refuse_apart(path: Path, end: float, schedule: "Schedule") -> None:
+    """Refuse curves that end long before or after the line."""
+    if abs(end - schedule.end) > MAX_APART_SECONDS + 0.1 * schedule.end:
+        raise LipsyncError(
+            f"{path}: ends at {end:.1f} s, and the line at {schedule.end:.1f} s; "
+            "is it of another line?"
+        )
+
+
+def _over(made: Animation, own: Animation) -> Animation:
+    """Return an animation over the frames of another; the first and last frames hold."""
+    if np.array_equal(made.times, own.times):
+        return made
+    columns = [np.interp(own.times, made.times, column) for column in made.weights.T]
+    return replace(
+        made, times=own.times, weights=np.column_stack(columns), fps=own.fps, schedule=own.schedule
+    )
+
+
+def _from_rest(animation: Animation) -> Animation:
+    """Return an animation that rises from rest before the line, and sinks to rest after it.
+
+    A first picture with an open mouth would tell the method; and models are lit by it.
+    """
+    times, step = animation.times, REST_FRAMES / animation.fps
+    begin = max(0.0, times[0] + step)
+    end = min(animation.schedule.end, times[-1] - step)
+    rising, sinking = (
+        (times - times[0]) / (begin - times[0]),
+        (times[-1] - times) / (times[-1] - end),
+    )
+    share = np.clip(np.minimum(rising, sinking), 0.0, 1.0)
+    return replace(animation, weights=animation.weights * share[:, None])
+
+
+def spoilt(own: Animation, number: int) -> Animation:
+    """Return a plainly wrong animation for an attention check: late, or still, by turns."""
+    if number % 2:
+        return replace(own, weights=np.zeros_like(own.weights))
+    late = own.times - CHECK_SHIFT_SECONDS
+    columns = [np.interp(late, own.times, column) for column in own.weights.T]
+    return replace(own, weights=np.column_stack(columns))

@@ -1,0 +1,168 @@
+"""Clips of a study: rendered in processes, alike, and kept by the digest of their makings.
+
+A clip that is there is never rendered again, so a run that was killed goes on where it stopped.
+"""
+
+import os
+import signal
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
+from io import BytesIO
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import OutputError
+from lipsync_lang.files import atomic
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+
+CLIP_SIDE = 480
+"""Side of a clip in pixels."""
+
+CLIP_CODEC = (
+    *("-c:v", "libx264", "-profile:v", "baseline", "-level", "3.1", "-preset", "veryfast"),
+    *("-crf", "22", "-c:a", "aac", "-b:a", "64k", "-ac", "1", "-movflags", "+faststart"),
+)
+"""H.264 baseline with AAC, which every phone plays."""
+
+DIGEST_BYTES = 16
+"""Bytes of a clip's digest."""
+
+FREE_BOX_BYTES = 8
+"""Bytes of the head of a box of MP4: its size and its kind."""
+
+CLIP_FORM = "clip 1"
+"""Version of how clips are drawn; a new one renders all of them again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """A clip to render."""
+
+    animation: "Animation"
+    framing: "Animation"
+    """The animation that camera and light are set for; the same for both clips of a pair."""
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of everything that the clip shows."""
+        whole = blake2b(digest_size=DIGEST_BYTES)
+        model = self.animation.model
+        for part in (CLIP_FORM, CLIP_SIDE, CLIP_CODEC, model and _content(model)):
+            whole.update(repr(part).encode())
+        for one in (self.animation, self.framing):
+            whole.update(repr((one.fps, one.columns)).encode())
+            whole.update(one.times.tobytes() + one.weights.tobytes())
+        audio = self.animation.schedule.audio
+        if audio is not None:
+            whole.update(repr(audio.rate).encode() + audio.samples.tobytes())
+        return whole.hexdigest()
+
+    @property
+    def seconds(self) -> float:
+        """Length of the clip: that of its motion, or of its sound if that is longer."""
+        times, audio = self.animation.times, self.animation.schedule.audio
+        sound = audio.seconds - float(times[0]) if audio is not None else 0.0
+        return max(float(times[-1] - times[0]), sound) + 1 / self.animation.fps
+
+    def path(self, folder: Path) -> Path:
+        """Return the file of the clip in a folder."""
+        return folder / f"{self.digest}.mp4"
+
+
+def _content(model: Path) -> str:
+    return blake2b(model.read_bytes(), digest_size=DIGEST_BYTES).hexdigest()
+
+
+def render_clips(
+    clips: Sequence[Clip],
+    folder: Path,
+    *,
+    workers: int | None = None,
+    told: Callable[[int, int], None] = lambda _done, _all: None,
+) -> int:
+    """Render the clips that a folder lacks, and return their number.
+
+    Parameters
+    ----------
+    workers : number of processes; None for one per core
+    told : told the numbers of rendered clips and of all to render
+
+    Raises
+    ------
+    OutputError
+        ffmpeg or a library is missing, a file cannot be written, or a process died.
+    ModelError
+        A model cannot be drawn.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    wanted = {clip.path(folder): clip for clip in clips}
+    missing = {path: clip for path, clip in wanted.items() if not path.is_file()}
+    count = min(len(missing), workers or _cores())
+    told(0, len(missing))
+    if count <= 1:
+        for number, (path, clip) in enumerate(missing.items(), 1):
+            _render(clip, path)
+            told(number, len(missing))
+    else:
+        _in_processes(missing, count, told)
+    return len(missing)
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, int], None]) -> None:
+    pool = ProcessPoolExecutor(count, get_context("spawn"), initializer=_leave_signals)
+    try:
+        futures = [pool.submit(_render, clip, path) for path, clip in missing.items()]
+        for number, future in enumerate(as_completed(futures), 1):
+            future.result()
+            told(number, len(missing))
+    except BrokenProcessPool:
+        raise OutputError(
+            "a process that rendered clips died (out of memory?); start again, with one worker "
+            "(`workers=1`), and it goes on with the clips that are left"
+        ) from None
+    except BaseException:
+        for process in list((pool._processes or {}).values()):  # noqa: SLF001 public from 3.14 on
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _leave_signals() -> None:
+    """Leave Ctrl-C to the parent process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _render(clip: Clip, path: Path) -> None:
+    from lipsync_lang.render.video import film
+
+    content = BytesIO()
+    film(clip.animation, content, "mp4", size=CLIP_SIDE, codec=CLIP_CODEC, framing=clip.framing)
+    with atomic(path) as stream:
+        stream.write(content.getvalue())
+
+
+def of_one_size(contents: Sequence[bytes]) -> list[bytes]:
+    """Return MP4 files of one size, each with a free box at its end.
+
+    So the sizes of the clips of a pair tell nothing about their methods.
+    """
+    size = max(map(len, contents)) + FREE_BOX_BYTES
+    return [
+        content
+        + (size - len(content)).to_bytes(4, "big")
+        + b"free"
+        + bytes(size - len(content) - FREE_BOX_BYTES)
+        for content in contents
+    ]

@@ -1,0 +1,132 @@
+"""Spoken lines of a study: their names, texts and timed phonemes with sound."""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines import Line
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.schedules.schedule import Schedule
+
+MAX_LINES = 10_000
+"""Most lines that a study is chosen from."""
+
+MAX_NAME_CHARS = 100
+"""Characters of a line's name."""
+
+
+@dataclass(frozen=True)
+class StudyLine:
+    """A line that clips show."""
+
+    name: str
+    """Name of the line: its own in the file, or the file's with the number of its row."""
+    text: str
+    """The spoken text; may be empty with a schedule."""
+    schedule: "Schedule | None" = None
+    """Timed phonemes from the file; None if a voice or an aligner times the text."""
+    recording: Path | None = None
+    """The file of its sound; None if a voice speaks the text."""
+
+
+def study_lines(
+    found: "Iterable[Line]", texts: Iterable[str] = (), recordings: Path | None = None
+) -> tuple[StudyLine, ...]:
+    """Name the lines of a study, and find their recordings.
+
+    Parameters
+    ----------
+    found : lines of files
+    texts : more lines, called `text_1`, `text_2` and so on
+    recordings : folder with one sound per line, called by its name
+
+    Raises
+    ------
+    LipsyncError
+        There is no line, there are too many, or two have one name.
+    """
+    lines = [StudyLine(_name(line), line.text, line.schedule) for line in found if _said(line)]
+    lines += [StudyLine(f"text_{number}", text) for number, text in enumerate(texts, 1)]
+    if not lines:
+        raise LipsyncError("there is no line to show; name a file of lines, or give a text")
+    if len(lines) > MAX_LINES:
+        raise LipsyncError(f"there are {len(lines)} lines; a study takes at most {MAX_LINES}")
+    name, count = Counter(line.name for line in lines).most_common(1)[0]
+    if count > 1:
+        raise LipsyncError(f"{count} lines are called '{name}'; give each a name of its own")
+    if recordings is None:
+        return tuple(lines)
+    files = files_by_stem(recordings)
+    return tuple(
+        replace(line, recording=only_file(files[line.name])) if line.name in files else line
+        for line in lines
+    )
+
+
+def _said(line: "Line") -> bool:
+    return bool(line.text.strip()) or line.schedule is not None
+
+
+def _name(line: "Line") -> str:
+    """Return the name of a line, or of its file with the number of its row."""
+    file, _, row = line.place.rpartition(":")
+    return (line.name or f"{Path(file).stem}_{row}")[:MAX_NAME_CHARS]
+
+
+def files_by_stem(folder: Path) -> dict[str, list[Path]]:
+    """Return the visible files of a folder by their names without suffix, each list in order.
+
+    Raises
+    ------
+    LipsyncError
+        The folder is missing or cannot be listed.
+    """
+    try:
+        files = sorted(path for path in folder.iterdir() if path.is_file())
+    except OSError as error:
+        raise LipsyncError(
+            f"{folder}: cannot be listed: {error.strerror}; check the path"
+        ) from None
+    found: dict[str, list[Path]] = {}
+    for path in files:
+        if not path.name.startswith("."):
+            found.setdefault(path.name.split(".")[0], []).append(path)
+    return found
+
+
+def only_file(files: list[Path]) -> Path:
+    """Return the only file of a line.
+
+    Raises
+    ------
+    LipsyncError
+        There are several.
+    """
+    if len(files) > 1:
+        names = " and ".join(path.name for path in files[:2])
+        raise LipsyncError(f"{files[0].parent}: has {names} for one line; keep one of them")
+    return files[0]
+
+
+def timed(line: StudyLine, performer: "Performer", *, engine: str | None = None) -> "Schedule":
+    """Return the timed phonemes of a line, with its sound.
+
+    Raises
+    ------
+    LipsyncError
+        The text cannot be spoken, or the recording cannot be read or aligned.
+    """
+    if line.recording is None:
+        return line.schedule or performer.speaker.speak(line.text, engine=engine)
+    if line.schedule is not None:
+        from lipsync_lang.speech.sound import with_sound
+
+        return with_sound(line.schedule, line.recording)
+    from lipsync_lang.speech.hearing import aligned
+
+    return aligned(performer.speaker, line.recording, line.text)

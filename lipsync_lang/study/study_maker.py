@@ -1,0 +1,231 @@
+"""Making of a study: lines, methods and characters become clips, a key and a page."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, BinaryIO
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import write_all
+from lipsync_lang.study.methods import Method, StudyCharacter, lacks, spoilt
+from lipsync_lang.study.study_clips import Clip, render_clips
+from lipsync_lang.study.study_file import (
+    QUESTIONS,
+    Study,
+    StudyPair,
+    as_text,
+    read_study,
+    study_digest,
+)
+from lipsync_lang.study.study_lines import StudyLine, timed
+from lipsync_lang.study.study_page import PageTexts, study_page
+from lipsync_lang.study.study_pairs import (
+    ClipPair,
+    checks_for,
+    in_balanced_order,
+    laid_out,
+    possible_pairs,
+)
+
+if TYPE_CHECKING:
+    from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.schedules.schedule import Schedule
+
+KEY, PAGE, CLIPS = "study.json", "page.html", "clips"
+"""Names in the folder of a study: the key, the page for raters, and the rendered clips."""
+
+Told = Callable[[str, int, int], None]
+"""Progress: what is done, how many of it are done, and of how many."""
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """Contents of a study to make: lines, characters, methods and texts."""
+
+    lines: tuple[StudyLine, ...]
+    characters: tuple[StudyCharacter, ...]
+    methods: tuple[Method, ...]
+    title: str = "Which face speaks better?"
+    texts: PageTexts = field(default_factory=PageTexts)
+    questions: tuple[str, ...] = QUESTIONS
+    most: int | None = None
+    """Most pairs; None for all."""
+    checks: int | None = None
+    """Attention checks; None for one in ten pairs."""
+    raters_see: int | None = None
+    """Pairs that each rater sees; None for all."""
+    seed: int = 1
+    engine: str | None = None
+    """Speech engine of lines without a recording; None for the language's."""
+
+
+@dataclass(frozen=True)
+class MadeStudy:
+    """A study in its folder."""
+
+    study: Study
+    folder: Path
+    rendered: int
+    """Number of clips that were rendered now."""
+    page_bytes: int
+    """Size of the page."""
+    remarks: tuple[str, ...] = ()
+    """Pairs that were left out, and why."""
+
+
+def make_study(
+    plan: StudyPlan, folder: Path, *, workers: int | None = None, told: Told = lambda *_: None
+) -> MadeStudy:
+    """Render the clips of a study, and write its key and its page.
+
+    A run that was killed goes on with the clips that are left.
+
+    Raises
+    ------
+    LipsyncError
+        There is no pair to show, the folder holds another study, or a clip cannot be made.
+    """
+    plan.texts.refuse_faults()
+    stage = _Stage(plan, told)
+    chosen = stage.chosen()
+    pairs = laid_out(chosen, checks_for(len(chosen), plan.checks), plan.seed)
+    clips = dict(stage.clips(pairs))
+    lengths = {name: max(clip.seconds for clip in two) for name, two in clips.items()}
+    pairs = tuple(
+        pair.model_copy(update={"seconds": round(lengths[pair.pair], 2)}) for pair in pairs
+    )
+    study = _study(plan, pairs, {name: [c.digest for c in two] for name, two in clips.items()})
+    _refuse_another(folder, study)
+    made = [clip for two in clips.values() for clip in two]
+    rendered = render_clips(made, folder / CLIPS, workers=workers, told=partial(told, "clip"))
+
+    def content(name: str) -> list[bytes]:
+        return [clip.path(folder / CLIPS).read_bytes() for clip in clips[name]]
+
+    def page(stream: BinaryIO) -> None:
+        stream.writelines(part.encode() for part in study_page(study, plan.texts, content))
+
+    def key(stream: BinaryIO) -> None:
+        stream.write(as_text(study).encode())
+
+    write_all({folder / KEY: key, folder / PAGE: page})
+    size = (folder / PAGE).stat().st_size
+    return MadeStudy(study, folder, rendered, size, tuple(stage.remarks))
+
+
+class _Stage:
+    """Animations of a plan's lines, each made once."""
+
+    def __init__(self, plan: StudyPlan, told: Told) -> None:
+        self.remarks: list[str] = []
+        self._plan, self._told = plan, told
+        self._characters = {cast.name: cast for cast in plan.characters}
+        self._lines = {line.name: line for line in plan.lines}
+        self._methods = {method.name: method for method in plan.methods}
+        self._own: dict[tuple[str, str], Animation] = {}
+        self._made: dict[tuple[str, str, str], Animation | LipsyncError] = {}
+
+    def chosen(self) -> list[ClipPair]:
+        """Return the pairs to show; those that cannot be made are left out with a remark."""
+        plan = self._plan
+        pairs: list[ClipPair] = []
+        for method in plan.methods:
+            without = [line.name for line in plan.lines if lacks(method, line.name)]
+            if without:
+                some = ", ".join(without[:8]) + (", ..." if len(without) > 8 else "")  # noqa: PLR2004 a line's worth
+                self.remarks.append(f"method '{method.name}' has no file for {some}; left out")
+        found = possible_pairs(
+            list(self._lines), list(self._characters), list(self._methods),
+            lambda method, line: lacks(self._methods[method], line),
+        )  # fmt: skip
+        for pair in in_balanced_order(found, plan.seed):
+            if plan.most is not None and len(pairs) >= plan.most:
+                break
+            if self._can_show(pair):
+                pairs.append(pair)
+                self._told("line", len(pairs), plan.most or len(pairs))
+        if not pairs:
+            raise LipsyncError("\n".join(("no pair can be shown", *self.remarks)))
+        return pairs
+
+    def _can_show(self, pair: ClipPair) -> bool:
+        for method in pair.methods:
+            made = self._animation(pair.line, pair.character, method)
+            if isinstance(made, LipsyncError):
+                remark = f"{pair.line} on {pair.character}: {made}; left out"
+                if remark not in self.remarks:
+                    self.remarks.append(remark)
+                return False
+        return True
+
+    def _animation(self, line: str, character: str, method: str) -> "Animation | LipsyncError":
+        key = (line, character, method)
+        if key not in self._made:
+            cast = self._characters[character]
+            try:
+                own = self._frames(line, cast)
+                self._made[key] = cast.animate(self._methods[method], line, own)
+            except LipsyncError as error:
+                self._made[key] = error
+        return self._made[key]
+
+    def _frames(self, line: str, cast: StudyCharacter) -> "Animation":
+        key = (line, cast.name)
+        if key not in self._own:
+            schedule: Schedule = timed(self._lines[line], cast.performer, engine=self._plan.engine)
+            self._own[key] = cast.frames(schedule)
+        return self._own[key]
+
+    def clips(self, pairs: Sequence[StudyPair]) -> Iterator[tuple[str, tuple[Clip, Clip]]]:
+        """Yield the name and the clips of each pair, left and right."""
+        number = 0
+        for pair in pairs:
+            own = self._own[pair.line, pair.character]
+            sides = {}
+            for side, method in (("left", pair.left), ("right", pair.right)):
+                made = self._animation(pair.line, pair.character, method)
+                assert not isinstance(made, LipsyncError)  # noqa: S101 such a pair is not chosen
+                if pair.check is not None and side != pair.check:
+                    made = spoilt(made, number)
+                    number += 1
+                sides[side] = Clip(made, own)
+            yield pair.pair, (sides["left"], sides["right"])
+
+
+def _study(plan: StudyPlan, pairs: tuple[StudyPair, ...], clips: dict[str, list[str]]) -> Study:
+    """Return a study with the digest of all that raters see, and of its key."""
+    contents = {
+        "kind": "study",
+        "format": 1,
+        "title": plan.title,
+        "seed": plan.seed,
+        "questions": plan.questions,
+        "methods": tuple(method.name for method in plan.methods),
+        "raters_see": plan.raters_see,
+        "pairs": pairs,
+        "asked": tuple(one.key for one in plan.texts.asked),
+    }
+    plain = contents | {
+        "pairs": [pair.model_dump() for pair in pairs],
+        "clips": clips,
+        "consent": plan.texts.consent,
+        "choices": [(one.label, one.choices) for one in plan.texts.asked],
+    }
+    return Study.model_validate(contents | {"study": study_digest(plain)})
+
+
+def _refuse_another(folder: Path, study: Study) -> None:
+    """Refuse a folder with another study, and one that cannot be made."""
+    key = folder / KEY
+    if key.exists():
+        there = read_study(key)
+        if there.study != study.study:
+            raise LipsyncError(
+                f"{folder}: holds another study, '{there.title}' ({there.study}); "
+                "name another folder"
+            )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LipsyncError(f"{folder}: cannot be made: {error.strerror}; name another") from None

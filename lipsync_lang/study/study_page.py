@@ -1,0 +1,211 @@
+"""The page of a study: one file with every clip, which asks, keeps and exports answers.
+
+The page has no key: pairs have numbers, clips have sides, and no method is named. Text is data,
+never markup; the policy of the page allows its own script and style, by their hashes, and requests
+to the address for answers alone.
+"""
+
+import json
+from base64 import b64encode
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from importlib.resources import files
+from typing import Any
+from urllib.parse import urlsplit
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.study.study_clips import of_one_size
+from lipsync_lang.study.study_file import QUESTIONS, Study
+
+UNPOSTED = b'{"post":null,'
+"""Start of the document of a page without an address for answers; a server puts its own there."""
+
+MAX_CONSENT_CHARS = 20_000
+"""Characters of a consent text."""
+
+MAX_ASKED = 20
+"""Questions about the rater."""
+
+MAX_KEY_CHARS = 40
+"""Characters of a question's key."""
+
+DEFINITIONS = {
+    "accuracy": {
+        "ask": "Which mouth is more accurate?",
+        "means": "Accurate: the mouth moves in step with the words that you hear. The more "
+        "accurate it is, the more you could understand by reading the lips without sound.",
+    },
+    "naturalness": {
+        "ask": "Which mouth is more natural?",
+        "means": "Natural: the mouth moves like that of a human who speaks.",
+    },
+}
+"""Questions as raters read them, after section 4.1 of the paper."""
+
+CONSENT = (
+    "You will see pairs of short clips in which a face speaks, and choose the better one of each. "
+    "Please use headphones or a loudspeaker.\n\n"
+    "Taking part is voluntary, and you may stop at any time. Your choices, the time each one took "
+    "and a random number are recorded, and your answers to the questions on this page. Nothing "
+    "else about you or your device is. Answers stay in this browser until you send or save them."
+)
+"""Consent text unless the study brings its own."""
+
+
+@dataclass(frozen=True)
+class AskedQuestion:
+    """A question about the rater, with its choices."""
+
+    key: str
+    label: str
+    choices: tuple[str, ...]
+    """Choices of a list; empty for free text."""
+
+
+def parse_asked(text: str) -> AskedQuestion:
+    """Parse a question about the rater.
+
+    >>> parse_asked("Age group: 18-30|31-50|51+")
+    AskedQuestion(key='age_group', label='Age group', choices=('18-30', '31-50', '51+'))
+
+    Raises
+    ------
+    LipsyncError
+        The question has no text.
+    """
+    label, _, rest = text.partition(":")
+    key = "_".join("".join(c if c.isalnum() else " " for c in label.lower()).split())
+    choices = tuple(choice.strip() for choice in rest.split("|") if choice.strip())
+    if not key:
+        raise LipsyncError(f"question '{text}': write it as 'Age group: 18-30|31-50|51+'")
+    return AskedQuestion(key[:MAX_KEY_CHARS], label.strip(), choices)
+
+
+@dataclass(frozen=True)
+class PageTexts:
+    """Texts of a page beside its clips."""
+
+    consent: str = CONSENT
+    asked: tuple[AskedQuestion, ...] = ()
+    post: str | None = None
+    """Address that answers are posted to; None to save them as files."""
+
+    def refuse_faults(self) -> None:
+        """Refuse a consent text, questions or an address that a page cannot have.
+
+        Raises
+        ------
+        LipsyncError
+            The text is empty or too long, a question is asked twice, or the address is none of
+            the web.
+        """
+        if not self.consent.strip() or len(self.consent) > MAX_CONSENT_CHARS:
+            raise LipsyncError(
+                f"the consent text is empty or longer than {MAX_CONSENT_CHARS} characters"
+            )
+        keys = [one.key for one in self.asked]
+        if len(set(keys)) < len(keys) or len(keys) > MAX_ASKED:
+            raise LipsyncError(f"ask each question once, and at most {MAX_ASKED} (`ask`)")
+        if self.post is not None:
+            origin_of(self.post)
+
+
+def origin_of(address: str) -> str:
+    """Return the origin of a web address, such as ``https://example.org``.
+
+    Raises
+    ------
+    LipsyncError
+        The address is no address of the web.
+    """
+    try:
+        parts = urlsplit(address)
+        port = f":{parts.port}" if parts.port else ""
+        host = parts.hostname or ""
+    except ValueError:
+        parts, port, host = urlsplit(""), "", ""
+    plain = host.isascii() and host.replace("-", "").replace(".", "").isalnum()
+    if parts.scheme not in {"http", "https"} or not plain or parts.username is not None:
+        raise LipsyncError(f"{address}: write an address such as https://example.org/answers")
+    return f"{parts.scheme}://{host}{port}"
+
+
+def study_page(
+    study: Study, texts: PageTexts, clips: Callable[[str], Sequence[bytes]]
+) -> Iterator[str]:
+    """Yield the parts of a page.
+
+    Parameters
+    ----------
+    clips : returns the MP4 files of a pair, left and right, by its name
+    """
+    texts.refuse_faults()
+    script, style = _static("answering.js"), _static("answering.css")
+    document = json.dumps(_document(study, texts), separators=(",", ":"), ensure_ascii=False)
+    parts = {
+        "POLICY": _policy(script, style, texts.post),
+        "STYLE": style,
+        "SCRIPT": script,
+        "DOCUMENT": document.replace("<", "\\u003c"),
+    }
+    head, *rest = _static("answering.html").split("{{")
+    yield head
+    for part in rest:
+        name, _, after = part.partition("}}")
+        if name == "CLIPS":
+            for pair in study.pairs:
+                yield from _clips(pair.pair, clips(pair.pair))
+        else:
+            yield parts[name]
+        yield after
+
+
+def _clips(pair: str, contents: Sequence[bytes]) -> Iterator[str]:
+    for side, content in zip(("left", "right"), of_one_size(contents), strict=True):
+        text = b64encode(content).decode()
+        yield f'<script type="text/plain" id="{pair}-{side}">{text}</script>\n'
+
+
+def _static(name: str) -> str:
+    return (files("lipsync_lang.study") / "static" / name).read_text("utf-8")
+
+
+def _document(study: Study, texts: PageTexts) -> dict[str, Any]:
+    return {
+        "post": texts.post,
+        "study": study.study,
+        "title": study.title,
+        "consent": [part for part in texts.consent.split("\n\n") if part.strip()],
+        "asked": [
+            {"key": one.key, "label": one.label, "choices": one.choices} for one in texts.asked
+        ],
+        "questions": [
+            {"key": key, **DEFINITIONS[key]} for key in QUESTIONS if key in study.questions
+        ],
+        "groups": _groups(study),
+    }
+
+
+def _groups(study: Study) -> list[dict[str, Any]]:
+    """Return pairs in groups, of each of which a rater sees some.
+
+    A rater who sees a part of the pairs sees every attention check.
+    """
+    names = [pair.pair for pair in study.pairs]
+    if study.raters_see is None or study.raters_see >= len(names):
+        return [{"take": len(names), "pairs": names}]
+    checks = [pair.pair for pair in study.pairs if pair.check]
+    others = [name for name in names if name not in set(checks)]
+    groups = ((checks, len(checks)), (others, max(1, study.raters_see - len(checks))))
+    return [{"take": take, "pairs": some} for some, take in groups if some]
+
+
+def _policy(script: str, style: str, post: str | None) -> str:
+    hashes = [b64encode(sha256(text.encode()).digest()).decode() for text in (script, style)]
+    allowed = "'self'" if post is None else origin_of(post)
+    return (
+        f"default-src 'none'; script-src 'sha256-{hashes[0]}'; style-src 'sha256-{hashes[1]}'; "
+        f"media-src blob:; connect-src {allowed}; img-src data:; base-uri 'none'; "
+        "form-action 'none'"
+    )
