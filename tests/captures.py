@@ -66,7 +66,7 @@ def changed_face(pair, performer, random, schedules):
     face = FitFace.of(pair, lay_lines(performer, captured(performer, schedules), FPS))
     start = face.start
     weights, dominance = start.weights.copy(), start.dominance.copy()
-    free = face.free
+    free = face.free(start)
     count = int(free.sum())
     moved = weights[free] * random.uniform(0.6, 1.4, count) + random.normal(0, 0.05, count)
     weights[free] = np.where(weights[free] > 0, np.clip(moved, 0.02, 1), 0)

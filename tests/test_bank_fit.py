@@ -22,6 +22,7 @@ from lipsync_lang.capture.fit_targets import TargetParameters, seen_poses
 from lipsync_lang.capture.fit_values import FitFace
 from lipsync_lang.cli import main
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.performing.performer import Performer
 
 LINES = 12
 """Lines of a quick fit: each sound occurs some 12 times."""
@@ -73,6 +74,23 @@ def test_items_tell_occurrences_errors_and_confidence():
     assert min(one.confidence for one in items.values() if one.kind == "targets") > 0.5
     assert proposal.lines == LINES
     assert all(fold.after < fold.before for fold in proposal.verdict.folds)
+
+
+def test_targets_gain_the_poses_that_captures_show():
+    pair, performer, _, said, _ = example(lines=8)
+    lines = lay_lines(performer, captured(performer, said), FPS)
+    face = FitFace.of(pair, lines)
+    name, pose = face.names.index("s"), performer.poses.index("wide")
+    assert not face.start.mentioned[name, pose]
+    weights, dominance = face.start.weights.copy(), face.start.dominance.copy()
+    weights[name, 0, pose], dominance[name, pose] = 0.5, 0.0
+    truth = replace(face.start, weights=weights, dominance=dominance)
+    tables = replace(pair.compiled, tables=face.moved(truth))
+    fit = fit_captures(pair, performer, captured(Performer(tables, performer.motion), said))
+    (item,) = [one for one in fit.proposal.items if one.item == "targets.s"]
+    (step,) = item.value
+    assert step["wide"] == pytest.approx(0.5, abs=0.08)
+    assert "wide" not in item.was[0]
 
 
 @full
@@ -190,7 +208,7 @@ def test_slopes_are_those_of_the_pipeline():
     pair, performer, _, _, lines = example(lines=4)
     laid = lay_lines(performer, lines, FPS)
     face = FitFace.of(pair, laid)
-    parameters = TargetParameters.of(face, seen_poses(laid))
+    parameters = TargetParameters.of(face, face.start, seen_poses(laid))
     slopes = control_slopes(face, face.start, laid).matrix @ draft_slopes(face, face.start)
     slopes = slopes[:, parameters.free].toarray()
     vector = parameters.vector(face.start)

@@ -13,6 +13,7 @@ import numpy as np
 
 from lipsync_lang.capture.fit_bigrams import fit_bigrams
 from lipsync_lang.capture.fit_lines import FitLine
+from lipsync_lang.capture.fit_mentions import with_mentions
 from lipsync_lang.capture.fit_motion import MotionGroups, fit_motion
 from lipsync_lang.capture.fit_targets import fit_targets
 from lipsync_lang.capture.fit_values import FitFace, FitValues
@@ -45,6 +46,9 @@ class FitTask:
         """Fit targets, then motion, then bigrams to some of the lines."""
         lines = [self.lines[number] for number in kept]
         found = fit_targets(self.face, self.face.start, lines)
+        named = with_mentions(self.face, found, lines)
+        if named is not found:
+            found = fit_targets(self.face, named, lines)
         found = fit_motion(self.face, found, lines, self.groups)
         return fit_bigrams(self.face, found, lines)
 

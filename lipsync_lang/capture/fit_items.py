@@ -154,7 +154,7 @@ def _target(
             pose: _weight(float(now[poses.index(pose)]), moved=was[poses.index(pose)] > 0)
             for pose in step.weights
         }
-        missing = face.mentioned[number] & (now >= FAINTEST)
+        missing = values.mentioned[number] & (now >= FAINTEST)
         own |= {
             pose: round(float(now[n]), DECIMALS)
             for n, pose in enumerate(poses)

@@ -49,9 +49,9 @@ class TargetParameters:
     """(N, P) True for free dominances."""
 
     @classmethod
-    def of(cls, face: FitFace, seen: Bools) -> Self:
+    def of(cls, face: FitFace, base: FitValues, seen: Bools) -> Self:
         """Free what the targets name, for poses that some signal shows: `seen` (P,)."""
-        weights: Bools = face.free & seen
+        weights: Bools = face.free(base) & seen
         dominance = np.asarray(weights.any(axis=1))
         return cls(face, np.flatnonzero(dominance.any(axis=0)), weights, dominance)
 
@@ -79,7 +79,7 @@ class TargetParameters:
         counts = len(self.heights), int(self.weights.sum()), int(self.dominance.sum())
         return np.repeat([of_heights, of_weights, of_dominance], counts)
 
-    def prior(self, strength: float) -> Any:
+    def prior(self, strength: float, before: FitValues) -> Any:
         """Return the matrix of the prior, for `solve`; `strength` is that of a weight."""
         from scipy import sparse
 
@@ -87,7 +87,7 @@ class TargetParameters:
         out = sparse.diags(np.sqrt(strength * shares)).tolil()
         poses = np.nonzero(self.weights)[2]
         first = len(self.heights)
-        start = self.face.start.weights[self.weights]
+        start = before.weights[self.weights]
         for number, (pose, weight) in enumerate(zip(poses, start, strict=True)):
             column = int(np.searchsorted(self.heights, pose))
             out[first + number, column] = -np.sqrt(strength) * weight
@@ -95,10 +95,21 @@ class TargetParameters:
 
 
 def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> FitValues:
-    """Fit the targets of a face to lines; `base` has the values of everything else."""
+    """Fit the targets of a face to lines.
+
+    Parameters
+    ----------
+    base : values of motion and bigrams, and of poses that the fit gave to targets
+    """
     from scipy import sparse
 
-    parameters = TargetParameters.of(face, seen_poses(lines))
+    parameters = TargetParameters.of(face, base, seen_poses(lines))
+    known = face.start.mentioned
+    before = replace(
+        base,
+        weights=np.where(known[:, None], face.start.weights, base.weights),
+        dominance=np.where(known, face.start.dominance, base.dominance),
+    )
     strength = PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].frames.fps
     free = parameters.free
 
@@ -113,10 +124,8 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
         return sparse.hstack((none, found), format="csr")
 
     solved = solve(
-        parameters.vector(
-            replace(base, weights=face.start.weights, dominance=face.start.dominance)
-        ),
-        parameters.prior(strength),
+        parameters.vector(before),
+        parameters.prior(strength, before),
         (
             parameters.parts(0.0, 0.0, PASSIVE_LOG),
             parameters.parts(MOST_HEIGHT, 1.0, float(np.log(MOST_DOMINANCE))),

@@ -36,6 +36,8 @@ class FitValues:
     """(N, M, P)"""
     dominance: Floats
     """(N, P) logarithms."""
+    mentioned: Bools
+    """(N, P) True where a target names a pose."""
     softness: Floats
     """(P,) seconds."""
     anticipate: Floats
@@ -54,6 +56,7 @@ class FitValues:
         return FitValues(
             between(self.weights, fitted.weights),
             between(self.dominance, fitted.dominance),
+            fitted.mentioned if share else self.mentioned,
             between(self.softness, fitted.softness),
             between(self.anticipate, fitted.anticipate),
             between(self.speed, fitted.speed),
@@ -74,8 +77,8 @@ class FitFace:
     """(N,) phonemes that name a target of their own."""
     steps: Ints
     """(N,) steps of each target; 0 for rest, which is none."""
-    mentioned: Bools
-    """(N, P) True where a target names a pose."""
+    targeted: Ints
+    """(common phonemes,) target of each, -1 for rest and what is not played."""
     rows: Ints
     """(R,) table rows of the drafted bigrams that are played."""
     first: Ints
@@ -101,6 +104,7 @@ class FitFace:
         first, second = numbers.reshape(-1, 2).T
         start = FitValues(
             *_stacked(list(known.values()), len(shelf.poses)),
+            _mentioned(shelf, known),
             tables.softness,
             tables.anticipate,
             compiled.motion.speed_limit,
@@ -108,19 +112,18 @@ class FitFace:
         )
         silence = shelf.common.model.silence
         steps = [0 if name == silence else len(t.weights) for name, t in known.items()]
-        mentioned = _mentioned(shelf, known)
+        spoken = {phoneme: order[name] for phoneme, name in named.items() if phoneme != silence}
+        targeted = np.array([spoken.get(phoneme, -1) for phoneme in shelf.numbered], np.intp)
         rows = np.array(drafted, np.intp)
         return cls(
-            tables, compiled.motion, tuple(known), np.array(steps, np.intp), mentioned, rows, first,
+            tables, compiled.motion, tuple(known), np.array(steps, np.intp), targeted, rows, first,
             second, start,
         )  # fmt: skip
 
-    @property
-    def free(self) -> Bools:
-        """(N, M, P) True for weights that a fit may change: those that the targets name."""
-        most = self.start.weights.shape[1]
-        there = np.arange(most)[None, :] < self.steps[:, None]
-        return there[:, :, None] & self.mentioned[:, None, :]
+    def free(self, values: FitValues) -> Bools:
+        """Return True for weights that a fit may change, those that targets name: (N, M, P)."""
+        there = np.arange(values.weights.shape[1])[None, :] < self.steps[:, None]
+        return there[:, :, None] & values.mentioned[:, None, :]
 
     def targets(self, values: FitValues) -> list[Target]:
         """Return the targets of some values."""
