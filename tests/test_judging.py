@@ -221,7 +221,7 @@ def test_lines_with_far_residuals_are_named():
     assert outlying_lines(usual) == ()
     (one,) = outlying_lines({**usual, "odd": 0.2})
     assert one.line == "odd"
-    assert "its residual is 0.200, and 0.056 is usual" in one.why
+    assert "its error is 0.200, and 0.056 is usual" in one.why
     assert outlying_lines({"a": 0.1, "b": 0.9}) == ()
 
 

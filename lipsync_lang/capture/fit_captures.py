@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -14,21 +13,13 @@ from lipsync_lang.capture.fit_items import fit_items
 from lipsync_lang.capture.fit_lines import FitLine, fit_rate, lay_lines
 from lipsync_lang.capture.fit_motion import MotionGroups
 from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.capture.judging import outlying_lines
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
     from lipsync_lang.capture.captured_line import CapturedLine
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.resolver.retouch import OpenPair
-
-OUTLIER_SPREADS = 5.0
-"""Spreads above the median of all lines at which the error of a line makes an outlier."""
-
-OUTLIER_SHARE = 1.5
-"""An outlier's error is at least this share of the median."""
-
-FEWEST_LINES = 5
-"""Lines below which no outlier can be told."""
 
 WHOLE = Shares(1.0, 0.0)
 """Shares at which a refused fit is shown: the whole way, without bigrams."""
@@ -123,17 +114,18 @@ def _require_scipy() -> None:
 
 def _without_strays(
     pair: "OpenPair", lines: tuple[FitLine, ...]
-) -> tuple[FitTask, FitValues, list[SetAside]]:
+) -> tuple[FitTask, FitValues, tuple[SetAside, ...]]:
     """Fit all lines, and again without those that nothing follows."""
     task = FitTask(FitFace.of(pair, lines), lines, motion_groups(pair))
     full = task.fit(range(len(lines)))
-    strays = _strays(task, full)
+    names = [line.captured.name for line in lines]
+    strays = outlying_lines({name: task.error(full, [n]) for n, name in enumerate(names)})
     if not strays:
-        return task, full, []
-    kept = tuple(line for number, line in enumerate(lines) if number not in strays)
-    told = [SetAside(line=lines[n].captured.name, why=why) for n, why in strays.items()]
+        return task, full, ()
+    aside = {one.line for one in strays}
+    kept = tuple(line for line in lines if line.captured.name not in aside)
     task = FitTask(FitFace.of(pair, kept), kept, task.groups)
-    return task, task.fit(range(len(kept))), told
+    return task, task.fit(range(len(kept))), strays
 
 
 def _laid(
@@ -163,22 +155,6 @@ def motion_groups(pair: "OpenPair") -> MotionGroups:
         {region: np.array(poses) for region, poses in soft.items()},
         {region: np.array(poses) for region, poses in ahead.items()},
     )
-
-
-def _strays(task: FitTask, values: FitValues) -> dict[int, str]:
-    """Return lines whose error after the fit is far above that of the others, with reasons."""
-    if len(task.lines) < FEWEST_LINES:
-        return {}
-    found = [task.error(values, [number]) for number in range(len(task.lines))]
-    middle = median(found)
-    spread = 1.4826 * median(abs(one - middle) for one in found)
-    limit = max(middle + OUTLIER_SPREADS * spread, OUTLIER_SHARE * middle)
-    return {
-        number: f"its error after the fit is {error:.3f}, that of half of the lines below "
-        f"{middle:.3f}; check its timings and its recording"
-        for number, error in enumerate(found)
-        if error > limit
-    }
 
 
 def _verdict(

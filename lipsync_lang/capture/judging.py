@@ -314,8 +314,9 @@ def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
     middle = median(residuals.values())
     usual = 1.4826 * median(abs(one - middle) for one in residuals.values())
     limit = middle + OUTLYING * max(usual, 0.1 * middle)
+    why = "after the fit its error is {:.3f}, and {:.3f} is usual; check its timings"
     return tuple(
-        SetAside(line=name, why=f"its residual is {one:.3f}, and {middle:.3f} is usual")
+        SetAside(line=name, why=why.format(one, middle))
         for name, one in residuals.items()
         if one > limit
     )

@@ -50,6 +50,7 @@ def fit(options: Namespace) -> int:
 def _fitted(options: Namespace) -> "CaptureFit":
     from lipsync_lang.capture.capture_reading import read_captures
     from lipsync_lang.capture.fit_captures import fit_captures
+    from lipsync_lang.capture.judging import judge_captures
     from lipsync_lang.packs.library import Library
     from lipsync_lang.performing.performer import Performer
     from lipsync_lang.resolver.retouch import OpenPair
@@ -66,6 +67,12 @@ def _fitted(options: Namespace) -> "CaptureFit":
         aligner=options.aligner,
         notation=options.notation,
         progress=lambda done, total: progress(f"reading {done} of {total} captures ..."),
+    )
+    wipe()
+    captures = judge_captures(
+        performer,
+        captures,
+        progress=lambda done, total: progress(f"judging {done} of {total} captures ..."),
     )
     wipe()
     try:
