@@ -321,6 +321,20 @@ def test_the_command_fails_for_a_named_item_that_stays(anna, cli, tmp_path):
     assert "softness.jaw: a person wrote it" in every.err
 
 
+def test_the_command_accepts_the_doubtful_and_the_refused_only_if_asked(cli, tmp_path):
+    bad = fit(
+        FitItem(item="softness.lips", value=0.03, confidence=0.4),
+        verdict=FitVerdict(accepted=False, why="worse on 3 of 3 lines"),
+    )
+    words = ("bank", "accept", put_fit(tmp_path, bad), "--all", "-c", "anna")
+    refused = cli(*words)
+    assert refused.code == 2
+    assert "worse on 3 of 3 lines" in refused.err
+    assert "worse on 3 of 3 lines" in cli(*words[:3], "-c", "anna").err
+    assert cli(*words, "--anyway").out == ""
+    assert cli(*words, "--anyway", "--confidence", "0.3").out == "softness.lips\n"
+
+
 def test_the_command_tells_all_as_json(anna, cli, tmp_path):
     path = put_fit(tmp_path, fit())
     dry = json.loads(cli("bank", "accept", path, "--all", "--dry-run", "--json", "-c", "anna").out)

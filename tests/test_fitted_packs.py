@@ -1,5 +1,6 @@
 """What a fit may write into packs: own targets and seconds of a character, and fitted bigrams."""
 
+import json
 import re
 from pathlib import Path
 from typing import get_args
@@ -10,19 +11,23 @@ from packs_tree import put
 from shipped import LIBRARY
 
 import lipsync_lang
-from lipsync_lang import PackError, Schedule, resolve
+from lipsync_lang import LipsyncError, PackError, Schedule, resolve
+from lipsync_lang.banks.write import write_drafts
 from lipsync_lang.coverage.matrix import coverage
 from lipsync_lang.coverage.page import states
 from lipsync_lang.coverage.page.states import CODES
 from lipsync_lang.coverage.report import authored
 from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.describe import show
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import BigramCurves
 from lipsync_lang.quality.baselines import dominance
 from lipsync_lang.resolver.bank_diff import diff_banks
 from lipsync_lang.resolver.compile import compile_pair
-from lipsync_lang.studio.routes import coverage_routes
+from lipsync_lang.resolver.drafts import draft_bigrams
+from lipsync_lang.studio.routes import coverage_routes, language_routes
+from lipsync_lang.studio.routes.asking import Wish
 from lipsync_lang.studio.workshop import Workshop
 
 PACKAGE = Path(lipsync_lang.__file__).parent
@@ -120,6 +125,7 @@ FAULTY = {
     "targets: {ow: {dominance: {opne: 2}}}": "P201 unknown pose 'opne'",
     "targets: {ow: {open: 0.5, status: fited}}": "must be fitted",
     "targets: {ow: {open: 1.5}}": "P104 `open` must be at most 1",
+    "targets: {bmp: {PBM: 0.2, open: 0}}": "5:11: W314 warning: 'PBM' gets to 0.2, but contact",
     "softness: {jaws: 0.05}": "5:12: P230 unknown region 'jaws'\n  hint: did you mean 'jaw'",
     "softness: {jaw: 5}": "P104 `jaw` must be at most 0.2",
     "anticipate: {w: 0.1}": "P201 unknown pose 'w'\n  hint: did you mean 'W'",
@@ -150,6 +156,33 @@ def test_a_character_with_all_fields_is_sound(tmp_path):
     assert [model.scalar(item) for item in model.fitted] == [0.05, 0.1, 12]
     (first, second) = model.targets["ow"]
     assert (first.overall, first.status, second.status) == (2, "fitted", None)
+
+
+def test_drafts_of_own_targets_are_not_put_into_the_bank_of_every_face(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    anna(tmp_path, "targets: {ow: {open: 0.9}}\n")
+    drafts = draft_bigrams(Library(), "english", "anna", ["l-ow"])
+    with pytest.raises(LipsyncError, match=r"'anna' has targets of its own.*under `banks`"):
+        write_drafts(Library(), drafts)
+    assert not (tmp_path / "posesets").exists()
+    own = tmp_path / "characters/anna-bank.yaml"
+    assert write_drafts(Library(), drafts, own).startswith("1 drafted bigram put into")
+    assert not draft_bigrams(Library(), "english", "facefx", ["l-ow"]).character
+
+
+def test_a_description_of_a_character_tells_its_own_values(tmp_path):
+    anna(tmp_path, "targets: {ow: {open: 0.9}}\nsoftness: {jaw: 0.05}\nanticipate: {W: 0.1}\n")
+    told = show(Library([tmp_path], project=None), "character", "anna").text.splitlines()
+    assert {"targets of its own: ow", "softness: jaw 0.05", "anticipate: W 0.1"} <= set(told)
+
+
+def test_the_studio_shows_the_mouth_of_a_characters_own_target(tmp_path):
+    anna(tmp_path, "targets: {ow: {open: 0.9}}\n")
+    workshop = Workshop(tmp_path, engine="none")
+    workshop.open("english", "anna")
+    told = language_routes.mouth(workshop, Wish(name="ow"))
+    (step,) = told["steps"]
+    assert max(step) == pytest.approx(0.9)
 
 
 # Fitted bigrams
@@ -221,6 +254,9 @@ def test_every_status_has_a_colour_and_words_wherever_statuses_are_shown(status)
     curves = (STUDIO / "curves.css").read_text("utf-8")
     assert curves.count(f"--status-{status}: #") == 2, "by day and by night"
     assert f":is(.matrix, .matrix-legend) .{status} {{" in curves
+    view = (STUDIO / "bigram_view.js").read_text("utf-8")
+    undrawn = re.search(r"const UNDRAWN = (\[.*\]);", view)[1]
+    assert (status in json.loads(undrawn)) is not authored("shared", status)
     assert f".shares .{status}," in (STUDIO / "coverage_view.css").read_text("utf-8")
     for script in ("bigram_matrix.js", "coverage_view.js"):
         assert re.search(rf"\b{status}: ", (STUDIO / script).read_text("utf-8")), script

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from lipsync_lang.errors import OutputError, PackError
+from lipsync_lang.errors import LipsyncError, OutputError, PackError
 from lipsync_lang.packs.yaml.value_text import INDENT, block_lines, plain_or_quoted
 
 if TYPE_CHECKING:
@@ -25,6 +25,8 @@ class Drafts:
     poseset: str
     bigrams: dict[str, dict[str, Points]]
     """For each bigram, such as `l-ow`, control points by pose."""
+    character: str = ""
+    """The character whose own targets the drafts are made from; empty for those of the pose set."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,12 @@ def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -
     -------
     What was done, in a line
     """
+    if path is None and drafts.character:
+        raise LipsyncError(
+            f"'{drafts.character}' has targets of its own, and the usual bank is for every face of "
+            f"{drafts.poseset}; name another file for the bigrams, and state it under `banks` of "
+            f"'{drafts.character}'"
+        )
     path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
     make_room(path)
     new = add_bigrams(library, path, Made(drafts.poseset, drafts.bigrams, "drafted"))

@@ -131,6 +131,7 @@ def _character(library: "Library", pack: "Pack[models.Character]") -> Descriptio
     counts: Mapping[str, Collection[str]] = {
         "bigrams of its own": model.bigrams,
         "trigrams of its own": model.trigrams,
+        "targets of its own": model.targets,
         "banks": model.banks,
         "words": model.words,
         "lines": model.lines,
@@ -138,7 +139,8 @@ def _character(library: "Library", pack: "Pack[models.Character]") -> Descriptio
     }
     lines += [f"{what}: {' '.join(some)}" for what, some in counts.items() if some]
     motion = model.motion.model_dump(exclude_none=True)
-    levels = {"motion": motion, "styles": model.styles, "dials": model.dials}
+    seconds = {"softness": model.softness, "anticipate": model.anticipate}
+    levels = {"motion": motion, **seconds, "styles": model.styles, "dials": model.dials}
     for what, values in levels.items():
         told = ", ".join(f"{name} {_level(value)}" for name, value in values.items())
         lines += [f"{what}: {told}"] if told else []

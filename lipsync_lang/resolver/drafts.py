@@ -49,4 +49,5 @@ def draft_bigrams(
             }
             for pair, row in rows.items()
         },
+        shelf.character.model.name if shelf.character.model.targets else "",
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from lipsync_lang.packs.models import AtMost, BankPack, PoseSet, Threshold
+from lipsync_lang.packs.models import AtMost, BankPack, Character, PoseSet, Threshold
 from lipsync_lang.packs.models.pose_models import NO_THRESHOLD
 from lipsync_lang.packs.yaml.faults import Fault
 
@@ -30,7 +30,7 @@ def conflicts(poseset: "Pack[PoseSet]", banks: Iterable[BankPack] | None = None)
     yield from _together(poseset)
     yield from _pressed(poseset)
     yield from _idle(poseset)
-    yield from _unprepared(poseset)
+    yield from unprepared(poseset, poseset.model)
     if banks is not None:
         yield from _unreached(poseset, _reach(poseset.model, banks))
 
@@ -215,12 +215,12 @@ def _idle(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             yield poseset.warning(("contacts", name), "W312", what, hint, key=True)
 
 
-def _unprepared(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
-    """Check that the target of a phoneme meets the floors and ceilings of its contacts."""
-    targets = poseset.model.targets
-    for name, contact in poseset.model.contacts.items():
+def unprepared(pack: "Pack[PoseSet] | Pack[Character]", poseset: PoseSet) -> Iterator[Fault]:
+    """Check that a pack's target of a phoneme meets the floors and ceilings of its contacts."""
+    targets = pack.model.targets
+    for name, contact in poseset.contacts.items():
         for phoneme in (label for label in contact.phonemes if label in targets):
-            for pose in (p for p in contact.floor | contact.ceiling if p in poseset.model.poses):
+            for pose in (p for p in contact.floor | contact.ceiling if p in poseset.poses):
                 heights = [step.weights.get(pose, 0.0) for step in targets[phoneme]]
                 floor, top = contact.floor.get(pose, 0.0), contact.ceiling.get(pose, 1.0)
                 if max(heights) < floor:
@@ -232,7 +232,7 @@ def _unprepared(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
                 else:
                     continue
                 hint = "make them agree, so that a draft gets there by itself"
-                yield poseset.warning(("targets", phoneme), "W314", what, hint, key=True)
+                yield pack.warning(("targets", phoneme), "W314", what, hint, key=True)
 
 
 def _reach(model: PoseSet, banks: Iterable[BankPack]) -> dict[str, float]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import did_you_mean
-from lipsync_lang.packs.checking.conflicts import conflicts
+from lipsync_lang.packs.checking.conflicts import conflicts, unprepared
 from lipsync_lang.packs.checking.language_checks import check_labels, notation_of
 from lipsync_lang.packs.finding import beside
 from lipsync_lang.packs.models import (
@@ -302,6 +302,7 @@ def _own_drafts(
         yield from _phoneme(character, ("targets", label), label, phonemes, key=True)
     for loc, pose in _poses_targeted(model):
         yield from check_pose(character, loc, pose, poseset.poses)
+    yield from unprepared(character, poseset)
     for region in model.softness:
         yield from _region(character, ("softness", region), region, poseset, key=True)
     for pose in model.anticipate:
