@@ -1,6 +1,6 @@
 """Print how every language reads: speed, memory, and what of real texts is not mapped.
 
-python benchmarks/languages.py FOLDER [--only NAME...]
+python benchmarks/languages.py FOLDER [--only NAME...] [--json FILE]
 
 The folder holds, as far as they are there:
 
@@ -24,6 +24,8 @@ from typing import NamedTuple
 os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
 if hasattr(os, "sched_setaffinity"):
     os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+
+import json_figures
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.library import Library
@@ -167,8 +169,8 @@ def texts(library: Library, folder: Path, only: Sequence[str]) -> Iterator[tuple
             yield path.stem, f"{language}: {str(error)[:100]}"
 
 
-def segments(library: Library, path: Path) -> None:
-    """Map every segment of a table by its features."""
+def segments(library: Library, path: Path) -> dict[str, float]:
+    """Map every segment of a table by its features, and count what became of them."""
     names = [line.split("\t")[0] for line in path.read_text("utf-8").splitlines()[1:]]
     among = among_all(library)
     start = time.perf_counter()
@@ -177,9 +179,11 @@ def segments(library: Library, path: Path) -> None:
     losses = Counter(loss for near in found for loss in near.losses)
     exact = sum(not near.losses and not near.distance for near in found)
     print(f"\n{len(names)} segments by their features: {seconds * 1e6 / len(names):.0f} us each")
-    print(f"  resolved {sum(not n.unknown for n in found)}, without any loss {exact}")
+    resolved = sum(not n.unknown for n in found)
+    print(f"  resolved {resolved}, without any loss {exact}")
     print(f"  of nothing that shows (tones): {sum(not near.value for near in found)}")
     print("  lost: " + ", ".join(f"{loss} {count}" for loss, count in losses.most_common(12)))
+    return {"segments": len(names), "resolved": resolved, "exact": exact}
 
 
 def main() -> None:
@@ -187,11 +191,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", nargs="*", default=[])
+    json_figures.add_option(parser)
     options = parser.parse_args()
     library = Library()
     list(Speaker.of("english").transcribe(["Hello, world"]))
     _, child = memory()
-    rates = {}
+    rates: dict[str, float] = {}
+    figures: dict[str, object] = {"rates": rates}
 
     def kept(rows: Iterator[tuple[str, Row | str]]) -> Iterator[tuple[str, Row | str]]:
         for name, row in rows:
@@ -205,12 +211,13 @@ def main() -> None:
         report("udhr", kept(texts(library, options.folder / "udhr", options.only)))
     for folder in (options.folder, options.folder.parent / "phonology"):
         if (folder / "phoible_segments.tsv").is_file():
-            segments(library, folder / "phoible_segments.tsv")
+            figures["segments"] = segments(library, folder / "phoible_segments.tsv")
     if rates:
         slowest = min(rates, key=lambda name: rates[name])
         print(f"\nslowest: {slowest}, {rates[slowest]:,.0f} lines a minute (goal {GOAL_RATE:,})")
     own, _ = memory()
     print(f"most memory: {own + child:.0f} MB, {child:.0f} of them eSpeak's (goal {GOAL_MEMORY})")
+    json_figures.write_figures(options.json, figures)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """How far aligning by warping misses the boundaries that are known.
 
-    python benchmarks/warping.py [FOLDER]
+    python benchmarks/warping.py [FOLDER] [--json FILE]
 
 FOLDER holds the German recordings (NAME.wav beside NAME.phones.tsv: start, end, label in SAMPA),
 whose boundaries were set by hand. One of them is of words that make no sentence, so that its
@@ -13,11 +13,14 @@ both its sides are the same on both sides: what the voice says otherwise than th
 leaves out, has no boundary to compare.
 """
 
+import argparse
 import sys
 from itertools import pairwise
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
+import json_figures
 import numpy as np
 
 from lipsync_lang.errors import SpeechError
@@ -119,8 +122,10 @@ def noisy(audio: Audio, decibels: float) -> Audio:
     return Audio(np.clip(sound, -32768, 32767).astype(np.int16), audio.rate)
 
 
-def report(name: str, trials: list[Trial], speaker: Speaker, decibels: float | None = None) -> None:
-    """Print a row."""
+def report(
+    name: str, trials: list[Trial], speaker: Speaker, decibels: float | None = None
+) -> dict[str, Any]:
+    """Print a row, and return its figures."""
     late, right, wrong = [], [], []
     seconds, began = 0.0, perf_counter()
     for number, (text, true) in enumerate(trials):
@@ -139,6 +144,7 @@ def report(name: str, trials: list[Trial], speaker: Speaker, decibels: float | N
         f"{np.median(right):>8.2f}{min(right):>6.2f}{np.median(wrong):>8.2f}{max(wrong):>6.2f}"
         f"{speed:>7.0f}x"
     )
+    return json_figures.boundary_errors(np.concatenate(late)) | {"name": name}
 
 
 def music(seconds: float, rate: int) -> np.ndarray:
@@ -217,7 +223,7 @@ def joined(name: str, trials: list[Trial], speaker: Speaker, repeats: int = 4) -
     )
 
 
-def main(folder: Path) -> int:
+def main(folder: Path, file: Path | None = None) -> int:
     """Print the table."""
     speakers = {name: Speaker.of(name) for name in ("german", "english")}
     trials = [
@@ -230,11 +236,12 @@ def main(folder: Path) -> int:
         f"{'':<32}{'number':>6}{'median':>8}{'90 %':>8}{'late':>8}{'right':>8}{'least':>6}"
         f"{'wrong':>8}{'most':>6}{'speed':>8}"
     )
+    rows = []
     for name, some, speaker in trials:
         if some:
-            report(name, some, speaker)
-            report(f"{name}, noise at 20 dB", some, speaker, 20)
-            report(f"{name}, noise at 10 dB", some, speaker, 10)
+            rows.append(report(name, some, speaker))
+            rows.append(report(f"{name}, noise at 20 dB", some, speaker, 20))
+            rows.append(report(f"{name}, noise at 10 dB", some, speaker, 10))
     print("How far other sound on both sides moves them, in ms; share of more than 20 ms")
     for name, some, speaker in trials:
         if len(some) > 1:
@@ -243,8 +250,13 @@ def main(folder: Path) -> int:
     for name, some, speaker in trials:
         if some and all(true.words for _, true in some):
             joined(name, some, speaker)
+    json_figures.write_figures(file, {"rows": rows})
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1] if len(sys.argv) > 1 else "articulography")))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", nargs="?", default="articulography", type=Path)
+    json_figures.add_option(parser)
+    arguments = parser.parse_args()
+    sys.exit(main(arguments.folder, arguments.json))

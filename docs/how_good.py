@@ -272,6 +272,31 @@ class Page:
             table([f"on {self.figures('languages')['character']}", ""], rows),
             measured_by(self.measured["languages"]),
             picture("coverage", picture_words),
+            self.by_language(),
+            self.segments(),
+        )
+
+    def by_language(self) -> str:
+        """Return a table of all languages, which a reader opens."""
+        rows = [
+            [name, f"{row['words']:,}", f"{row['used']}", f"{row['for_90']}",
+             percent(row["drafted"]), f"{row['lost']}", f"{row['contacts']}",
+             f"{max(row['default'].values())}", f"{max(row['paper'].values())}"]
+            for name, row in sorted(self.figures("languages")["languages"].items())
+        ]  # fmt: skip
+        head = [
+            "language", "words", "bigrams used", "for 90 %", "drafted", "not read", "contacts",
+            "missed", "by the paper's motion",
+        ]  # fmt: skip
+        opened = "<details>\n<summary>All languages</summary>"
+        return f"{opened}\n\n{table(head, rows)}\n\n</details>"
+
+    def segments(self) -> str:
+        """Return how many sounds of the world's languages find a mouth."""
+        found = self.figures("segments")["segments"]
+        return (
+            f"Of {found['segments']:,} segments of the IPA, {found['resolved']:,} find a mouth by their "
+            f"features, {found['exact']:,} without any loss. {measured_by(self.measured['segments'])}"
         )
 
     def reading(self) -> str:
@@ -331,6 +356,8 @@ class Page:
             measured_by(self.measured["alignment"])
             + " "
             + measured_by(self.measured["hearing"])
+            + " "
+            + measured_by(self.measured["warping"])
             + " The labels of CMU ARCTIC were made by another aligner.",
             f"Texts that are remarked on as doubtful, right ones and wrong ones of some lengths: {doubts}.",
         )
@@ -342,11 +369,12 @@ class Page:
             "spoken": "eSpeak NG, English",
             "arctic_a0009.wav": "one sentence of CMU ARCTIC",
         }
+        warped = self.figures("warping")["rows"][0]
         found = [("German, by hand, three recordings", german)]
         for row in self.figures("alignment")["rows"]:
             name = titles.get(row["name"], f"eSpeak NG, {row['name']}")
             found.append((name, row))
-        return found
+        return [found[0], ("the same German, by warping alone", warped), *found[1:]]
 
     def recognition(self) -> str:
         """Return errors of recognition."""

@@ -29,8 +29,8 @@ SHORT = {
 WIDTH = 6.4
 """Inches; with 100 dots an inch and letters of 11 points a phone shows it well."""
 
-MARKS = ("o", "s", "^", "D", "v", "P")
-LINES = (INK, "#1f77b4", "#e67e22", "#27ae60", "#85c1e9", "#8e44ad")
+MARKS = ("o", "X", "s", "^", "D", "v", "P")
+LINES = (INK, "#7f8c8d", "#1f77b4", "#e67e22", "#27ae60", "#85c1e9", "#8e44ad")
 """Of the sets of boundaries: those set by hand stand out."""
 
 
@@ -159,12 +159,12 @@ def speed(page: Page) -> Figure:
     counts, seconds = np.array(page.lengths()).T
     axes.loglog(counts, 1000 * seconds, "o-", color=OURS, lw=2)
     for count, second in zip(counts, seconds, strict=True):
-        axes.annotate(f"{1000 * second:.2g} ms", (count, 1000 * second), (0, 8), fontsize=10,
-                      textcoords="offset points", ha="center")  # fmt: skip
+        axes.annotate(f"{1000 * second:.2g} ms", (count, 1000 * second), (-5, 5), fontsize=10,
+                      textcoords="offset points", ha="right")  # fmt: skip
     ticks = (10, 100, 1_000, 10_000, 100_000)
     axes.set_xticks(ticks, [f"{tick:,}" for tick in ticks])
     axes.set_yticks((0.1, 1, 10, 100), ("0.1", "1", "10", "100"))
-    axes.set(xlim=(4, 250_000), ylim=(0.02, 400))
+    axes.set(xlim=(2, 250_000), ylim=(0.02, 400))
     axes.set_xlabel("phonemes of an utterance", fontsize=11)
     axes.set_ylabel("ms for its curves, 60 fps", fontsize=11)
     axes.grid(color="#dddddd", lw=0.6)

@@ -10,7 +10,10 @@ from datetime import date
 import pytest
 from lanes import full
 
-MODULES = ("how_good", "how_good_pictures", "json_figures", "measure")
+MODULES = (
+    "articulography", "by_language", "dictionaries", "how_good", "how_good_pictures",
+    "json_figures", "languages", "measure", "motion",
+)  # fmt: skip
 LINK = re.compile(r"\]\([^)]*\)|`[^`]*`")
 
 
@@ -142,6 +145,16 @@ def test_a_benchmark_is_run_and_its_figures_kept(made, tmp_path, monkeypatch):
     assert [*kept] == ["a", "b"], "parts stand in the order of the page"
 
 
+def test_a_benchmark_may_print_its_figures(made, tmp_path, monkeypatch):
+    measure = made("measure")
+    (tmp_path / "benchmarks").mkdir()
+    script = "import sys, json; print(json.dumps(sys.argv[1:]))"
+    (tmp_path / "benchmarks" / "tiny.py").write_text(script, encoding="utf-8")
+    monkeypatch.setattr(measure, "ROOT", tmp_path)
+    found = measure.measure(measure.Part("tiny.py", [], "a grain", prints=True), ["here"])
+    assert found["figures"] == ["here", "--json"]
+
+
 def test_speeds_are_read_from_the_page_of_the_reference(made):
     text = (
         "# Performance\n```text\ncores 2\n   figure\n\nutterance: One utterance\n"
@@ -181,6 +194,52 @@ def test_errors_of_boundaries_are_summarised(made):
     assert found["late_ms"] == pytest.approx(15)
     assert found["mean_ms"] == pytest.approx(60)
     assert (found["within_ms"]["10"], found["within_ms"]["20"]) == (0.5, 0.75)
+
+
+@full
+def test_two_texts_are_counted_as_the_page_reads_them(how_good, page, made, tmp_path, monkeypatch):
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    texts = tmp_path / "texts"
+    texts.mkdir()
+    (texts / "eng.txt").write_text("Bob buys five maps.\n", encoding="utf-8")
+    (texts / "fin.txt").write_text("Pappa puhuu.\n", encoding="utf-8")
+    (texts / "haw.txt").write_text("No pack reads this.\n", encoding="utf-8")
+    file = tmp_path / "figures.json"
+    monkeypatch.setattr(sys, "argv", ["by_language.py", str(texts), "--json", str(file)])
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):  # the benchmark sets them
+        monkeypatch.setenv(name, "1")
+    with monkeypatch.context() as patch:  # and keeps to one core
+        patch.setattr("os.sched_setaffinity", lambda *_: None, raising=False)
+        assert made("by_language").main() == 0
+    figures = json.loads(file.read_text("utf-8"))
+    assert [*figures["languages"]] == ["english", "finnish"]
+    assert figures["languages"]["english"]["contacts"] >= 7, "b b b f v m p"
+    assert set(figures["languages"]["english"]["default"].values()) == {0}
+    measured = page.measured | {"languages": page.measured["languages"] | {"figures": figures}}
+    told = how_good.Page(measured, page.published)
+    assert "In 2 languages, " in told.block("contacts")
+    assert "| languages read | 2 |" in told.block("coverage")
+
+
+def test_a_dictionary_is_judged_as_the_page_reads_it(how_good, page, made, tmp_path, monkeypatch):
+    pytest.importorskip("espeakng_loader", reason="the speech extra is not installed")
+    (tmp_path / "finnish.tsv").write_text(
+        "pappa\t/p\u0251p\u02d0\u0251/\nmies\t/p\u0251/, /mies/\n", "utf-8"
+    )
+    (tmp_path / "finnish.other.tsv").write_text("pappa\t/k\u0251k\u0251/\n", encoding="utf-8")
+    file = tmp_path / "figures.json"
+    monkeypatch.setattr(sys, "argv", ["dictionaries.py", str(tmp_path), "--json", str(file)])
+    made("dictionaries").main()
+    figures = json.loads(file.read_text("utf-8"))
+    assert figures["languages"]["finnish"] == {"words": 2, "error": 0.0, "closures": 0.0}
+    assert figures["languages"]["finnish.other"] == {"words": 1, "error": 0.5, "closures": 1.0}
+    measured = page.measured | {"reading": page.measured["reading"] | {"figures": figures}}
+    told = how_good.Page(measured, page.published).block("reading")
+    assert (
+        "The median of 2 lists is 25.0 % of the phonemes; the worst, finnish.other, has 50 %"
+        in told
+    )
+    assert "finnish has 50 % by other, and 0 % by the other list" in told
 
 
 # Pictures
