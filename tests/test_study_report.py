@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from study_answers import crowd, model, placed, study_of, submission
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.study.answer_sorting import SortingRules, answer_files, reasons, sort_answers
+from lipsync_lang.study.answer_sorting import SortingRules, reasons, sort_answers
+from lipsync_lang.study.answer_texts import answer_files
 from lipsync_lang.study.distributions import chi_square_tail
 from lipsync_lang.study.preference_page import report_page
 from lipsync_lang.study.study_report import report_study
@@ -103,6 +104,16 @@ SUBMISSIONS = {
     "without a list": (changed(SOUND, answers={"p001": "left"}), "no answers", 0),
     "wrong in a check": (with_answers(SOUND, wrong_check), "failed checks", PAIRS),
     "hurried": (with_answers(SOUND, fast(8)), "fast rater", PAIRS),
+    "damaged in every answer": (
+        with_answers(SOUND, lambda answers: [one.update(strength=9) for one in answers]),
+        "nothing left",
+        PAIRS,
+    ),
+    "of pairs that are not there": (
+        with_answers(SOUND, lambda answers: [one.update(pair="x") for one in answers]),
+        "unfinished",
+        PAIRS,
+    ),
     "a number": (7, "no answers", 0),
     "a list": ([], "no answers", 0),
 }
@@ -129,7 +140,10 @@ ANSWERS = {
     "no time": (edit(0, seconds=float("nan")), "out of range"),
     "a negative time": (edit(0, seconds=-1), "out of range"),
     "another field": (edit(0, note="hello"), "out of range"),
-    "another pair": (edit(0, pair="p999"), "unknown pair"),
+    "another pair": (
+        lambda answers: answers.append(answers[0] | {"pair": "p999"}),
+        "unknown pair",
+    ),
     "another question": (edit(0, question="naturalness"), "unknown pair"),
     "a second answer": (lambda answers: answers.append(dict(answers[0])), "answered twice"),
     "no answer at all": (lambda answers: answers.append(None), "out of range"),

@@ -58,7 +58,7 @@ def _form(options: Namespace) -> str:
 
 def _refuse_inputs(options: Namespace, found: "StudyReport") -> None:
     """Refuse an output that is a file of the study."""
-    from lipsync_lang.study.answer_sorting import STUDY_NAME
+    from lipsync_lang.study.answer_texts import STUDY_NAME
 
     if options.output in (None, STANDARD_STREAM):
         return

@@ -4,9 +4,8 @@ Every submission and every answer is counted exactly once: as counted, as an ans
 attention check, or as set aside.
 """
 
-import json
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,12 +13,10 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files import read_input
+from lipsync_lang.study.answer_texts import parse_document, texts_of
 from lipsync_lang.study.comparisons import Choice
 from lipsync_lang.study.study_file import (
-    MAX_ANSWERS_BYTES,
     MAX_PAIRS,
-    MAX_SUBMISSION_BYTES,
     PairAnswer,
     Study,
     StudyPair,
@@ -36,9 +33,6 @@ UNKNOWN_CLIP_SECONDS = 1.0
 
 MAX_RATER_CHARS = 64
 """Longest number of a rater that is believed."""
-
-STUDY_NAME = "study.json"
-BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 @dataclass(frozen=True)
@@ -73,6 +67,7 @@ class SortingRules:
             "fast rater": f"more than half of the rater's pairs were answered within {least}",
             "one side": f"one side in every answer to at least {self.one_side} pairs",
             "out of range": "a damaged answer: choice, strength, seconds or plays out of range",
+            "nothing left": "none of the rater's choices counts",
             "unknown pair": "a pair or question that the study does not have",
             "answered twice": "the first answer to a question of a pair counts",
             "too fast": f"an answer within {least}",
@@ -144,7 +139,7 @@ def sort_answers(
     told = SortedAnswers()
     sorting = _Sorting(study, rules or SortingRules(), told)
     raters: dict[str, list[_Rater]] = defaultdict(list)
-    for place, text in _texts(paths):
+    for place, text in texts_of(paths):
         told.submissions += 1
         found = sorting.submission(place, text)
         if found:
@@ -171,7 +166,7 @@ class _Sorting:
 
     def submission(self, place: str, text: bytes | LipsyncError) -> _Rater | None:
         """Return a submission to this study; set aside everything else."""
-        reason, words, data = _parsed(text)
+        reason, words, data = parse_document(text)
         given = data.get("answers") if isinstance(data, dict) else None
         answers = given if isinstance(given, list) else []
         rater = data.get("rater") if isinstance(data, dict) else None
@@ -249,12 +244,15 @@ class _Sorting:
         return min(self._study.raters_see or len(self._pairs), len(self._pairs))
 
     def _complete(self, one: _Rater) -> bool:
-        return one.finished and len({raw_pair(raw) for raw in one.given}) >= self._expected()
+        return one.finished and self._answered(one) >= self._expected()
+
+    def _answered(self, one: _Rater) -> int:
+        """Return the number of pairs with an answer, sound or not."""
+        return len(self._pairs.keys() & {raw_pair(raw) for raw in one.given})
 
     def _missing(self, one: _Rater) -> str:
-        pairs = len({raw_pair(raw) for raw in one.given})
         stopped = "" if one.finished else "no time of finishing; "
-        return f"{stopped}{pairs} of {self._expected()} pairs are answered"
+        return f"{stopped}{self._answered(one)} of {self._expected()} pairs are answered"
 
     def without_copies(self, raters: Sequence[_Rater]) -> list[_Rater]:
         """Return the raters whose answers are their own; name those that are suspiciously alike."""
@@ -286,6 +284,10 @@ class _Sorting:
             self._aside(*fault)
             return
         self._drop_fast(one)
+        if all(self._pairs[answer.pair].check for answer in one.kept):
+            first = one.dropped[0][1] if one.dropped else "the rater gave no answer"
+            self._aside("nothing left", one, first)
+            return
         told = self._told
         told.raters += 1
         told.unfinished += not self._complete(one)
@@ -393,69 +395,3 @@ def reasons(set_aside: Iterable[Uncounted]) -> dict[str, tuple[int, int]]:
         submissions[one.reason] += one.submissions
         answers[one.reason] += one.answers
     return {reason: (submissions[reason], answers[reason]) for reason in submissions}
-
-
-# Files
-
-
-def answer_files(places: Iterable[Path]) -> list[Path]:
-    """Return the files of answers in files and folders, in order, each once.
-
-    Folders give their `.json` and `.jsonl` files, without the study itself.
-
-    Raises
-    ------
-    LipsyncError
-        A folder cannot be read, or holds no such file.
-    """
-    found: dict[Path, None] = {}
-    for place in places:
-        if not place.is_dir():
-            found[place] = None
-            continue
-        inside = sorted(
-            path
-            for path in place.iterdir()
-            if path.suffix in (".json", ".jsonl") and path.name != STUDY_NAME and path.is_file()
-        )
-        if not inside:
-            raise LipsyncError(f"{place}: holds no .json or .jsonl file of answers")
-        found |= dict.fromkeys(inside)
-    return list(found)
-
-
-def _texts(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]]:
-    """Yield the place and text of each submission, or why a file is not read."""
-    for path in paths:
-        try:
-            content = read_input(path, MAX_ANSWERS_BYTES, mend="give it in parts")
-        except LipsyncError as error:
-            yield str(path), error
-            continue
-        content = content.removeprefix(BYTE_ORDER_MARK).strip()
-        lines = content.split(b"\n")
-        if not any(_is_document(line) for line in lines) or _is_document(content):
-            yield str(path), content
-            continue
-        for number, line in enumerate(lines, 1):
-            if line.strip():
-                yield f"{path}:{number}", line
-
-
-def _is_document(text: bytes) -> bool:
-    """Tell whether a text is a document by itself: the whole file, or a line of JSON lines."""
-    found = _parsed(text)[2]
-    return isinstance(found, dict) and "kind" in found
-
-
-def _parsed(text: bytes | LipsyncError) -> tuple[str, str, Any]:
-    """Return the reason and words for text that is no JSON, and the document."""
-    if isinstance(text, LipsyncError):
-        return "unreadable", str(text), None
-    if len(text) > MAX_SUBMISSION_BYTES:
-        return "unreadable", "is larger than a rater's answers can be", None
-    try:
-        return "", "", json.loads(text)
-    except (ValueError, RecursionError) as error:
-        words = "is empty" if not text else f"is no JSON, or is cut off: {error}"
-        return "unreadable", words, None

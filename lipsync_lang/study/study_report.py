@@ -7,13 +7,12 @@ from typing import Any
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.answer_sorting import (
-    STUDY_NAME,
     SortedAnswers,
     SortingRules,
-    answer_files,
     reasons,
     sort_answers,
 )
+from lipsync_lang.study.answer_texts import STUDY_NAME, answer_files
 from lipsync_lang.study.bradley_terry import Ranking, ranked
 from lipsync_lang.study.comparisons import Comparison, compared
 from lipsync_lang.study.distributions import CONFIDENCE

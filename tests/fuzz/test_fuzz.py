@@ -93,7 +93,7 @@ HAVE_TARGETS = {
     "rigs/container.py",
     "schedules/timing_file.py",
     "speech/sound.py",
-    "study/answer_sorting.py",
+    "study/answer_texts.py",
     "study/study_file.py",
 }
 """Modules that open files and are reached by a target."""

@@ -1,0 +1,76 @@
+"""Files of answers: where they are, and the texts of the submissions in them."""
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files import read_input
+from lipsync_lang.study.study_file import MAX_ANSWERS_BYTES, MAX_SUBMISSION_BYTES
+
+STUDY_NAME = "study.json"
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+def answer_files(places: Iterable[Path]) -> list[Path]:
+    """Return the files of answers in files and folders, in order, each once.
+
+    Folders give their `.json` and `.jsonl` files, without the study itself.
+
+    Raises
+    ------
+    LipsyncError
+        A folder cannot be read, or holds no such file.
+    """
+    found: dict[Path, None] = {}
+    for place in places:
+        if not place.is_dir():
+            found[place] = None
+            continue
+        inside = sorted(
+            path
+            for path in place.iterdir()
+            if path.suffix in (".json", ".jsonl") and path.name != STUDY_NAME and path.is_file()
+        )
+        if not inside:
+            raise LipsyncError(f"{place}: holds no .json or .jsonl file of answers")
+        found |= dict.fromkeys(inside)
+    return list(found)
+
+
+def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]]:
+    """Yield the place and text of each submission, or why a file is not read."""
+    for path in paths:
+        try:
+            content = read_input(path, MAX_ANSWERS_BYTES, mend="give it in parts")
+        except LipsyncError as error:
+            yield str(path), error
+            continue
+        content = content.removeprefix(BYTE_ORDER_MARK).strip()
+        lines = content.split(b"\n")
+        if not any(_is_document(line) for line in lines) or _is_document(content):
+            yield str(path), content
+            continue
+        for number, line in enumerate(lines, 1):
+            if line.strip():
+                yield f"{path}:{number}", line
+
+
+def _is_document(text: bytes) -> bool:
+    """Tell whether a text is a document by itself: the whole file, or a line of JSON lines."""
+    found = parse_document(text)[2]
+    return isinstance(found, dict) and "kind" in found
+
+
+def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:
+    """Return the document, behind the reason and the words if the text is no JSON."""
+    if isinstance(text, LipsyncError):
+        return "unreadable", str(text), None
+    if len(text) > MAX_SUBMISSION_BYTES:
+        return "unreadable", "is larger than a rater's answers can be", None
+    try:
+        return "", "", json.loads(text)
+    except (ValueError, RecursionError) as error:
+        words = "is empty" if not text else f"is no JSON, or is cut off: {error}"
+        return "unreadable", words, None
