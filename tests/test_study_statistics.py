@@ -256,6 +256,27 @@ def test_the_likelihood_ratio_of_two_methods_is_that_of_the_binomial(wins, losse
     assert found.likelihood_ratio == pytest.approx(wanted, abs=1e-6)
 
 
+@given(st.integers(1, 60), st.integers(1, 60))
+def test_flips_of_two_methods_are_the_exact_test(wins, losses):
+    choices = choices_of((wins, losses), raters=9)
+    (exact,) = compared(choices, ("ours", "theirs"))
+    found = ranking(choices, ("ours", "theirs"))
+    assert found.p_raters == pytest.approx(exact.p_raters, abs=0.015)
+
+
+def test_raters_who_disagree_on_three_methods_give_no_ranking_however_much_they_say():
+    cycle = [("a", "b"), ("b", "c"), ("a", "c")]
+    choices = [
+        Choice(f"r{n}", f"p{m}", "l1", "anna", "q", *(ends if n % 2 else ends[::-1]), 3)
+        for n in range(9)
+        for m in range(60)
+        for ends in cycle
+    ]
+    found = ranking(choices, "abc")
+    assert found.p_likelihood_ratio < 0.005
+    assert found.p_raters == 1, "five against four raters are as near to none as nine can be"
+
+
 def test_methods_that_no_choice_connects_have_no_strengths():
     apart = choices_of((3, 2), ("a", "b")) + choices_of((3, 2), ("c", "d"))
     found = ranking(apart, ("a", "b", "c", "d"))

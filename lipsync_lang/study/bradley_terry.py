@@ -20,6 +20,9 @@ from lipsync_lang.study.distributions import (
     t_quantile,
 )
 
+FLIPS, FLIPS_AT_ONCE = 20_000, 1_000
+"""Random signs of the test over raters; their seed is fixed."""
+
 MAX_STEPS = 200
 TOLERANCE = 1e-10
 """Largest gradient, in choices, at which the fit ends, times the number of choices."""
@@ -55,6 +58,8 @@ class Ranking:
     """Degrees of freedom of the statistic."""
     p_likelihood_ratio: float | None
     """Probability, as if all choices were independent."""
+    p_raters: float | None
+    """Sign-flip test of equal strengths over raters, with random signs."""
     problem: str = ""
     """Sentence on why there are no strengths."""
 
@@ -86,14 +91,45 @@ def ranking(
     freedom = len(methods) - 1
     problem = _problem(wins, methods)
     if problem:
-        return Ranking(character, question, (), None, freedom, None, problem)
+        return Ranking(character, question, (), None, freedom, None, None, problem)
     strengths = fitted_strengths(wins)
     ratio = 2 * (_log_likelihood(wins, strengths) - _log_likelihood(wins, np.zeros(len(methods))))
     found = sorted(
         _described(choices, methods, wins, strengths), key=lambda one: (-one.strength, one.method)
     )
     tail = chi_square_tail(ratio, freedom)
-    return Ranking(character, question, tuple(found), max(ratio, 0.0), freedom, tail)
+    flips = flipped_raters(_by_rater(choices, index), wins)
+    return Ranking(character, question, tuple(found), max(ratio, 0.0), freedom, tail, flips)
+
+
+def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
+    """Return the probability that random signs of raters give a score as far from equal strengths.
+
+    A rater's sign turns all choices of the rater round. The score statistic is g' H⁻ g, with the
+    gradient g, a sum over raters, and the information H of equal strengths, which no sign changes.
+    """
+    gradients = np.array([(one - one.T).sum(axis=1) / 2 for one in by_rater])
+    inverse = np.linalg.pinv(_information(wins, np.zeros(len(wins))))
+
+    def scores(totals: Floats) -> Floats:
+        found: Floats = np.einsum("ni,ij,nj->n", totals, inverse, totals)
+        return found
+
+    observed = scores(gradients.sum(axis=0, keepdims=True))[0]
+    chance = np.random.default_rng(0)
+    reached = 1
+    for _ in range(FLIPS // FLIPS_AT_ONCE):
+        signs = chance.choice((-1.0, 1.0), (FLIPS_AT_ONCE, len(gradients)))
+        reached += int((scores(signs @ gradients) >= observed * (1 - TOLERANCE)).sum())
+    return reached / (FLIPS + 1)
+
+
+def _by_rater(choices: Iterable[Choice], index: dict[str, int]) -> list[Floats]:
+    """Return the win matrix of each rater."""
+    by_rater: dict[str, list[Choice]] = defaultdict(list)
+    for one in choices:
+        by_rater[one.rater].append(one)
+    return [win_matrix(given, index) for given in by_rater.values()]
 
 
 def win_matrix(choices: Iterable[Choice], index: dict[str, int]) -> Floats:
@@ -173,17 +209,12 @@ def _standard_errors(
     The errors are a sandwich of the information around the gradients of raters, and no smaller
     than those of independent choices.
     """
-    index = {method: number for number, method in enumerate(methods)}
-    by_rater: dict[str, list[Choice]] = defaultdict(list)
-    for one in choices:
-        by_rater[one.rater].append(one)
+    by_rater = _by_rater(choices, {method: number for number, method in enumerate(methods)})
     raters = len(by_rater)
     if raters == 1:
         return None, NORMAL_QUANTILE
     inverse = np.linalg.pinv(_information(wins, strengths))
-    gradients = np.array(
-        [_gradient(win_matrix(given, index), strengths) for given in by_rater.values()]
-    )
+    gradients = np.array([_gradient(one, strengths) for one in by_rater])
     clustered = inverse @ (gradients.T @ gradients) @ inverse * (raters / (raters - 1))
     errors: Floats = np.sqrt(np.maximum(np.diag(clustered), np.diag(inverse)))
     return errors, t_quantile(raters - 1)

@@ -88,7 +88,8 @@ def report_page(report: StudyReport) -> str:
             answers=report.answers,
             pairs=_pairs(report),
             rankings=[(one, _strength_plot(one)) for one in report.rankings],
-            heads=[one for one in _pairs(report) if len(report.study.methods) == 2],  # noqa: PLR2004
+            heads=_pairs(report) if not report.rankings else [],
+            best={one.question: one for one in report.rankings if one.methods},
             aside=found,
             rules=report.rules.words,
             named=report.answers.set_aside[:MAX_PAGE_NAMED],
@@ -173,9 +174,8 @@ def _strength_plot(ranking: Ranking) -> Plot | None:
         for one in ranking.methods
     )
     return Plot(
-        "Strengths (Bradley-Terry)",
-        f"Logarithms of odds around the mean of all methods; bars are 95{NBSP}% intervals by "
-        "raters.",
+        f"{ranking.question.capitalize()}, {ranking.character or EVERYBODY}",
+        "",
         rows,
         ((f"{-most:.2g}", 0.0), ("0", 50.0), (f"{most:+.2g}", 100.0)),
         50.0,
@@ -219,6 +219,7 @@ def _environment() -> Environment:
         "percents": study_text.percents,
         "percent": study_text.percent,
         "probability": study_text.probability,
+        "equal_strengths": study_text.equal_strengths,
         "strength": _strength,
         "share_in_words": _percents,
     }

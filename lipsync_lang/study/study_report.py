@@ -148,7 +148,7 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
     fewest = min(min(one.raters, one.lines) for one in comparisons)
     if 2.0 ** (1 - fewest) >= LEVEL:
         notes.append(
-            f"{fewest} raters or lines can never give p below {2.0 ** (1 - fewest):.2g}: more are "
+            f"with {fewest} raters or lines, p is never below {2.0 ** (1 - fewest):.2g}; more are "
             "needed"
         )
     if len(comparisons) > 1:

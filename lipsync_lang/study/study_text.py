@@ -137,11 +137,18 @@ def _ranking(found: Ranking) -> Iterator[str]:
         for one in found.methods
     ]
     yield from (f"  {line}" for line in columns(rows))
-    if found.likelihood_ratio is not None and found.p_likelihood_ratio is not None:
-        yield (
-            f"  against equal strengths: likelihood ratio {found.likelihood_ratio:.2f}, "
-            f"{found.freedom} degrees of freedom, p {probability(found.p_likelihood_ratio)}"
-        )
+    yield f"  {equal_strengths(found)}"
+
+
+def equal_strengths(found: Ranking) -> str:
+    """Write the tests of a ranking against equal strengths; empty if there are none."""
+    if None in (found.likelihood_ratio, found.p_likelihood_ratio, found.p_raters):
+        return ""
+    return (
+        f"against equal strengths: p (raters) {probability(found.p_raters or 0)}; likelihood ratio "
+        f"{found.likelihood_ratio:.2f} ({found.freedom}), p "
+        f"{probability(found.p_likelihood_ratio or 0)}"
+    )
 
 
 def plan_text(plan: PowerPlan) -> str:
