@@ -1,0 +1,198 @@
+"""The page of a fit: captures beside curves, and the values found, as HTML that needs nothing else.
+
+The page has the look of the coverage page, and no script. Curves are SVG that stretches to the
+width at hand; phonemes stand above them as text.
+"""
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from importlib.resources import files
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
+from markupsafe import Markup
+
+from lipsync_lang.capture.shown_lines import ShownLine, SignalFigures
+from lipsync_lang.coverage.page.assembling import TightLayout, own_file
+from lipsync_lang.coverage.page.wording import count
+from lipsync_lang.pipeline.arrays import Floats
+
+if TYPE_CHECKING:
+    from lipsync_lang.capture.fit_file import FitProposal
+
+MAX_DRAWN_LINES = 200
+"""Lines that are drawn; the table names all."""
+
+MAX_DRAWN_SIGNALS = 12
+"""Signals of a line that are drawn, those that move most first."""
+
+MAX_POINTS = 1_500
+"""Points of a drawn curve."""
+
+MAX_ROWS = 1_000
+"""Rows of the table of lines, and of that of values."""
+
+MAX_VALUE_CHARS = 120
+"""Characters of a value that a row shows."""
+
+MAX_LABELS = 400
+"""Phonemes above a drawing."""
+
+LABEL_REM = 1.3
+"""Width of a phoneme above a drawing, in rem, on a narrow screen."""
+
+AROUND_SECONDS = 0.1
+"""Seconds that are drawn before and after what was captured."""
+
+WIDTH, HEIGHT = 1_000, 100
+"""Units of a drawing, which stretches."""
+
+OPEN_LINES = 3
+"""Drawings that are open when the page is."""
+
+
+class SignalDrawing(NamedTuple):
+    """Drawing of a signal, ready for the template."""
+
+    figures: SignalFigures
+    captured: str
+    """SVG path."""
+    before: str
+    after: str
+    low: float
+    high: float
+    """Range of the drawing."""
+
+
+class LineDrawing(NamedTuple):
+    """Drawing of a line, ready for the template."""
+
+    line: ShownLine
+    signals: tuple[SignalDrawing, ...]
+    bounds: str
+    """SVG path of the boundaries of phonemes."""
+    labels: tuple[tuple[str, float], ...]
+    """Phonemes, with the share of the width at which each stands."""
+    width: float
+    """Least width in rem at which the phonemes are readable."""
+
+
+def fit_page(lines: Sequence[ShownLine], proposal: "FitProposal | None" = None) -> str:
+    """Return a fit as one HTML page that needs nothing else.
+
+    Parameters
+    ----------
+    lines : captured lines with their curves; the worst are drawn first, `MAX_DRAWN_LINES` at most
+    proposal : the result of the fit, with its verdict; None to show lines alone
+    """
+    worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
+    items = () if proposal is None else proposal.items
+    return (
+        _environment()
+        .get_template("fit.html")
+        .render(
+            lines=worst,
+            proposal=proposal,
+            items=sorted(items, key=lambda one: (-one.confidence * one.occurrences, one.item)),
+            drawings=[_drawing(line) for line in worst[:MAX_DRAWN_LINES]],
+            r=[_mean([getattr(line, name) for line in worst]) for name in ("r_before", "r_after")],
+            rms=[_mean([getattr(line, f"rms_{when}") for line in worst]) for when in _WHEN],
+            style=Markup(own_file("style.css") + _own("fit.css")),  # noqa: S704 our own
+        )
+    )
+
+
+_WHEN = ("before", "after")
+
+
+def _own(name: str) -> str:
+    return (files("lipsync_lang.capture") / "page_templates" / name).read_text("utf-8")
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
+
+
+@cache
+def _environment() -> Environment:
+    coverage = PrefixLoader({"coverage": PackageLoader("lipsync_lang.coverage.page")})
+    own = PackageLoader("lipsync_lang.capture", "page_templates")
+    environment = Environment(
+        autoescape=True,
+        extensions=[TightLayout],
+        loader=ChoiceLoader([own, coverage]),
+        undefined=StrictUndefined,
+    )
+    environment.filters["commas"] = "{:,}".format
+    environment.filters["number"] = lambda value: "–" if value is None else f"{value:.3f}"
+    environment.filters["value"] = _value
+    environment.globals |= {
+        "count": count,
+        "WIDTH": WIDTH,
+        "HEIGHT": HEIGHT,
+        "MAX_ROWS": MAX_ROWS,
+        "OPEN_LINES": OPEN_LINES,
+        "MAX_DRAWN_SIGNALS": MAX_DRAWN_SIGNALS,
+    }
+    return environment
+
+
+def _value(value: object) -> str:
+    """Write a value of an item shortly."""
+    text = "–" if value is None else json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= MAX_VALUE_CHARS else f"{text[: MAX_VALUE_CHARS - 1]}…"
+
+
+def _drawing(line: ShownLine) -> LineDrawing:
+    """Return the drawing of a line."""
+    start, end = _window(line)
+    length = max(end - start, 1e-9)
+    at = [(float(bound) - start) / length for bound in line.bounds]
+    inside = [share for share in at if 0 <= share <= 1]
+    middles = [(one + other) / 2 for one, other in pairwise(at)]
+    labels = [(t, m) for t, m in zip(line.labels, middles, strict=False) if 0 <= m <= 1]
+    moving = sorted(line.figures, key=lambda one: -one.spread)[:MAX_DRAWN_SIGNALS]
+    return LineDrawing(
+        line,
+        tuple(_signal(line, figures, start, end) for figures in moving),
+        "".join(f"M{share * WIDTH:.1f} 0V{HEIGHT}" for share in inside[:MAX_LABELS]),
+        tuple(labels[:MAX_LABELS]),
+        max(20.0, LABEL_REM * len(labels[:MAX_LABELS])),
+    )
+
+
+def _window(line: ShownLine) -> tuple[float, float]:
+    """Return the seconds that are drawn: those captured, and a little around them."""
+    known = line.times[np.isfinite(line.captured).any(axis=1)]
+    if not len(known):
+        return float(line.times[0]), float(line.times[-1])
+    return float(known[0]) - AROUND_SECONDS, float(known[-1]) + AROUND_SECONDS
+
+
+def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -> SignalDrawing:
+    number = line.signals.index(figures.signal)
+    drawn = np.flatnonzero((line.times >= start) & (line.times <= end))
+    drawn = drawn[:: max(1, -(-len(drawn) // MAX_POINTS))]
+    x = (line.times[drawn] - start) / max(end - start, 1e-9) * WIDTH
+    curves = [one[drawn, number] for one in (line.captured, line.before, line.after)]
+    known = np.concatenate([one[np.isfinite(one)] for one in curves])
+    low, high = float(known.min()), float(known.max())
+    span = max(high - low, 1e-9)
+    captured, before, after = (_path(x, (high - one) / span * HEIGHT) for one in curves)
+    return SignalDrawing(figures, captured, before, after, low, high)
+
+
+def _path(x: Floats, y: Floats) -> str:
+    """Return an SVG path through points; gaps where a value is missing."""
+    parts, pen = [], "M"
+    for here, there in zip(x.tolist(), y.tolist(), strict=True):
+        if not np.isfinite(there):
+            pen = "M"
+            continue
+        parts.append(f"{pen}{here:.1f} {there:.1f}")
+        pen = "L"
+    return "".join(parts)

@@ -1,0 +1,143 @@
+"""Captured lines beside the curves before and after a fit, with figures of how well these follow.
+
+Conventions: T frames, S signals; times are seconds.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Floats
+
+if TYPE_CHECKING:
+    from lipsync_lang.capture.fit_captures import Followed
+
+LEAST_FRAMES = 3
+"""Frames from which r is told."""
+
+STILL = 1e-9
+"""Standard deviation below which a signal does not move."""
+
+
+class SignalFigures(NamedTuple):
+    """Figures of how well curves follow a captured signal, before and after a fit."""
+
+    signal: str
+    r_before: float | None
+    """Pearson r; None if either does not move."""
+    r_after: float | None
+    rms_before: float
+    """Root of the mean squared difference."""
+    rms_after: float
+    spread: float
+    """Standard deviation of the captured signal."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShownLine:
+    """A captured line with the curves before and after a fit."""
+
+    name: str
+    times: Floats
+    """(T,) seconds."""
+    signals: tuple[str, ...]
+    captured: Floats
+    """(T, S); NaN where nothing was captured."""
+    before: Floats
+    """(T, S) signals of the curves before the fit."""
+    after: Floats
+    """(T, S) signals of the curves after it."""
+    labels: tuple[str, ...]
+    """Phonemes."""
+    bounds: Floats
+    """Their boundaries: one more than labels."""
+    figures: tuple[SignalFigures, ...]
+    """Of each signal that was captured, worst first."""
+    speaker: str = ""
+
+    @property
+    def r_before(self) -> float | None:
+        """Mean r before, by how much the signals move."""
+        return _mean(self.figures, [one.r_before for one in self.figures])
+
+    @property
+    def r_after(self) -> float | None:
+        """Mean r after, by how much the signals move."""
+        return _mean(self.figures, [one.r_after for one in self.figures])
+
+    @property
+    def rms_before(self) -> float:
+        """RMS difference over all signals before."""
+        return _root([one.rms_before for one in self.figures])
+
+    @property
+    def rms_after(self) -> float:
+        """RMS difference over all signals after."""
+        return _root([one.rms_after for one in self.figures])
+
+
+def _mean(figures: Sequence[SignalFigures], values: Sequence[float | None]) -> float | None:
+    pairs = [(v, f.spread) for v, f in zip(values, figures, strict=True) if v is not None]
+    total = sum(weight for _, weight in pairs)
+    return sum(value * weight for value, weight in pairs) / total if total > 0 else None
+
+
+def _root(values: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if values else 0.0
+
+
+def signal_figures(
+    signals: Sequence[str], captured: Floats, before: Floats, after: Floats
+) -> tuple[SignalFigures, ...]:
+    """Measure how well curves follow captured signals, where these are known; worst first."""
+    found = []
+    for number, signal in enumerate(signals):
+        known = np.isfinite(captured[:, number])
+        if known.any():
+            wanted, old, new = (one[known, number] for one in (captured, before, after))
+            found.append(
+                SignalFigures(
+                    signal,
+                    _r(wanted, old),
+                    _r(wanted, new),
+                    _rms(wanted, old),
+                    _rms(wanted, new),
+                    float(wanted.std()),
+                )
+            )
+    return tuple(sorted(found, key=lambda one: -one.rms_after))
+
+
+def _rms(wanted: Floats, shown: Floats) -> float:
+    return float(np.sqrt(np.mean((wanted - shown) ** 2)))
+
+
+def _r(wanted: Floats, shown: Floats) -> float | None:
+    if len(wanted) < LEAST_FRAMES or wanted.std() <= STILL or shown.std() <= STILL:
+        return None
+    return float(np.corrcoef(wanted, shown)[0, 1])
+
+
+def shown_lines(followed: "Iterable[Followed]") -> tuple[ShownLine, ...]:
+    """Return the lines of a fit for its page."""
+    out = []
+    for one in followed:
+        captured, schedule = one.line.captured, one.line.captured.schedule
+        figures = signal_figures(captured.signals, one.line.wanted, one.before, one.after)
+        out.append(
+            ShownLine(
+                captured.name,
+                one.line.frames.times(),
+                captured.signals,
+                one.line.wanted,
+                one.before,
+                one.after,
+                schedule.labels,
+                schedule.times,
+                figures,
+                captured.speaker,
+            )
+        )
+    return tuple(out)
