@@ -24,6 +24,7 @@ poseset: facefx
 words: {hello: {curves: {open: [[0, 0], [1, 1]]}}}   # as she says it
 """
 NAMES = [one.item for one in ITEMS]
+STEP = "{open: 0.1234, W: 0.2, status: fitted}"
 CURVES = "{open: [[0, 0], [1, 0.2]]}"
 
 
@@ -93,6 +94,16 @@ def test_each_item_is_accepted_alone_and_taken_out_again(name, anna):
     assert accept(name).taken == (name,)
     assert {one for one, state in states(accept()).items() if state == "same"} == {name}
     assert remove_fit(Library(), "anna").taken == (name,)
+    assert anna.read_text("utf-8") == ANNA
+
+
+def test_many_items_of_a_field_have_a_line_each(anna):
+    labels = ("aa", "eh", "ow", "ih", "w", "l")
+    items = [FitItem(item=f"targets.{one}", value={"open": 0.1234, "W": 0.2}) for one in labels]
+    accept(every=True, proposal=fit(*items))
+    lines = anna.read_text("utf-8").splitlines()
+    assert lines[7:] == ["targets:", *(f"  {one}: {STEP}" for one in labels)]
+    remove_fit(Library(), "anna")
     assert anna.read_text("utf-8") == ANNA
 
 

@@ -15,7 +15,7 @@ from lipsync_lang.authoring.fit_review import (
     own_character,
     review,
 )
-from lipsync_lang.authoring.fitted_values import fitted_items, removals, settings
+from lipsync_lang.authoring.fitted_values import fitted_items, removals, settings, together
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.editing import write_edited
 from lipsync_lang.packs.splicing import Change, SplicedText
@@ -80,7 +80,8 @@ def accept_fit(  # noqa: PLR0913 what is accepted, for whom, and how freely
     taken = [row for row in asked if _may(row, wanted)]
     data = shelf.character.source.data
     if write:
-        _write(shelf.character.path, [one for row in taken for one in settings(row.item, data)])
+        made = [one for row in taken for one in settings(row.item, data)]
+        _write(shelf.character.path, together(made, data))
     names = tuple(row.item.item for row in taken)
     left = tuple(row for row in asked if row.item.item not in names)
     return Acceptance(shelf.character.path, rows, names, left)

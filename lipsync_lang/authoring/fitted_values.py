@@ -48,6 +48,21 @@ def settings(item: FitItem, data: Data) -> list[Change]:
     return [(loc, value), (("fitted", item.item), value)]
 
 
+def together(changes: Sequence[Change], data: Data) -> list[Change]:
+    """Return changes in which a field that the file lacks is set as a whole.
+
+    A whole field is written with an entry on each line if one line would be too long for it.
+    """
+    made: list[Change] = []
+    fields: dict[str | int, dict[str | int, Data]] = {}
+    for (field, name), value in changes:
+        if field in data:
+            made.append(((field, name), value))
+        else:
+            fields.setdefault(field, {})[name] = value
+    return [*made, *(((field,), entries) for field, entries in fields.items())]
+
+
 def removals(items: Sequence[str], data: Data) -> list[Change]:
     """Return the changes that take items out of a character's file with some data.
 
