@@ -218,11 +218,12 @@ def test_the_least_time_is_the_clips_or_stated(tmp_path):
     assert sorted_from(tmp_path, unknown, [with_answers(unknown, fast(12))]).raters == 1
 
 
-def test_the_time_of_a_pair_is_that_of_its_last_question(tmp_path):
+@pytest.mark.parametrize("quick", ["accuracy", "naturalness"])
+def test_the_time_of_a_pair_is_that_of_its_later_answer(quick, tmp_path):
     study = study_of(lines=6, questions=("accuracy", "naturalness"))
     one = submission(study, 1, by_taste)
     for answer in one["answers"]:
-        answer["seconds"] = 0.5 if answer["question"] == "accuracy" else 4
+        answer["seconds"] = 0.5 if answer["question"] == quick else 4
     assert accounted(sorted_from(tmp_path, study, [one])) == {}
 
 
@@ -259,6 +260,11 @@ def test_a_damaged_file_is_one_that_is_not_read(name, indent, tmp_path):
     found = sort_answers([file], model(SOUND))
     assert accounted(found) == {"unreadable": (count, 0)}
     assert found.set_aside[0].place == str(file)
+
+
+def test_a_file_of_one_submission_is_named_without_a_line(tmp_path):
+    found = sorted_from(tmp_path, SOUND, [changed(SOUND, consent=False)])
+    assert [one.place for one in found.set_aside] == [str(tmp_path / "answers.jsonl")]
 
 
 def test_a_damaged_line_leaves_the_others(tmp_path):

@@ -10,7 +10,6 @@ from lipsync_lang.files import read_input
 from lipsync_lang.study.study_file import MAX_ANSWERS_BYTES, MAX_SUBMISSION_BYTES
 
 STUDY_NAME = "study.json"
-BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 def answer_files(places: Iterable[Path]) -> list[Path]:
@@ -47,9 +46,9 @@ def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]
         except LipsyncError as error:
             yield str(path), error
             continue
-        content = content.removeprefix(BYTE_ORDER_MARK).strip()
+        content = content.strip()
         lines = content.split(b"\n")
-        if not any(_is_document(line) for line in lines) or _is_document(content):
+        if len(lines) == 1 or not any(_is_document(line) for line in lines):
             yield str(path), content
             continue
         for number, line in enumerate(lines, 1):
@@ -58,7 +57,7 @@ def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]
 
 
 def _is_document(text: bytes) -> bool:
-    """Tell whether a text is a document by itself: the whole file, or a line of JSON lines."""
+    """Tell whether a line is a document by itself, as in JSON lines."""
     found = parse_document(text)[2]
     return isinstance(found, dict) and "kind" in found
 
