@@ -69,10 +69,18 @@ def test_every_mark_is_a_part_and_every_part_has_its_mark(how_good, page):
 
 
 def test_fits_are_told_once_they_are_measured(how_good, page):
-    assert "fitting" in page.measured or page.block("fitting") == "Not measured yet."
-    part = page.measured["articulation"] | {"figures": {"r": {"before": 0.81, "after": 0.85}}}
-    fitted = how_good.Page(page.measured | {"fitting": part}, page.published)
-    assert "| r, after | 0.85 |" in fitted.block("fitting")
+    without = {name: part for name, part in page.measured.items() if name != "fitting"}
+    assert how_good.Page(without, page.published).block("fitting") == "Not measured yet."
+    figures = {
+        "posesets": {"facefx": {"aperture": {"before": [0.8, 0.9], "after": [0.7, 0.9]}}},
+        "known": {"facefx": {"minutes": 10, "seconds": 42.4, "before": 0.1, "after": 0.0123}},
+    }
+    part = page.measured["articulation"] | {"figures": figures}
+    told = how_good.Page(without | {"fitting": part}, page.published)
+    assert "| facefx, aperture | 0.85 | 0.80 | -0.10 to +0.00 |" in told.block("fitting")
+    assert "found again in 42 s" in told.block("fitting")
+    assert "0.100 before and 0.012 after" in told.block("fitting")
+    assert "r 0.80 after a fit to the others, 0.85 before" in told.block("summary")
 
 
 # Figures and their sources
@@ -143,16 +151,6 @@ def test_a_benchmark_is_run_and_its_figures_kept(made, tmp_path, monkeypatch):
     measure.save({"b": {"old": 1}, "a": found})
     kept = json.loads((tmp_path / "measured.json").read_text("utf-8"))
     assert [*kept] == ["a", "b"], "parts stand in the order of the page"
-
-
-def test_a_benchmark_may_print_its_figures(made, tmp_path, monkeypatch):
-    measure = made("measure")
-    (tmp_path / "benchmarks").mkdir()
-    script = "import sys, json; print(json.dumps(sys.argv[1:]))"
-    (tmp_path / "benchmarks" / "tiny.py").write_text(script, encoding="utf-8")
-    monkeypatch.setattr(measure, "ROOT", tmp_path)
-    found = measure.measure(measure.Part("tiny.py", [], "a grain", prints=True), ["here"])
-    assert found["figures"] == ["here", "--json"]
 
 
 def test_speeds_are_read_from_the_page_of_the_reference(made):
