@@ -18,7 +18,7 @@ from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage, plan, scripts
 from lipsync_lang.coverage.changes import read_document, since
 from lipsync_lang.coverage.document_schema import written
-from lipsync_lang.coverage.forms import FORMS
+from lipsync_lang.coverage.forms import FORMS, Asked
 from lipsync_lang.coverage.report import Coverage, authored
 from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.packs.library import Library
@@ -43,6 +43,17 @@ poseset: facefx
 bigrams:
   aa-d: {status: %s, curves: {open: [[0, 0], [0.5, 0.4], [1, 0]]}}
   w-d: {status: edited, curves: {open: [[0, 0], [0.5, 0.4], [1, 0]]}}
+"""
+
+
+BANK_OF_THREE = """\
+kind: bank
+format: 1
+name: three
+poseset: facefx
+trigrams:
+  d-aa-d: {status: edited, curves: {open: [[0, 0], [0.5, 0.4], [1, 0]]}}
+  bmp-ih-s: {curves: {}}
 """
 
 
@@ -74,6 +85,57 @@ def report(*texts, **options):
 
 
 # Counting
+
+
+def test_trigrams_count_for_the_bigrams_that_they_play(packs):
+    before = report("tata ta", "mi")
+    write(packs / "posesets/facefx/banks/three.yaml", BANK_OF_THREE)
+    told = report("tata ta", "mi")  # d aa d aa d aa; bmp ih
+    (one, idle) = told.trigrams
+    assert (one.trigram, one.count, one.places) == ("d-aa-d", 2, ("a.txt:1",))
+    assert (idle.trigram, idle.count, idle.places) == ("bmp-ih-s", 0, ())
+    needs = {row.bigram: row for row in told.bigrams}
+    assert {name: row.in_trigrams for name, row in needs.items()} == {
+        "d-aa": 2, "aa-d": 2, "bmp-ih": 0,
+    }  # fmt: skip
+    assert not needs["d-aa"].authored, "the last one plays as a bigram"
+    assert needs["aa-d"].authored
+    assert (before.authored.percent, told.authored.percent) == (0, 66.6667)
+    assert (before.left.bigrams, told.left.bigrams) == (3, 2)
+    assert told.next_hour.percent == 33.3333
+    assert [row.bigram for row in told.bigrams if not row.authored] == ["d-aa", "bmp-ih"]
+    for status in ("drafted", "approved"):
+        write(packs / "posesets/facefx/banks/three.yaml", BANK_OF_THREE.replace("edited", status))
+        again = report("tata ta", "mi")
+        assert again.trigrams[0].status == status
+        assert again.authored.percent == (0 if status == "drafted" else 66.6667)
+
+
+def test_a_break_is_within_no_trigram_and_silence_may_begin_one(packs):
+    text = BANK_OF_THREE.replace("d-aa-d", "_-d-aa")
+    write(packs / "posesets/facefx/banks/three.yaml", text)
+    assert report("ta, ta").trigrams[0].count == 2
+    whole = coverage([Line("tata", "a.txt:1", gaps=(2,))], "toy", "facefx").reports[0]
+    assert whole.trigrams[0].count == 1
+    assert {row.bigram: row.in_trigrams for row in whole.silence}["_-d"] == 1
+
+
+@pytest.mark.usefixtures("packs")
+def test_characters_with_other_trigrams_are_counted_apart(packs):
+    anna = "kind: character\nformat: 1\nname: anna\nposeset: facefx\n"
+    write(packs / "characters/anna.yaml", anna + BANK_OF_THREE.partition("facefx\n")[2])
+    plain, own = coverage(lines("tata"), "toy", ["facefx", "anna"]).reports
+    assert (plain.trigrams, own.trigrams[0].count) == ((), 1)
+    assert plain.authored.percent == 0 < own.authored.percent
+
+
+@pytest.mark.parametrize("form", ["text", "html", "json"])
+def test_trigrams_are_told(packs, form):
+    write(packs / "posesets/facefx/banks/three.yaml", BANK_OF_THREE)
+    out = io.StringIO()
+    found = coverage(lines("tata ta"), "toy", "facefx")
+    FORMS.find(form)(found, out, Asked())
+    assert "d-aa-d" in out.getvalue()
 
 
 @pytest.mark.usefixtures("packs")

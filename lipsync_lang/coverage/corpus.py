@@ -18,6 +18,7 @@ from lipsync_lang.coverage.report import Corpus
 from lipsync_lang.coverage.scripts import OtherScripts
 from lipsync_lang.coverage.tally_counter import TallyCounter
 from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
+from lipsync_lang.pipeline.track import trigrams_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -123,7 +124,8 @@ class Count:
 
     Parameters
     ----------
-    performer : reads the lines; the character matters only by its own pronunciations
+    performer : reads the lines; the character matters by its own pronunciations and the trigrams
+        that it plays
     scripts : that the language is written in; empty if unknown
     """
 
@@ -136,6 +138,8 @@ class Count:
         self.phonemes = np.zeros(self.size, np.int64)
         self.bigrams = np.zeros(self.size**2, np.int64)
         self.first: list[list[int]] = [[] for _ in range(self.size**2)]
+        self.trigrams: dict[tuple[int, int, int], int] = {}
+        self.first_trigrams: dict[tuple[int, int, int], list[int]] = {}
         self.unread, self.unmapped = TallyCounter(), TallyCounter()
         self.dropped = TallyCounter()
         self.others = OtherScripts(self._speaker, scripts)
@@ -181,10 +185,23 @@ class Count:
             is_first |= not self.first[code]
             if len(self.first[code]) < MAX_PLACES:
                 self.first[code].append(number)
+        if len(self._performer.compiled.tables.trigrams):
+            self._count_trigrams(number, ids)
         spoken = kinds[self.sounding(kinds)]
         self._sets.extend(spoken.tolist())
         self._starts.append(len(self._sets))
         return is_first
+
+    def _count_trigrams(self, number: int, ids: "Ints") -> None:
+        """Count the trigrams of a line, as they play between breaks."""
+        for part in np.split(ids, np.flatnonzero(ids == BREAK)):
+            run = part[part != BREAK]
+            for at in trigrams_in(run, self._performer.compiled.tables).tolist():
+                one, two, three = run[at : at + 3].tolist()
+                self.trigrams[one, two, three] = self.trigrams.get((one, two, three), 0) + 1
+                places = self.first_trigrams.setdefault((one, two, three), [])
+                if len(places) < MAX_PLACES and number not in places:
+                    places.append(number)
 
     def sounding(self, codes: "Ints") -> "npt.NDArray[np.bool_]":
         """Return True for codes without silence, in the shape of `codes`."""

@@ -20,6 +20,8 @@ from lipsync_lang.coverage.report import (
     Sentence,
     Shared,
     Tally,
+    TrigramNeed,
+    authored,
 )
 from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.errors import LipsyncError
@@ -148,10 +150,11 @@ def _resolved(
 
 
 def _reader_index(performer: "Performer", reading: "list[Performer]") -> int:
-    """Return the index of a performer that reads the same; append this one if there is none."""
+    """Return the index of a performer that counts the same; append this one if there is none."""
     for number, other in enumerate(reading):
         mine, others = performer.compiled, other.compiled
-        if (mine.manner, mine.words) == (others.manner, others.words):
+        trigrams = mine.report.trigrams.keys() == others.report.trigrams.keys()
+        if (mine.manner, mine.words) == (others.manner, others.words) and trigrams:
             return number
     reading.append(performer)
     return len(reading) - 1
@@ -176,10 +179,42 @@ class CountFigures:
         self.silent = np.where(sounding, 0, counted.bigrams)
         self.unused = [int(c) for c in codes if sounding[c] and not counted.bigrams[c]]
 
+    def trigrams(self, performer: "Performer") -> tuple[TrigramNeed, ...]:
+        """Return the trigrams that a character plays, most frequent first.
+
+        Those of shades are left out, as bigrams of shades are.
+        """
+        compiled, counted = performer.compiled, self.count
+        numbers = {name: number for number, name in enumerate(compiled.counted)}
+        found = []
+        for name, origin in {one.name: one for one in compiled.origins if one.triple}.items():
+            one, two, three = (numbers.get(phoneme, -1) for phoneme in origin.triple or ())
+            if min(one, two, three) < 0:
+                continue
+            lines = counted.first_trigrams.get((one, two, three), ())
+            need = TrigramNeed(
+                trigram=name,
+                count=counted.trigrams.get((one, two, three), 0),
+                layer=origin.layer,
+                status=origin.status,
+                places=tuple(self.pages[line][0] for line in lines),
+            )
+            found.append(need)
+        return tuple(sorted(found, key=lambda need: (-need.count, need.trigram)))
+
     def bigrams(
-        self, counts: plan.Ints, origins: "dict[int, Origin]", names: Sequence[str]
+        self,
+        counts: plan.Ints,
+        origins: "dict[int, Origin]",
+        names: Sequence[str],
+        within: Mapping[str, int],
     ) -> tuple[BigramNeed, ...]:
-        """Return the ranked bigrams with layer and status of each."""
+        """Return the ranked bigrams with layer and status of each.
+
+        Parameters
+        ----------
+        within : occurrences that authored trigrams play, by bigram
+        """
         total, running = int(counts.sum()), 0
         found = []
         for code in plan.ranked(counts):
@@ -195,6 +230,7 @@ class CountFigures:
                     status=origins[code].status,
                     example=self.examples.get(code, ""),
                     places=tuple(self.pages[line][0] for line in self.count.first[code]),
+                    in_trigrams=within.get(names[code], 0),
                 )
             )
         return tuple(found)
@@ -234,7 +270,9 @@ def report_of(
     codes = {name: code for code, name in enumerate(names)}
     bigrams = (origin for origin in performer.compiled.origins if origin.triple is None)
     origins = {codes[one.name]: one for one in bigrams if one.name in codes}
-    rows = counted_lines.bigrams(counted_lines.spoken, origins, names)
+    trigrams = counted_lines.trigrams(performer)
+    within = _within(trigrams)
+    rows = counted_lines.bigrams(counted_lines.spoken, origins, names, within)
     total = sum(row.count for row in rows)
     missing = [row for row in rows if not row.authored]
     done = [row for row in rows if row.authored]
@@ -249,23 +287,38 @@ def report_of(
         phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
         occurrences=total,
         bigrams=rows,
-        silence=counted_lines.bigrams(counted_lines.silent, origins, names),
+        silence=counted_lines.bigrams(counted_lines.silent, origins, names, within),
         unused=tuple(names[code] for code in counted_lines.unused),
         needed=plan.needed([row.count for row in rows]),
-        authored=Authored(bigrams=len(done), percent=_share(done, total)),
+        authored=Authored(
+            bigrams=len(done), percent=plan.percent(sum(row.covered for row in rows), total)
+        ),
         left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
-        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_share(soon, total)),
+        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_left(soon, total)),
         sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)
         if sentences
         else (),
         unread=counted.unread.tallies(),
         unmapped=counted.unmapped.tallies(),
         other_scripts=counted.others.tallies(),
+        trigrams=trigrams,
     )
 
 
-def _share(rows: Sequence[BigramNeed], total: int) -> float:
-    return plan.percent(sum(row.count for row in rows), total)
+def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
+    """Count the occurrences of bigrams that authored trigrams play in their place."""
+    found: Counter[str] = Counter()
+    for one in trigrams:
+        if authored(one.layer, one.status):
+            first, middle, last = one.trigram.split("-")
+            found[f"{first}-{middle}"] += one.count
+            found[f"{middle}-{last}"] += one.count
+    return found
+
+
+def _left(rows: Sequence[BigramNeed], total: int) -> float:
+    """Return the percentage of all occurrences that rows cover once they are drawn."""
+    return plan.percent(sum(row.count - row.covered for row in rows), total)
 
 
 def _shared(performer: "Performer", counted: Count) -> Shared:

@@ -65,11 +65,31 @@ class BigramNeed(Fact):
     """A word with this bigram; empty if there is none."""
     places: tuple[str, ...]
     """The first lines with this bigram."""
+    in_trigrams: int = 0
+    """Occurrences that an authored trigram plays in place of the bigram."""
 
     @property
     def authored(self) -> bool:
-        """True if a person drew curves for this very pair."""
-        return authored(self.layer, self.status)
+        """True if a person drew this very pair, or trigrams that play wherever it occurs."""
+        return self.covered >= self.count
+
+    @property
+    def covered(self) -> int:
+        """Occurrences for which a person drew curves."""
+        return self.count if authored(self.layer, self.status) else self.in_trigrams
+
+
+class TrigramNeed(Fact):
+    """A trigram that somebody drew, and how often the corpus plays it."""
+
+    trigram: str
+    count: int
+    layer: str
+    """Source of its curves: character, language or shared."""
+    status: str
+    """drafted, edited or approved."""
+    places: tuple[str, ...]
+    """The first lines with this trigram."""
 
 
 class Authored(Fact):
@@ -136,6 +156,8 @@ class CoverageReport(Fact):
     """Words in scripts that the language is not written in."""
     column: str = ""
     """The column that was read; empty unless the language has several."""
+    trigrams: tuple[TrigramNeed, ...] = ()
+    """Trigrams that are drawn, most frequent first; those that never play have a count of 0."""
 
     @property
     def label(self) -> str:

@@ -185,7 +185,7 @@ class ScriptCount:
             raise LipsyncError(f"{self.name} cannot be read: {error.strerror}") from None
         compiled = performer.compiled
         reading = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
-        return digest, self.column, reading
+        return digest, self.column, reading, tuple(compiled.report.trigrams)
 
     def wait(self) -> None:
         """Wait until the count is done."""

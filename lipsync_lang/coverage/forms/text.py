@@ -133,6 +133,12 @@ def _facts(report: "CoverageReport") -> Iterator[str]:
     yield f"never used: {len(report.unused)} of {kinds} bigrams"
     drawn = sum(authored(one.layer, one.status) for one in report.silence)
     yield f"with silence: {len(report.silence)} bigrams, {drawn} of them authored"
+    if report.trigrams:
+        played = [
+            f"{one.trigram} ({one.count}, {one.places[0]})" for one in report.trigrams if one.count
+        ]
+        told = f": {_few(played)}" if played else ""
+        yield f"{_count(len(report.trigrams), 'trigram')} drawn, {len(played)} of them played{told}"
     if report.unread:
         yield f"not read: {_tallies(report.unread)}"
     if report.unmapped:

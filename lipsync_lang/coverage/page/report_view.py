@@ -55,6 +55,11 @@ class ReportView:
         """The bigrams, most frequent first."""
         return self.document["bigrams"]  # type: ignore[no-any-return]
 
+    @property
+    def trigrams(self) -> Sequence[Row]:
+        """The trigrams that somebody drew, most frequent first."""
+        return self.document.get("trigrams", ())  # type: ignore[no-any-return]
+
     @cached_property
     def silence(self) -> Sequence[Row]:
         """The bigrams with silence, most frequent first."""
