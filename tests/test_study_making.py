@@ -36,7 +36,7 @@ def schedule(name="AA"):
     return ll.Schedule(("M", name, "P", "_"), [0, 0.1, 0.3, 0.4, 0.6], notation="arpabet")
 
 
-def cast(character="facefx"):
+def face(character="facefx"):
     performer = ll.resolve("english", character)
     return StudyCharacter(performer, performer.model, lambda _: performer)
 
@@ -53,14 +53,14 @@ def drawn(monkeypatch):
 
     def render(clip, path):
         seen.append(clip.digest)
-        path.write_bytes(b"\0\0\0\x10ftypisom" + clip.digest[: len(seen) % 3].encode())
+        path.write_bytes(f"clip {clip.digest}".encode() + b"x" * (len(seen) % 3))
 
     monkeypatch.setattr(study_clips, "_render", render)
     return seen
 
 
 def made(tmp_path, plan=None, **changed):
-    plan = plan or StudyPlan(lines("one", "two"), (cast(),), parse_methods(BOTH))
+    plan = plan or StudyPlan(lines("one", "two"), (face(),), parse_methods(BOTH))
     return make_study(replace(plan, **changed), tmp_path / "study", workers=1)
 
 
@@ -144,7 +144,7 @@ def test_methods_are_named_by_source(tmp_path):
 
 @pytest.mark.parametrize("how", ["ours", "keyframes", "dominance", "held", "motion", "character"])
 def test_every_method_has_the_frames_of_the_others_and_begins_at_rest(how):
-    who = cast()
+    who = face()
     one = replace(who, other=lambda _: who.performer.with_motion("paper"))
     own = one.frames(schedule())
     made = one.animate(Method("m", how, "x"), "line", own)
@@ -157,7 +157,7 @@ def test_every_method_has_the_frames_of_the_others_and_begins_at_rest(how):
 
 
 def test_files_of_other_programs_take_part(tmp_path):
-    who = cast()
+    who = face()
     own = who.frames(schedule())
     performed = who.performer.perform(schedule(), fps=30)
     for folder, name in (("csv", "a.csv"), ("json", "a.json"), ("glb", "a.glb")):
@@ -193,7 +193,7 @@ bigrams:
 def test_a_bank_takes_part(tmp_path):
     bank = tmp_path / "loud.yaml"
     bank.write_text(BANK)
-    who = cast()
+    who = face()
     louder = ways.with_bank(who.performer, "facefx", bank, lambda path: ll.resolve("english", path))
     own, other = (one.perform(schedule(), fps=30) for one in (who.performer, louder))
     assert other["open"].max() > own["open"].max() + 0.1
@@ -210,7 +210,7 @@ def test_a_file_of_another_line_or_face_is_left_out_by_name(tmp_path, drawn, con
     (tmp_path / "files").mkdir()
     (tmp_path / "files/one.csv").write_text(content)
     methods = parse_methods(["ours", "held", f"theirs={tmp_path / 'files'}"])
-    plan = StudyPlan(lines("one", "two"), (cast(),), methods)
+    plan = StudyPlan(lines("one", "two"), (face(),), methods)
     study = made(tmp_path, plan)
     assert any(told in remark and "one" in remark for remark in study.remarks), study.remarks
     assert "'theirs' has no file for two" in study.remarks[0]
@@ -222,7 +222,7 @@ def test_a_file_of_another_line_or_face_is_left_out_by_name(tmp_path, drawn, con
 def test_two_files_for_one_line_are_refused(tmp_path):
     for name in ("a.csv", "a.json"):
         (tmp_path / name).write_text("x")
-    who = cast()
+    who = face()
     with pytest.raises(ll.LipsyncError, match=r"a.csv and a.json for one line"):
         who.animate(Method("m", "files", str(tmp_path)), "a", who.frames(schedule()))
 
@@ -231,12 +231,12 @@ def test_no_pair_at_all_is_an_error_that_says_why(tmp_path, drawn):
     (tmp_path / "empty").mkdir()
     methods = parse_methods(["ours", f"theirs={tmp_path / 'empty'}"])
     with pytest.raises(ll.LipsyncError, match=r"no pair can be shown\n.*'theirs' has no file for"):
-        made(tmp_path, StudyPlan(lines("one"), (cast(),), methods))
+        made(tmp_path, StudyPlan(lines("one"), (face(),), methods))
     assert not drawn
 
 
 def test_the_wrong_clip_of_a_check_is_late_or_still():
-    own = cast().frames(schedule())
+    own = face().frames(schedule())
     late, still = spoilt(own, 0), spoilt(own, 1)
     assert not still.weights.any()
     busiest = own.weights.sum(axis=0).argmax()
@@ -247,14 +247,23 @@ def test_the_wrong_clip_of_a_check_is_late_or_still():
 # Lines
 
 
-def test_lines_are_named_by_their_id_or_their_place(tmp_path):
-    (tmp_path / "a.wav").write_bytes(b"")
+def test_lines_are_named_by_their_id_or_their_place():
     found = [Line("Hello", "s.csv:2", "a"), Line("World", "dir/s.csv:3"), Line(" ", "s.csv:4")]
-    named = study_lines(found, ["Bye"], tmp_path)
+    named = study_lines(found, ["Bye"])
     assert [(line.name, line.text) for line in named] == [
         ("a", "Hello"), ("s_3", "World"), ("text_1", "Bye"),
     ]  # fmt: skip
-    assert [line.recording for line in named] == [tmp_path / "a.wav", None, None]
+    assert not any(line.recording for line in named)
+
+
+def test_lines_without_a_recording_are_left_out_by_name(tmp_path):
+    found, told = [Line("Hello", "s.csv:2", "a"), Line("World", "s.csv:3", "b")], []
+    with pytest.raises(ll.LipsyncError, match="no recording that is called like a line"):
+        study_lines(found, (), tmp_path)
+    (tmp_path / "a.wav").write_bytes(b"")
+    (line,) = study_lines(found, ["Bye"], tmp_path, told.append)
+    assert (line.name, line.recording) == ("a", tmp_path / "a.wav")
+    assert told == [f"{tmp_path}: has no recording called b, text_1; left out"]
 
 
 @pytest.mark.parametrize(("found", "told"), [
@@ -284,6 +293,27 @@ def test_a_page_tells_nothing_about_methods(tmp_path, drawn):
         left, right = clips[f"{pair.pair}-left"], clips[f"{pair.pair}-right"]
         assert len(left) == len(right)
     assert len(clips) == 2 * len(study.study.pairs)
+
+
+def test_each_side_shows_the_method_of_the_key(tmp_path, drawn):
+    plan = StudyPlan(lines("one", "two", "three"), (face(),), parse_methods(BOTH), checks=2)
+    study = made(tmp_path, plan)
+    page = (study.folder / "page.html").read_text("utf-8")
+    _, shown = content_of(page)
+    who, methods = plan.characters[0], {method.name: method for method in plan.methods}
+    spoilt_clips = 0
+    for pair in study.study.pairs:
+        own = who.frames({line.name: line for line in plan.lines}[pair.line].schedule)
+        for side, method in (("left", pair.left), ("right", pair.right)):
+            clip = Clip(who.animate(methods[method], pair.line, own), own)
+            content = clip.path(study.folder / "clips")
+            as_stated = content.exists() and shown[f"{pair.pair}-{side}"].startswith(
+                content.read_bytes() + b"\0\0"
+            )
+            assert as_stated == (pair.check in (None, side)), (pair, side)
+            spoilt_clips += not as_stated
+    assert spoilt_clips == 2
+    assert drawn
 
 
 def test_the_key_is_read_and_its_digest_follows_the_clips(tmp_path, drawn, monkeypatch):
@@ -333,7 +363,7 @@ def test_a_folder_with_another_study_is_never_touched(tmp_path, drawn):
 
 def test_raters_who_see_some_pairs_see_every_check(tmp_path, drawn):
     plan = StudyPlan(
-        lines("a", "b", "c", "d"), (cast(),), parse_methods(BOTH), checks=2, raters_see=3
+        lines("a", "b", "c", "d"), (face(),), parse_methods(BOTH), checks=2, raters_see=3
     )
     study = made(tmp_path, plan)
     document, _ = content_of((study.folder / "page.html").read_text("utf-8"))
@@ -400,10 +430,10 @@ def test_boxes_fill_the_smaller_clip():
 
 
 def test_a_clip_is_another_when_anything_it_shows_is():
-    own = cast().frames(schedule())
+    own = face().frames(schedule())
     heard = replace(own.schedule, audio=ll.Audio(np.zeros(9, np.int16), 8000))
     clips = [Clip(own, own), Clip(spoilt(own, 0), own), Clip(own, spoilt(own, 0)),
-             Clip(replace(own, fps=24), own), Clip(replace(own, model=cast("crab").model), own),
+             Clip(replace(own, fps=24), own), Clip(replace(own, model=face("crab").model), own),
              Clip(replace(own, schedule=heard), own)]  # fmt: skip
     assert len({clip.digest for clip in clips}) == len(clips)
     assert Clip(replace(own), own).digest == clips[0].digest
@@ -412,7 +442,7 @@ def test_a_clip_is_another_when_anything_it_shows_is():
 @full
 def test_clips_of_a_pair_are_encoded_alike_and_play(tmp_path, monkeypatch):
     monkeypatch.setattr(study_clips, "CLIP_SIDE", 96)
-    who = cast()
+    who = face()
     sound = ll.Audio((np.sin(np.arange(8000 * 0.6) / 3) * 9000).astype(np.int16), 8000)
     own = who.frames(replace(schedule(), audio=sound))
     clips = [Clip(own, own), Clip(who.animate(Method("k", "keyframes"), "x", own), own),
@@ -446,7 +476,7 @@ def probe(path):
 
 @full
 def test_processes_render_what_one_does(tmp_path):
-    own = cast().frames(schedule())
+    own = face().frames(schedule())
     clips = [Clip(own, own), Clip(spoilt(own, 1), own)]
     told = []
     render_clips(clips, tmp_path / "many", workers=2, told=lambda *numbers: told.append(numbers))

@@ -6,19 +6,16 @@ ends its process again then is lost; the others go on.
 """
 
 import os
-import signal
 from collections import deque
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
-from multiprocessing.connection import wait as wait_for
-from threading import Thread
+from multiprocessing import get_context
 from typing import Any, Self
 
 from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, Missing, run_job
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.child_processes import begin_child, deaf_to_interrupts
 
 MAX_DEATHS = 2
 """Processes that a batch may end while it runs alone."""
@@ -77,7 +74,7 @@ class _Pool:
 
     def __init__(self, count: int) -> None:
         context = get_context("spawn")
-        self.executor = ProcessPoolExecutor(count, context, initializer=_begin)
+        self.executor = ProcessPoolExecutor(count, context, initializer=begin_child)
         self.unfinished: list[Job] = []
         """Jobs on their way when a process died."""
         self._sent: dict[tuple[str, ...], int] = {}
@@ -133,37 +130,7 @@ class _Pool:
         sent = self._sent.get(job.key, 0)
         self._sent[job.key] = sent + 1
         try:
-            with _deaf():
+            with deaf_to_interrupts():
                 return self.executor.submit(run_job, job if sent < self._count else job.bare)
         except BrokenProcessPool:
             return None
-
-
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Hold back Ctrl-C while a process starts: it inherits this, and leaves Ctrl-C to its parent.
-
-    Otherwise a process that is importing modules would print a traceback.
-    """
-    mask = getattr(signal, "pthread_sigmask", None)
-    if mask is None:
-        yield
-        return
-    before = mask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        mask(signal.SIG_SETMASK, before)
-
-
-def _begin() -> None:
-    """Prepare a process: its parent alone answers to Ctrl-C, and it ends with its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
-    if parent is not None:
-        Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
-
-
-def _end_with(sentinel: int) -> None:
-    wait_for([sentinel])
-    os._exit(1)

@@ -92,14 +92,17 @@ def _lines(options: Namespace) -> "tuple[StudyLine, ...]":
     from lipsync_lang.lines import read_lines
     from lipsync_lang.study.study_lines import study_lines
 
+    def remark(text: str) -> None:
+        print(text, file=sys.stderr)
+
     found = read_lines(
         options.lines,
         column=options.column,
         encoding=options.encoding,
-        remark=lambda remark: print(remark, file=sys.stderr),
+        remark=remark,
         cleaning=cleaning(options),
     )
-    return study_lines(found, options.text, options.audio)
+    return study_lines(found, options.text, options.audio, remark)
 
 
 def _texts(options: Namespace) -> "PageTexts":

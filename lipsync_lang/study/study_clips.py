@@ -4,7 +4,6 @@ A clip that is there is never rendered again, so a run that was killed goes on w
 """
 
 import os
-import signal
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import atomic
+from lipsync_lang.files.child_processes import begin_child, deaf_to_interrupts
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -120,9 +120,10 @@ def _cores() -> int:
 
 
 def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, int], None]) -> None:
-    pool = ProcessPoolExecutor(count, get_context("spawn"), initializer=_leave_signals)
+    pool = ProcessPoolExecutor(count, get_context("spawn"), initializer=begin_child)
     try:
-        futures = [pool.submit(_render, clip, path) for path, clip in missing.items()]
+        with deaf_to_interrupts():
+            futures = [pool.submit(_render, clip, path) for path, clip in missing.items()]
         for number, future in enumerate(as_completed(futures), 1):
             future.result()
             told(number, len(missing))
@@ -137,11 +138,6 @@ def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, in
         raise
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-def _leave_signals() -> None:
-    """Leave Ctrl-C to the parent process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _render(clip: Clip, path: Path) -> None:

@@ -1,7 +1,7 @@
 """Spoken lines of a study: their names, texts and timed phonemes with sound."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 MAX_LINES = 10_000
 """Most lines that a study is chosen from."""
+
+SHOWN_NAMES = 8
+"""Names that a remark lists."""
 
 MAX_NAME_CHARS = 100
 """Characters of a line's name."""
@@ -35,7 +38,10 @@ class StudyLine:
 
 
 def study_lines(
-    found: "Iterable[Line]", texts: Iterable[str] = (), recordings: Path | None = None
+    found: "Iterable[Line]",
+    texts: Iterable[str] = (),
+    recordings: Path | None = None,
+    remark: Callable[[str], None] = lambda _: None,
 ) -> tuple[StudyLine, ...]:
     """Name the lines of a study, and find their recordings.
 
@@ -44,6 +50,7 @@ def study_lines(
     found : lines of files
     texts : more lines, called `text_1`, `text_2` and so on
     recordings : folder with one sound per line, called by its name
+    remark : told which lines have no recording; they are left out
 
     Raises
     ------
@@ -59,13 +66,22 @@ def study_lines(
     name, count = Counter(line.name for line in lines).most_common(1)[0]
     if count > 1:
         raise LipsyncError(f"{count} lines are called '{name}'; give each a name of its own")
-    if recordings is None:
-        return tuple(lines)
-    files = files_by_stem(recordings)
-    return tuple(
-        replace(line, recording=only_file(files[line.name])) if line.name in files else line
-        for line in lines
-    )
+    return tuple(lines) if recordings is None else _recorded(lines, recordings, remark)
+
+
+def _recorded(
+    lines: list[StudyLine], folder: Path, remark: Callable[[str], None]
+) -> tuple[StudyLine, ...]:
+    """Return the lines that have a recording, with it."""
+    files = files_by_stem(folder)
+    without = [line.name for line in lines if line.name not in files]
+    if without:
+        some = ", ".join(without[:SHOWN_NAMES]) + (", ..." if len(without) > SHOWN_NAMES else "")
+        remark(f"{folder}: has no recording called {some}; left out")
+    found = [line for line in lines if line.name in files]
+    if not found:
+        raise LipsyncError(f"{folder}: has no recording that is called like a line")
+    return tuple(replace(line, recording=only_file(files[line.name])) for line in found)
 
 
 def _said(line: "Line") -> bool:

@@ -18,7 +18,7 @@ from lipsync_lang.study.study_file import (
     read_study,
     study_digest,
 )
-from lipsync_lang.study.study_lines import StudyLine, timed
+from lipsync_lang.study.study_lines import SHOWN_NAMES, StudyLine, timed
 from lipsync_lang.study.study_page import PageTexts, study_page
 from lipsync_lang.study.study_pairs import (
     ClipPair,
@@ -133,7 +133,8 @@ class _Stage:
         for method in plan.methods:
             without = [line.name for line in plan.lines if lacks(method, line.name)]
             if without:
-                some = ", ".join(without[:8]) + (", ..." if len(without) > 8 else "")  # noqa: PLR2004 a line's worth
+                some = ", ".join(without[:SHOWN_NAMES])
+                some += ", ..." if len(without) > SHOWN_NAMES else ""
                 self.remarks.append(f"method '{method.name}' has no file for {some}; left out")
         found = possible_pairs(
             list(self._lines), list(self._characters), list(self._methods),

@@ -101,6 +101,11 @@ try {
   await page.reload();
   await page.waitForSelector("html[data-ready]");
   result.stays = await page.textContent("#thanks");
+  await page.click("#another");
+  result.asks = await page.textContent("#another");
+  await Promise.all([page.waitForNavigation(), page.click("#another")]);
+  await page.waitForSelector("html[data-ready]");
+  result.anew = [await page.isVisible("#welcome"), await page.isChecked("#agree")];
   await page.context().close();
 
   const phone = await show({ viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true, isMobile: true });

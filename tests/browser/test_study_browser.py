@@ -83,6 +83,8 @@ def test_a_rater_answers_reloads_and_exports(study, tmp_path):
     assert shown["stopped"]["finished"] is None
     assert shown["stopped"]["answers"] == saved["answers"][:2]
     assert shown["stays"] == shown["end"] == "Thank you. All pairs are answered."
+    assert shown["asks"].startswith("Press again")
+    assert shown["anew"] == [True, False], "the next person begins with consent"
     assert shown["others"]["rater"] != saved["rater"]
     export = read_answers(tmp_path / "answers.json")
     assert len(export.submissions) == 1

@@ -297,6 +297,8 @@ function end() {
   const done = Boolean(given?.finished);
   the("thanks").textContent = done ? "Thank you. All pairs are answered." : "You have stopped.";
   button("resume").hidden = done;
+  button("another").hidden = !done;
+  button("another").textContent = "Let another person answer";
   const save = /** @type {HTMLAnchorElement} */ (the("save"));
   if (save.href) URL.revokeObjectURL(save.href);
   save.href = URL.createObjectURL(new Blob([exported()], { type: "application/json" }));
@@ -340,6 +342,22 @@ async function copy() {
   the("sent").textContent = copied ? "The answers are copied." : "The answers are selected below: copy them.";
 }
 
+/** Forget this rater, for the next one at the same device; a second press is needed. */
+function another() {
+  const one = button("another");
+  const sure = "Press again: the answers of this person leave this browser";
+  if (one.textContent !== sure) {
+    one.textContent = sure;
+    return;
+  }
+  try {
+    localStorage.removeItem(KEPT);
+  } catch {
+    // nothing was kept
+  }
+  location.reload();
+}
+
 // Wiring
 
 /** @param {KeyboardEvent} event */
@@ -370,6 +388,7 @@ the("questions").addEventListener("change", changed);
 button("stop").addEventListener("click", end);
 button("resume").addEventListener("click", proceed);
 button("send").addEventListener("click", () => void send());
+button("another").addEventListener("click", another);
 button("copy").addEventListener("click", () => void copy());
 document.addEventListener("keydown", pressed);
 document.title = asked.title;
