@@ -101,7 +101,7 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
         speakers=tuple(sorted({line.speaker for line in captured} - {""})),
         verdict=verdict,
         items=tuple(fit_items(pair, task, values, others)),
-        remarks=tuple(dict.fromkeys(remark for line in captured for remark in line.remarks)),
+        remarks=_remarks(captured),
         set_aside=(*set_aside, *strays),
     )
     return CaptureFit(proposal, _followed(task, values), task.face, values)
@@ -155,6 +155,16 @@ def motion_groups(pair: "OpenPair") -> MotionGroups:
         {region: np.array(poses) for region, poses in soft.items()},
         {region: np.array(poses) for region, poses in ahead.items()},
     )
+
+
+ONE_SPEAKER = "all lines count as of one speaker, so nothing tells how the fit suits another"
+
+
+def _remarks(captured: "Sequence[CapturedLine]") -> tuple[str, ...]:
+    """Return the remarks of all lines, each once."""
+    several = len({line.speaker for line in captured}) > 1
+    told = dict.fromkeys(remark for line in captured for remark in line.remarks)
+    return (*told, *(() if several else (ONE_SPEAKER,)))
 
 
 def _verdict(

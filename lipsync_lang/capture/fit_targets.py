@@ -18,6 +18,9 @@ from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 PRIOR_OCCURRENCES = 2.0
 """Occurrences of a phoneme that weigh as much as its target before the fit."""
 
+FREE_PRIOR_OCCURRENCES = 8.0
+"""The same for signals without a scale: these are sums of several poses, and noisier."""
+
 OCCURRENCE_SECONDS = 0.04
 """Seconds of one occurrence in which its target alone decides."""
 
@@ -110,7 +113,9 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
         weights=np.where(known[:, None], face.start.weights, base.weights),
         dominance=np.where(known, face.start.dominance, base.dominance),
     )
-    strength = PRIOR_OCCURRENCES * OCCURRENCE_SECONDS * lines[0].frames.fps
+    free_signals = any(line.captured.free for line in lines)
+    occurrences = FREE_PRIOR_OCCURRENCES if free_signals else PRIOR_OCCURRENCES
+    strength = occurrences * OCCURRENCE_SECONDS * lines[0].frames.fps
     free = parameters.free
 
     def errors(vector: Floats) -> Floats:
