@@ -6,7 +6,7 @@
 DATA is a folder of foreign recordings and texts: `articulography`, `recordings`, `alignments` and
 `text`. Each part runs a benchmark by itself, and takes its place in `docs/measured.json`; the
 others stay as they are, with their dates. Parts whose data or benchmark is not there are named.
-All take some 15 minutes. `python docs/how_good.py` then writes the page and its pictures.
+All take some ten minutes. `python docs/how_good.py` then writes the page and its pictures.
 """
 
 import argparse
@@ -86,7 +86,7 @@ PARTS = {
     "hearing": Part(
         "hearing.py",
         ["DATA", "--only", "boundaries", "texts"],
-        f"{EMA}; natural recordings of four languages (MFA's test data, MIT)",
+        f"{EMA}; natural recordings of four more languages (MFA's test data, MIT)",
     ),
     "warping": Part("warping.py", ["DATA/articulography"], f"{EMA}; twelve Harvard sentences"),
     "recognition": Part(
