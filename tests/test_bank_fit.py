@@ -271,8 +271,14 @@ def test_the_command_writes_a_proposal_and_tells_it(tmp_path, monkeypatch, capsy
     _, _, truth, said, lines = example(lines=4, jitter=0.0)
     save(tmp_path / "captures", lines, truth, said)
     arguments = ["bank", "fit", "captures", "-l", "english", "-c", "facefx", "--workers", "1"]
-    assert main([*arguments, "-o", "fit.json"]) == 0
+    assert main([*arguments, "-o", "fit.json", "--page", "fit.html"]) == 0
     told = capsys.readouterr()
+    page = (tmp_path / "fit.html").read_text("utf-8")
+    assert page.count('<details class="of"') == 4
+    assert "targets." in page
+    assert "generalises" in page
+    assert main([*arguments, "-o", "same", "--page", "same"]) == 2
+    assert "same: is to hold the proposal and the page; name two files" in capsys.readouterr().err
     assert "accepted: on lines that the fit did not see" in told.out
     assert "bank accept fit.json" in told.err
     proposal = read_fit(tmp_path / "fit.json")

@@ -162,6 +162,8 @@ def needs(page):
         found.add("matplotlib")
     if re.search(r"-o \S+\.(mp4|webm|png)\b", done):
         found |= {"imageio_ffmpeg", "PIL"}
+    if "bank fit " in done:
+        found.add("scipy")
     if "--to vmc" in done:
         found.add("pythonosc")
     if "epitran" in done:

@@ -8,10 +8,11 @@ import pytest
 from lanes import full
 
 import lipsync_lang as ll
+from lipsync_lang.capture.capture_clock import ClockReading
 from lipsync_lang.capture.capture_reading import Captures, read_captures
 from lipsync_lang.capture.captured_line import CapturedLine
 from lipsync_lang.capture.fit_file import SetAside
-from lipsync_lang.capture.judging import judge_captures, outlying_lines
+from lipsync_lang.capture.judging import _unlike_the_others, judge_captures, outlying_lines
 from lipsync_lang.quality.baselines import dominance
 
 TEXTS = (
@@ -90,6 +91,20 @@ def test_timings_of_another_line_are_refused(make, number):
     other = spoken((number + 1) % len(TEXTS))
     told = why(replace(make(number), schedule=other))
     assert "follow its timings" in told or "clock drifts" in told or "motion comes" in told
+
+
+def test_a_line_far_less_alike_than_the_others_is_a_stray():
+    names = [f"line{n}" for n in range(5)]
+    sure = ClockReading(0.8, 0.8, 0, 0.1, 0.1, 0.5, 0.8, 0, 0.2, 0.06)
+    doubtful = sure._replace(near=0.42)
+    lines = [replace(capture(), name=name) for name in names]
+    strays = _unlike_the_others(list(zip(lines, [sure] * 4 + [doubtful], strict=True)))
+    assert [one.line for one in strays] == ["line4"]
+    assert "likeness 0.42, 0.80 is usual" in strays[0].why
+    quiet = sure._replace(near=0.6)
+    assert not _unlike_the_others(list(zip(lines, [sure] * 4 + [quiet], strict=True)))
+    assert not _unlike_the_others(list(zip(lines, [*[sure] * 4, None], strict=True)))
+    assert not _unlike_the_others([(lines[0], sure), (lines[1], doubtful)])
 
 
 def test_noise_is_refused_with_numbers():

@@ -67,6 +67,13 @@ CHANCES, FEW_CHANCES = 3.5, 2.5
 FEW_SOUNDS = 12
 """Sounds below which a line is short, and chance spreads more."""
 
+SURE_CHANCES = 5.0
+"""Standard deviations beyond chance from which a line is never taken for a stray."""
+
+LEAST_JUDGED, UNUSUAL = 4, 0.65
+"""Lines from which others tell what is usual, and the share of the usual likeness below which a
+line is a stray."""
+
 CLEARLY = 0.1
 """Likeness by which one clock has to be better than another."""
 
@@ -82,8 +89,15 @@ LEAST_DRIFT_SECONDS = 0.15
 REVERSED = -0.5
 """Likeness of a signal that runs against its curve."""
 
-OUTLYING = 4.0
+OUTLYING = 6.0
 """Deviations from the median residual that make a line an outlier."""
+
+LEAST_COMPARED = 6
+"""Lines from which residuals tell an outlier; of fewer, the odd one may be the only one of its
+sounds."""
+
+LEAST_DEVIATION = 0.25
+"""Least deviation of residuals, as a share of their median: lines differ by their sounds."""
 
 
 def judge_captures(
@@ -103,7 +117,7 @@ def judge_captures(
     -------
     The sound lines, with remarks on what was corrected or left out, and all captures set aside
     """
-    kept: list[CapturedLine] = []
+    kept: list[tuple[CapturedLine, ClockReading | None]] = []
     aside = list(captures.set_aside)
     seen: dict[str, str] = {}
     for number, line in enumerate(captures.lines, 1):
@@ -114,7 +128,31 @@ def judge_captures(
             aside.append(SetAside(line=line.name, why=str(error)))
         if progress is not None:
             progress(number, len(captures.lines))
-    return Captures(tuple(kept), tuple(aside))
+    strays = _unlike_the_others(kept)
+    lines = (line for line, _ in kept if line.name not in {one.line for one in strays})
+    return Captures(tuple(lines), (*aside, *strays))
+
+
+def _unlike_the_others(
+    kept: "list[tuple[CapturedLine, ClockReading | None]]",
+) -> list[SetAside]:
+    """Name lines that follow their timings far less than the others do, and hardly beyond chance.
+
+    Of many lines, a few with the timings of another pass the test of chance alone.
+    """
+    judged = {line.name: reading for line, reading in kept if reading is not None}
+    if len(judged) < LEAST_JUDGED:
+        return []
+    usual = median(reading.near for reading in judged.values())
+    return [
+        SetAside(
+            line=name,
+            why=f"its motion hardly follows its timings (likeness {one.near:.2f}, {usual:.2f} is "
+            f"usual; chance gives {one.chance:.2f} +- {one.spread:.2f}); are they of another line?",
+        )
+        for name, one in judged.items()
+        if one.near < UNUSUAL * usual and one.near < one.chance + SURE_CHANCES * one.spread
+    ]
 
 
 def _check_repeated(line: "CapturedLine", seen: dict[str, str]) -> None:
@@ -126,19 +164,21 @@ def _check_repeated(line: "CapturedLine", seen: dict[str, str]) -> None:
     seen[digest] = line.name
 
 
-def _judged(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
-    """Return a sound line, corrected; raise an error for an unsound one."""
+def _judged(
+    performer: "Performer", line: "CapturedLine"
+) -> "tuple[CapturedLine, ClockReading | None]":
+    """Return a sound line, corrected, with its clock; raise an error for an unsound one."""
     _check_rate(line)
     _check_covered(performer, line)
     line = _without_stuck(performer, line)
     line = _moving(performer, line)
     count = len(sounds_of(performer, line.schedule))
     if count < LEAST_SOUNDS:
-        return _remarked(line, f"has {count} sounds, too few to judge its clock")
+        return _remarked(line, f"has {count} sounds, too few to judge its clock"), None
     reading, motion = read_clock(performer, line)
     _check_words(reading, motion, FEW_CHANCES if count < FEW_SOUNDS else CHANCES)
     _check_clock(reading)
-    return _forwards(_in_time(line, reading), motion)
+    return _forwards(_in_time(line, reading), motion), reading
 
 
 def _remarked(line: "CapturedLine", told: str) -> "CapturedLine":
@@ -309,11 +349,11 @@ def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
     ----------
     residuals : RMS difference after a fit, by line
     """
-    if len(residuals) < 4:  # noqa: PLR2004 of three, none is far from the others
+    if len(residuals) < LEAST_COMPARED:
         return ()
     middle = median(residuals.values())
     usual = 1.4826 * median(abs(one - middle) for one in residuals.values())
-    limit = middle + OUTLYING * max(usual, 0.1 * middle)
+    limit = middle + OUTLYING * max(usual, LEAST_DEVIATION * middle)
     why = "after the fit its error is {:.3f}, and {:.3f} is usual; check its timings"
     return tuple(
         SetAside(line=name, why=why.format(one, middle))

@@ -27,11 +27,15 @@ def fit(options: Namespace) -> int:
     """Fit a pair to captures; print the result, and write proposal and page."""
     from lipsync_lang.files import write_all
 
+    if options.page is not None and options.page == options.output:
+        raise LipsyncError(f"{options.page}: is to hold the proposal and the page; name two files")
     found = _fitted(options)
     proposal = found.proposal
     writers = {}
     if options.output is not None:
         writers[options.output] = _proposal(proposal)
+    if options.page is not None:
+        writers[options.page] = _page(found)
     write_all(writers)
     words = sys.stderr if STANDARD_STREAM in writers else sys.stdout
     if options.json:
@@ -96,6 +100,14 @@ def _proposal(proposal: "FitProposal") -> "Callable[[BinaryIO], object]":
     text = StringIO()
     write_fit(text, proposal)
     return lambda stream: stream.write(text.getvalue().encode())
+
+
+def _page(found: "CaptureFit") -> "Callable[[BinaryIO], object]":
+    from lipsync_lang.capture.fit_page import fit_page
+    from lipsync_lang.capture.shown_lines import shown_lines
+
+    text = fit_page(shown_lines(found.followed), found.proposal)
+    return lambda stream: stream.write(text.encode())
 
 
 def told(proposal: "FitProposal") -> Iterator[str]:

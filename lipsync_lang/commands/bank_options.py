@@ -171,6 +171,10 @@ def _add_fit(made: argparse.ArgumentParser) -> None:
         help="write the proposal, for `bank accept`; - is standard output",
     )  # fmt: skip
     made.add_argument(
+        "--page", metavar="FILE", type=argument_path,
+        help="write an HTML page of captures beside curves, and of all values found",
+    )  # fmt: skip
+    made.add_argument(
         "--workers", metavar="N", type=int, default=None, help="processes at work [one a core]"
     )
     add_json(made)

@@ -41,6 +41,7 @@ NO_TARGET = {
     "authoring/language_draft.py": "copies a lexicon, which is a target",
     "authoring/poseset_copy.py": "copies packs, which are a target",
     "authoring/placing.py": "compares files it has written",
+    "capture/fit_page.py": "templates of our own",
     "capture/capture_timings.py": "plain text; timings are targets",
     "capture/capture_reading.py": "the head of a file that is a target",
     "commands/output.py": "lines of plain text",
