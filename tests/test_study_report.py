@@ -15,7 +15,7 @@ from lipsync_lang.study.answer_texts import answer_files
 from lipsync_lang.study.distributions import chi_square_tail
 from lipsync_lang.study.preference_page import report_page
 from lipsync_lang.study.study_report import report_study
-from lipsync_lang.study.study_text import report_text
+from lipsync_lang.study.study_text import probability, report_text
 
 REASONS = set(SortingRules().words)
 
@@ -495,6 +495,24 @@ class Page(HTMLParser):
         self.links += [value for name, value in attributes if name in ("src", "href", "action")]
 
 
+def test_few_raters_are_told_what_they_can_never_show(tmp_path):
+    placed(tmp_path, SOUND, [changed(SOUND, n) for n in range(5)])
+    notes = " ".join(report_study(tmp_path).notes)
+    assert "with 5 raters or lines, p is never below 0.062" in notes
+    placed(tmp_path, SOUND, [changed(SOUND, n) for n in range(6)])
+    assert "never below" not in " ".join(report_study(tmp_path).notes)
+
+
+@pytest.mark.parametrize(("value", "told"), [
+    (0.5, "0.500"),
+    (0.0123, "0.012"),
+    (0.0051, "0.0051"),
+    (0.00009, "< 0.0001"),
+])  # fmt: skip
+def test_probabilities_have_the_digits_that_matter(value, told):
+    assert probability(value) == told
+
+
 def test_the_page_asks_for_nothing_and_runs_nothing(folder):
     text = report_page(report_study(folder))
     page = Page(text)
@@ -545,6 +563,15 @@ def test_a_report_is_printed_or_written_by_its_suffix(folder, cli, tmp_path):
         assert out.read_text("utf-8").lstrip().startswith(start)
     assert json.loads(cli("study", "report", folder, "--json").out)["format"]
     assert cli("study", "report", folder, "--format", "html", "-o", "-").out.lstrip()[:2] == "<!"
+
+
+def test_a_report_in_the_folder_of_its_study_is_no_answer(cli, tmp_path):
+    placed(tmp_path, SOUND, [changed(SOUND)])
+    for _ in range(2):
+        assert cli("study", "report", tmp_path, "-o", tmp_path / "report.json").code == 0
+    data = json.loads((tmp_path / "report.json").read_text("utf-8"))
+    assert data["read"]["submissions"] == 1
+    assert data["set_aside"] == []
 
 
 def test_the_options_of_a_report_reach_its_rules(folder, cli):

@@ -10,12 +10,17 @@ from lipsync_lang.files import read_input
 from lipsync_lang.study.study_file import MAX_ANSWERS_BYTES, MAX_SUBMISSION_BYTES
 
 STUDY_NAME = "study.json"
+REPORT_FORMAT = "lipsync-lang study report 1"
+"""Format of reports, which may lie beside answers."""
+
+REPORT_HEAD_BYTES = 80
+"""Bytes of a report within which its format stands."""
 
 
 def answer_files(places: Iterable[Path]) -> list[Path]:
     """Return the files of answers in files and folders, in order, each once.
 
-    Folders give their `.json` and `.jsonl` files, without the study itself.
+    Folders give their `.json` and `.jsonl` files, without the study itself and reports of it.
 
     Raises
     ------
@@ -30,7 +35,10 @@ def answer_files(places: Iterable[Path]) -> list[Path]:
         inside = sorted(
             path
             for path in place.iterdir()
-            if path.suffix in (".json", ".jsonl") and path.name != STUDY_NAME and path.is_file()
+            if path.suffix in (".json", ".jsonl")
+            and path.name != STUDY_NAME
+            and path.is_file()
+            and not _is_report(path)
         )
         if not inside:
             raise LipsyncError(f"{place}: holds no .json or .jsonl file of answers")
@@ -60,6 +68,16 @@ def _is_document(text: bytes) -> bool:
     """Tell whether a line is a document by itself, as in JSON lines."""
     found = parse_document(text)[2]
     return isinstance(found, dict) and "kind" in found
+
+
+def _is_report(path: Path) -> bool:
+    """Tell whether a file is a report that was written into a folder of answers."""
+    try:
+        with path.open("rb") as stream:
+            start = stream.read(REPORT_HEAD_BYTES)
+    except OSError:
+        return False
+    return start.startswith(b"{") and f'"{REPORT_FORMAT}"'.encode() in start
 
 
 def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:

@@ -12,13 +12,12 @@ from lipsync_lang.study.answer_sorting import (
     reasons,
     sort_answers,
 )
-from lipsync_lang.study.answer_texts import STUDY_NAME, answer_files
+from lipsync_lang.study.answer_texts import REPORT_FORMAT, STUDY_NAME, answer_files
 from lipsync_lang.study.bradley_terry import Ranking, ranked
 from lipsync_lang.study.comparisons import Comparison, compared
 from lipsync_lang.study.distributions import CONFIDENCE
 from lipsync_lang.study.study_file import Study, read_study
 
-FORMAT = "lipsync-lang study report 1"
 LEVEL = 0.05
 """Level of significance that notes speak of."""
 
@@ -45,7 +44,7 @@ class StudyReport:
         """Return the report as JSON holds it; `docs/reference/study-report.md` names its keys."""
         answers, rules = self.answers, self.rules.words
         return {
-            "format": FORMAT,
+            "format": REPORT_FORMAT,
             "study": self.study.study,
             "title": self.study.title,
             "methods": list(self.study.methods),
