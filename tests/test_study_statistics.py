@@ -351,6 +351,24 @@ def test_raters_with_tastes_of_their_own_mislead_all_tests_but_that_by_raters():
     assert binomial > 0.15
 
 
+def test_intervals_by_raters_hold_the_truth_and_those_of_independent_choices_do_not():
+    chance = random.Random(3)  # noqa: S311 no secret
+    size, held = 1 / 0.15 - 1, np.zeros(2)
+    for _ in range(300):
+        choices = []
+        for rater in range(10):
+            own = chance.betavariate(0.65 * size, 0.35 * size)
+            for pair in range(10):
+                ends = ("a", "b") if chance.random() < own else ("b", "a")
+                choices.append(Choice(f"r{rater}", f"p{pair}", f"p{pair}", "c", "q", *ends, 3))
+        (one,) = compared(choices, "ab")
+        intervals = (one.clustering.interval, one.interval)
+        held += [low <= 0.65 <= high for low, high in intervals]
+    raters, independent = held / 300
+    assert raters > 0.92
+    assert independent < 0.85
+
+
 @given(st.integers(0, 10**6), st.sets(st.integers(0, 11)))
 def test_the_sides_of_clips_change_nothing(tmp_path_factory, seed, swapped):
     study = study_of(lines=12, seed=seed)
