@@ -92,6 +92,13 @@ def test_the_first_pairs_are_balanced_whatever_their_number(texts, faces, method
     assert list(in_balanced_order(found, seed)) == order
 
 
+@given(names, st.integers())
+def test_the_first_pairs_show_each_line_once(texts, seed):
+    found = possible_pairs(texts, ["c"], ["x", "y", "z"], lambda *_: False)
+    first = list(in_balanced_order(found, seed))[: len(texts)]
+    assert sorted(pair.line for pair in first) == sorted(texts)
+
+
 @given(st.integers(), st.integers(1, 30), st.integers(0, 6))
 def test_each_method_stands_left_as_often_as_right(seed, count, checks):
     found = possible_pairs([str(n) for n in range(30)], ["c"], ["x", "y"], lambda *_: False)

@@ -104,6 +104,28 @@ def test_many_raters_at_once_lose_nothing(folder):
     assert sorted(one.rater for one in read.submissions) == raters
 
 
+def test_answers_are_on_the_disk_before_they_are_taken(folder, monkeypatch):
+    synced = []
+    real = serving.os.fsync
+    monkeypatch.setattr(serving.os, "fsync", lambda file: (synced.append(file), real(file)))
+    with served(folder) as port:
+        assert post(port)[0] == 201
+    assert len(synced) == 1
+
+
+def test_the_same_answers_sent_twice_at_once_are_one_line(folder, monkeypatch):
+    monkeypatch.setattr(serving.os, "fsync", lambda _: time.sleep(0.3))
+    statuses = []
+    with served(folder) as port:
+        threads = [threading.Thread(target=lambda: statuses.append(post(port)[0])) for _ in "ab"]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert sorted(statuses) == [200, 201]
+    assert len(read_answers(folder / "answers.jsonl").submissions) == 1
+
+
 @pytest.mark.parametrize("path", [
     "/study.json", "/secret.txt", "/answers.jsonl", "/../secret.txt", "/%2e%2e/secret.txt",
     "/clips/", "//secret.txt", "/page.html/../secret.txt", "/answers", "/.", "/page.html?x",
