@@ -145,6 +145,46 @@ def test_a_boundary_or_a_contact_alone_is_a_change(folder):
     assert "boundary 0.5 -> 0.3; contacts waived" in told(diff("anna"))
 
 
+TRIGRAM = "trigrams:\n  s-l-ow: {%s curves: {open: [[0, 0], [0.5, 1], [1, 0]]}}\n"
+
+
+def test_a_trigram_is_compared_with_the_larger_of_its_bigrams(folder):
+    sad = BANK.replace("s-ow", "s-l").replace("W: [[0, 0.5], [1, 0.5]]", "FV: [[0, 1], [1, 1]]")
+    (folder / "posesets/facefx/banks/mine.yaml").write_text(sad)
+    linear = "interpolation: linear, word: slow, boundaries: [0.25, 0.5],"
+    (folder / "characters/anna.yaml").write_text(ANNA + TRIGRAM % linear)
+    found = diff("anna", wanted=["s-l-ow"])
+    (change,) = found.named
+    assert (change.bigram, change.word, found.total) == ("s-l-ow", "slow", 1)
+    before, after = change.before, change.after
+    assert (str(before), str(after)) == ("bigrams", "character, edited")
+    assert before.boundary == after.boundary == (0.25, 0.5)
+    gained = {pose.pose: (pose.largest, pose.at) for pose in change.poses}
+    # of "s-l" W peaks where "s" ends; of "l-ow" open does where "l" ends, and FV lasts throughout
+    assert gained["W"] == (pytest.approx(-1), 0.25)
+    assert gained["FV"] == (pytest.approx(-1), 0.25)
+    assert (before.curves[64, 0], after.curves[64, 0]) == (0.75, 1)
+    assert "1 of 1 bigrams and trigrams differ" in told(found)
+    assert "s-l-ow, as in slow: bigrams -> character, edited\n" in told(found)
+    assert json.loads(json.dumps(found.to_dict()))["changes"][0]["after"]["boundary"] == [0.25, 0.5]
+
+
+def test_trigrams_of_both_sides_are_compared_with_each_other(folder):
+    (folder / "posesets/facefx/banks/mine.yaml").write_text(BANK + TRIGRAM % "")
+    anna = folder / "characters/anna.yaml"
+    for fields, notes in (
+        ("boundaries: [0.3, 0.5],", "boundary 0.333333, 0.666667 -> 0.3, 0.5"),
+        ("contact: free,", "contacts waived"),
+    ):
+        anna.write_text(ANNA + TRIGRAM % ("interpolation: linear, " + fields))
+        found = diff("anna")
+        assert found.total == 484
+        change = named(found, "s-l-ow")
+        assert change.poses == ()
+        assert f"s-l-ow: shared, edited -> character, edited; {notes}" in told(found)
+    assert named(diff("facefx"), "s-l-ow").after.origin.layer == "shared"
+
+
 def test_characters_of_two_pose_sets_have_nothing_to_compare(folder):
     (folder / "posesets" / "small").mkdir()
     (folder / "posesets" / "small" / "poseset.yaml").write_text(

@@ -130,7 +130,8 @@ def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
     axes.set_xticks([0, 0.25, 0.5, 0.75, 1], ["0", "", "0.5", "", "1"], size=8)
     axes.spines[["left", "right", "top"]].set_visible(False)
     for side, look in ((change.before, BEFORE), (change.after, AFTER)):
-        axes.axvline(side.boundary, color=look["color"], lw=0.8, ls=":", zorder=1)
+        for boundary in side.boundaries:
+            axes.axvline(boundary, color=look["color"], lw=0.8, ls=":", zorder=1)
     for top, pose in zip(tops, panel.poses, strict=True):
         _row(axes, float(top), change.before.curves[:, pose], change.after.curves[:, pose])
 

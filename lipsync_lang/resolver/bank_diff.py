@@ -2,8 +2,9 @@
 
 Curves are compared as they are performed: sampled over normalised time, 0 outside their points.
 With d(x) what a pose gained at normalised time x, the figures are the largest |d| with its sign
-and its x, the root of the mean of d squared, and the area, the mean of |d|. Banks of other
-manners of speaking, and a character's words, lines and motion, are not looked at.
+and its x, the root of the mean of d squared, and the area, the mean of |d|. A trigram that one side
+does not draw is compared with the larger of its two bigrams there. Banks of other manners of
+speaking, and a character's words, lines and motion, are not looked at.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,8 +18,9 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline, polyline
 from lipsync_lang.pipeline.tables import RESOLUTION
-from lipsync_lang.resolver.compiled import Origin, Pair
-from lipsync_lang.resolver.layers import BigramRow, PairPacks
+from lipsync_lang.resolver.compiled import Origin, Pair, Triple
+from lipsync_lang.resolver.layers import THIRDS, BigramRow, Halves, PairPacks
+from lipsync_lang.resolver.trigrams import drawn_trigrams, played_trigrams
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
@@ -37,13 +39,18 @@ class Side:
     origin: Origin
     curves: Floats
     """(K, P) weights at `TIMES`."""
-    boundary: float
-    """Normalised time at which the first phoneme ends."""
+    boundary: float | tuple[float, float]
+    """Normalised time at which the first phoneme ends; of a trigram, where the first two end."""
     free: bool
     """True if the bigram waives its contacts."""
 
     def __str__(self) -> str:
         return ", ".join(filter(None, (self.origin.layer, self.origin.status)))
+
+    @property
+    def boundaries(self) -> tuple[float, ...]:
+        """Normalised times at which all phonemes but the last end."""
+        return self.boundary if isinstance(self.boundary, tuple) else (self.boundary,)
 
 
 @dataclass(frozen=True)
@@ -71,8 +78,8 @@ class BigramChange:
 
     @property
     def bigram(self) -> str:
-        """The bigram, such as `l-ow`."""
-        return "-".join(self.after.origin.pair)
+        """The bigram, such as `l-ow`, or the trigram."""
+        return self.after.origin.name
 
     @property
     def word(self) -> str | None:
@@ -161,13 +168,16 @@ def diff_banks(
     pairs = {"-".join(after.origin.pair): (before, after) for before, after in rows}
     for key, pair in _shaded(shelf, other, wanted).items():
         pairs[key] = (other.row(pair), shelf.row(pair))
+    trigrams = _trigrams(other, shelf)
+    known = [*pairs, *trigrams]
     for key in wanted:
-        if key not in pairs:
+        if key not in known:
             name = shelf.language.model.name
-            raise LipsyncError(f"no bigram '{key}' in {name}; {did_you_mean(key, pairs)}")
-    chosen = list(dict.fromkeys(wanted)) or list(pairs)
-    both = [row for key in chosen for row in pairs[key]]
+            raise LipsyncError(f"no bigram '{key}' in {name}; {did_you_mean(key, known)}")
+    chosen = list(dict.fromkeys(wanted)) or known
+    both = [row for key in chosen if key in pairs for row in pairs[key]]
     sides = list(map(_side, both, _sampled(both, len(shelf.poses))))
+    sides += [side for key in chosen if key in trigrams for side in trigrams[key]]
     found = [_change(*two, shelf.poses) for two in zip(sides[::2], sides[1::2], strict=True)]
     found.sort(key=lambda change: -change.largest)
     return Diff(
@@ -230,6 +240,49 @@ def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
     return out
 
 
+def _trigrams(before: PairPacks, after: PairPacks) -> dict[str, tuple[Side, Side]]:
+    """Return both sides of each trigram that either draws and plays."""
+    drawn = [drawn_trigrams(shelf) for shelf in (before, after)]
+    played = [
+        played_trigrams(shelf, own).values()
+        for shelf, own in zip((before, after), drawn, strict=True)
+    ]
+    found = {}
+    for triple in sorted({*played[0], *played[1]}):
+        old, new = (own.get(triple) for own in drawn)
+        ends = _ends(new or old)
+        sides = _trigram_side(before, triple, old, ends), _trigram_side(after, triple, new, ends)
+        found["-".join(triple)] = sides
+    return found
+
+
+def _ends(halves: Halves | None) -> tuple[float, float]:
+    """Return the boundaries of a trigram."""
+    return THIRDS if halves is None else (halves[1].span[0], halves[0].span[1])
+
+
+def _trigram_side(
+    shelf: PairPacks, triple: Triple, halves: Halves | None, ends: tuple[float, float]
+) -> Side:
+    """Return a trigram of one side, or the larger of its two bigrams at some boundaries."""
+    count = len(shelf.poses)
+    if halves is not None:
+        row = halves[0]
+        return Side(row.origin, _sampled([row], count)[0], _ends(halves), row.free)
+    rows = [shelf.row(triple[:2]), shelf.row(triple[1:])]
+    first, last = ends
+    spans = ((0.0, first, last), (first, last, 1.0))
+    curves = np.zeros((len(TIMES), count))
+    for row, own, span in zip(rows, _sampled(rows, count), spans, strict=True):
+        inside = (span[0] <= TIMES) & (span[2] >= TIMES)
+        at = np.interp(TIMES, span, (0, row.boundary, 1))
+        for pose, curve in enumerate(own.T):
+            curves[:, pose] = np.maximum(curves[:, pose], inside * np.interp(at, TIMES, curve))
+    places = (place for row in rows for place in row.origin.places)
+    origin = Origin(triple[:2], "bigrams", "", tuple(dict.fromkeys(places)), None, triple)
+    return Side(origin, curves, ends, all(row.free for row in rows))
+
+
 def _side(row: BigramRow, curves: Floats) -> Side:
     return Side(row.origin, curves, row.boundary, row.free)
 
@@ -258,7 +311,7 @@ def _origin(side: Side) -> dict[str, Any]:
         "layer": side.origin.layer,
         "status": side.origin.status,
         "places": list(side.origin.places),
-        "boundary": side.boundary,
+        "boundary": list(side.boundary) if isinstance(side.boundary, tuple) else side.boundary,
         "contact": "free" if side.free else "hold",
     }
 
@@ -266,7 +319,9 @@ def _origin(side: Side) -> dict[str, Any]:
 def told(diff: Diff, most: int | None = None) -> str:
     """Return a comparison in words, with figures for at most `most` bigrams."""
     shown = diff.named[:most]
-    differ = f"{len(diff.changes)} of {diff.total} bigrams differ"
+    trigrams = any(change.after.origin.triple for change in shown)
+    units = "bigrams and trigrams" if trigrams else "bigrams"
+    differ = f"{len(diff.changes)} of {diff.total} {units} differ"
     lines = [f"{diff.language} on {diff.character} against {diff.against}: {differ}"]
     for change in shown:
         lines += _told_change(change)
@@ -283,7 +338,8 @@ def _told_change(change: BigramChange) -> Iterable[str]:
         return
     notes = [f"{before} -> {after}"]
     if before.boundary != after.boundary:
-        notes.append(f"boundary {before.boundary:g} -> {after.boundary:g}")
+        old, new = (", ".join(f"{one:g}" for one in side.boundaries) for side in (before, after))
+        notes.append(f"boundary {old} -> {new}")
     if before.free != after.free:
         notes.append("contacts waived" if after.free else "contacts held")
     yield f"{change.bigram}{word}: {'; '.join(notes)}"
