@@ -452,9 +452,16 @@ class Page:
             table(["r with the recording left out", "before", "after", "by recording"], rows),
             "The fit is made with the other recordings. The shipped targets have seen all of them, the one left "
             "out too, so the column *before* has an advantage.",
-            known,
+            f"{known} {self.busy(part)}",
             measured_by(part),
         )
+
+    def busy(self, part: Figures) -> str:
+        """Return a remark on times that were measured beside other programs."""
+        load, cores = part.get("load", 0.0), part["cores"]
+        if load < cores / 2:
+            return ""
+        return f"The time was measured beside other programs, with a load of {load:g} on {cores} cores."
 
     def fitted(self) -> str:
         """Return the fits in a few words."""

@@ -135,6 +135,7 @@ def about(date: str, **more: object) -> dict[str, object]:
 
 def measure(part: Part, arguments: list[str]) -> dict[str, Any]:
     """Run a benchmark, and return its figures."""
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "figures.json"
         command = [sys.executable, str(ROOT / "benchmarks" / part.benchmark), *arguments]
@@ -145,6 +146,7 @@ def measure(part: Part, arguments: list[str]) -> dict[str, Any]:
         benchmark=f"benchmarks/{part.benchmark}",
         command=command_of(part),
         inputs=part.inputs,
+        load=round(load, 1),
         figures=figures,
     )
 

@@ -75,11 +75,13 @@ def test_fits_are_told_once_they_are_measured(how_good, page):
         "posesets": {"facefx": {"aperture": {"before": [0.8, 0.9], "after": [0.7, 0.9]}}},
         "known": {"facefx": {"minutes": 10, "seconds": 42.4, "before": 0.1, "after": 0.0123}},
     }
-    part = page.measured["articulation"] | {"figures": figures}
+    part = page.measured["articulation"] | {"figures": figures, "load": 7.5, "cores": 2}
     told = how_good.Page(without | {"fitting": part}, page.published)
     assert "| facefx, aperture | 0.85 | 0.80 | -0.10 to +0.00 |" in told.block("fitting")
     assert "found again in 42 s" in told.block("fitting")
     assert "0.100 before and 0.012 after" in told.block("fitting")
+    assert "with a load of 7.5 on 2 cores" in told.block("fitting")
+    assert told.busy(part | {"load": 0.1}) == ""
     assert "r 0.80 after a fit to the others, 0.85 before" in told.block("summary")
 
 
