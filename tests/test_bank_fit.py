@@ -11,6 +11,8 @@ from captures import FPS, captured, changed_face, open_pair, random_lines, rms
 from lanes import full, swept
 from shipped import POSESETS
 
+from lipsync_lang.authoring.accept_fit import accept_fit
+from lipsync_lang.capture.capture_reading import read_captures
 from lipsync_lang.capture.fit_captures import fit_captures
 from lipsync_lang.capture.fit_file import read_fit, write_fit
 from lipsync_lang.capture.fit_folds import folds
@@ -22,7 +24,10 @@ from lipsync_lang.capture.fit_targets import TargetParameters, seen_poses
 from lipsync_lang.capture.fit_values import FitFace
 from lipsync_lang.cli import main
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.library import Library
 from lipsync_lang.performing.performer import Performer
+from lipsync_lang.performing.resolving import resolve
+from lipsync_lang.resolver.retouch import OpenPair
 
 LINES = 12
 """Lines of a quick fit: each sound occurs some 12 times."""
@@ -91,6 +96,66 @@ def test_targets_gain_the_poses_that_captures_show():
     (step,) = item.value
     assert step["wide"] == pytest.approx(0.5, abs=0.08)
     assert "wide" not in item.was[0]
+
+
+ANNA = """kind: character
+format: 1
+name: anna
+poseset: facefx
+rig: facefx-to-arkit
+"""
+
+
+@pytest.fixture
+def anna(tmp_path, monkeypatch):
+    """A character of the project in this folder, whose rig has bounds."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "characters").mkdir()
+    (tmp_path / "characters" / "anna.yaml").write_text(ANNA, "utf-8")
+    return tmp_path
+
+
+def test_channels_of_a_rig_are_followed_within_its_bounds(anna):
+    pair = OpenPair.open(Library(), "english", "anna")
+    performer = Performer(pair.compiled, pair.compiled.motion)
+    random = np.random.default_rng(0)
+    said = random_lines(random, 5)
+    truth = changed_face(pair, performer, random, said)
+    lines = []
+    for line, schedule in zip(captured(truth, said), said, strict=True):
+        shown = truth.rigged(truth.perform(schedule, FPS))
+        shown.save(anna / f"{line.name}.csv")
+        schedule.save(anna / f"{line.name}.TextGrid")
+    lines = read_captures(performer, anna).lines
+    assert all(line.rigged for line in lines)
+    fit = fit_captures(pair, performer, lines)
+    before, after = (
+        np.mean([getattr(fold, side) for fold in fit.proposal.verdict.folds])
+        for side in ("before", "after")
+    )
+    assert after < 0.02 < before
+
+
+@pytest.mark.usefixtures("anna")
+def test_accepted_items_perform_what_the_fit_showed():
+    pair = OpenPair.open(Library(), "english", "anna")
+    performer = Performer(pair.compiled, pair.compiled.motion)
+    random = np.random.default_rng(0)
+    said = random_lines(random, 5)
+    truth = changed_face(pair, performer, random, said)
+    values = captured(truth, said)
+    fit = fit_captures(pair, performer, values)
+    done = accept_fit(Library(), fit.proposal, "anna", every=True, confidence=0)
+    assert len(done.taken) == len(fit.proposal.items) > 20
+    accepted = resolve("english", "anna", cache=False)
+    errors = [
+        accepted.perform(schedule, FPS).weights - truth.perform(schedule, FPS).weights
+        for schedule in said
+    ]
+    shown = fit.face.errors(fit.values, lay_lines(performer, values, FPS))
+    assert rms(np.concatenate([one.ravel() for one in errors])) == pytest.approx(
+        rms(shown), abs=0.01
+    )
 
 
 @full

@@ -86,6 +86,7 @@ class _Moving(NamedTuple):
     values: Floats
     gains: Floats
     free: bool = False
+    rigged: bool = False
     remarks: tuple[str, ...] = ()
     schedule: "Schedule | None" = None
 
@@ -111,6 +112,7 @@ def _line(
         motion.values,
         motion.gains,
         motion.free,
+        motion.rigged,
         files.speaker,
         (*motion.remarks, *schedule.remarks, *more),
     )
@@ -201,6 +203,7 @@ def _weighted(performer: "Performer", recording: Recording) -> _Moving:
         signals,
         found.values[:, kept],
         gains[kept],
+        rigged=found.face != performer.channels,
         remarks=remarks,
         schedule=recording.schedule,
     )

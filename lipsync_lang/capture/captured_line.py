@@ -30,6 +30,8 @@ class CapturedLine:
     """(S, P): a signal is its gains times the weights of the poses."""
     free: bool = False
     """True if the signals have an unknown scale and offset, as positions in millimetres have."""
+    rigged: bool = False
+    """True if the signals are channels of the character's rig, which also limits them."""
     speaker: str = ""
     """The speaker's name; empty if unknown."""
     remarks: tuple[str, ...] = ()

@@ -208,8 +208,7 @@ def _followed(task: FitTask, values: FitValues) -> tuple[Followed, ...]:
     start = task.face.shown(task.face.start, task.lines)
     end = task.face.shown(values, task.lines)
     return tuple(
-        Followed(line, one @ line.gains.T, other @ line.gains.T)
-        for line, one, other in zip(task.lines, start, end, strict=True)
+        Followed(line, one, other) for line, one, other in zip(task.lines, start, end, strict=True)
     )
 
 

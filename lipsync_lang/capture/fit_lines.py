@@ -5,14 +5,16 @@ Conventions: T frames, S signals, P poses; times are seconds.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from lipsync_lang.performing.batch import Delivered
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
+from lipsync_lang.pipeline.drive import Rig, drive
 from lipsync_lang.pipeline.perform import Frames, Performance, lay_frames
-from lipsync_lang.pipeline.prepare import prepare
+from lipsync_lang.pipeline.prepare import channel_kernel, prepare
+from lipsync_lang.rigs.driver import Driver
 
 if TYPE_CHECKING:
     from lipsync_lang.capture.captured_line import CapturedLine
@@ -46,6 +48,28 @@ PLAIN = {"styles": None, "dials": None, "intensity": 0.0}
 
 
 @dataclass(frozen=True, eq=False)
+class DrivenChannels:
+    """Some channels of a rig, driven by poses."""
+
+    rig: Rig
+    columns: Ints
+    """(S,)"""
+
+    @classmethod
+    def of(cls, performer: "Performer", names: "Sequence[str]") -> Self:
+        """Find channels of a performer's rig by their names."""
+        compiled = performer.compiled
+        driver = Driver.from_plain(compiled.rig or {}, performer.poses, compiled.tables.floors)
+        order = [channel.name for channel in driver.channels]
+        return cls(driver.rig, np.array([order.index(name) for name in names]))
+
+    def driven(self, weights: Floats, motion: "Motion", fps: float) -> Floats:
+        """Return the channels that poses of (T, P) weights drive: (T, S)."""
+        kernel = channel_kernel(motion, fps)
+        return drive(weights, self.rig, motion.speed_limit / fps, kernel)[:, self.columns]
+
+
+@dataclass(frozen=True, eq=False)
 class FitLine:
     """A captured line, ready to be performed and compared."""
 
@@ -57,15 +81,22 @@ class FitLine:
     """(T, S) recorded values in units of the poses; NaN where there is none to compare with."""
     gains: Floats
     """(S, P)"""
+    rig: "DrivenChannels | None" = None
+    """The rig whose channels the signals are; None for sums of poses."""
 
     def perform(self, tables: "Tables", motion: "Motion") -> Performance:
         """Return the line's performance by some tables."""
         prepared = prepare(tables, motion, self.frames.fps)
         return Performance(tables, self.track, motion, self.frames, prepared, (), (), self.dials)
 
-    def errors(self, weights: Floats) -> Floats:
-        """Return shown minus recorded values, 0 where there is none: (T, S)."""
-        return np.nan_to_num(weights @ self.gains.T - self.wanted)
+    def signals(self, weights: Floats, motion: "Motion") -> Floats:
+        """Return the signals that poses of (T, P) weights show: (T, S)."""
+        sums: Floats = weights @ self.gains.T
+        return sums if self.rig is None else self.rig.driven(weights, motion, self.frames.fps)
+
+    def errors(self, shown: Floats) -> Floats:
+        """Return shown minus recorded signals, 0 where there is none: (T, S)."""
+        return np.nan_to_num(shown - self.wanted)
 
     @property
     def seen(self) -> Bools:
@@ -103,7 +134,8 @@ def lay_lines(
         made = said.performance(motion, sounds, fps)
         frames = lay_frames(made.track, motion, fps, made.prepared.lead)
         wanted = _sampled(line, made.track, frames, tables.silence)
-        laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains))
+        rig = DrivenChannels.of(performer, line.signals) if line.rigged else None
+        laid.append(FitLine(line, made.track, frames, said.dials, wanted, line.gains, rig))
     return _scaled(tuple(laid), tables, motion)
 
 

@@ -63,7 +63,7 @@ def _occurrences(
         alone = np.flatnonzero((line.gains != 0).sum(axis=1) == 1)
         poses = (line.gains[alone] != 0).argmax(axis=1)
         gains = line.gains[alone, poses]
-        beyond = (line.wanted[:, alone] - (shown @ line.gains.T)[:, alone]) / gains
+        beyond = (line.wanted[:, alone] - shown[:, alone]) / gains
         sounds = np.flatnonzero(target[line.track.ids] >= 0)
         middles = line.track.bounds[sounds] + np.diff(line.track.bounds)[sounds] / 2
         at = np.rint((middles - line.frames.times()[0]) * line.frames.fps).astype(int)

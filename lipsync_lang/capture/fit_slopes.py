@@ -32,6 +32,9 @@ Sparse = Any
 WEIGHT_STEP, DOMINANCE_STEP = 0.02, 0.05
 """Changes of a weight and of a dominance's logarithm that measure the slopes of drafts."""
 
+BOUND = 0.02
+"""Difference between a channel and the sum of its poses from which a bound of the rig decides."""
+
 PASSED = 1e-3
 """Change of a value by the stages below which they let the curve pass."""
 
@@ -74,7 +77,15 @@ def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLin
         kernel = _kernel_matrix(made.prepared.shared, len(tables.priority), line.frames.count)
         out = kernel @ out
     observed = sparse.kron(sparse.identity(line.frames.count), sparse.csr_matrix(line.gains))
+    if line.rig is not None:
+        observed = sparse.diags(_unbounded(line, made.weights(), motion)) @ observed
     return sparse.csr_matrix(observed @ out)
+
+
+def _unbounded(line: FitLine, weights: Floats, motion: "Motion") -> Floats:
+    """Return 1 where a rig's channel is the sum of its poses, 0 where a bound decides: (T S,)."""
+    apart = np.abs(line.signals(weights, motion) - weights @ line.gains.T)
+    return (apart < BOUND).ravel().astype(float)
 
 
 def _passes(stages: dict[str, Floats]) -> tuple[Floats, Bools, Bools]:

@@ -178,9 +178,9 @@ class FitFace:
         return replace(self.plain, speed_limit=values.speed)
 
     def shown(self, values: FitValues, lines: "Sequence[FitLine]") -> list[Floats]:
-        """Perform lines by some values, through every stage: (T, P) each."""
+        """Perform lines by some values, through every stage; return their signals: (T, S) each."""
         tables, motion = self.moved(values), self.motion(values)
-        return [line.perform(tables, motion).weights() for line in lines]
+        return [line.signals(line.perform(tables, motion).weights(), motion) for line in lines]
 
     def errors(self, values: FitValues, lines: "Sequence[FitLine]") -> Floats:
         """Return shown minus recorded values of every line, end to end: (O,)."""
