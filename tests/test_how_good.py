@@ -155,6 +155,29 @@ def test_a_benchmark_is_run_and_its_figures_kept(made, tmp_path, monkeypatch):
     assert [*kept] == ["a", "b"], "parts stand in the order of the page"
 
 
+def test_a_benchmark_that_fails_leaves_its_old_figures(made, tmp_path, monkeypatch, capsys):
+    measure = made("measure")
+    (tmp_path / "benchmarks").mkdir()
+    (tmp_path / "benchmarks" / "bad.py").write_text("raise SystemExit(3)", encoding="utf-8")
+    script = "import sys; open(sys.argv[-1], 'w').write('{}')"
+    (tmp_path / "benchmarks" / "good.py").write_text(script, encoding="utf-8")
+    parts = {
+        name: measure.Part(f"{name}.py", ["DATA"], "a grain") for name in ("bad", "good", "absent")
+    }
+    monkeypatch.setattr(measure, "PARTS", parts)
+    monkeypatch.setattr(measure, "ROOT", tmp_path)
+    monkeypatch.setattr(measure, "MEASURED", tmp_path / "measured.json")
+    (tmp_path / "measured.json").write_text('{"bad": {"old": 1}}', encoding="utf-8")
+    assert measure.main([str(tmp_path), "--only", *parts]) == 1
+    told = capsys.readouterr()
+    assert "bad fails: " in told.err
+    assert "absent: its data or its benchmark is not there" in told.out
+    kept = json.loads((tmp_path / "measured.json").read_text("utf-8"))
+    assert [*kept] == ["bad", "good"]
+    assert kept["bad"] == {"old": 1}
+    assert kept["good"]["figures"] == {}
+
+
 def test_speeds_are_read_from_the_page_of_the_reference(made):
     text = (
         "# Performance\n```text\ncores 2\n   figure\n\nutterance: One utterance\n"
