@@ -8,6 +8,7 @@ Conventions: T frames at `CLOCK_FPS`, S signals; times are seconds. A likeness i
 over the signals, weighted by how much the curves move each.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from random import Random
@@ -40,6 +41,9 @@ DRIFT_SECONDS = 0.4
 STEP_SECONDS = 0.04
 """Steps of the search for a drift."""
 
+AROUND_SECONDS: Floats = np.arange(-3.0, 4.0) * STEP_SECONDS
+"""Offsets that are tried with every drift and speed."""
+
 SHUFFLES = 10
 """Shuffled lines that show what chance gives."""
 
@@ -49,8 +53,17 @@ LEAST_SPREAD = 0.05
 SPEEDS = (1 / 2, 24 / 30, 24 / 25, 25 / 24, 25 / 30, 30 / 25, 30 / 24, 48 / 60, 60 / 50, 2)
 """Speeds of a clock whose frame rate was taken for another."""
 
-STILL = 1e-9
-"""Standard deviation below which a signal does not move."""
+APART_SECONDS = 0.12
+"""Seconds between two offsets that are not the same peak: the time of a sound and a half."""
+
+LEAST_KNOWN = 0.5
+"""Share of the speech in which a signal must be recorded."""
+
+MAX_VALUES = 2_000_000
+"""Values that are compared at once."""
+
+STILL = 1e-6
+"""Size of a signal's motion below which it stands still."""
 
 
 class ClockReading(NamedTuple):
@@ -79,61 +92,83 @@ class ClockReading(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ComparedMotion:
-    """The recorded motion of a line beside the curves of a performer."""
+    """The recorded motion of a line beside curves for its times: its own first, then shuffled ones.
+
+    Conventions: K curves, L clocks.
+    """
 
     times: Floats
     """(T,) frames of the speech."""
     shown: Floats
-    """(T, S) the performer's signals."""
+    """(K, T, S) signals of the curves."""
     line: "CapturedLine"
 
-    def recorded(self, offset: float = 0.0, drift: float = 0.0, speed: float = 1.0) -> Floats:
-        """Return the recorded values (T, S), read by a clock that is late, or drifts, or is fast.
+    def likenesses(
+        self, offsets: Sequence[float], drifts: Sequence[float] = (), speeds: Sequence[float] = ()
+    ) -> Floats:
+        """Return how alike curves and motion are by each clock, from -1 to 1: (L, K).
 
         Parameters
         ----------
-        drift : seconds that the clock loses from the first frame to the last
-        speed : of the clock from its zero
+        offsets : (L,) seconds by which the motion comes late
+        drifts : (L,) seconds that the clock loses from the first frame to the last; empty for none
+        speeds : (L,) speeds of the clock from its zero; empty for 1
         """
+        clocks = np.zeros((len(offsets), 3))
+        clocks[:, 0] = offsets
+        clocks[:, 1] = drifts or 0.0
+        clocks[:, 2] = speeds or 1.0
+        parts = np.array_split(clocks, max(1, self._size * len(clocks) // MAX_VALUES))
+        return np.concatenate([self._likenesses(part) for part in parts])
+
+    def signals(self) -> Floats:
+        """Return r of each signal with its own curve, as the files lie: (S,)."""
+        found: Floats = self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
+        return found
+
+    def _likenesses(self, clocks: Floats) -> Floats:
+        each, weights = self._correlations(clocks)
+        total = weights.sum(axis=2)
+        found: Floats = (each * weights).sum(axis=2) / np.where(total > 0, total, 1.0)
+        return found
+
+    def _correlations(self, clocks: Floats) -> tuple[Floats, Floats]:
+        """Return r of each signal, and its weight: (L, K, S) each; 0 where either is still."""
+        recorded = self._recorded(clocks)
+        known = np.isfinite(recorded)
+        counts = np.maximum(known.sum(axis=1), 1)
+        x = np.where(known, recorded, 0.0)
+        x -= np.where(known, (x.sum(axis=1) / counts)[:, None], 0.0)
+        seen = known.astype(float)
+        sums, squares = (np.einsum("lts,kts->lks", seen, y) for y in (self.shown, self.shown**2))
+        recorded_size = np.sqrt((x * x).sum(axis=1))[:, None]
+        shown_size = np.sqrt(np.maximum(squares - sums**2 / counts[:, None], 0.0))
+        moving = (recorded_size > STILL) & (shown_size > STILL)
+        products = np.where(moving, recorded_size * shown_size, 1.0)
+        each = np.where(moving, np.einsum("lts,kts->lks", x, self.shown) / products, 0.0)
+        enough = known.mean(axis=1)[:, None] > LEAST_KNOWN
+        return each, np.where(enough & (shown_size > STILL), shown_size, 0.0)
+
+    def _recorded(self, clocks: Floats) -> Floats:
+        """Return the recorded values by each clock: (L, T, S)."""
         middle = (self.times[0] + self.times[-1]) / 2
-        length = max(self.times[-1] - self.times[0], 1e-9)
-        seconds = (self.times + offset + (self.times - middle) / length * drift) * speed
-        at = np.rint((seconds - self._start) * CLOCK_FPS).astype(np.intp)
+        along = (self.times - middle) / max(self.times[-1] - self.times[0], 1e-9)
+        offset, drift, speed = clocks.T[..., None]
+        seconds = (self.times + offset + along * drift) * speed
+        at = np.rint((seconds - self.line.times[0]) * CLOCK_FPS).astype(np.intp)
         inside = (at >= 0) & (at < len(self._grid))
         out: Floats = self._grid[np.clip(at, 0, len(self._grid) - 1)]
         out[~inside] = np.nan
         return out
-
-    @property
-    def _start(self) -> float:
-        return float(self.line.times[0])
 
     @cached_property
     def _grid(self) -> Floats:
         """The recorded values at the frames of the comparison."""
         return _sampled(self.line)
 
-    def likeness(self, offset: float = 0.0, drift: float = 0.0, speed: float = 1.0) -> float:
-        """Return how alike curves and motion are, from -1 to 1."""
-        each, weights = self.correlations(offset, drift, speed)
-        total = float(weights.sum())
-        return float(each @ weights) / total if total > 0 else 0.0
-
-    def correlations(
-        self, offset: float = 0.0, drift: float = 0.0, speed: float = 1.0
-    ) -> tuple[Floats, Floats]:
-        """Return r of each signal, and its weight: (S,) each; 0 where either does not move."""
-        x, y = self.recorded(offset, drift, speed), self.shown
-        known = np.isfinite(x)
-        counts = np.maximum(known.sum(axis=0), 1)
-        x, y = np.where(known, x, 0.0), np.where(known, y, 0.0)
-        x = np.where(known, x - x.sum(axis=0) / counts, 0.0)
-        y = np.where(known, y - y.sum(axis=0) / counts, 0.0)
-        across = np.sqrt((x * x).sum(axis=0)), np.sqrt((y * y).sum(axis=0))
-        moving = (across[0] > STILL) & (across[1] > STILL)
-        products = np.where(moving, across[0] * across[1], 1.0)
-        each = np.where(moving, (x * y).sum(axis=0) / products, 0.0)
-        return each, across[1] * (known.mean(axis=0) > 0.5)  # noqa: PLR2004 half of the speech
+    @property
+    def _size(self) -> int:
+        return len(self.times) * int(self.shown.shape[2])
 
 
 def _sampled(line: "CapturedLine") -> Floats:
@@ -150,17 +185,16 @@ def _sampled(line: "CapturedLine") -> Floats:
 
 
 def compared(
-    performer: "Performer", line: "CapturedLine", schedules: "list[Schedule]"
-) -> list[ComparedMotion]:
-    """Lay the curves of schedules beside the motion of a line."""
-    performed = performer.perform_many(schedules, fps=CLOCK_FPS, intensity=None)
-    out = []
-    for schedule, animation in zip(schedules, performed, strict=True):
-        start, end = spoken_span(performer, schedule)
-        times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
+    performer: "Performer", line: "CapturedLine", schedules: "Sequence[Schedule]"
+) -> ComparedMotion:
+    """Lay the curves of schedules with the same times beside the motion of a line."""
+    start, end = spoken_span(performer, schedules[0])
+    times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
+    shown = []
+    for animation in performer.perform_many(schedules, fps=CLOCK_FPS, intensity=None):
         weights = [np.interp(times, animation.times, one, 0, 0) for one in animation.weights.T]
-        out.append(ComparedMotion(times, np.column_stack(weights) @ line.gains.T, line))
-    return out
+        shown.append(np.column_stack(weights) @ line.gains.T)
+    return ComparedMotion(times, np.array(shown), line)
 
 
 def spoken_span(performer: "Performer", schedule: "Schedule") -> tuple[float, float]:
@@ -179,16 +213,17 @@ def sounds_of(performer: "Performer", schedule: "Schedule") -> Ints:
 
 def read_clock(performer: "Performer", line: "CapturedLine") -> tuple[ClockReading, ComparedMotion]:
     """Compare the motion of a line with its phonemes."""
-    motion, *shuffled = compared(performer, line, [line.schedule, *_shuffles(performer, line)])
+    motion = compared(performer, line, [line.schedule, *_shuffles(performer, line)])
+    own = replace(motion, shown=motion.shown[:1])
     offsets = np.arange(-FAR_SECONDS, FAR_SECONDS + 1e-9, 1 / CLOCK_FPS)
-    alike = np.array([motion.likeness(offset) for offset in offsets])
+    alike = own.likenesses(offsets.tolist())[:, 0]
     near = np.abs(offsets) <= NEAR_SECONDS + 1e-9
     best = int(np.where(near, alike, -2).argmax())
     far = int(np.where(near, -2, alike).argmax())
-    apart = near & (np.abs(offsets - offsets[best]) > 0.12)  # noqa: PLR2004 another sound's time
-    drifting, drift = _drift(motion, float(offsets[best]))
+    apart = near & (np.abs(offsets - offsets[best]) > APART_SECONDS)
+    drifting, drift = _drift(own, float(offsets[best]))
     few = np.arange(-NEAR_SECONDS, NEAR_SECONDS + 1e-9, STEP_SECONDS)
-    chance = np.array([max(one.likeness(offset) for offset in few) for one in shuffled])
+    chance = motion.likenesses(few.tolist())[:, 1:].max(axis=0)
     reading = ClockReading(
         float(alike[len(offsets) // 2]),
         float(alike[best]),
@@ -201,7 +236,7 @@ def read_clock(performer: "Performer", line: "CapturedLine") -> tuple[ClockReadi
         float(chance.mean()),
         max(float(chance.std()), LEAST_SPREAD),
     )
-    return reading, motion
+    return reading, own
 
 
 def _shuffles(performer: "Performer", line: "CapturedLine") -> "list[Schedule]":
@@ -220,17 +255,20 @@ def _shuffles(performer: "Performer", line: "CapturedLine") -> "list[Schedule]":
 def _drift(motion: ComparedMotion, offset: float) -> tuple[float, float]:
     """Return the best likeness at a drift, and that drift over the speech."""
     drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * STEP_SECONDS)
-    around = offset + np.arange(-3, 4) * STEP_SECONDS
-    best = max(
-        (max(motion.likeness(late, drift) for late in around), -abs(drift), drift)
-        for drift in drifts.tolist()
-    )
+    late, drift = _every(offset + AROUND_SECONDS, drifts)
+    alike = motion.likenesses(late, drift)[:, 0]
+    best = max(zip(alike.tolist(), (-abs(one) for one in drift), drift, strict=True))
     return best[0], best[2]
 
 
 def best_speed(motion: ComparedMotion) -> tuple[float, float]:
     """Return the best likeness at a speed of the clock, and that speed."""
-    around = np.arange(-3, 4) * STEP_SECONDS
-    return max(
-        (max(motion.likeness(late, speed=speed) for late in around), speed) for speed in SPEEDS
-    )
+    late, speeds = _every(AROUND_SECONDS, np.array(SPEEDS))
+    alike = motion.likenesses(late, speeds=speeds)[:, 0]
+    return max(zip(alike.tolist(), speeds, strict=True))
+
+
+def _every(one: Floats, other: Floats) -> tuple[list[float], list[float]]:
+    """Return each value of one with each of the other."""
+    first, second = np.meshgrid(one, other)
+    return first.ravel().tolist(), second.ravel().tolist()

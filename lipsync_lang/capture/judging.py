@@ -328,7 +328,7 @@ def _forwards(line: "CapturedLine", motion: ComparedMotion) -> "CapturedLine":
     """Leave out signals of sensors that run against their curves: their sign is wrong."""
     if not line.free:
         return line
-    each, _ = motion.correlations()
+    each = motion.signals()
     wrong = each < REVERSED
     if not wrong.any() or wrong.all():
         return line
