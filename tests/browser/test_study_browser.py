@@ -12,6 +12,7 @@ from test_consumers import chromium, found, run
 import lipsync_lang as ll
 from lipsync_lang.study import study_clips
 from lipsync_lang.study.answer_server import answer_server
+from lipsync_lang.study.answer_sorting import SortingRules, sort_answers
 from lipsync_lang.study.methods import StudyCharacter, parse_methods
 from lipsync_lang.study.study_file import Submission, faults_against, parsed, read_answers
 from lipsync_lang.study.study_lines import StudyLine
@@ -88,6 +89,10 @@ def test_a_rater_answers_reloads_and_exports(study, tmp_path):
     assert shown["others"]["rater"] != saved["rater"]
     export = read_answers(tmp_path / "answers.json")
     assert len(export.submissions) == 1
+    rules = SortingRules(failed_checks=1, least_seconds=0.5)
+    counted = sort_answers([tmp_path / "answers.json"], study.study, rules)
+    assert (counted.raters, len(counted.choices), counted.checks) == (1, 4, 2)
+    assert counted.set_aside == []
 
 
 def test_a_served_page_sends_its_answers(study, tmp_path):
