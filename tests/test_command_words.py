@@ -141,6 +141,8 @@ COMPLETED = [
     ("transc", "transcribe"),
     ("bank dra", "draft"),
     ("run --key", "--keys"),
+    ("study rep", "report"),
+    ("study report . /de", "/dev"),
 ]
 
 

@@ -9,7 +9,7 @@ from lipsync_lang.commands.output import SOUND
 from lipsync_lang.errors import LipsyncError
 
 SHELLS = ("bash", "zsh", "tcsh")
-FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB"}
+FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 """Placeholders of file arguments."""
 
 
