@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+import sys
 from base64 import b64decode
 from collections import Counter
 from dataclasses import replace
@@ -479,6 +480,13 @@ def probe(path):
     ]
     assert "rror" not in done.stderr
     return "\n".join(told)
+
+
+def test_a_missing_encoder_is_named_by_its_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(ll.OutputError, match=r"lipsync-lang\[video\]"):
+        made(tmp_path)
+    assert not (tmp_path / "study/study.json").exists()
 
 
 @full
