@@ -26,7 +26,7 @@ from lipsync_lang.quality.baselines import dominance
 from lipsync_lang.resolver.bank_diff import diff_banks
 from lipsync_lang.resolver.compile import compile_pair
 from lipsync_lang.resolver.drafts import draft_bigrams
-from lipsync_lang.studio.routes import coverage_routes, language_routes
+from lipsync_lang.studio.routes import character_routes, coverage_routes, language_routes
 from lipsync_lang.studio.routes.asking import Wish
 from lipsync_lang.studio.workshop import Workshop
 
@@ -183,6 +183,15 @@ def test_the_studio_shows_the_mouth_of_a_characters_own_target(tmp_path):
     told = language_routes.mouth(workshop, Wish(name="ow"))
     (step,) = told["steps"]
     assert max(step) == pytest.approx(0.9)
+
+
+def test_the_studio_tells_which_targets_the_character_replaces(tmp_path):
+    anna(tmp_path, "targets: {ow: {open: 0.9}}\n")
+    workshop = Workshop(tmp_path, engine="none")
+    workshop.open("english", "anna")
+    told = character_routes.character(workshop, Wish())
+    assert [one["name"] for one in told["phonemes"] if one["replaced"]] == ["ow"]
+    assert told["stated"]["targets"]["ow"] != {"open": 0.9}
 
 
 # Fitted bigrams

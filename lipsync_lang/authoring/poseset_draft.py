@@ -45,7 +45,7 @@ WEAK = 0.3
 SHUT = 0.1
 """Ceiling of the first guessed pose at closure sounds."""
 
-RESERVED = frozenset({"dominance", "weights"})
+RESERVED = frozenset({"dominance", "status", "weights"})
 """Reserved keys of a target, excluded as pose names."""
 
 LONGEST = 120

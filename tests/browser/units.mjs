@@ -72,6 +72,10 @@ const units = {
     assert.deepEqual(withDominance({ a: 1 }, null, 0.5), { a: 1, dominance: 0.5 });
     assert.deepEqual(withDominance(flat, null, 0.5), { weights: { a: 0.5, b: 0 }, dominance: { b: 2 }, overall: 0.5 });
     assert.deepEqual(withDominance(whole, null, null), { weights: { a: 1 } });
+    const fitted = [{ ...flat, status: "fitted" }, { ...whole, status: "fitted" }];
+    assert.deepEqual(fitted.map(weightsOf), [{ a: 0.5, b: 0 }, { a: 1 }]);
+    assert.deepEqual(targetOf(fitted), [flat, whole]);
+    assert.deepEqual(withWeight(fitted[0], "b", null), { a: 0.5, dominance: { b: 2 } });
   },
   "the tongue is what its poses move, and the teeth are near it"() {
     const apart = innerKinds(new FaceShape(mouth(false)), [0], [[1]]);

@@ -49,6 +49,7 @@ def character(workshop: Workshop, _: Wish) -> Json:
     poseset = library.poseset(compiled.poseset)
     rule = {p: n for n, c in poseset.model.contacts.items() for p in c.phonemes}
     common = library.common().model
+    who = library.character(compiled.character).model
     return {
         "poseset": compiled.poseset,
         "title": poseset.model.title,
@@ -62,6 +63,7 @@ def character(workshop: Workshop, _: Wish) -> Json:
                 "example": getattr(common.phonemes.get(name), "example", None) or "",
                 "like": compiled.shades.get(name, ""),
                 "contact": rule.get(name, ""),
+                "replaced": name in who.targets,
             }
             for name in _phonemes(workshop, list(poseset.model.targets))
         ],

@@ -2,7 +2,8 @@
  * Targets as a pose set states them: one mapping of poses, or a list of steps.
  *
  * A step is flat, poses beside `dominance`, or has `weights`, `dominance` and `overall`. Changes keep
- * the form and the order of what is stated, so that a file changes only where it must.
+ * the form and the order of what is stated, so that a file changes only where it must. The `status` of
+ * a fitted target is lost by a change: a person draws it from then on.
  */
 
 /** @typedef {Record<string, any>} Step */
@@ -13,15 +14,19 @@ export function stepsOf(target) {
   return Array.isArray(target) ? target : [target];
 }
 
-/** @param {Step[]} steps @returns {any} a target of them; undefined for none */
+/** @param {Step[]} steps @returns {any} a target of them, drawn by a person; undefined for none */
 export function targetOf(steps) {
-  return steps.length > 1 ? steps : steps[0];
+  const drawn = steps.map((step) => {
+    const { status, ...rest } = step;
+    return status === undefined ? step : rest;
+  });
+  return drawn.length > 1 ? drawn : drawn[0];
 }
 
 /** @param {Step} step @returns {Record<string, number>} */
 export function weightsOf(step) {
   if (isWhole(step)) return step.weights ?? {};
-  return Object.fromEntries(Object.entries(step).filter(([key]) => key !== "dominance"));
+  return Object.fromEntries(Object.entries(step).filter(([key]) => key !== "dominance" && key !== "status"));
 }
 
 /** @param {Step} step @returns {{overall: number | null, poses: Record<string, number>}} */
@@ -38,8 +43,7 @@ export function dominanceOf(step) {
  */
 export function withWeight(step, pose, weight) {
   if (isWhole(step)) return { ...step, weights: put(step.weights ?? {}, pose, weight) };
-  const { dominance, ...weights } = step;
-  const made = put(weights, pose, weight);
+  const { dominance } = step, made = put(weightsOf(step), pose, weight);
   return dominance === undefined ? made : { ...made, dominance };
 }
 

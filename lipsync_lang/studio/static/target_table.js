@@ -4,7 +4,7 @@ import { made } from "./elements.js";
 import { numberField } from "./form_fields.js";
 import { dominanceOf, stepsOf, targetOf, weightsOf, withDominance, withWeight, withWeights } from "./target_forms.js";
 
-/** @typedef {{name: string, title: string, example: string, like: string, contact: string}} Phoneme */
+/** @typedef {{name: string, title: string, example: string, like: string, contact: string, replaced: boolean}} Phoneme */
 /**
  * @typedef {object} Hands
  * @property {(phoneme: string, target: any, title: string, done?: boolean) => void} edit undefined deletes it; not done while a slider moves
@@ -60,12 +60,12 @@ export class TargetTable {
 
   /** @param {Phoneme} phoneme @returns {HTMLElement[]} */
   #rows(phoneme) {
-    const { own, steps } = this.#given(phoneme), { name, title, example, like } = phoneme;
+    const { own, steps } = this.#given(phoneme), { name, title, example, like, replaced } = phoneme;
     return (steps.length ? steps : [{}]).map((step, number) => {
       const weights = weightsOf(step), { overall, poses } = dominanceOf(step);
-      const told = [title, example && `as in "${example}"`, like && `a shade of ${like}`, !own && steps.length && `as ${like}`, !steps.length && "no target"];
+      const told = [title, example && `as in "${example}"`, like && `a shade of ${like}`, !own && steps.length && `as ${like}`, !steps.length && "no target", replaced && "the character has a target of its own instead"];
       const head = made("th", { scope: "row", title: told.filter(Boolean).join(", ") }, name, ...(steps.length > 1 ? [made("sub", {}, String(number + 1))] : []),
-        ...(like ? [made("small", {}, own ? "" : ` as ${like}`)] : []));
+        ...(like ? [made("small", {}, own ? "" : ` as ${like}`)] : []), ...(replaced ? [made("small", {}, " replaced")] : []));
       const cells = this.poses.map((pose) => {
         const weight = weights[pose], dominance = poses[pose] ?? overall;
         const cell = made("td", { role: "gridcell", tabindex: "-1", "data-cell": JSON.stringify([name, number, pose]), "data-pose": pose,
