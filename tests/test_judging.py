@@ -8,7 +8,7 @@ import pytest
 from lanes import full
 
 import lipsync_lang as ll
-from lipsync_lang.capture.capture_clock import ClockReading
+from lipsync_lang.capture.capture_clock import CLOCK_FPS, ClockReading, compared
 from lipsync_lang.capture.capture_reading import Captures, read_captures
 from lipsync_lang.capture.captured_line import CapturedLine
 from lipsync_lang.capture.fit_file import SetAside
@@ -188,6 +188,38 @@ def test_a_stretch_without_tracking_is_taken_for_lost():
     assert np.isnan(found.values[62:99]).all()
     assert np.isfinite(found.values[:60]).all()
     assert any("s of speech, which are left out" in told for told in found.remarks)
+
+
+def test_minutes_of_silence_within_a_line_do_no_harm():
+    first, other = spoken(0), spoken(1)
+    pause = 180.0
+    schedule = ll.Schedule(
+        (*first.labels, "_", *other.labels),
+        np.concatenate((first.times, first.end + pause + (other.times - other.start))),
+        notation=first.notation,
+    )
+    moved = dominance(performer(), schedule, 60)
+    noise = np.random.default_rng(3).normal(0, 0.06, moved.weights.shape)
+    line = replace(capture(), schedule=schedule, times=moved.times, values=moved.weights + noise)
+    assert kept(line).remarks == ()
+    times = compared(performer(), line, [schedule]).times
+    assert len(times) / CLOCK_FPS < schedule.end - pause + 2, "silence is not compared"
+    late = kept(replace(line, times=line.times + 0.15))
+    assert "0.1" in late.remarks[0]
+
+
+def test_a_take_of_a_phone_on_a_rig_passes(tmp_path):
+    (tmp_path / "characters").mkdir()
+    text = "kind: character\nformat: 1\nname: max\nposeset: facefx\nrig: facefx-to-arkit\n"
+    (tmp_path / "characters/max.yaml").write_text(text, "utf-8")
+    face = ll.resolve("english", "max", paths=[tmp_path])
+    for number in range(len(TEXTS)):
+        moved = face.rigged(dominance(face, spoken(number), 60))
+        moved.save(tmp_path / f"line{number}.csv", "live-link-face")
+        spoken(number).save(tmp_path / f"line{number}.TextGrid")
+    found = judge_captures(face, read_captures(face, tmp_path))
+    assert len(found.lines) == len(TEXTS)
+    assert not found.set_aside
 
 
 def test_gaps_within_a_line_do_no_harm():

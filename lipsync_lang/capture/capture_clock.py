@@ -29,6 +29,9 @@ CLOCK_FPS = 50.0
 EDGE_SECONDS = 0.15
 """Seconds before the first sound and after the last that are compared."""
 
+PAUSE_SECONDS = 0.5
+"""Seconds of a pause that are compared on either side of it."""
+
 FAR_SECONDS = 1.5
 """Largest offset that is tried."""
 
@@ -188,13 +191,26 @@ def compared(
     performer: "Performer", line: "CapturedLine", schedules: "Sequence[Schedule]"
 ) -> ComparedMotion:
     """Lay the curves of schedules with the same times beside the motion of a line."""
-    start, end = spoken_span(performer, schedules[0])
-    times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
+    times = _near_sounds(performer, schedules[0])
     shown = []
     for animation in performer.perform_many(schedules, fps=CLOCK_FPS, intensity=None):
         weights = [np.interp(times, animation.times, one, 0, 0) for one in animation.weights.T]
         shown.append(np.column_stack(weights) @ line.gains.T)
     return ComparedMotion(times, np.array(shown), line)
+
+
+def _near_sounds(performer: "Performer", schedule: "Schedule") -> Floats:
+    """Return the frames of the sounds, and of the pauses beside them; long pauses tell nothing."""
+    start, end = spoken_span(performer, schedule)
+    times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
+    sounds = sounds_of(performer, schedule)
+    starts, ends = schedule.times[sounds], schedule.times[sounds + 1]
+    before = np.searchsorted(starts, times, side="right") - 1
+    since = times - ends[np.maximum(before, 0)]
+    until = starts[np.minimum(before + 1, len(starts) - 1)] - times
+    far = (before >= 0) & (since > PAUSE_SECONDS) & (until > PAUSE_SECONDS)
+    found: Floats = times[~far]
+    return found
 
 
 def spoken_span(performer: "Performer", schedule: "Schedule") -> tuple[float, float]:
