@@ -5,15 +5,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from packs_tree import put
 from strategies import RATES, any_lines, real
 
-import lipsync_lang as ll
 from lipsync_lang import Schedule, resolve
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.splicing import SplicedText
+from lipsync_lang.pipeline import kernel
 from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.stitch import stitch
 from lipsync_lang.pipeline.tables import RESOLUTION
@@ -105,6 +105,17 @@ def test_shades_play_that_of_their_parents_and_the_finest_first(tmp_path):
     character(tmp_path, "trigrams:\n" + parents + finer)
     assert played(performer(tmp_path), STREET)[3:5] == ["r-iy-d"] * 2
     assert played(performer(tmp_path, shades=False), STREET)[3:5] == ["r-ih-d"] * 2
+
+
+def test_a_trigram_may_tell_a_shade_from_its_parent(tmp_path):
+    shades = resolve("english", "rhubarb").report.shades
+    assert "ae" not in shades, "no target of this face tells it"
+    head = "kind: character\nformat: 1\nname: anna\nposeset: rhubarb\ntrigrams:\n"
+    put(tmp_path, "characters/anna.yaml", head + trigram("kg-ae-d", "D"))
+    made = performer(tmp_path)
+    assert {*made.report.shades} == {*shades, "ae"}
+    cat = Schedule(("K", "AE", "T"), [0, 0.1, 0.3, 0.4], notation="arpabet")
+    assert played(made, cat)[1:3] == ["kg-ae-d"] * 2
 
 
 def test_phonemes_of_other_languages_are_left_out(tmp_path):
@@ -246,21 +257,22 @@ def drawn(tmp_path_factory):
 SPOKEN = st.lists(st.sampled_from(["S", "T", "R", "IY", "T", "IY", "_"]), min_size=1, max_size=14)
 
 
-@given(labels=SPOKEN, fps=RATES)
-def test_a_stream_gives_the_frames_of_the_whole(drawn, labels, fps):
-    times = np.arange(len(labels) + 1) / 8
-    whole = drawn.perform(Schedule(tuple(labels), times, notation="arpabet"), fps)
-    stream, found = drawn.stream(fps, notation="arpabet", stress=False), []
-    for label, (start, end) in zip(labels, pairwise(times.tolist()), strict=True):
+def assert_streamed(made, schedule, fps=60):
+    """The frames of a stream are those of the whole, though they are taken label by label."""
+    stream, found = made.stream(fps, notation="arpabet", stress=False), []
+    for label, (start, end) in zip(schedule.labels, pairwise(schedule.times.tolist()), strict=True):
         stream.feed(label, start, end)
         found.append(stream.frames().weights)
-    try:
-        stream.finish()
-    except ll.LipsyncError:  # nothing but silence, of which a stream has no frame
-        assert set(labels) == {"_"}
-        return
+    stream.finish()
     found.append(stream.frames().weights)
-    assert np.abs(np.concatenate(found) - whole.weights).max() <= 1e-6
+    assert np.abs(np.concatenate(found) - made.perform(schedule, fps).weights).max() <= 1e-6
+
+
+@given(labels=SPOKEN, fps=RATES)
+def test_a_stream_gives_the_frames_of_the_whole(drawn, labels, fps):
+    schedule = Schedule(tuple(labels), np.arange(len(labels) + 1) / 8, notation="arpabet")
+    assume({*labels} != {"_"})  # a stream has no frame of nothing but silence
+    assert_streamed(drawn, schedule, fps)
 
 
 def test_an_endless_row_of_overlapping_trigrams_needs_no_more_memory(drawn):
@@ -287,6 +299,24 @@ def test_a_frame_waits_for_the_third_sound_only_where_a_trigram_may_begin(drawn)
     assert final("IY", "S") == final("T", "S") == final("S", "S")
     assert final("T", "IY") == pytest.approx(final("T", "S") - 1, abs=0.02)
     assert final("T", "IY", "S") == pytest.approx(final("T", "S", "S"))
+    assert final("T", "IY", "T") == final("T", "EH", "T"), "d-iy-d leaves no room for iy-d-iy"
+
+
+def test_silence_that_is_not_there_begins_no_trigram(tmp_path):
+    """A window of a stream begins amid the sounds, and silence is put before it."""
+    character(tmp_path, "trigrams:\n" + trigram("_-s-d", "PBM") + trigram("s-d-r"))
+    labels = ("IY", "S", "T", "R") * 6
+    times = np.arange(len(labels) + 1.0)
+    assert_streamed(performer(tmp_path), Schedule(labels, times, notation="arpabet"))
+
+
+@pytest.mark.parametrize("last", ["F", "S"])
+def test_a_contact_waits_for_the_sound_that_may_waive_it(tmp_path, last):
+    character(tmp_path, "trigrams:\n" + trigram("bmp-aa-f", "open", contact="free"))
+    made = performer(tmp_path, motion={"anticipate": 0, "softness": 0, "speed_limit": 5000})
+    times = [0, 0.3, 0.33, 0.605, 0.9]
+    for fps in (24, 1000):
+        assert_streamed(made, Schedule(("AA", "P", "AA", last), times, notation="arpabet"), fps)
 
 
 def test_many_schedules_at_once_are_what_each_is_alone(drawn):
@@ -295,6 +325,15 @@ def test_many_schedules_at_once_are_what_each_is_alone(drawn):
         made = drawn.with_motion(motion)
         for one, alone in zip(made.perform_many(schedules), schedules, strict=True):
             assert np.array_equal(one.weights, made.perform(alone).weights)
+
+
+def test_the_compiled_kernel_and_numpy_agree(drawn, monkeypatch):
+    for motion in (None, {"warp": "linear"}):
+        performance = drawn.with_motion(motion).performance(STREET, 60)
+        weights = performance.weights()
+        with monkeypatch.context() as patch:
+            patch.setattr(kernel, "compiled", None)
+            assert np.abs(weights - performance.weights()).max() <= 1e-11
 
 
 def test_a_pair_with_trigrams_is_the_same_from_the_cache(tmp_path, monkeypatch):
@@ -325,8 +364,8 @@ def test_a_bigram_edited_in_place_leaves_trigrams_as_compiling_anew_does(tmp_pat
     for path in (tmp_path / "characters/anna.yaml", tmp_path / "posesets/facefx/banks/sad.yaml"):
         texts[path] = SplicedText.read(path, path.read_bytes())
     curves = {"curves": {"open": [[0, 0], [0.5, 0.3], [1, 0]]}}
-    for path in list(texts):
-        for key in ("ae-kg", "d-r"):
+    for path, keys in zip(list(texts), (("ae-kg", "d-r"), ("iy-d",)), strict=True):
+        for key in keys:
             texts[path] = texts[path].changed([(("bigrams", key), curves)])
         pair = pair.retouched(texts.values())
         unsaved = {one: other.content for one, other in texts.items()}
