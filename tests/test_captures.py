@@ -350,6 +350,7 @@ def test_faulty_tables_of_sensors_are_set_aside(performer, coils, content, told)
     [
         ("take.csv", b"time_s,open\n0,0\n0.1,nan\n", "a value is no number"),
         ("take.csv", b"time_s,brow\n0,0\n0.1,0.2\n", "has nothing of facefx"),
+        ("take.csv", b"Timecode,BlendshapeCount,JawOpen\n00:00:00:00.0,61,0\n", "whole take"),
         ("take.glb", b"glTF", "take.glb"),
         ("take.json", b"{}", "no animation of this program"),
     ],
@@ -365,6 +366,7 @@ def test_faulty_captures_are_set_aside_and_the_others_read(
     (aside,) = captures.set_aside
     assert aside.line == "take"
     assert told in aside.why
+    assert ("needs a read-out" in aside.why) == content.startswith(b"time_s")
 
 
 def test_missing_paths_and_empty_folders_are_told(performer, tmp_path):

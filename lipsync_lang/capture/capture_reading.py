@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
-from lipsync_lang.capture.capture_files import CaptureFiles, find_captures
+from lipsync_lang.animations.readers.live_link import fits
+from lipsync_lang.capture.capture_files import HEAD_BYTES, CaptureFiles, find_captures
 from lipsync_lang.capture.capture_timings import CaptureTimings, readable
 from lipsync_lang.capture.captured_line import CapturedLine
 from lipsync_lang.capture.fit_file import SetAside
@@ -130,24 +131,25 @@ def _check_rate(files: CaptureFiles, times: Floats) -> None:
 
 def _motion(performer: "Performer", files: CaptureFiles, readout: "ReadOut | None") -> _Moving:
     """Read the motion: of sensors if a read-out knows the columns, else of poses or channels."""
-    if readout is not None and files.capture.suffix.lower() == ".csv":
-        sensed = _sensed(files.capture, readout)
+    may_be_sensors = _may_be_sensors(files.capture)
+    if readout is not None and may_be_sensors:
+        sensed = read_sensors(files.capture, readout)
         if sensed is not None:
             return _measured(performer, files.capture, sensed)
     try:
         return _weighted(performer, read_animation(files.capture))
     except AnimationError as error:
-        if readout is not None or files.capture.suffix.lower() != ".csv":
+        if readout is not None or not may_be_sensors:
             raise
         raise AnimationError(f"{error} (a table of sensors needs a read-out)") from None
 
 
-def _sensed(path: Path, readout: "ReadOut") -> SensorSignals | None:
-    from lipsync_lang.animations.readers.live_link import fits
-
+def _may_be_sensors(path: Path) -> bool:
+    """Tell tables of any columns from takes of Live Link Face and from other formats."""
+    if path.suffix.lower() != ".csv":
+        return False
     with path.open("rb") as stream:
-        live_link = fits(stream.read(256))
-    return None if live_link else read_sensors(path, readout)
+        return not fits(stream.read(HEAD_BYTES))
 
 
 def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Moving:
