@@ -224,7 +224,11 @@ def _inside(folder: Path, name: str) -> Path:
     path = folder / name
     if Path(name).is_absolute() or ".." in Path(name).parts:
         raise LipsyncError(f"'{name}' is outside the folder of the list; move the file into it")
-    if not path.is_file():
+    try:
+        there = path.is_file()
+    except (OSError, ValueError):  # longer than any name, or with a zero byte
+        there = False
+    if not there:
         raise LipsyncError(f"there is no file '{name}'; check the path")
     return path
 
