@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -441,6 +442,27 @@ def test_nobody_says_what_is_out_of_reach_of_an_unsound_bank(tmp_path):
     put(tmp_path, "posesets/pair/poseset.yaml", PAIR % ("0.75", "[a]"))
     put(tmp_path, "posesets/pair/banks/common.yaml", "kind: bank\n")
     assert "W313" not in {fault.code for fault in faults_of(tmp_path)}
+
+
+def test_a_trigram_may_bring_poses_up_to_a_threshold(tmp_path):
+    plant(tmp_path)
+    put(tmp_path, "posesets/pair/poseset.yaml", PAIR % ("0.75", "[a]"))
+    head = "kind: bank\nformat: 1\nname: common\nposeset: pair\ntrigrams:\n  p-a-p:\n"
+    for height, codes in (("0.1", {"W313"}), ("1", set())):
+        curves = f"    curves: {{b: [[0, {height}], [1, {height}]]}}\n"
+        put(tmp_path, "posesets/pair/banks/common.yaml", head + curves)
+        assert {fault.code for fault in faults_of(tmp_path)} & {"W313"} == codes
+
+
+def test_a_file_holds_a_thousand_trigrams_at_most(tmp_path):
+    plant(tmp_path)
+    names = ["".join(three) for three in product("abcdefghij", repeat=3)]
+    whole = "".join(f"  p-{name}-f: {{curves: {{}}}}\n" for name in [*names, "p"])
+    bank = TREE["posesets/face/banks/common.yaml"]
+    put(tmp_path, "posesets/face/banks/common.yaml", f"{bank}trigrams:\n{whole}")
+    (fault,) = (fault for fault in faults_of(tmp_path) if fault.code != "P202")
+    assert (fault.code, fault.line) == ("P108", bank.count("\n") + 2)
+    assert "`trigrams` must have at most 1000 items, got 1001" in fault.what
 
 
 def test_every_code_is_met_by_a_bad_pack():
