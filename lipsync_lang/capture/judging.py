@@ -4,7 +4,7 @@ Every line is compared with the curves that the performer gives to its phonemes.
 chosen on lines of 2 to 3 s that the project made: four faces with other targets than the shipped
 ones, another method of coarticulation, 20 ms of jitter, and noise, seen as 9 poses, as 32, and as 3
 measures. Of 300 sound lines, 297 pass; 3 of 300 pass with the timings of another line, and none of
-noise. Offsets of 0.1 to 0.2 s are found to 0.02 s; of 0.4 s, all are set aside. A clock that
+200 of noise. Offsets of 0.1 to 0.2 s are corrected; of 0.4 s, all are set aside. A clock that
 is 8 % fast over such a line is set aside in 94 of 100; 4 % in 14, which is 0.1 s, and 1 % in all of
 16 s. Of lines with fewer than 12 sounds, 3 of 100 sound ones are refused (30 with 3 measures), and
 1 to 7 of 100 with other timings pass.
