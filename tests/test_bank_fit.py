@@ -267,6 +267,9 @@ def test_folds_leave_out_lines_and_speakers():
         assert not set(part.kept) & set(part.tested)
         assert len(part.kept) + len(part.tested) == 6
     assert [part.name for part in parts if part.by == "speaker"] == ["ann", "bo"]
+    many = [replace(line, name=f"{line.name}/{n}") for n in range(5) for line in lines]
+    names = [part.name for part in folds(lay_lines(performer, many, FPS)) if part.by == "line"]
+    assert names[0].endswith(" and 2 more")
 
 
 def test_slopes_are_those_of_the_pipeline():

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from lipsync_lang.capture.fit_file import VALUE_DECIMALS, FitFold, FitProposal, FitVerdict, SetAside
+from lipsync_lang.capture.fit_file import (
+    VALUE_DECIMALS,
+    FitFold,
+    FitItem,
+    FitProposal,
+    FitVerdict,
+    SetAside,
+)
 from lipsync_lang.capture.fit_folds import FitTask, Fold, Shares, choose, errors, folds, run_fits
 from lipsync_lang.capture.fit_items import fit_items
 from lipsync_lang.capture.fit_lines import FitLine, fit_rate, lay_lines
@@ -45,7 +52,7 @@ class CaptureFit:
     followed: tuple[Followed, ...]
     face: FitFace
     values: FitValues
-    """The values at which the proposal's items stand; the start where the fit is refused."""
+    """The values of the proposal's items; those of the whole fit where it is refused."""
 
 
 def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
@@ -91,20 +98,31 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
         for part, fit in zip(parts, fits, strict=True)
         if part.by == "line"
     ]
+    items = tuple(fit_items(pair, task, values, others))
+    proposal = _proposal(pair, task, verdict, items, (*set_aside, *strays))
+    return CaptureFit(proposal, _followed(task, values), task.face, values)
+
+
+def _proposal(
+    pair: "OpenPair",
+    task: FitTask,
+    verdict: FitVerdict,
+    items: tuple[FitItem, ...],
+    set_aside: tuple[SetAside, ...],
+) -> FitProposal:
     captured = [line.captured for line in task.lines]
-    proposal = FitProposal(
-        language=performer.language,
-        character=performer.character,
+    return FitProposal(
+        language=pair.compiled.language,
+        character=pair.compiled.character,
         poseset=pair.compiled.poseset,
         lines=len(captured),
         seconds=round(sum(map(_seconds, task.lines)), 3),
         speakers=tuple(sorted({line.speaker for line in captured} - {""})),
         verdict=verdict,
-        items=tuple(fit_items(pair, task, values, others)),
+        items=items,
         remarks=_remarks(captured),
-        set_aside=(*set_aside, *strays),
+        set_aside=set_aside,
     )
-    return CaptureFit(proposal, _followed(task, values), task.face, values)
 
 
 def _require_scipy() -> None:

@@ -27,6 +27,9 @@ SHARES = (0.25, 0.5, 0.75, 1.0)
 BIGRAM_SHARES = (0.5, 1.0)
 """The same for the curves of bigrams."""
 
+SHOWN_NAMES = 4
+"""Lines or speakers of a part that its name tells."""
+
 BIGRAM_WORTH = 0.99
 """Share of the held-out error to which bigrams must bring it; the average of timing errors gains
 a little, too."""
@@ -95,7 +98,8 @@ def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
         left = known[part::count]
         tested = tuple(n for n, name in enumerate(names) if name in left)
         kept = tuple(n for n, name in enumerate(names) if name not in left)
-        yield Fold(by, ", ".join(left), kept, tested)
+        more = f" and {len(left) - SHOWN_NAMES} more" if len(left) > SHOWN_NAMES else ""
+        yield Fold(by, ", ".join(left[:SHOWN_NAMES]) + more, kept, tested)
 
 
 def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iterator[FitValues]:
