@@ -22,6 +22,7 @@ from lipsync_lang.capture.fit_slopes import control_slopes, draft_slopes
 from lipsync_lang.capture.fit_solver import solve
 from lipsync_lang.capture.fit_targets import TargetParameters, seen_poses
 from lipsync_lang.capture.fit_values import FitFace
+from lipsync_lang.capture.rest_levels import without_rest
 from lipsync_lang.cli import main
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.library import Library
@@ -225,6 +226,21 @@ def test_scale_and_offset_of_free_signals_do_not_matter():
         write_fit(text, fit_captures(pair, performer, some).proposal)
         texts.append(text.getvalue())
     assert texts[0] == texts[1]
+
+
+def test_levels_at_rest_are_taken_away_and_told():
+    pair, performer, truth, said, _ = example(lines=4)
+    lines = captured(truth, said)
+    jaw = lines[0].signals.index("open")
+    raised = np.zeros(len(lines[0].signals))
+    raised[jaw] = 0.12
+    high = [replace(line, values=line.values + raised) for line in lines]
+    fits = [fit_captures(pair, performer, some) for some in (lines, high)]
+    assert rms(fits[0].values.weights - fits[1].values.weights) < 0.01
+    (told,) = [one for one in fits[1].proposal.remarks if "at rest" in one]
+    assert told == "weights at rest that were taken away: open 0.12"
+    free = [replace(line, free=True) for line in high]
+    assert without_rest(performer, free) == free
 
 
 @full

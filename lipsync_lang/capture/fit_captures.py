@@ -21,6 +21,7 @@ from lipsync_lang.capture.fit_lines import FitLine, fit_rate, lay_lines
 from lipsync_lang.capture.fit_motion import MotionGroups
 from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
+from lipsync_lang.capture.rest_levels import without_rest
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ def _laid(
     if not captured:
         reasons = "".join(f"\n  {one.line}: {one.why}" for one in set_aside)
         raise LipsyncError(f"no capture can be used; {len(set_aside)} were set aside{reasons}")
-    lines = lay_lines(performer, captured, fit_rate(captured))
+    lines = lay_lines(performer, without_rest(performer, captured), fit_rate(captured))
     if not any(line.seen.any() for line in lines):
         raise LipsyncError(
             "the captures show nothing while somebody speaks; check that the timings are theirs"

@@ -1,0 +1,91 @@
+"""Rest levels: weights that a capture shows while nobody speaks, which are taken away.
+
+The poses of a pose set rest at 0. Captured shapes often rest higher, because the tracker has
+another neutral face.
+
+Conventions: times are seconds; T samples, S signals.
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.pipeline.arrays import Bools, Floats
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from lipsync_lang.capture.captured_line import CapturedLine
+    from lipsync_lang.performing.performer import Performer
+
+AWAY_SECONDS = 0.15
+"""Seconds around sounds in which a face does not rest."""
+
+ENOUGH_SECONDS = 0.5
+"""Seconds of rest that tell its level; with fewer, the lowest weights of speech do."""
+
+LOWEST_SHARE = 0.05
+"""Share of the weights of speech that lie below the rest level, where no pause tells it."""
+
+LEAST_LEVEL, MOST_LEVEL = 0.02, 0.4
+"""Levels that are taken away; lower ones are noise, and higher ones are expressions."""
+
+
+def without_rest(
+    performer: "Performer", captured: "Sequence[CapturedLine]"
+) -> "list[CapturedLine]":
+    """Return lines whose signals rest at 0, with remarks on what was taken away.
+
+    A level is one for all lines of a speaker. Signals without a scale stay as they are.
+    """
+    resting: dict[tuple[str, str], list[Floats]] = {}
+    speaking: dict[tuple[str, str], list[Floats]] = {}
+    for line, rest in zip(captured, _rests(performer, captured), strict=True):
+        for name, values in zip(line.signals, line.values.T, strict=True):
+            known = np.isfinite(values)
+            resting.setdefault((line.speaker, name), []).append(values[known & rest])
+            speaking.setdefault((line.speaker, name), []).append(values[known & ~rest])
+    fps = max(((len(one.times) - 1) / np.ptp(one.times) for one in captured), default=1.0)
+    levels = {
+        key: _level(np.concatenate(resting[key]), np.concatenate(speaking[key]), float(fps))
+        for key in resting
+    }
+    return [line if line.free else _lowered(line, levels) for line in captured]
+
+
+def _rests(performer: "Performer", captured: "Sequence[CapturedLine]") -> list[Bools]:
+    """Return True for samples well away from every sound: (T,) for each line."""
+    silence = performer.compiled.tables.silence
+    out = []
+    read = performer.labels.read([line.schedule for line in captured]) if captured else []
+    for line, sounds in zip(captured, read, strict=True):
+        spoken = sounds.ids != silence
+        starts, ends = sounds.times[:-1][spoken], sounds.times[1:][spoken]
+        at = line.times[:, None]
+        near = (at > starts - AWAY_SECONDS) & (at < ends + AWAY_SECONDS)
+        out.append(~near.any(axis=1))
+    return out
+
+
+def _level(resting: Floats, speaking: Floats, fps: float) -> float:
+    """Return the weight at rest; 0 for one that stays as it is."""
+    if len(resting) >= ENOUGH_SECONDS * fps:
+        level = float(np.median(resting))
+    elif len(speaking):
+        level = float(np.quantile(speaking, LOWEST_SHARE))
+    else:
+        return 0.0
+    return level if LEAST_LEVEL <= level <= MOST_LEVEL else 0.0
+
+
+def _lowered(line: "CapturedLine", levels: dict[tuple[str, str], float]) -> "CapturedLine":
+    own = np.array([levels[line.speaker, name] for name in line.signals])
+    if not own.any():
+        return line
+    named = ", ".join(
+        f"{name} {level:.2f}" for name, level in zip(line.signals, own, strict=True) if level
+    )
+    who = f" of {line.speaker}" if line.speaker else ""
+    told = f"weights at rest{who} that were taken away: {named}"
+    return replace(line, values=line.values - own, remarks=(*line.remarks, told))
