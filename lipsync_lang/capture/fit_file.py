@@ -42,6 +42,9 @@ FIT_FORMAT = 1
 MAX_FITTED_SPEED = 1000.0
 """Largest speed limit of a proposal, in weight per second; a face needs about 15."""
 
+MAX_LISTED_FAULTS = 12
+"""Faults of a file that an error lists; programs write proposals, so that faults repeat."""
+
 VALUE_DECIMALS = 4
 """Decimals of written values."""
 
@@ -228,12 +231,19 @@ def read_fit(path: Path) -> FitProposal:
     Raises
     ------
     PackFaults
-        The file is no sound proposal; the error lists every fault with its place.
+        The file is no sound proposal; the error lists faults with their places, the first
+        `MAX_LISTED_FAULTS`.
     PackError
         The file cannot be read, or is no proposal.
     """
     content = read_input(path, MAX_PACK_BYTES, error=PackError, mend="accept the fit in parts")
-    source = read_yaml(path, content)
+    try:
+        return _proposal(read_yaml(path, content))
+    except PackFaults as error:
+        raise PackFaults(error.faults[:MAX_LISTED_FAULTS]) from None
+
+
+def _proposal(source: YamlSource) -> FitProposal:
     _refuse_other(source)
     proposal, faults = validated_as(source, FitProposal)
     if proposal is None:

@@ -57,7 +57,7 @@ def film(  # noqa: PLR0913 what is shown, and how it is packed
     out: BinaryIO,
     kind: str,
     *,
-    size: int = SIZE,
+    size: int | None = None,
     codec: Sequence[str] = (),
     framing: Animation | None = None,
 ) -> None:
@@ -68,7 +68,7 @@ def film(  # noqa: PLR0913 what is shown, and how it is packed
     Parameters
     ----------
     kind : a name in `CODECS`
-    size : side of a frame in pixels
+    size : side of a frame in pixels; `SIZE` by default
     codec : options of the encoder, instead of those in `CODECS`
     framing : animation of the same model that camera and light are set for; by default, this one
 
@@ -79,7 +79,7 @@ def film(  # noqa: PLR0913 what is shown, and how it is packed
     ModelError
         The model cannot be drawn.
     """
-    ffmpeg = _ffmpeg()
+    ffmpeg, size = _ffmpeg(), SIZE if size is None else size
     pillow()
     scene = staged(animation)
     audio = animation.schedule.audio
