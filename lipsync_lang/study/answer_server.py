@@ -66,6 +66,10 @@ HEADERS = {
 """Headers of every answer; the page has a stricter policy of its own."""
 
 
+MAX_WAITING = 128
+"""Connections that wait to be accepted; the system resets those beyond, as when a class begins."""
+
+
 class AnswerLog:
     """The file of answers, which only grows."""
 
@@ -134,6 +138,7 @@ class AnswerServer(ThreadingHTTPServer):
 
     daemon_threads = True
     block_on_close = False
+    request_queue_size = MAX_WAITING
 
     def __init__(
         self, address: tuple[str, int], page: bytes, log: AnswerLog, origins: frozenset[str]
