@@ -27,7 +27,6 @@ COLOURS = 192
 """Colours of a picture; more make it larger, and look the same."""
 
 FILM_MS, FILM_PIXELS = 90, (960, 540)
-HEAD_MS, HEAD_PIXELS = 66, (320, 320)
 
 
 def tell(story: str, character: str, folder: Path) -> dict[str, object]:
@@ -74,8 +73,6 @@ def main() -> None:
             picture.quantize(COLOURS).save(folder / f"studio-{name}.png", optimize=True)
         tell("film", "crab", drawn)
         moving(sorted(drawn.glob("film-*.png")), folder / "studio.webp", FILM_PIXELS, FILM_MS)
-        tell("head", "facefx", drawn)
-        moving(sorted(drawn.glob("head-*.png")), folder / "talking.webp", HEAD_PIXELS, HEAD_MS)
 
 
 if __name__ == "__main__":

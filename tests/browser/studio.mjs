@@ -354,19 +354,6 @@ const stories = {
     return { frames: count };
   },
 
-  /** A talking head, from the front; frames go to FOLDER. */
-  async head() {
-    const page = await show("", { viewport: { width: 1280, height: 900 } });
-    await speak(page, "Please buy five more maps before Bob moves away.");
-    let count = 0;
-    for (; count < 60; count++) {
-      for (let k = 0; k < 4; k++) await page.keyboard.press("ArrowRight");
-      await settle(page);
-      await page.locator("#faces canvas").first().screenshot({ path: `${folder}/head-${String(count).padStart(3, "0")}.png` });
-    }
-    return { frames: count };
-  },
-
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];
