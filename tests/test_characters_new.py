@@ -254,6 +254,41 @@ def test_meshes_may_have_prefixes_of_their_own(cli, folder):
     assert len(moved(speak(cli, "anna"))) == 2
 
 
+def test_a_model_is_performed_as_the_character_that_is_drafted_from_it(cli, folder):
+    rigs = set()
+    for poseset, rig in RIGS:
+        channels = channels_of(rig.model)
+        shapes = [name for name, channel in channels.items() if channel.node is None]
+        bones = [channel.node for channel in channels.values() if channel.node is not None]
+        model = glb(folder / "face.glb", *shapes, bones=bones)
+        rigs.add(recognise(LIBRARY, read_model(model))[0].rig)
+        new(cli, rig.model.name, "--model", model)
+        drafted = speak(cli, rig.model.name)
+        out = Path("out.glb")
+        ended = cli("run", "--schedule", "line.json", "-l", "english", "-c", model, "-o", out)
+        assert ended.code == 0, ended.err
+        assert "face.glb: performed with the poses of " in ended.err
+        assert moved(read_model(out)) == moved(drafted), poseset
+        assert read_model(out).chunks == drafted.chunks
+    assert {None} < rigs, "models that need a rig, and models that need none"
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (("run", "Hello", "-c", "odd.glb"), "odd.glb: no pose set knows its shapes (alpha, beta)"),
+        (("run", "Hello", "-c", "none.glb"), "none.glb: cannot be read: No such file"),
+        (("bank", "draft", "-c", "face.glb"), "lipsync-lang characters new NAME --model face.glb"),
+    ],
+)
+def test_a_model_that_cannot_be_performed(command, said, cli, folder):
+    glb(folder / "odd.glb", "alpha", "beta")
+    glb(folder / "face.glb", *SETS["crab"].poses)
+    ended = cli(*command, "-l", "english")
+    assert (ended.code, ended.out) == (2, "")
+    assert said in ended.err
+
+
 # What does not fit, and what is misused
 
 

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
     from lipsync_lang.packs.models import RigPack
 
-ENOUGH = 4
-"""Reciprocal of the smallest share of shown poses for the automatic choice of a pose set."""
-
 OTHERS = 3
 """Maximum number of alternatives in a message."""
 
@@ -170,7 +167,7 @@ def _chosen(
             raise PackError(f"unknown rig '{wanted.rig}': {did_you_mean(wanted.rig, rigs)}")
         fitting = [m for m in fitting if m.rig == wanted.rig]
     asked = wanted.poseset is not None or wanted.rig is not None
-    found = next((m for m in fitting if asked or _enough(m)), None)
+    found = next((m for m in fitting if asked or m.enough), None)
     if found is not None:
         return found
     shapes = dict.fromkeys(name for mesh in model.meshes for name in mesh.shapes)
@@ -191,16 +188,12 @@ def _rigs(library: "Library", poseset: str | None) -> list[str]:
     return [path.stem for name in sets for path in library.rigs_of(name)]
 
 
-def _enough(match: Match) -> bool:
-    return match.shown * ENOUGH >= len(match.poses)
-
-
 def _others(match: Match, matches: Sequence[Match]) -> list[Match]:
     """Return the alternatives: the best match of each other pose set."""
     best: dict[str, Match] = {}
     for other in matches:
         best.setdefault(other.poseset, other)
-    return [m for m in best.values() if m.poseset != match.poseset and _enough(m)][:OTHERS]
+    return [m for m in best.values() if m.poseset != match.poseset and m.enough][:OTHERS]
 
 
 def _asking(match: Match) -> str:

@@ -61,7 +61,7 @@ def run(options: Namespace) -> int:
     print(_summary(shown, list(outputs)), file=sys.stderr)
     if options.schedule is None and performer.speaker.manner.weak:
         print(performer.speaker.manner.weak, file=sys.stderr)
-    for remark in _overriding(options, performer):
+    for remark in (*_recognised(options, performer), *_overriding(options, performer)):
         print(remark, file=sys.stderr)
     for remark in dict.fromkeys(r for writer in writers.values() for r in writer.remarks(shown)):
         print(as_options(remark), file=sys.stderr)
@@ -81,6 +81,16 @@ def _against(options: Namespace, animation: "Animation") -> "dict[str, Animation
         own, same = options.model, animation.performer.model
         found = {n: replace(t, model=own) if t.model == same else t for n, t in found.items()}
     return {n: t.cut() for n, t in found.items()} if options.cut else found
+
+
+def _recognised(options: Namespace, performer: "Performer") -> Iterable[str]:
+    """Return a remark on the pose set and rig that were chosen for a model."""
+    from lipsync_lang.packs.finding import is_model
+
+    if is_model(options.character):
+        compiled = performer.compiled
+        rig = f" through rig {compiled.rig['name']}" if compiled.rig else ""
+        yield f"{options.character}: performed with the poses of {compiled.poseset}{rig}"
 
 
 def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:

@@ -49,21 +49,20 @@ def add_json_form(made: Options) -> None:
     )
 
 
-def add_pair(made: Options) -> None:
-    """Add the language and character options."""
+def add_pair(made: Options, *, models: bool = False) -> None:
+    """Add the language and character options; `models` if a model may stand for a character."""
+    face = "a character, a pose set or a model (.glb)" if models else "a character or a pose set"
     made.add_argument(
         "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
     )
-    made.add_argument(
-        "-c", "--character", metavar="CHARACTER", help="a character or a pose set [the project's]"
-    )
+    made.add_argument("-c", "--character", metavar="CHARACTER", help=f"{face} [the project's]")
     add_path(made)
 
 
 def add_line(made: argparse.ArgumentParser) -> None:
     """Add the options of a line: character, text and delivery."""
     made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
-    add_pair(made.add_argument_group("who says it"))
+    add_pair(made.add_argument_group("who says it"), models=True)
     said = made.add_argument_group("what is said")
     _add_said(said)
     add_values(said)

@@ -56,6 +56,9 @@ BENEATH = "beneath"
 SUFFIXES = (".yaml", ".yml")
 """Endings of text that names a pack's file."""
 
+MODEL_SUFFIXES = (".glb", ".gltf")
+"""Endings of text that names a model."""
+
 PARTS = {"banks": "bank", "rigs": "rig"}
 """The folders within a pose set, with their kinds of pack."""
 
@@ -296,6 +299,11 @@ def located(paths: Paths, **packs: str | Path) -> tuple[list[str], tuple[Path, .
         above = path.parents[1] if whole else path.parent
         homes += [above.parent] if above.name in FOLDERS.values() else []
     return names, (*files, *homes, *folders_of(paths))
+
+
+def is_model(character: str | Path) -> bool:
+    """Return true for the name of a model file, which may stand in place of a character."""
+    return str(character).lower().endswith(MODEL_SUFFIXES)
 
 
 def _refuse_other(path: Path, kind: str) -> None:

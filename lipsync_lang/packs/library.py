@@ -26,6 +26,7 @@ from lipsync_lang.packs.finding import (
     Paths,
     Root,
     beside,
+    is_model,
 )
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource, read_bytes, read_yaml, scan
@@ -220,6 +221,11 @@ class Library:
         found = self._lookup("character", name)
         if found:
             return cast("Pack[models.Character]", self.load(found[0], "character", found[0].stem))
+        if is_model(name):
+            raise PackError(
+                f"{name}: is a model; make a character of it: "
+                f"lipsync-lang characters new NAME --model {name}"
+            )
         if not self.finder.lookup("poseset", name):
             raise self.finder.unknown(name, "character", "poseset")
         from lipsync_lang.packs.models import Character

@@ -16,15 +16,15 @@ nobody drew any of these.
 Pairs without a match are gaps. They are errors by default, or rest on request.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
 from lipsync_lang.errors import PackError, refuse_other
-from lipsync_lang.packs.finding import Paths, located
+from lipsync_lang.packs.finding import Paths, is_model, located
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
-from lipsync_lang.resolver.compiled import Report
+from lipsync_lang.resolver.compiled import Compiled, Report
 from lipsync_lang.resolver.settings import motion_with
 
 Gaps = Literal["error", "rest"]
@@ -47,7 +47,8 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     Parameters
     ----------
     language : name, tag, alias or file of a language pack; ENGINE:CODE for a language without one
-    character : name or file of a character, or of a pose set for its default character
+    character : name or file of a character, or of a pose set for its default character; or a model
+        (.glb, .gltf), for the pose set and rig that show most on its shapes
     paths : one or several folders with priority in pack searches
     gaps : treatment of bigrams without a match: `error` or `rest`
     unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` for IPA, by its
@@ -60,6 +61,8 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     ------
     PackError
         A pack is missing or invalid; the message lists every fault.
+    ModelError
+        The model is unreadable, or no pose set knows its shapes.
     LipsyncError
         An argument has an invalid value, or a motion setting is unknown.
 
@@ -68,11 +71,21 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
     >>> ll.resolve("english", "facefx", motion={"speed_limit": 8}).motion.speed_limit
     8.0
     """
-    from lipsync_lang.resolver import cache as store
-
     refuse_other("gaps", gaps, Gaps)
     refuse_other("unknown", unknown, Unknown)
-    (language, character), folders = located(paths, language=language, character=character)
+    if is_model(character):
+        compiled, folders = _on_model(language, Path(character), paths, cache=cache)
+    else:
+        (language, character), folders = located(paths, language=language, character=character)
+        compiled = _pair(language, character, folders, cache=cache)
+    if compiled.report.gaps and gaps != "rest":
+        raise PackError(_gap_message(compiled.report))
+    return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
+
+
+def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool) -> Compiled:
+    from lipsync_lang.resolver import cache as store
+
     compiled = store.load(language, character, folders) if cache else None
     if compiled is None:
         from lipsync_lang.packs.library import Library
@@ -82,9 +95,21 @@ def resolve(  # noqa: PLR0913 two names, and what a call may change
         compiled = compile_pair(library, language, character)
         if cache:
             store.save(compiled, language, character, library)
-    if compiled.report.gaps and gaps != "rest":
-        raise PackError(_gap_message(compiled.report))
-    return Performer(compiled, motion_with(compiled.motion, motion), unknown, folders, shades)
+    return compiled
+
+
+def _on_model(
+    language: str | Path, model: Path, paths: Paths, *, cache: bool
+) -> tuple[Compiled, tuple[Path, ...]]:
+    """Return the pair of a language and a model, and where to search."""
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.resolver.model_characters import best_match, on_model
+
+    (name,), folders = located(paths, language=language)
+    library = Library(folders)
+    match = best_match(library, model)
+    pair = _pair(name, match.poseset, folders, cache=cache)
+    return on_model(library, pair, match, model), folders
 
 
 def _gap_message(report: Report) -> str:

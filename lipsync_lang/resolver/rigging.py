@@ -22,9 +22,20 @@ def plain_rig(
         The rig is unsound, or does not fit the pose set.
     """
     name = character.model.rig
-    if name is None:
-        return None
-    model = load_rig(library, name, poseset.model).model
+    return None if name is None else plain_channels_of(library, name, poseset)
+
+
+def plain_channels_of(
+    library: "Library", rig: str, poseset: "Pack[models.PoseSet]"
+) -> dict[str, Any]:
+    """Return a rig of a pose set as plain data.
+
+    Raises
+    ------
+    PackFaults
+        The rig is unsound, or does not fit the pose set.
+    """
+    model = load_rig(library, rig, poseset.model).model
     to = library.poseset(model.to).model if model.to is not None else None
     return {"name": model.name, "channels": plain_channels(model, to), "lost": dict(model.lost)}
 

@@ -26,6 +26,10 @@ SHOWN = 3
 """Number of lost poses that outweigh one shown pose."""
 
 
+ENOUGH = 4
+"""Reciprocal of the smallest share of shown poses for the automatic choice of a pose set."""
+
+
 @dataclass(frozen=True, eq=False)
 class ChannelPlaces:
     """Positions of channels on a model."""
@@ -59,6 +63,11 @@ class Match:
     def shown(self) -> int:
         """Number of poses shown as themselves."""
         return len(self.poses) - len(self.losses)
+
+    @property
+    def enough(self) -> bool:
+        """True if the match shows enough poses to be chosen unasked."""
+        return self.shown * ENOUGH >= len(self.poses)
 
     @property
     def complete(self) -> bool:
