@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-lowest consumers usd lint types bench articulography motion languages dictionaries figures wheel clean
+.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -83,6 +83,9 @@ usd: $(VENV)/ready ## fetch the library of USD, which reads .usda in the tests (
 lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+prose: $(VENV)/ready ## check the words of documents, help and messages: make prose FILES=README.md
+	$(BIN)/python tests/prose/lint.py $(FILES)
 
 types: $(VENV)/ready ## check types
 	$(BIN)/mypy

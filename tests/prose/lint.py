@@ -1,0 +1,122 @@
+"""Lint the prose of this project: `python tests/prose/lint.py [FILE ...]`.
+
+A rule of `vocabulary.yaml` is a pattern that is searched for in each sentence. Without files, all
+documents and all modules are read.
+"""
+
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from prose.texts import PLACEHOLDER, ROOT, Sentence, sentences_of_module, sentences_of_page
+
+LONGEST_WORDS = 30
+"""A longer sentence is two sentences."""
+VOCABULARY = Path(__file__).with_name("vocabulary.yaml")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A pattern that good prose does not hold, with a sentence for each side."""
+
+    name: str
+    pattern: re.Pattern[str]
+    say: str
+    bad: tuple[str, ...]
+    good: tuple[str, ...]
+    running: bool
+    """Whether tables, headings and messages are left out."""
+    pages: bool
+    """Whether modules are left out."""
+
+    def finds(self, sentence: Sentence) -> re.Match[str] | None:
+        """Search a sentence for the pattern."""
+        if (self.running and not sentence.running) or (
+            self.pages and sentence.path.suffix == ".py"
+        ):
+            return None
+        return self.pattern.search(sentence.text)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A sentence that a rule finds fault with."""
+
+    sentence: Sentence
+    name: str
+    say: str
+
+    def __str__(self) -> str:
+        path = self.sentence.path
+        place = path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
+        told = f"{place}:{self.sentence.line}: {self.name}: {self.say}\n    {self.sentence.text}"
+        return told.replace(PLACEHOLDER, "`...`")
+
+
+def rules() -> list[Rule]:
+    """Read the vocabulary."""
+    entries = yaml.safe_load(VOCABULARY.read_text(encoding="utf-8"))
+    return [
+        Rule(
+            name,
+            re.compile(entry["find"], 0 if entry.get("case") else re.IGNORECASE),
+            entry["say"],
+            tuple(entry["bad"]),
+            tuple(entry["good"]),
+            entry.get("running", False),
+            entry.get("pages", False),
+        )
+        for name, entry in entries.items()
+    ]
+
+
+def documents() -> list[Path]:
+    """List all pages."""
+    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
+    return sorted(page for page in pages if page.name != "CHANGELOG.md")
+
+
+def modules() -> list[Path]:
+    """List all modules of the package."""
+    return sorted(ROOT.glob("lipsync_lang/**/*.py"))
+
+
+def findings(paths: Iterable[Path], vocabulary: list[Rule]) -> Iterator[Finding]:
+    """Check the prose of files."""
+    for path in paths:
+        read = sentences_of_module if path.suffix == ".py" else sentences_of_page
+        for sentence in read(path):
+            yield from faults(sentence, vocabulary)
+
+
+def faults(sentence: Sentence, vocabulary: list[Rule]) -> Iterator[Finding]:
+    """Check a sentence."""
+    for rule in vocabulary:
+        if match := rule.finds(sentence):
+            yield Finding(sentence, rule.name, f"'{match[0]}': {rule.say}")
+    words = len(re.findall(r"\S*[^\W\d]\S*|\x00", sentence.text))
+    if sentence.running and words > LONGEST_WORDS:
+        yield Finding(sentence, "length", f"{words} words: make two sentences of this one")
+
+
+def main(arguments: list[str]) -> int:
+    """Print what is found in files, and count it."""
+    paths = [Path(argument).resolve() for argument in arguments] or [*documents(), *modules()]
+    found = list(findings(paths, rules()))
+    for finding in found:
+        print(finding)
+    print(f"{_counted(len(found), 'finding')} in {_counted(len(paths), 'file')}")
+    return 1 if found else 0
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" + "s" * (count != 1)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
