@@ -278,7 +278,10 @@ def test_a_model_is_performed_as_the_character_that_is_drafted_from_it(cli, fold
     [
         (("run", "Hello", "-c", "odd.glb"), "odd.glb: no pose set knows its shapes (alpha, beta)"),
         (("run", "Hello", "-c", "none.glb"), "none.glb: cannot be read: No such file"),
-        (("bank", "draft", "-c", "face.glb"), "lipsync-lang characters new NAME --model face.glb"),
+        (
+            ("bank", "draft", "-c", "face.glb"),
+            "make a character of it with `lipsync-lang characters new`",
+        ),
     ],
 )
 def test_a_model_that_cannot_be_performed(command, said, cli, folder):

@@ -223,8 +223,7 @@ class Library:
             return cast("Pack[models.Character]", self.load(found[0], "character", found[0].stem))
         if is_model(name):
             raise PackError(
-                f"{name}: is a model; make a character of it: "
-                f"lipsync-lang characters new NAME --model {name}"
+                f"{name}: is a model; make a character of it with `lipsync-lang characters new`"
             )
         if not self.finder.lookup("poseset", name):
             raise self.finder.unknown(name, "character", "poseset")

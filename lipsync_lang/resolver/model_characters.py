@@ -28,8 +28,8 @@ def best_match(library: "Library", path: Path) -> "Match":
     if found is None:
         shapes = dict.fromkeys(name for mesh in model.meshes for name in mesh.shapes)
         raise ModelError(
-            f"{path}: no pose set knows its shapes ({some(shapes)}). Make them poses of their own: "
-            f"lipsync-lang posesets new NAME --model {path}"
+            f"{path}: no pose set knows its shapes ({some(shapes)}). Make them poses of their own "
+            "with `lipsync-lang posesets new`"
         )
     return found
 
