@@ -59,7 +59,7 @@ def _worded(arguments: Sequence[str] | None) -> int:
         print(f"lipsync-lang: {_os_words(error)}", file=sys.stderr)
         return MISUSE
     except MemoryError:
-        print("lipsync-lang: out of memory; give fewer --fps or a shorter line", file=sys.stderr)
+        print("lipsync-lang: out of memory; use fewer --fps or a shorter line", file=sys.stderr)
         return MISUSE
     except Exception as error:
         plug_in = plug_in_behind(error)
@@ -84,7 +84,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 def _blame(plug_in: str, error: Exception) -> str:
     problem = f"the plug-in {plug_in} failed: {type(error).__name__}: {error}"
-    return f"{problem}; tell its authors, with what `-v` shows"
+    return f"{problem}; report it to its authors with the output of `-v`"
 
 
 def _os_words(error: OSError) -> str:

@@ -71,7 +71,7 @@ def did_you_mean(word: str, known: "Iterable[str]") -> str:
     if near:
         return f"did you mean '{near[0]}'?"
     shown = ", ".join(names[:24]) + (", ..." if len(names) > 24 else "")  # noqa: PLR2004 a line's worth
-    return f"known: {shown}" if names else "none is known"
+    return f"known: {shown}" if names else "there are none"
 
 
 def refuse_other(name: str, value: object, choices: object) -> None:

@@ -88,7 +88,7 @@ class Extensions(Mapping[str, T]):
         if first != here:
             # Built-in names are reserved, even before the import of their modules.
             winner, loser = (here, first) if here == PROGRAM else (first, here)
-            what = f"{self.title} '{name}' of {loser} is left out: {winner} has one of that name"
+            what = f"{self.title} '{name}' of {loser} is left out: {winner} has the same name"
             if self.origin is None and here != PROGRAM:
                 raise LipsyncError(f"{what}; choose another name")
             warnings.warn(what, PluginWarning, stacklevel=2)
@@ -128,7 +128,7 @@ class Extensions(Mapping[str, T]):
             The name is unknown (raised as the given class); the message suggests the nearest name.
         """
         if name not in self:
-            raise error(f"no {self.title} '{name}'; {did_you_mean(name, self)}")
+            raise error(f"unknown {self.title} '{name}'; {did_you_mean(name, self)}")
         return self[name]
 
     def __getitem__(self, name: str) -> T:

@@ -284,10 +284,10 @@ def test_an_installed_character_takes_no_fit(tmp_path, monkeypatch):
 
 def test_an_item_that_is_not_in_the_fit_is_refused(anna):
     with pytest.raises(
-        LipsyncError, match=r"no item 'softness\.jew'.*did you mean 'softness\.jaw'"
+        LipsyncError, match=r"unknown item 'softness\.jew'.*did you mean 'softness\.jaw'"
     ):
         accept("softness.jew")
-    with pytest.raises(LipsyncError, match=r"no item 'softness\.jaw'"):
+    with pytest.raises(LipsyncError, match=r"unknown item 'softness\.jaw'"):
         remove_fit(Library(), "anna", ["softness.jaw"])
     assert anna.read_text("utf-8") == ANNA
 
@@ -361,5 +361,5 @@ def test_the_command_tells_all_as_json(anna, cli, tmp_path):
 def test_the_command_asks_for_what_is_missing(cli):
     assert "bank accept FIT.json" in cli("bank", "accept", "-c", "anna").err
     assert "give --all" in cli("bank", "accept", "--remove", "-c", "anna").err
-    assert "no character is named" in cli("bank", "accept", "fit.json").err
+    assert "a character is missing" in cli("bank", "accept", "fit.json").err
     assert "cannot be read" in cli("bank", "accept", "none.json", "-c", "anna").err

@@ -448,9 +448,9 @@ def test_the_command_line_gives_a_schedule_its_sound(tmp_path, cli):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ((), "give either a TEXT"),
+        ((), "give a TEXT"),
         (("hello", "--aligner", "warp"), "give both"),
-        (("hello", "--audio", "a.wav", "--recogniser", "x"), "leave out text"),
+        (("hello", "--audio", "a.wav", "--recogniser", "x"), "leave out the text"),
         (("hello", "--audio", "a.wav", "--tts", "none"), "leave it out with --audio"),
         (("hello", "--audio", "a.wav", "--notation", "ipa"), "leave it out with a TEXT"),
         (("hello", "--audio", "a.wav"), "a.wav: cannot be read"),

@@ -158,7 +158,7 @@ def test_a_draft_of_a_code_reads_by_it(folder, cli):
         ([], "name the new language"),
         (["../evil", "--inventory", "i.txt"], "cannot be a pack's name"),
         (["new"], "made from something"),
-        (["taken", "--inventory", "i.txt"], "is there already"),
+        (["taken", "--inventory", "i.txt"], "already exists"),
         (["new", "--inventory", "none.txt"], "cannot be read"),
         (["new", "--epitran", "xho-Latn"], "give sample lines"),
         (["new", "--lexicon", "i.txt", "--epitran", "xho-Latn", "--text", "i.txt"], "one of them"),
@@ -176,7 +176,7 @@ def test_what_cannot_be_drafted_is_a_message_and_writes_nothing(folder, cli, arg
 
 def test_an_existing_pack_is_never_written_over(folder):
     put(folder, "taken", "kept")
-    with pytest.raises(PackError, match="is there already"):
+    with pytest.raises(PackError, match="already exists"):
         draft(Library(), LanguageWish("taken", inventory=Path("x")))
 
 

@@ -68,7 +68,7 @@ def test_unknown_names_are_told_with_the_nearest(language, character, message):
 
 def test_an_unknown_pose_is_told_with_the_nearest(performer):
     animation = performer.perform(ll.Schedule(("AH",), [0, 0.1]))
-    with pytest.raises(LipsyncError, match="no pose 'opne' here; did you mean 'open'"):
+    with pytest.raises(LipsyncError, match="unknown pose 'opne'; did you mean 'open'"):
         animation["opne"]
 
 

@@ -129,7 +129,9 @@ def test_bigrams_asked_for_are_there_though_they_are_the_same():
     assert (found.total, len(found.changes)) == (2, 1)
     assert [change.bigram for change in found.named] == ["l-ow", "l-ah"]
     assert told(found).endswith("l-ah: the same")
-    with pytest.raises(LipsyncError, match="no bigram 'l-oow' in english; did you mean 'l-ow'"):
+    with pytest.raises(
+        LipsyncError, match="unknown bigram 'l-oow' in english; did you mean 'l-ow'"
+    ):
         diff("anna", wanted=["l-oow"])
 
 
@@ -258,7 +260,7 @@ def test_json_holds_the_figures(cli):
     ("arguments", "message"),
     [
         (["--against", "nobody"], "nobody"),
-        (["l-oow"], "no bigram 'l-oow' in english"),
+        (["l-oow"], "unknown bigram 'l-oow' in english"),
         pytest.param(["--plot", "a.gif"], "no picture in 'gif'", marks=full),
         pytest.param(["--plot", "no/a.png"], "the folder no does not exist", marks=full),
     ],

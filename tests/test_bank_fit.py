@@ -362,7 +362,7 @@ def test_the_command_writes_a_proposal_and_tells_it(tmp_path, monkeypatch, capsy
     assert "targets." in page
     assert "generalises" in page
     assert main([*arguments, "-o", "same", "--page", "same"]) == 2
-    assert "same: is to hold the proposal and the page; name two files" in capsys.readouterr().err
+    assert "same: the proposal and the page need different files" in capsys.readouterr().err
     assert "accepted: on lines that the fit did not see" in told.out
     assert "bank accept fit.json" in told.err
     proposal = read_fit(tmp_path / "fit.json")

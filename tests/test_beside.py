@@ -52,4 +52,4 @@ def test_the_command_line_draws_them(cli, tmp_path):
     picture = tmp_path / "two.png"
     assert cli(*asked, "--plot", picture).code == 0
     assert picture.read_bytes().startswith(b"\x89PNG")
-    assert "--beside draws; name the picture with --plot FILE" in cli(*asked).err
+    assert "--beside draws a picture; name it with --plot FILE" in cli(*asked).err

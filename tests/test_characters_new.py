@@ -109,7 +109,7 @@ def test_a_model_elsewhere_is_copied_and_a_copy_is_used_again(cli, folder, tmp_p
     glb(model, *SETS["crab"].poses)
     ended = cli("characters", "new", "cleo", "--model", model)
     assert ended.code == 2
-    assert "face.glb: is there already; name that one, or move it" in ended.err
+    assert "face.glb: already exists; name that one, or move it" in ended.err
     assert not (folder / "characters/cleo.yaml").exists()
 
 
@@ -343,7 +343,7 @@ def test_nothing_is_overwritten(cli, folder):
     new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
     ended = cli("characters", "new", "anna", "--model", "face.glb")
     assert ended.code == 2
-    assert "characters/anna.yaml: is there already; choose another name" in ended.err
+    assert "characters/anna.yaml: already exists; choose another name" in ended.err
     Path("characters/anna.yaml").unlink()
     before = Path("posesets/arkit/rigs/anna.yaml").read_text("utf-8")
     ended = cli("characters", "new", "anna", "--model", "face.glb", "--rig", "facefx-to-arkit")
@@ -352,7 +352,7 @@ def test_nothing_is_overwritten(cli, folder):
         "characters", "new", "facefx-to-vrm", "--model", "face.glb", "--rig", "facefx-to-arkit"
     )
     assert ended.code == 2
-    assert "facefx-to-vrm.yaml: is there already; choose another name" in ended.err
+    assert "facefx-to-vrm.yaml: already exists; choose another name" in ended.err
     assert Path("posesets/arkit/rigs/anna.yaml").read_text("utf-8") == before
 
 

@@ -229,13 +229,13 @@ def test_run_names_a_pack_that_stands_in_place_of_a_built_in_one(animate, folder
     shutil.copytree(root / "posesets" / "facefx", folder / "posesets" / "facefx")
     ended = animate("-o", "a.csv")
     own = Path("posesets", "facefx", "poseset.yaml")
-    assert ended.err.count(f"{own} is used in place of the built-in pack of that name") == 1
+    assert ended.err.count(f"{own} replaces the built-in pack of the same name") == 1
 
 
 def test_run_without_outputs_says_how_to_name_one(animate, folder):
     ended = animate()
     assert (ended.code, ended.out) == (0, "")
-    assert "nothing was written; name files with -o" in ended.err
+    assert "no file was written; name files with -o" in ended.err
     assert listed(folder) == set()
 
 
@@ -271,7 +271,7 @@ def test_a_channel_of_a_recording_is_chosen(animate, folder):
     assert loudest("--audio-channel", "2") == 3000
     ended = animate("--audio", "two.wav", "--audio-channel", "3")
     refused(ended, "two.wav: has no channel 3; its channels are numbered 1 to 2")
-    refused(animate("--audio-channel", "1"), "--audio-channel is of a recording; give it with")
+    refused(animate("--audio-channel", "1"), "--audio-channel needs a recording; give one with")
 
 
 def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):
@@ -295,7 +295,7 @@ def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):
         (("--offset", "nan"), "--offset nan: a timeline has a day at most"),
         (("--offset", "01:00:00:00", "--fps", "inf"), "inf frames per second: give a number"),
         (("--plot", "a"), "a picture needs a suffix; known: png"),
-        (("-o", "csv:a.png", "--plot", "a.png"), "a.png: is an output already"),
+        (("-o", "csv:a.png", "--plot", "a.png"), "a.png: is also an output"),
     ],
 )
 def test_numbers_and_files_that_make_no_sense_are_told(options, message, animate):
@@ -365,12 +365,12 @@ def test_motion_is_set(settings_, changes, animate, folder):
 @pytest.mark.parametrize(
     ("setting", "message"),
     [
-        ("motion=papr", "no motion preset 'papr'; did you mean 'paper'"),
-        ("motion=", "no motion preset ''; known: default, paper"),
+        ("motion=papr", "unknown motion preset 'papr'; did you mean 'paper'"),
+        ("motion=", "unknown motion preset ''; known: default, paper"),
         ("motion", "write motion.NAME=VALUE .--set motion.window=0.1. or motion=PRESET"),
         ("window=1", "--set window=1: write motion.NAME=VALUE"),
-        ("motion.windw=1", "no motion setting 'windw'; did you mean 'window'"),
-        ("motion.=1", "no motion setting ''; known: anticipate, contacts, hold"),
+        ("motion.windw=1", "unknown motion setting 'windw'; did you mean 'window'"),
+        ("motion.=1", "unknown motion setting ''; known: anticipate, contacts, hold"),
         ("motion.window=", "motion.window is ''; it is a number from 0 to 10, as 0.1"),
         ("motion.window=wide", "motion.window is 'wide'; it is a number"),
         ("motion.window=-1", "motion.window is '-1'; it is a number"),
@@ -402,7 +402,7 @@ def test_a_rate_that_is_no_number_is_refused(animate):
 @pytest.mark.parametrize("command", [["run"], ["explain", "--at", "0"]])
 @pytest.mark.parametrize("source", [[], ["hello", "--schedule", "line.json"]])
 def test_text_or_schedule_and_not_both(command, source, cli):
-    refused(cli(*command, *PAIR, *source), "either a TEXT to speak or timed phonemes with --sched")
+    refused(cli(*command, *PAIR, *source), "give a TEXT to speak, timed phonemes with --sched")
 
 
 def test_options_that_would_do_nothing_are_refused(animate, cli):
@@ -419,9 +419,9 @@ def test_options_that_would_do_nothing_are_refused(animate, cli):
         (["a.csv", "nowhere/b.csv"], "nowhere/b.csv: the folder nowhere does not exist; make it"),
         (["a.csv", "b.csv/c.csv"], "b.csv/c.csv: the folder b.csv does not exist"),
         (["a.csv", "line.TextGrid/b.csv"], "line.TextGrid/b.csv: cannot be written: Not a dir"),
-        (["a.csv", "a.csv"], "a.csv: is an output already; name another file"),
-        (["a.csv", "./b/../a.csv"], "a.csv: is an output already"),
-        (["a.csv", "line.json"], "line.json: is the schedule already; name another file"),
+        (["a.csv", "a.csv"], "a.csv: is also an output; name another file"),
+        (["a.csv", "./b/../a.csv"], "a.csv: is also an output"),
+        (["a.csv", "line.json"], "line.json: is also the input schedule; name another file"),
         (["a.csv", "b.wav"], "no sound to write: line.json came without audio; speak text"),
         (["a.csv", "x" * 300 + ".csv"], "xxx.csv: cannot be written: File name too long"),
     ],
@@ -441,7 +441,7 @@ def test_a_folder_in_the_place_of_an_output_stays(animate, folder):
 
 
 def test_a_picture_is_an_output_like_the_others(animate, folder):
-    refused(animate("-o", "a.csv", "--plot", "a.csv"), "a.csv: is an output already")
+    refused(animate("-o", "a.csv", "--plot", "a.csv"), "a.csv: is also an output")
     refused(animate("-o", "a.csv", "--plot", "a.txt"), "a.txt|txt")
     assert listed(folder) == set()
 
@@ -589,7 +589,7 @@ def test_packs_are_listed_and_shown(kind, cli):
         assert json.loads(cli(kind, "show", name, "--json").out)["name"] == name
     refused(cli(kind, "show"), rf"name the \w+ to show: {kind} show NAME")
     refused(cli(kind, "show", "nobody"), r"unknown .*'nobody': known: ")
-    refused(cli(kind, "list", "facefx"), f"did you mean: {kind} show facefx")
+    refused(cli(kind, "list", "facefx"), f"run: {kind} show facefx")
 
 
 def test_packs_of_other_folders_are_found(cli, folder):
@@ -617,7 +617,9 @@ def test_drafts_are_printed_as_yaml(cli, folder):
     assert (ended.code, ended.err) == (0, "")
     assert re.match(r"bigrams:\n  l-ow:\n    status: drafted\n    curves:\n", ended.out)
     assert listed(folder) == set()
-    refused(cli("bank", "draft", *PAIR, "l-oe"), "no bigram 'l-oe' in english; did you mean 'l-o")
+    refused(
+        cli("bank", "draft", *PAIR, "l-oe"), "unknown bigram 'l-oe' in english; did you mean 'l-o"
+    )
 
 
 def test_drafts_are_written_once_and_then_used(cli, folder):

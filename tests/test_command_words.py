@@ -100,7 +100,7 @@ def test_json_is_the_same_as_the_form(cli, line):
 
 def test_an_unknown_form_of_a_coverage_tells_the_nearest(cli, line):
     ended = cli("coverage", line, *PAIR, "--format", "jsn")
-    assert "no form of a coverage 'jsn'; did you mean 'json'?" in ended.err
+    assert "unknown coverage format 'jsn'; did you mean 'json'?" in ended.err
 
 
 @pytest.mark.parametrize("name", ["facefx", "FaceFX", "FACEFX"])
@@ -125,7 +125,7 @@ def test_poses_are_found_in_any_case():
     schedule = ll.Schedule(("HH", "AY"), [0, 0.1, 0.3])
     animation = ll.resolve("english", "facefx").perform(schedule)
     assert (animation["OPEN"] == animation["open"]).all()
-    with pytest.raises(ll.LipsyncError, match="no pose 'opne' here; did you mean 'open'"):
+    with pytest.raises(ll.LipsyncError, match="unknown pose 'opne'; did you mean 'open'"):
         animation["opne"]
 
 

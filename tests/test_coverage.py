@@ -759,7 +759,7 @@ def test_words_in_another_script_are_told_in_every_form_for_people(cli, packs, f
         (["--column", "a", "--column", "b"], "there is --column a already"),
         (["-l", "klingonese"], "klingonese"),
         (["-c", "nobody"], "nobody"),
-        (["-o", "./script.txt"], "is what is counted"),
+        (["-o", "./script.txt"], "is an input"),
         (["-o", "gone/a.json"], "the folder gone does not exist"),
     ],
 )

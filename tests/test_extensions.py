@@ -105,8 +105,8 @@ def test_a_clash_names_both_distributions_and_the_first_wins(known, install):
     with pytest.warns(PluginWarning) as told:
         assert list(known) == ["grey", "red", "blue"]
     assert [str(one.message) for one in told] == [
-        "colour 'grey' of paint is left out: lipsync-lang has one of that name",
-        "colour 'red' of tint is left out: paint has one of that name",
+        "colour 'grey' of paint is left out: lipsync-lang has the same name",
+        "colour 'red' of tint is left out: paint has the same name",
     ]
     assert (known["grey"], known["red"]) == ("built in", "paint_plug_in")
 
@@ -115,7 +115,9 @@ def test_a_script_that_takes_a_known_name_is_refused(known):
     known.add("red", 1, "__main__")
     known.add("red", 2, "__main__")  # as a notebook does whose cell is run again
     assert known["red"] == 2
-    with pytest.raises(LipsyncError, match="'red' of other is left out: __main__ has one"):
+    with pytest.raises(
+        LipsyncError, match="'red' of other is left out: __main__ has the same name"
+    ):
         known.add("red", 3, "other.module")
 
     def mine(_animation, _out):
@@ -123,13 +125,15 @@ def test_a_script_that_takes_a_known_name_is_refused(known):
 
     mine.__module__ = "__main__"
     assert WRITERS.built_in()
-    with pytest.raises(LipsyncError, match=r"'csv' of __main__ .* lipsync-lang has one"):
+    with pytest.raises(LipsyncError, match=r"'csv' of __main__ .* lipsync-lang has the same name"):
         writer("csv", suffix=".csv")(mine)
 
 
 def test_a_built_in_name_is_kept_although_a_plug_in_was_imported_first(known):
     known.add("white", "early", "early_plug_in")
-    with pytest.warns(PluginWarning, match="of early_plug_in is left out: lipsync-lang has one"):
+    with pytest.warns(
+        PluginWarning, match="of early_plug_in is left out: lipsync-lang has the same name"
+    ):
         known.add("white", "built in", "lipsync_lang.colours")
     assert known["white"] == "built in"
     assert known.origins["white"] == "lipsync-lang"
@@ -137,7 +141,7 @@ def test_a_built_in_name_is_kept_although_a_plug_in_was_imported_first(known):
 
 def test_an_unknown_name_tells_the_nearest_plug_ins_included(known, install):
     install("paint", adding("violet"))
-    with pytest.raises(OutputError, match="no colour 'violett'; did you mean 'violet'"):
+    with pytest.raises(OutputError, match="unknown colour 'violett'; did you mean 'violet'"):
         known.find("violett", OutputError)
 
 

@@ -153,7 +153,9 @@ def test_a_language_without_a_voice_of_it_says_so():
 
 
 def test_an_engine_that_is_none_is_told():
-    with pytest.raises(SpeechError, match="no speech engine 'festivel'; did you mean 'festival'"):
+    with pytest.raises(
+        SpeechError, match="unknown speech engine 'festivel'; did you mean 'festival'"
+    ):
         ll.speak("Hello", "english", engine="festivel")
 
 

@@ -197,9 +197,9 @@ def test_every_engine_and_respeller_is_where_it_is_said_to_be():
 
 
 def test_unknown_engines_are_messages():
-    with pytest.raises(SpeechError, match="no G2P engine 'espaek'; did you mean 'espeak'"):
+    with pytest.raises(SpeechError, match="unknown G2P engine 'espaek'; did you mean 'espeak'"):
         engine("espaek", Settings("x"))
-    with pytest.raises(SpeechError, match="no respeller 'kanna'; did you mean 'kana'"):
+    with pytest.raises(SpeechError, match="unknown respeller 'kanna'; did you mean 'kana'"):
         respeller("kanna")
 
 

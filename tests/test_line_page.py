@@ -288,8 +288,8 @@ def test_takes_move_the_model_that_is_named(line, cli, tmp_path):
 @pytest.mark.parametrize(
     ("outputs", "other", "told"),
     [
-        (("-o", "line.csv"), "keyframes", "--against is shown on a page"),
-        (("-o", "line.html"), "nobody", "is no file, no plain method .* and no character"),
+        (("-o", "line.csv"), "keyframes", "--against needs a page"),
+        (("-o", "line.html"), "nobody", "not a file, a plain method .* or a character"),
         (("-o", "line.html"), "gone.json", "gone.json"),
     ],
 )

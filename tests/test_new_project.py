@@ -41,7 +41,7 @@ def test_the_column_of_ids_is_the_one_that_names_the_recordings(cli, game):
         "2 of 3 recordings have a line",
         "1 recording without a line: vo/other",
         "1 line without a recording: outro_1",
-        "3 lines to make, in 1 language on 1 character; next: lipsync-lang build",
+        "3 lines to make, in 1 language on 1 character; next, run: lipsync-lang build",
     ]
     text = stated(game)
     assert "columns: {id: key}" in text
@@ -117,7 +117,7 @@ def test_what_cannot_be_told_is_asked_for(cli, game, arguments, told):
 def test_a_project_is_never_overwritten(cli, game):
     record(game, "vo/intro_1.wav")
     (game / "lipsync.yaml").write_text("mine")
-    assert "is there already" in new(cli, "-l", "en").err
+    assert "already exists" in new(cli, "-l", "en").err
     assert stated(game) == "mine"
 
 

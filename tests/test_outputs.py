@@ -405,7 +405,7 @@ def test_standard_output_asks_for_a_format(cli):
 def test_standard_output_is_given_once(cli):
     ended = cli(*RUN, "--schedule", "line.json", "-o", "csv:-", "--plot", "-")
     assert ended.code == 2
-    assert "-: is an output already" in ended.err
+    assert "-: is also an output" in ended.err
 
 
 def test_a_file_may_be_called_like_standard_output(folder, cli):

@@ -245,7 +245,7 @@ def test_a_model_among_the_packs_stays_where_it_is(folder, cli):
         ([], "name the new pose set"),
         (["../evil", "zz"], "cannot be a pack's name"),
         (["thing"], "made from something"),
-        (["taken", "zz"], "is there already"),
+        (["taken", "zz"], "already exists"),
         (["thing", " zz"], "cannot be the name of a pose"),
         (["thing", "zz", ""], "cannot be the name of a pose"),
         (["thing", "dominance"], "cannot be the name of a pose"),
@@ -269,7 +269,7 @@ def test_what_cannot_be_drafted_is_a_message_and_writes_nothing(folder, cli, arg
 def test_files_that_are_there_are_never_written_over(folder, tmp_path_factory):
     far = glb(tmp_path_factory.mktemp("far") / "robo.glb", "zza")
     put(folder, "posesets/robo/robo.glb", "kept")
-    with pytest.raises(PackError, match="is there already"):
+    with pytest.raises(PackError, match="already exists"):
         draft(Library(), PoseSetWish("robo", model=far))
     loose = far.with_suffix(".gltf")
     far.rename(loose)
@@ -329,7 +329,7 @@ def test_a_name_is_known_however_it_is_spelled(name, pose):
 def told(ended):
     """What a pack says; what its rigs lose comes after it."""
     pack, _, losses = ended.out.partition("\n\n")
-    assert losses.startswith("what model cannot show\n")
+    assert losses.startswith("not shown by model\n")
     return pack.splitlines()
 
 

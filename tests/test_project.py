@@ -147,7 +147,7 @@ def test_without_a_project_what_is_missing_is_said(cli, project, command):
     ended = cli(*command)
     assert ended.code == 2
     assert ended.err == (
-        "lipsync-lang: no language is named: give -l LANGUAGE, or state `language: ...` in "
+        "lipsync-lang: a language is missing: give -l LANGUAGE, or state `language: ...` in "
         "lipsync.yaml\n"
     )
 

@@ -367,7 +367,7 @@ def test_every_measure_says_what_it_is_and_its_formula():
 
 def test_a_call_limits_over_the_packs():
     assert check(performed(), limits={"changes": 3})["changes"].passed is False
-    with pytest.raises(LipsyncError, match="no measure 'jiter' to limit; did you mean 'jitter'"):
+    with pytest.raises(LipsyncError, match="unknown measure 'jiter'; did you mean 'jitter'"):
         check(performed(), limits={"jiter": 3})
     with pytest.raises(LipsyncError, match="at least 0"):
         check(performed(), limits={"jitter": float("nan")})
@@ -501,12 +501,12 @@ def test_text_tells_what_is_past_its_limit_and_where():
         "  -     changes  4 per second",
         "  -     rules    not judged: the pose set states none",
         "  ok    jitter   15 per second, at most 15",
-        "1 of 2 limits kept",
+        "1 of 2 limits met",
     ]
     beside = as_text({"performed": QUALITY, "held": replace(QUALITY, figures=())})
     assert "speed    20 FAIL    -" in beside
     assert QUALITY["jitter"].passed
-    with pytest.raises(LipsyncError, match="no figure 'jiter' here; did you mean 'jitter'"):
+    with pytest.raises(LipsyncError, match="unknown figure 'jiter'; did you mean 'jitter'"):
         QUALITY["jiter"]
 
 
@@ -561,7 +561,7 @@ def test_check_tells_machines_and_writes_files(cli, schedule, tmp_path):
     ended = cli("check", *PAIR, *schedule, "--baseline", "--format", "json")
     assert ended.code == 0
     assert list(json.loads(ended.out)) == ["performed", *BASELINES]
-    assert ended.err == "all limits are kept\n"
+    assert ended.err == "all limits are met\n"
     written = cli(
         "check", *PAIR, *schedule, "--set", "motion.contacts=free", "--set", "motion.softness=0",
         "--set", "motion.smooth=closing", "--set", "motion.window=0.5",

@@ -196,7 +196,7 @@ def test_a_model_of_another_language_recognises_no_words():
 
 
 def test_a_recogniser_that_is_not_there_is_told(english):
-    with pytest.raises(ll.SpeechError, match="no recogniser 'pocketsphinks'; did you mean"):
+    with pytest.raises(ll.SpeechError, match="unknown recogniser 'pocketsphinks'; did you mean"):
         recognised(english, ll.Audio(np.zeros(RATE, np.int16), RATE), recogniser="pocketsphinks")
 
 

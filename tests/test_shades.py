@@ -202,7 +202,7 @@ def test_a_shade_can_be_drafted_for_a_close_up(packs):
     assert list(made.bigrams) == ["kg-ae"]
     assert not {p for key in draft_bigrams(library, "finer", "facefx").bigrams
                 for p in key.split("-")} & {*SHADES}  # fmt: skip
-    with pytest.raises(LipsyncError, match="no bigram 'kg-zz'"):
+    with pytest.raises(LipsyncError, match="unknown bigram 'kg-zz'"):
         draft_bigrams(library, "finer", "facefx", ["kg-zz"])
 
 

@@ -388,7 +388,7 @@ def test_every_voice_speaks_its_own_code_or_says_why_not():
 
 
 def test_an_unknown_engine_names_a_near_one():
-    with pytest.raises(SpeechError, match="no speech engine 'espaek'; did you mean 'espeak'"):
+    with pytest.raises(SpeechError, match="unknown speech engine 'espaek'; did you mean 'espeak'"):
         speak("Hello", "en-us", engine="espaek")
 
 

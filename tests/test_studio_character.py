@@ -134,7 +134,7 @@ def test_a_copy_never_overwrites(tmp_path):
     (home / "model.glb").write_bytes(b"mine")
     refused = caller.post("own")
     assert refused.status == 422
-    assert "model.glb: is there already" in refused.json["error"]
+    assert "model.glb: already exists" in refused.json["error"]
     assert [path.name for path in home.rglob("*")] == ["model.glb"]
     (home / "model.glb").unlink()
     assert caller.post("own").status == 200

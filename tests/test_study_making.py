@@ -525,7 +525,7 @@ def test_the_command_makes_a_study(tmp_path, cli, drawn):
 @pytest.mark.parametrize(("arguments", "told"), [
     (["--method", "ours"], "two methods or more"),
     (["--method", "ours", "--method", "held", "-c", "arkit"], "has no model to film"),
-    (["--method", "ours", "--method", "held", "--pairs", "0"], "no whole number of 1 or more"),
+    (["--method", "ours", "--method", "held", "--pairs", "0"], "not a whole number of 1 or more"),
 ])  # fmt: skip
 def test_the_command_refuses_what_makes_no_study(tmp_path, cli, arguments, told):
     if "-c" not in arguments:

@@ -158,7 +158,7 @@ def test_a_character_may_name_a_drafted_style(tmp_path):
 
 
 def test_an_unknown_style_is_told_which_there_are():
-    with pytest.raises(LipsyncError, match="no style 'angri' here; did you mean 'angry'"):
+    with pytest.raises(LipsyncError, match="unknown style 'angri'; did you mean 'angry'"):
         ll.resolve("english", "facefx").perform(SAID, styles={"angri": 1})
 
 

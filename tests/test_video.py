@@ -621,7 +621,10 @@ def test_stills_are_of_the_times_asked_for(stills, cli, tmp_path, monkeypatch):
     assert done.code == 0, done.err
     width = np.asarray(stills.open("line.png")).shape[1]
     assert width == 2 * sheet.EDGE + 2 * SIZE + sheet.GAP
-    for at, told in (("9", "9 s is outside the animation"), ("soon", "write seconds with commas")):
+    for at, told in (
+        ("9", "9 s is outside the animation"),
+        ("soon", "write seconds separated by commas"),
+    ):
         done = cli(*line, "--at", at, "-o", "other.png")
         assert (done.code, Path("other.png").exists()) == (2, False)
         assert told in done.err

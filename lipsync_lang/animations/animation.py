@@ -230,7 +230,7 @@ class Animation:
 
         name = spelled(pose, self.poses)
         if name not in self.poses:
-            raise LipsyncError(f"no pose '{pose}' here; {did_you_mean(pose, self.poses)}")
+            raise LipsyncError(f"unknown pose '{pose}'; {did_you_mean(pose, self.poses)}")
         return self.weights[:, self.poses.index(name)]
 
     def cut(self) -> Self:

@@ -94,7 +94,7 @@ def _may(row: ReviewedItem, wanted: Sequence[str]) -> bool:
 def _refuse_unknown(wanted: Sequence[str], known: Sequence[str]) -> None:
     for name in wanted:
         if name not in known:
-            raise LipsyncError(f"no item '{name}' in this fit; {did_you_mean(name, known)}")
+            raise LipsyncError(f"unknown item '{name}' in this fit; {did_you_mean(name, known)}")
 
 
 def _refusal(proposal: "FitProposal") -> str:

@@ -151,7 +151,7 @@ def _refuse(library: "Library", wanted: CharacterWish, path: Path) -> None:
         )
     there = [path] if path.exists() else library.finder.lookup("character", wanted.name)
     for one in there:
-        raise PackError(f"{shown(Path(one))}: is there already; choose another name")
+        raise PackError(f"{shown(Path(one))}: already exists; choose another name")
 
 
 def _chosen(
@@ -218,7 +218,7 @@ def _add_rig(library: "Library", made: CharacterDraft, title: str, folder: Path)
     path = folder / FOLDERS["poseset"] / match.poseset / "rigs" / f"{name}.yaml"
     known = {one.stem: one for one in library.rigs_of(match.poseset)}
     if path.exists() or name in known:
-        raise PackError(f"{shown(known.get(name, path))}: is there already; choose another name")
+        raise PackError(f"{shown(known.get(name, path))}: already exists; choose another name")
     _refuse_hidden(library, match.poseset, folder)
     poseset = library.poseset(match.poseset).model
     base = None

@@ -148,7 +148,7 @@ def _refuse(wanted: LanguageWish, path: Path) -> None:
             f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
         )
     if path.exists():
-        raise PackError(f"{path}: is there already; choose another name, or delete it first")
+        raise PackError(f"{path}: already exists; choose another name, or delete it first")
     if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
         raise LipsyncError(
             "a new language is made from something: --voice, --epitran, --lexicon or --inventory"

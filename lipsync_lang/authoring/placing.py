@@ -53,5 +53,5 @@ def place_model(model: Path, pack: Path) -> Placed:
     if copy.is_file() and cmp(model, copy, shallow=False):
         return Placed(model.name, None)
     if copy.exists():
-        raise PackError(f"{copy}: is there already; name that one, or move it")
+        raise PackError(f"{copy}: already exists; name that one, or move it")
     return Placed(model.name, model)

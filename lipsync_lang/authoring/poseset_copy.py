@@ -70,7 +70,7 @@ def _writing(content: bytes) -> Callable[[BinaryIO], object]:
 
 def _refuse(library: "Library", source: Path, target: Path) -> None:
     if target.exists() or source == target:
-        raise PackError(f"{shown(target)}: is there already; the project has this pose set")
+        raise PackError(f"{shown(target)}: already exists; the project has this pose set")
     searched = [root.path.resolve() for root in library.roots]
     origin = next(f.root.path for f in library.names("poseset") if f.path == source)
     project = target.parents[2].resolve()
@@ -98,7 +98,7 @@ def _refuse_others(outputs: dict[Path, bytes]) -> None:
     """Refuse to overwrite a file, unless it has the same content."""
     for target, content in outputs.items():
         if target.exists() and not (target.is_file() and target.read_bytes() == content):
-            raise PackError(f"{shown(target)}: is there already; move it")
+            raise PackError(f"{shown(target)}: already exists; move it")
 
 
 def _behind(known: Collection[str], stem: str) -> str:

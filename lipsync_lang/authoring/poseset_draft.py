@@ -158,7 +158,7 @@ def _refuse(wanted: PoseSetWish, path: Path) -> None:
             f"'{wanted.name}' cannot be a pack's name; write letters, digits, - and _"
         )
     if path.exists():
-        raise PackError(f"{path}: is there already; choose another name, or delete it first")
+        raise PackError(f"{path}: already exists; choose another name, or delete it first")
     if not wanted.poses and wanted.model is None and wanted.like is None:
         raise LipsyncError(
             "a new pose set is made from something: the names of its poses, --model or --like"

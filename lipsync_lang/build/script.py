@@ -95,7 +95,7 @@ def _check_settings(project: Project, faults: ScriptFaults) -> None:
 
         known = {*load_measures(), CONFIDENCE}
         for name in project.limits.keys() - known:
-            faults.add(FILE, f"limits: no measure '{name}'; {did_you_mean(name, known)}")
+            faults.add(FILE, f"limits: unknown measure '{name}'; {did_you_mean(name, known)}")
     for report in project.reports:
         if not report.lower().endswith(REPORT_SUFFIXES):
             ends = ", ".join(REPORT_SUFFIXES)

@@ -28,7 +28,7 @@ def fit(options: Namespace) -> int:
     from lipsync_lang.files import write_all
 
     if options.page is not None and options.page == options.output:
-        raise LipsyncError(f"{options.page}: is to hold the proposal and the page; name two files")
+        raise LipsyncError(f"{options.page}: the proposal and the page need different files")
     found = _fitted(options)
     proposal = found.proposal
     writers = {}
@@ -111,7 +111,7 @@ def _page(found: "CaptureFit") -> "Callable[[BinaryIO], object]":
 
 
 def told(proposal: "FitProposal") -> Iterator[str]:
-    """Yield the lines that tell a proposal."""
+    """Yield the printed lines of a proposal."""
     who = f"{proposal.language} on {proposal.character}"
     yield f"{who}: {count(proposal.lines, 'line')}, {proposal.seconds:.1f} s of capture"
     for one in proposal.set_aside:

@@ -72,8 +72,8 @@ def add_bank(add: Add) -> None:
             "accept",
             fit_acceptance.accept,
             "accept what a fit to captures proposes for a character",
-            ": all of it, or item by item; without --all and items, list it. What a person wrote "
-            "or drew stays",
+            ": all of it, or item by item; without --all and items, list it. Values that a person "
+            "wrote or drew stay",
             "bank accept fit.json targets.ow softness.jaw -c anna",
         )
     )
@@ -83,7 +83,7 @@ def _add_draft(made: argparse.ArgumentParser) -> None:
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
     add_pair(made)
     made.add_argument(
-        "--write", action="store_true", help="put them into a bank; what is there already stays"
+        "--write", action="store_true", help="write them to a bank; its own bigrams stay"
     )
     made.add_argument(
         "--to", metavar="FILE", type=Path,
@@ -99,7 +99,7 @@ def _add_import(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     made.add_argument(
         "--to", metavar="FILE", type=Path,
-        help="the bank to write to; what is there already stays "
+        help="the bank to write to; its own bigrams stay "
         "[posesets/NAME/banks/ of this folder, by the first file's name]",
     )  # fmt: skip
     made.add_argument(
@@ -108,12 +108,12 @@ def _add_import(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     made.add_argument(
         "--interpolation", choices=("bspline", "linear"), default="linear",
-        help="the kind of curve: straight ones pass through the keys, as the artist saw them; "
-        "smooth ones stay below [linear]",
+        help="the kind of curve: linear curves pass through the keys, as the artist saw "
+        "them; bspline curves are smooth and stay below them [linear]",
     )  # fmt: skip
     made.add_argument(
         "--map", metavar="THEIRS=OURS", action="append", default=[],
-        help="our phoneme or pose for a name of theirs; may be repeated",
+        help="a phoneme or pose for a name in the file, such as z=s; may be repeated",
     )  # fmt: skip
     add_path(made)
     add_json(made)
@@ -126,20 +126,20 @@ def _add_accept(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     made.add_argument(
         "-c", "--character", metavar="CHARACTER",
-        help="the character whose file takes the items [the project's]",
+        help="the character that receives the items [the project's]",
     )  # fmt: skip
-    made.add_argument("--all", action="store_true", help="every item that may be accepted")
+    made.add_argument("--all", action="store_true", help="take every item that may be accepted")
     made.add_argument(
         "--confidence", metavar="X", type=float, default=0.5,
-        help="least confidence of items that --all accepts, from 0 to 1 [0.5]",
+        help="lowest confidence of items that --all accepts, from 0 to 1 [0.5]",
     )  # fmt: skip
     made.add_argument(
         "--anyway", action="store_true",
-        help="accept items of a fit that does not hold on lines it has not seen",
+        help="accept items although the fit fails on lines that it has not seen",
     )  # fmt: skip
     made.add_argument(
         "--remove", action="store_true",
-        help="take accepted items out again: those named, or --all; this needs no FIT.json",
+        help="remove accepted items: those named, or --all; needs no FIT.json",
     )  # fmt: skip
     made.add_argument("--dry-run", action="store_true", help="change no file")
     add_path(made)
@@ -149,8 +149,8 @@ def _add_accept(made: argparse.ArgumentParser) -> None:
 def _add_fit(made: argparse.ArgumentParser) -> None:
     made.add_argument(
         "captures", metavar="CAPTURE", type=Path, nargs="+",
-        help="a capture, a list of captures, or a folder that is searched; timings, or text and "
-        "sound, lie beside each",
+        help="a capture, a list of captures, or a folder to search; each capture needs timings, or "
+        "text and sound, beside it",
     )  # fmt: skip
     add_pair(made)
     made.add_argument(
@@ -159,7 +159,7 @@ def _add_fit(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     made.add_argument(
         "--speaker", metavar="PATTERN",
-        help="where a file's name tells the speaker, such as '{speaker}_*' [the first folder]",
+        help="the place of the speaker in file names, such as '{speaker}_*' [the first folder]",
     )  # fmt: skip
     made.add_argument("--notation", metavar="NAME", help="the notation of the timings' labels")
     made.add_argument(
@@ -175,7 +175,7 @@ def _add_fit(made: argparse.ArgumentParser) -> None:
         help="write an HTML page of captures beside curves, and of all values found",
     )  # fmt: skip
     made.add_argument(
-        "--workers", metavar="N", type=int, default=None, help="processes at work [one a core]"
+        "--workers", metavar="N", type=int, default=None, help="number of processes [one per core]"
     )
     add_json(made)
 
@@ -185,13 +185,13 @@ def _add_diff(made: argparse.ArgumentParser) -> None:
     add_pair(made)
     made.add_argument(
         "--against", metavar="CHARACTER",
-        help="another character of the pose set, or the bare pose set [what lies beneath]",
+        help="another character of the pose set, or the bare pose set [the layers below]",
     )  # fmt: skip
     made.add_argument(
         "--plot",
         metavar="FILE",
         type=argument_path,
-        help="draw those that differ most to a picture; - is standard output, as PNG",
+        help="draw the bigrams that differ most; - is standard output, as PNG",
     )
     made.add_argument("--all", action="store_true", help="list every bigram that differs")
     add_json(made)

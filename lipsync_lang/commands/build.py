@@ -236,7 +236,7 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
         yield f"{count(figures['over_limits'], 'line')} past a limit of the project"
     if figures["doubted"]:
         told = f"{count(figures['doubted'], 'line')} past a limit of the face"
-        yield f"{told}; state `limits` in the project to fail the build by them"
+        yield f"{told}; state `limits` in the project if they should fail the build"
     if figures["deleted"]:
         yield f"{count(len(figures['deleted']), 'file')} deleted: {_some(figures['deleted'])}"
     yield from (f"wrote {path}" for path in figures["reports"])
@@ -251,7 +251,7 @@ def _in_words(figures: Mapping[str, Any], over: list[Any]) -> Iterator[str]:
 
 
 def _kept(paths: Any) -> str:
-    told = f"{count(len(paths), 'file')} changed by hand stay as they are: {_some(paths)}"
+    told = f"{count(len(paths), 'file')} changed by hand and kept: {_some(paths)}"
     return f"{told}; --overwrite replaces them"
 
 

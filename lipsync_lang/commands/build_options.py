@@ -13,18 +13,18 @@ def add_build(add: Add) -> None:
     made = add(
         "build",
         build.build,
-        "make all lines of a script, and then only what changed",
+        "make all lines of a script, and then only the changed ones",
         "build --dry-run",
     )
-    _add_which(made.add_argument_group("which lines are made"))
-    _add_how(made.add_argument_group("how they are made"))
+    _add_which(made.add_argument_group("which lines to make"))
+    _add_how(made.add_argument_group("how to make them"))
     add_path(made)
     made.set_defaults(in_project=False)
     actions = made.add_subparsers(title="actions", metavar="ACTION", required=False)
     new_ = actions.add_parser(
         "new",
-        help="write the project of a folder of recordings and a table",
-        description="Write the project of a folder of recordings and a table.",
+        help="write the project for a folder of recordings and a table",
+        description="Write the project for a folder of recordings and a table.",
         epilog="example:\n  lipsync-lang build new vo script.csv -l english -c facefx",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -35,22 +35,24 @@ def add_build(add: Add) -> None:
 def _add_which(which: argparse._ArgumentGroup) -> None:
     which.add_argument(
         "--only", metavar="PATTERN", action="append", default=[],
-        help="lines whose ids match, such as 'intro_*'; may be repeated",
+        help="make lines whose ids match, such as 'intro_*'; may be repeated",
     )  # fmt: skip
     which.add_argument(
         "-l", "--language", metavar="LANGUAGE", action="append", default=[], dest="languages",
-        help="lines in this language; may be repeated [all]",
+        help="make lines in this language; may be repeated [all]",
     )  # fmt: skip
     which.add_argument(
         "-c", "--character", metavar="CHARACTER", action="append", default=[], dest="characters",
-        help="lines on this character; may be repeated [all]",
+        help="make lines on this character; may be repeated [all]",
     )  # fmt: skip
     which.add_argument(
         "--prune", action="store_true", help="delete files of lines that the script no longer has"
     )
-    which.add_argument("--force", action="store_true", help="make them again, changed or not")
     which.add_argument(
-        "--overwrite", action="store_true", help="replace files that somebody edited by hand"
+        "--force", action="store_true", help="make lines again even if nothing changed"
+    )
+    which.add_argument(
+        "--overwrite", action="store_true", help="replace files that were edited by hand"
     )
     which.add_argument(
         "--dry-run", action="store_true", help="list the lines that would be made, and why"
@@ -59,31 +61,33 @@ def _add_which(which: argparse._ArgumentGroup) -> None:
 
 def _add_how(how: argparse._ArgumentGroup) -> None:
     how.add_argument(
-        "--workers", metavar="N", type=int, default=None, help="processes at work [one a core]"
+        "--workers", metavar="N", type=int, default=None, help="number of processes [one per core]"
     )
     how.add_argument(
         "--scheduler", metavar="ADDRESS", default=None,
         help="give the work to this Dask cluster, such as tcp://10.0.0.5:8786",
     )  # fmt: skip
-    how.add_argument("--watch", action="store_true", help="make changed lines until Ctrl-C")
-    how.add_argument("--tts", metavar="ENGINE", help="another speech engine; none estimates times")
+    how.add_argument("--watch", action="store_true", help="keep making changed lines until Ctrl-C")
+    how.add_argument(
+        "--tts", metavar="ENGINE", help="speech engine for all lines; none estimates times"
+    )
     how.add_argument(
         "--report", metavar="FILE", type=Path, action="append", default=[], dest="reports",
-        help="report to write, .html, .xml (JUnit) or .json; may be repeated [the project's]",
+        help="write a report: .html, .xml (JUnit) or .json; may be repeated [the project's]",
     )  # fmt: skip
     how.add_argument("--json", action="store_true", help="print events as JSON, one on each line")
 
 
 def _add_new(made: argparse.ArgumentParser) -> None:
-    made.add_argument("recordings", metavar="FOLDER", type=Path, help="the recordings")
-    made.add_argument("table", metavar="TABLE", type=Path, help="the script, a row for each line")
+    made.add_argument("recordings", metavar="FOLDER", type=Path, help="the folder of recordings")
+    made.add_argument("table", metavar="TABLE", type=Path, help="the script, one row for each line")
     made.add_argument(
         "-l", "--language", metavar="LANGUAGE", dest="new_language",
-        help="the language of the recordings [that of their folders or of a column]",
+        help="the language of the recordings [from their folders or a column]",
     )  # fmt: skip
     made.add_argument(
         "-c", "--character", metavar="CHARACTER", action="append", required=True, dest="characters",
-        help="a character or a pose set that every line is made on; may be repeated",
+        help="a character or a pose set for every line; may be repeated",
     )  # fmt: skip
     add_path(made)
     made.set_defaults(in_project=False)

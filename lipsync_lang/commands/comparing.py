@@ -39,6 +39,6 @@ def _take(options: Namespace, animation: "Animation", name: str) -> "Animation":
     except LipsyncError as error:
         known = ", ".join(BASELINES)
         raise LipsyncError(
-            f"--against {name}: is no file, no plain method ({known}) and no character: {error}"
+            f"--against {name}: not a file, a plain method ({known}) or a character: {error}"
         ) from None
     return other.rigged(other.perform(animation.schedule, options.fps))

@@ -30,7 +30,7 @@ def coverage(options: Namespace) -> int:
         raise LipsyncError(f"--fail-under {options.fail_under:g}: give a percentage, 0 to 100")
     named = options.output not in (None, STANDARD_STREAM)
     if named and any(options.output.resolve() == p.resolve() for p in options.corpus):
-        raise OutputError(f"{options.output}: is what is counted; name another file")
+        raise OutputError(f"{options.output}: is an input; name another file")
     old = read_document(options.against) if options.against else None
     found = _counted(options)
     _write(options, since(old, found, str(options.against)) if old else found)

@@ -40,7 +40,7 @@ def fill(options: Namespace) -> None:
     for name, option in (("language", "-l"), ("character", "-c")):
         if not getattr(options, name, True) and not getattr(options, "choosing", False):
             raise LipsyncError(
-                f"no {name} is named: give {option} {name.upper()}, or state `{name}: ...` in "
+                f"a {name} is missing: give {option} {name.upper()}, or state `{name}: ...` in "
                 f"{FILE}"
             )
 

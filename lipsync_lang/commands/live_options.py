@@ -15,7 +15,9 @@ def add_live(add: Add) -> None:
         "speak typed sentences, and send their frames to an engine in real time",
         "live 'Hello, world' -l english -c facefx --to vmc:127.0.0.1:39539",
     )
-    live_.add_argument("text", metavar="TEXT", nargs="?", help="what to say [lines as they come]")
+    live_.add_argument(
+        "text", metavar="TEXT", nargs="?", help="the text to say [lines from standard input]"
+    )
     add_pair(live_)
     add_values(live_)
     live_.add_argument(
@@ -23,7 +25,7 @@ def add_live(add: Add) -> None:
         help="livelink:HOST:PORT (Unreal), vmc:HOST:PORT (VSeeFace, Unity), ws:HOST:PORT (serve "
         "WebSockets), or - for lines of JSON; may be repeated [-]",
     )  # fmt: skip
-    live_.add_argument("--tts", metavar="ENGINE", help="another speech engine; none is silent")
+    live_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
     live_.add_argument(
         "--subject", metavar="NAME", default="lipsync", help="the Live Link subject [lipsync]"
     )
@@ -39,20 +41,20 @@ def add_studio(add: Add) -> None:
     studio_ = add(
         "studio",
         studio.studio,
-        "open the studio in a browser: hear a line, see it, ask why, and change it",
+        "open the studio in a browser: play, explain and edit a line",
         "studio -l english -c facefx",
     )
     add_pair(studio_)
     add_values(studio_)
     studio_.set_defaults(choosing=True)
-    studio_.add_argument("--tts", metavar="ENGINE", help="another speech engine; none is silent")
+    studio_.add_argument("--tts", metavar="ENGINE", help="speech engine; none is silent")
     add_motion(studio_)
     studio_.add_argument(
-        "--port", metavar="N", type=int, default=0, help="the port of the address [a free one]"
+        "--port", metavar="N", type=int, default=0, help="the port to listen on [a free one]"
     )
     studio_.add_argument(
         "--host", metavar="ADDRESS", default=studio.LOCAL,
-        help="let other machines in by this address; needs --token [this machine alone]",
+        help="the address to listen on; needs --token for other machines [this machine only]",
     )  # fmt: skip
     studio_.add_argument("--token", metavar="SECRET", help="the secret in the address [random]")
     studio_.add_argument(

@@ -19,7 +19,7 @@ def new(options: Namespace) -> int:
 
     path, here = Path(FILE), Path.cwd()
     if path.exists():
-        raise LipsyncError(f"{path}: is there already; edit it, or remove it first")
+        raise LipsyncError(f"{path}: already exists; edit it, or remove it first")
     finder = Finder(options.path, here)
     drafted = new_project(
         options.recordings, options.table, folder=here, finder=finder,
@@ -32,14 +32,14 @@ def new(options: Namespace) -> int:
     try:
         planned = read_script(load_project(path).model, here, paths=options.path)
     except LipsyncError as error:
-        print(f"{error}\nmend the script, then: lipsync-lang build", file=sys.stderr)
+        print(f"{error}\ncorrect the script, then run: lipsync-lang build", file=sys.stderr)
         return FAULTS
     languages, characters = (
         {getattr(one, of) for one in planned} for of in ("language", "character")
     )
     print(
         f"{count(len(planned), 'line')} to make, in {count(len(languages), 'language')} on "
-        f"{count(len(characters), 'character')}; next: lipsync-lang build",
+        f"{count(len(characters), 'character')}; next, run: lipsync-lang build",
         file=sys.stderr,
     )
     return SOUND

@@ -13,7 +13,7 @@ def add_checking(add: Add) -> None:
     resolve_ = add(
         "resolve",
         validate_packs.resolve,
-        "show what of a language-character pair comes from which layer, and its gaps",
+        "show the layer of each part of a language-character pair, and its gaps",
         "resolve -l english -c facefx",
     )
     add_pair(resolve_)
@@ -29,7 +29,7 @@ def add_checking(add: Add) -> None:
     validate_.add_argument(
         "--no-tests",
         action="store_true",
-        help="leave out the languages' own tests (those of built-in ones run when they are named)",
+        help="skip the tests in language packs (built-in languages are tested only if named)",
     )
     add_path(validate_)
     validate_.set_defaults(in_project=False)  # the project itself is validated
@@ -41,7 +41,9 @@ def add_checking(add: Add) -> None:
         "print the JSON Schema of a kind of pack",
         "schema language > language.json",
     )
-    schema_.add_argument("kind", metavar="KIND", nargs="?", help="without it, the kinds are listed")
+    schema_.add_argument(
+        "kind", metavar="KIND", nargs="?", help="the kind of pack; without it, list the kinds"
+    )
     add_json(schema_)
 
 
@@ -55,7 +57,7 @@ def add_packs(add: Add) -> None:
         packs_ = add(kind, packs.packs, title, f"{kind} list")
         packs_.set_defaults(kind=kind[:-1])
         packs_.add_argument("action", choices=("list", "show", "new"), nargs="?", default="list")
-        packs_.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to make")
+        packs_.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
         if kind == "languages":
             _add_new_language(packs_)
         if kind == "posesets":
@@ -67,53 +69,53 @@ def add_packs(add: Add) -> None:
 
 
 def _add_new_language(made: argparse.ArgumentParser) -> None:
-    new = made.add_argument_group("what a new language is made from")
+    new = made.add_argument_group("sources of a new language")
     new.add_argument("--voice", metavar="VOICE", help="an eSpeak NG voice, such as sw")
-    new.add_argument("--epitran", metavar="CODE", help="a code of Epitran, such as xho-Latn")
+    new.add_argument("--epitran", metavar="CODE", help="an Epitran code, such as xho-Latn")
     new.add_argument(
         "--lexicon", metavar="FILE", type=Path,
-        help="words and their phonemes in IPA: word, tab, phonemes with spaces",
+        help="words and their IPA phonemes: word, tab, phonemes separated by spaces",
     )  # fmt: skip
     new.add_argument(
         "--inventory", metavar="FILE", type=Path,
-        help="PHOIBLE's table, or phonemes in IPA with spaces between them",
+        help="the PHOIBLE table, or IPA phonemes separated by spaces",
     )  # fmt: skip
     new.add_argument(
-        "--inventory-id", metavar="ID", help="PHOIBLE's number, or an ISO 639-3 code or name"
+        "--inventory-id",
+        metavar="ID",
+        help="PHOIBLE inventory number, or an ISO 639-3 code or name",
     )
     new.add_argument(
         "--text",
         metavar="FILE",
         type=argument_path,
-        help="sample lines, whose sounds are looked at; - is standard input",
+        help="sample lines to collect sounds from; - is standard input",
     )
-    new.add_argument("--tag", metavar="TAG", help="the language as BCP 47 writes it")
-    new.add_argument("--title", metavar="TITLE", help="the language's name for people")
+    new.add_argument("--tag", metavar="TAG", help="the BCP 47 tag of the language")
+    new.add_argument("--title", metavar="TITLE", help="the full name of the language")
 
 
 def _add_new_poseset(made: argparse.ArgumentParser) -> None:
-    new = made.add_argument_group("what a new pose set is made from")
+    new = made.add_argument_group("sources of a new pose set")
     new.add_argument("poses", metavar="POSE", nargs="*", help="the names of its poses")
     new.add_argument(
         "--model", metavar="FILE", type=Path,
-        help="a model (.glb), whose shapes are the poses where none are named",
+        help="a model (.glb); its shapes are the poses unless you name some",
     )  # fmt: skip
     new.add_argument(
         "--like", metavar="POSESET",
-        help="the pose set that says how known poses move, instead of the one that knows most",
+        help="copy the motion of known poses from this pose set [the best match]",
     )  # fmt: skip
     new.add_argument(
         "--guess", action="store_true",
-        help="deal the sounds out to poses that no pose set knows, for a first look",
+        help="assign sounds to unknown poses by a first guess",
     )  # fmt: skip
-    new.add_argument("--title", metavar="TITLE", help="what to call it in lists")
+    new.add_argument("--title", metavar="TITLE", help="its title in lists")
 
 
 def _add_new_character(made: argparse.ArgumentParser) -> None:
-    new = made.add_argument_group("what a new character is made from")
-    new.add_argument("--model", metavar="FILE", type=Path, help="a model (.glb), whose face speaks")
-    new.add_argument(
-        "--poseset", metavar="POSESET", help="its pose set, instead of the one that fits best"
-    )
-    new.add_argument("--rig", metavar="RIG", help="a rig of it, instead of the one that fits best")
-    new.add_argument("--title", metavar="TITLE", help="what to call it in lists")
+    new = made.add_argument_group("sources of a new character")
+    new.add_argument("--model", metavar="FILE", type=Path, help="the model of the face (.glb)")
+    new.add_argument("--poseset", metavar="POSESET", help="its pose set [the best match]")
+    new.add_argument("--rig", metavar="RIG", help="a rig of the pose set [the best match]")
+    new.add_argument("--title", metavar="TITLE", help="its title in lists")

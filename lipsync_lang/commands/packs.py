@@ -22,7 +22,7 @@ def packs(options: Namespace) -> int:
     if options.action == "new":
         return NEW[options.kind](library, options)
     if vars(options).get("poses"):
-        raise LipsyncError(f"{options.action} takes no poses; a new pose set does: posesets new")
+        raise LipsyncError(f"{options.action} takes no poses; only `posesets new` does")
     if options.action == "show":
         if options.name is None:
             raise LipsyncError(f"name the {options.kind} to show: {options.kind}s show NAME")
@@ -30,7 +30,7 @@ def packs(options: Namespace) -> int:
             return _show_language(library, options)
         told = _with_losses(library, options, describe.show(library, options.kind, options.name))
     elif options.name is not None:
-        raise LipsyncError(f"list takes no name; did you mean: {options.kind}s show {options.name}")
+        raise LipsyncError(f"list takes no name; run: {options.kind}s show {options.name}")
     else:
         told = describe.listing(library, options.kind)
     print(as_json(told.data) if options.json else told.text)
@@ -51,8 +51,7 @@ def _with_losses(library: "Library", options: Namespace, told: "Description") ->
         rigs = [load_rig(library, model.rig, poseset)] if model.rig else []
     found = {rig.model.name: losses(library, rig) for rig in rigs}
     lines = [
-        f"\nwhat {name} cannot show\n{indent(loss_table(lost), '  ')}"
-        for name, lost in found.items()
+        f"\nnot shown by {name}\n{indent(loss_table(lost), '  ')}" for name, lost in found.items()
     ]
     data = {
         **told.data,

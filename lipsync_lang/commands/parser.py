@@ -64,12 +64,14 @@ def parser() -> argparse.ArgumentParser:
         "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
     )
     add_json(voices_)
-    formats_ = add("formats", listing.formats, "list what can be read and written", "formats")
+    formats_ = add(
+        "formats", listing.formats, "list the formats that can be read and written", "formats"
+    )
     add_json(formats_)
     completion_ = add(
         "completion",
         completion,
-        "print a script by which a shell completes commands, options and names",
+        "print a script that completes commands, options and names in a shell",
         "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
     )
     completion_.add_argument("shell", choices=SHELLS, help="the shell")

@@ -37,9 +37,9 @@ def run(options: Namespace) -> int:
     writers = dict(map(parse_output, options.output))
     _refuse_same(options, [path for path, _ in map(parse_output, options.output)])
     if options.beside and not options.plot:
-        raise LipsyncError("--beside draws; name the picture with --plot FILE")
+        raise LipsyncError("--beside draws a picture; name it with --plot FILE")
     if options.against and not any(writer.name == PAGE for writer in writers.values()):
-        raise LipsyncError("--against is shown on a page; name one with -o line.html")
+        raise LipsyncError("--against needs a page; name it with -o line.html")
     performer = performer_for(options)
     animation = perform_line(options, performer, schedule_for(options, performer))
     offset = parse_offset(options.offset, animation.fps)
@@ -104,7 +104,7 @@ def _overriding(options: Namespace, performer: "Performer") -> Iterable[str]:
         *finder.overriding("poseset", compiled.poseset),
         *finder.overriding("character", compiled.character),
     )
-    return (f"{shown(path)} is used in place of the built-in pack of that name" for path in paths)
+    return (f"{shown(path)} replaces the built-in pack of the same name" for path in paths)
 
 
 def _shown(options: Namespace, animation: "Animation", paths: Iterable[Path]) -> "Animation":
@@ -117,7 +117,7 @@ def _shown(options: Namespace, animation: "Animation", paths: Iterable[Path]) ->
         if animation.model is not None and os.path.realpath(path) == os.path.realpath(
             animation.model
         ):
-            raise OutputError(f"{path}: is the model that is spoken on; name another file")
+            raise OutputError(f"{path}: is the model of the character; name another file")
     return animation.cut() if options.cut else animation
 
 
@@ -141,7 +141,7 @@ def plot_kind(path: Path) -> str:
 
 def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
     """Refuse duplicate outputs and outputs that overwrite an input."""
-    given = {"the schedule": options.schedule, "the recording": options.audio}
+    given = {"the input schedule": options.schedule, "the input recording": options.audio}
     taken = {
         os.path.realpath(path): what
         for what, path in given.items()
@@ -150,7 +150,7 @@ def _refuse_same(options: Namespace, outputs: list[Path]) -> None:
     for path in (*outputs, *([options.plot] if options.plot else [])):
         real = "-" if path == STANDARD_STREAM else os.path.realpath(path)
         if real in taken:
-            raise OutputError(f"{path}: is {taken[real]} already; name another file")
+            raise OutputError(f"{path}: is also {taken[real]}; name another file")
         taken[real] = "an output"
 
 
@@ -248,8 +248,8 @@ def _refuse_idle(options: Namespace) -> None:
     )
     if (text and schedule) or not (text or schedule or audio):
         raise LipsyncError(
-            "give either a TEXT to speak or timed phonemes with --schedule FILE; or a recording "
-            "with --audio FILE"
+            "give a TEXT to speak, timed phonemes with --schedule FILE, or a recording with "
+            "--audio FILE"
         )
     if options.tts is not None and (schedule or audio):
         given = "--schedule" if schedule else "--audio"
@@ -258,13 +258,13 @@ def _refuse_idle(options: Namespace) -> None:
         if getattr(options, name) is not None and not schedule:
             option = f"--{name.replace('_', '-')}"
             given = "a TEXT" if text else "a recording alone"
-            raise LipsyncError(f"{option} is of a --schedule; leave it out with {given}")
+            raise LipsyncError(f"{option} needs a --schedule; leave it out with {given}")
     if options.audio_channel is not None and not audio:
-        raise LipsyncError("--audio-channel is of a recording; give it with --audio")
+        raise LipsyncError("--audio-channel needs a recording; give one with --audio")
     if options.aligner is not None and not (text and audio):
-        raise LipsyncError("--aligner lays a TEXT on a recording; give both, TEXT and --audio")
+        raise LipsyncError("--aligner aligns a TEXT with a recording; give both TEXT and --audio")
     if options.recogniser is not None and (text or schedule):
-        raise LipsyncError("--recogniser hears --audio alone; leave out text and schedule with it")
+        raise LipsyncError("--recogniser needs only --audio; leave out the text and the schedule")
 
 
 def _timed(options: Namespace, performer: "Performer") -> "Schedule":
@@ -295,7 +295,7 @@ def _filled(options: Namespace, performer: "Performer", words: "TimedWords") -> 
 
     if options.notation is not None:
         raise LipsyncError(
-            f"{options.schedule} times words alone; leave out --notation, which is of phonemes"
+            f"{options.schedule} has timed words, not phonemes; leave out --notation"
         )
     if options.audio is None:
         return filled(performer.speaker, words)
@@ -317,7 +317,7 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
         f"at {animation.fps:g} fps"
     )
     if animation.schedule.estimated:
-        told += "\ntimes are estimated by classes of sounds; nothing speaks them"
+        told += "\ntimes are estimated by classes of sounds; there is no voice"
     if animation.schedule.dropped:
         told += f"\nnot spoken: {listed(animation.schedule.dropped)}"
     if animation.schedule.unread:
@@ -331,7 +331,7 @@ def _summary(animation: "Animation", written: list[Path]) -> str:
     )
     told += "".join(f"\n{as_options(remark)}" for remark in remarks)
     if not written:
-        return f"{told}\nnothing was written; name files with -o line.csv or --plot line.png"
+        return f"{told}\nno file was written; name files with -o line.csv or --plot line.png"
     return told + "".join(f"\nwrote {path}" for path in written if path != STANDARD_STREAM)
 
 

@@ -25,52 +25,53 @@ def add_run(add: Add) -> None:
         "run 'Hello, world' -l english -c facefx -o hello.csv -o hello.wav --plot hello.png",
     )
     add_line(run_)
-    _add_written(run_.add_argument_group("what is written"))
+    _add_written(run_.add_argument_group("output"))
 
 
 def _add_written(written: Options) -> None:
     """Add the options of `run` for its outputs."""
     written.add_argument(
         "-o", "--output", metavar="FILE", action="append", default=[],
-        help="write the animation; the suffix names the format, or FORMAT:FILE does; csv:- is "
-        "standard output; may be repeated",
+        help="write the animation in the format of the suffix, or as FORMAT:FILE; csv:- is "
+        "standard "
+        "output; may be repeated",
     )  # fmt: skip
     written.add_argument(
         "--plot",
         metavar="FILE",
         type=argument_path,
-        help="draw every stage to a picture; - is standard output, as PNG",
+        help="draw every stage in a picture; - is standard output, as PNG",
     )
     written.add_argument(
         "--model", metavar="GLB", type=Path,
         help="the model for -o line.glb, instead of the character's own",
     )  # fmt: skip
     written.add_argument(
-        "--poses", action="store_true", help="write poses although the character has a rig"
+        "--poses", action="store_true", help="write poses even if the character has a rig"
     )
     written.add_argument(
         "--beside", metavar="CHARACTER", action="append", default=[],
-        help="draw this character below the other instead of the stages; may be repeated",
+        help="draw this character below the first one instead of the stages; may be repeated",
     )  # fmt: skip
     written.add_argument(
         "--against", metavar="OTHER", action="append", default=[],
-        help="compare with it on the page -o line.html: the file of an animation, a plain method "
+        help="show a comparison on the page -o line.html: an animation file, a plain method "
         "(keyframes, dominance, held), or another character; may be repeated",
     )  # fmt: skip
     written.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
     written.add_argument(
         "--offset", metavar="TIME", default="0",
-        help="where the sound begins in the files: seconds, or a timecode 01:00:00:00 [0]",
+        help="start of the sound in the files: seconds, or a timecode 01:00:00:00 [0]",
     )  # fmt: skip
     written.add_argument(
         "--keys", metavar="[lines:]ERROR",
-        help="store few keys with tangents; curves between them stray by this much at most, such "
-        "as 0.01. Formats without tangents, and every format with lines:0.01, have straight lines; "
-        "lines:0 keeps every frame off them [lines:0.005 in formats that are edited by hand, else "
-        "every frame]",
+        help="store few keys with tangents, with at most this error, such as 0.01; lines:ERROR "
+        "stores "
+        "straight lines instead, as formats without tangents do; lines:0 keeps every frame that is "
+        "not on a line [lines:0.005 in formats that are edited by hand, else every frame]",
     )  # fmt: skip
     written.add_argument(
-        "--check", action="store_true", help="judge the animation's poses as well, as `check` does"
+        "--check", action="store_true", help="check the animation's poses as well, as `check` does"
     )
 
 
@@ -79,15 +80,15 @@ def add_transcribe(add: Add) -> None:
     transcribe_ = add(
         "transcribe",
         performing.transcribe,
-        "show the phonemes and common phonemes that text becomes",
+        "show the phonemes and common phonemes of a text",
         "transcribe 'Hello, world' -l english",
     )
-    transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="what to read")
+    transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="the text to read")
     transcribe_.add_argument(
         "--file",
         metavar="FILE",
         type=argument_path,
-        help="read its lines, instead of a TEXT; - is standard input",
+        help="read the lines of this file instead of a TEXT; - is standard input",
     )
     transcribe_.add_argument(
         "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
@@ -102,12 +103,12 @@ def add_explain(add: Add) -> None:
     explain_ = add(
         "explain",
         performing.explain,
-        "say why each pose stands where it stands at a time",
+        "explain the weight of each pose at a time",
         "explain 'Hello, world' -l english -c facefx --at 0.42",
     )
     add_line(explain_)
     explain_.add_argument(
-        "--at", metavar="SECONDS", type=float, required=True, help="the time asked about"
+        "--at", metavar="SECONDS", type=float, required=True, help="the time to explain"
     )
     add_json(explain_)
 
@@ -117,16 +118,16 @@ def add_stills(add: Add) -> None:
     stills_ = add(
         "stills",
         stills.stills,
-        "draw the model at given times, from one place for all its lines",
+        "draw the model at given times, always from the same camera",
         "stills 'Hello, world' -l english -c facefx --at 0.12,0.42 --close -o hello.png",
     )
     add_line(stills_)
     stills_.add_argument(
-        "--at", metavar="SECONDS", required=True, help="times of the schedule, with commas"
+        "--at", metavar="SECONDS", required=True, help="times of the schedule, separated by commas"
     )
-    stills_.add_argument("--close", action="store_true", help="draw the mouth alone")
+    stills_.add_argument("--close", action="store_true", help="draw only the mouth")
     stills_.add_argument(
-        "--model", metavar="GLB", type=Path, help="this model, instead of the character's own"
+        "--model", metavar="GLB", type=Path, help="draw this model instead of the character's own"
     )
     stills_.add_argument(
         "-o", "--output", metavar="FILE", type=argument_path, required=True,
@@ -139,28 +140,28 @@ def add_check(add: Add) -> None:
     check_ = add(
         "check",
         check.check,
-        "measure how good an animation is, and hold it against limits",
+        "measure the quality of an animation, and compare it with limits",
         "check 'Hello, world' -l english -c facefx --baseline",
     )
     add_line(check_)
     check_.add_argument(
         "--animation", metavar="FILE", type=Path,
-        help="judge what this file holds, of any program, instead of performing the line",
+        help="check this animation file, from any program, instead of performing the line",
     )  # fmt: skip
     check_.add_argument(
-        "--channels", action="store_true", help="judge the channels of the character's rig"
+        "--channels", action="store_true", help="check the channels of the character's rig"
     )
     check_.add_argument(
-        "--baseline", action="store_true", help="measure plain methods on the same line beside it"
+        "--baseline", action="store_true", help="measure plain methods on the same line as well"
     )
     check_.add_argument(
         "--limit", metavar="NAME=NUMBER", action="append", default=[], dest="limits",
-        help="the most of a measure that is sound: --limit jitter=2; may be repeated",
+        help="largest value allowed for a measure: --limit jitter=2; may be repeated",
     )  # fmt: skip
     check_.add_argument(
         "--format", choices=("text", "json", "junit", "html"),
-        help="how it is told; html is a page to hear and see the line, and the findings on it "
-        "[by the suffix of -o, else text]",
+        help="output format; html is a page that plays the line and shows the findings [by the "
+        "suffix of -o, else text]",
     )  # fmt: skip
     add_json_form(check_)
     check_.add_argument(
@@ -168,5 +169,5 @@ def add_check(add: Add) -> None:
         "--output",
         metavar="FILE",
         type=argument_path,
-        help="write it to a file; - is standard output [print it]",
+        help="write to a file; - is standard output [print it]",
     )

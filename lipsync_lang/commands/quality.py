@@ -57,7 +57,7 @@ def _writing(told: str) -> "Callable[[BinaryIO], None]":
 def summary(quality: "Quality") -> str:
     """Summarise the quality figures in one line."""
     if quality.passed:
-        return "all limits are kept"
+        return "all limits are met"
     names = ", ".join(figure.name for figure in quality.failed)
     return f"{count(len(quality.failed), 'limit')} missed: {names}"
 

@@ -11,7 +11,7 @@ def add_values(made: _ActionsContainer) -> None:
     made.set_defaults(unspoken=())
     made.add_argument(
         "--value", metavar="NAME=TEXT", action="append", default=[], dest="values",
-        help="say this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
+        help="speak this text for the placeholder [NAME], {NAME} or $NAME; may be repeated",
     )  # fmt: skip
 
 

@@ -20,8 +20,10 @@ Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
 def add_words(made: argparse.ArgumentParser) -> None:
     """Add the verbosity options."""
     words = made.add_mutually_exclusive_group()
-    words.add_argument("-q", "--quiet", action="store_true", help="say nothing but errors")
-    words.add_argument("-v", "--verbose", action="store_true", help="say what is done, and why")
+    words.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    words.add_argument(
+        "-v", "--verbose", action="store_true", help="print each step and its reason"
+    )
 
 
 def add_path(made: Options) -> None:
@@ -29,7 +31,7 @@ def add_path(made: Options) -> None:
     made.set_defaults(in_project=True)
     made.add_argument(
         "--path", metavar="FOLDER", type=Path, action="append", default=[],
-        help="look for packs here first; may be repeated",
+        help="search this folder for packs first; may be repeated",
     )  # fmt: skip
 
 
@@ -61,43 +63,43 @@ def add_pair(made: Options, *, models: bool = False) -> None:
 
 def add_line(made: argparse.ArgumentParser) -> None:
     """Add the options of a line: character, text and delivery."""
-    made.add_argument("text", metavar="TEXT", nargs="?", help="what to say")
-    add_pair(made.add_argument_group("who says it"), models=True)
-    said = made.add_argument_group("what is said")
+    made.add_argument("text", metavar="TEXT", nargs="?", help="the text to say")
+    add_pair(made.add_argument_group("speaker"), models=True)
+    said = made.add_argument_group("line")
     _add_said(said)
     add_values(said)
-    _add_delivery(made.add_argument_group("how it is performed"))
+    _add_delivery(made.add_argument_group("performance"))
 
 
 def _add_said(said: Options) -> None:
     """Add the sources of a line beside its text."""
     said.add_argument(
         "--audio", metavar="FILE", type=Path,
-        help="a recording: of the TEXT, of the --schedule, or by itself, to recognise what is said",
+        help="a recording of the TEXT or of the --schedule; alone, its speech is recognised",
     )  # fmt: skip
     said.add_argument(
         "--audio-channel", metavar="N", type=int,
-        help="the recording's channel to hear, counted from 1 [all, mixed]",
+        help="channel of the recording, counted from 1 [all, mixed]",
     )  # fmt: skip
     said.add_argument(
         "--aligner", metavar="NAME[:MODEL]",
-        help="another aligner than the language's, and its model",
+        help="aligner and its model [the language's]",
     )  # fmt: skip
     said.add_argument(
         "--recogniser", metavar="NAME[:MODEL]",
-        help="another recogniser than the language's, and its model",
+        help="recogniser and its model [the language's]",
     )  # fmt: skip
     said.add_argument(
         "--schedule",
         metavar="FILE",
         type=argument_path,
-        help="timed phonemes, instead of text; - is standard input",
+        help="timed phonemes instead of text; - is standard input",
     )
     said.add_argument(
-        "--read-as", metavar="FORMAT", help="the schedule's format, where the file does not tell"
+        "--read-as", metavar="FORMAT", help="the schedule's format [by its suffix and content]"
     )
     said.add_argument(
-        "--tier", metavar="NAME", help="the schedule's tier, speaker or channel, of several"
+        "--tier", metavar="NAME", help="the schedule's tier, speaker or channel, if it has several"
     )
     said.add_argument(
         "--rate", metavar="N", type=float,
@@ -105,11 +107,13 @@ def _add_said(said: Options) -> None:
     )  # fmt: skip
     said.add_argument("--encoding", metavar="NAME", help="the schedule's encoding [UTF-8]")
     said.add_argument("--notation", metavar="NAME", help="the notation of the schedule's labels")
-    said.add_argument("--line", metavar="NAME", help="the character's own edits of this line")
+    said.add_argument(
+        "--line", metavar="NAME", help="the line whose edits in the character's file are applied"
+    )
     said.add_argument(
         "--tts",
         metavar="ENGINE",
-        help="another speech engine than the language's; none estimates times",
+        help="speech engine; none estimates times [the language's]",
     )
 
 
@@ -118,8 +122,8 @@ def _add_delivery(how: Options) -> None:
     add_manner(how)
     how.add_argument(
         "--intensity", metavar="X", type=float, default=None,
-        help="how much loudness moves the mouth: 0 not at all, 1 as the pose set says, up to 2 "
-        "[1 where there is sound]",
+        help="effect of loudness on the mouth: 0 for none, 1 as the pose set states, at most 2 [1 "
+        "if there is sound]",
     )  # fmt: skip
 
 
@@ -127,25 +131,26 @@ def add_manner(how: Options) -> None:
     """Add the options of delivery that need no whole line."""
     how.add_argument(
         "--style", metavar="NAME:SHARE", action="append", default=[], dest="styles",
-        help="blend a style in: --style angry:0.5, or over seconds --style angry:0@1,1@2.5",
+        help="blend in a style: --style angry:0.5; varying over seconds: --style angry:0@1,1@2.5",
     )  # fmt: skip
     how.add_argument(
         "--dial", metavar="REGION:LEVEL", action="append", default=[], dest="dials",
-        help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; over seconds as --style",
+        help="scale the poses of a region, 0 to 2: --dial jaw:0.5 mumbles; may vary as in --style",
     )  # fmt: skip
     add_motion(how)
     how.add_argument(
         "--shades", action=argparse.BooleanOptionalAction, default=None,
-        help="perform the finer sounds that drafts know, or each as its parent [the project's, or "
-        "yes; no with motion=paper]",
+        help="perform shades (finer sounds), or each as its parent phoneme [the project's, or "
+        "yes; no "
+        "with motion=paper]",
     )  # fmt: skip
     how.add_argument(
         "--gaps", choices=("error", "rest"), default="error",
-        help="bigrams that nothing answers [error]",
+        help="treatment of bigrams without data [error]",
     )  # fmt: skip
     how.add_argument(
         "--unknown", choices=("error", "rest", "nearest"), default="nearest",
-        help="labels that no notation maps; nearest is for IPA, by its features [nearest]",
+        help="treatment of unmapped labels; nearest uses the features of IPA [nearest]",
     )  # fmt: skip
 
 
@@ -157,5 +162,5 @@ def add_motion(how: Options) -> None:
     )  # fmt: skip
     how.add_argument(
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
-        help="change a motion setting, or take a preset: --set motion=paper",
+        help="change a motion setting, or use a preset: --set motion=paper",
     )  # fmt: skip

@@ -32,4 +32,6 @@ def _seconds(stated: str) -> list[float]:
     try:
         return [float(one) for one in stated.split(",")]
     except ValueError:
-        raise LipsyncError(f"--at {stated}: write seconds with commas (--at 0.5,0.7)") from None
+        raise LipsyncError(
+            f"--at {stated}: write seconds separated by commas (--at 0.5,0.7)"
+        ) from None

@@ -37,7 +37,7 @@ def new(options: Namespace) -> int:
     if options.json:
         print(as_json(_as_data(made)))
     print(_summary(made), file=sys.stderr)
-    print(f"wrote {key}, which is yours, and {page}, which is for raters", file=sys.stderr)
+    print(f"wrote {key} for you and {page} for raters", file=sys.stderr)
     return FAULTS if made.remarks else SOUND
 
 

@@ -15,18 +15,18 @@ def add_new(action: Add) -> None:
     new_ = action(
         "new",
         studies.new,
-        "render pairs of clips, and write a page on which raters choose the better one",
+        "render pairs of clips, and write a page for raters to choose the better one",
         "study new script.csv -l english -c facefx --method ours --method keyframes --pairs 40 "
         "-o study",
     )
     _add_shown(new_)
-    _add_page(new_.add_argument_group("what the page says and asks"))
+    _add_page(new_.add_argument_group("text and questions of the page"))
     new_.add_argument(
         "-o", "--output", metavar="FOLDER", type=Path, required=True,
-        help="the folder of the study; one with another study is refused",
+        help="the folder of the study; it must not hold another study",
     )  # fmt: skip
     new_.add_argument(
-        "--workers", metavar="N", type=_positive, help="processes that render [one per core]"
+        "--workers", metavar="N", type=_positive, help="number of processes [one per core]"
     )
     add_json(new_)
 
@@ -36,19 +36,19 @@ def add_serve(action: Add) -> None:
     made = action(
         "serve",
         studies.serve,
-        "serve the page of a study, and append the answers to a file",
+        "serve the page of a study, and append answers to a file",
         "study serve study --port 8080",
     )
     made.add_argument("folder", metavar="FOLDER", type=Path, help="the folder of the study")
     made.add_argument(
         "--host", metavar="ADDRESS", default="127.0.0.1",
-        help="the address to listen at; 0.0.0.0 lets other machines in [127.0.0.1]",
+        help="the address to listen on; 0.0.0.0 admits other machines [127.0.0.1]",
     )  # fmt: skip
     made.add_argument("--port", metavar="N", type=int, default=0, help="the port [a free one]")
     made.add_argument(
         "--origin", metavar="URL", action="append", default=[],
-        help="a public address of the page, such as https://example.org; null for pages opened "
-        "from files; may be repeated",
+        help="a public address of the page, such as https://example.org; null for pages that are "
+        "opened from files; may be repeated",
     )  # fmt: skip
 
 
@@ -58,9 +58,13 @@ def _add_shown(made: argparse.ArgumentParser) -> None:
         "lines", metavar="LINES", nargs="*", type=argument_path,
         help="files or folders of lines: scripts, tables, timings; - is standard input",
     )  # fmt: skip
-    shown = made.add_argument_group("what is shown")
+    shown = made.add_argument_group("clips")
     shown.add_argument(
-        "--text", metavar="TEXT", action="append", default=[], help="a line more; may be repeated"
+        "--text",
+        metavar="TEXT",
+        action="append",
+        default=[],
+        help="an additional line; may be repeated",
     )
     shown.add_argument(
         "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
@@ -71,26 +75,34 @@ def _add_shown(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     shown.add_argument(
         "--method", metavar="METHOD", action="append", default=[],
-        help="ours, keyframes, dominance, held, NAME=FOLDER of files called like the lines, "
+        help="ours, keyframes, dominance, held, NAME=FOLDER of files named after the lines, "
         "NAME=character:OTHER, NAME=bank:FILE or NAME=motion:PRESET; give two or more",
     )  # fmt: skip
     shown.add_argument(
-        "--pairs", metavar="N", type=_positive, help="most pairs, chosen evenly [all]"
+        "--pairs", metavar="N", type=_positive, help="largest number of pairs, chosen evenly [all]"
     )
     shown.add_argument(
-        "--checks", metavar="N", type=_whole, help="attention checks [one for ten pairs]"
+        "--checks",
+        metavar="N",
+        type=_whole,
+        help="number of attention checks [one for every ten pairs]",
     )
     shown.add_argument(
-        "--raters-see", metavar="N", type=_positive, help="pairs that each rater sees [all]"
+        "--raters-see",
+        metavar="N",
+        type=_positive,
+        help="number of pairs that each rater sees [all]",
     )
-    shown.add_argument("--seed", metavar="N", type=int, default=1, help="seed of all chances [1]")
+    shown.add_argument(
+        "--seed", metavar="N", type=int, default=1, help="seed of all random choices [1]"
+    )
     shown.add_argument(
         "--audio", metavar="FOLDER", type=Path,
-        help="recordings called like the lines, instead of a voice",
+        help="recordings named after the lines, instead of a voice",
     )  # fmt: skip
-    shown.add_argument("--tts", metavar="ENGINE", help="another speech engine than the language's")
+    shown.add_argument("--tts", metavar="ENGINE", help="speech engine [the language's]")
     shown.add_argument(
-        "--model", metavar="GLB", type=Path, help="film this model, instead of the characters' own"
+        "--model", metavar="GLB", type=Path, help="film this model instead of the characters' own"
     )
     shown.add_argument(
         "--column", metavar="NAME", help="the text's column in tables, by name or number"
@@ -101,7 +113,7 @@ def _add_shown(made: argparse.ArgumentParser) -> None:
     )
     shown.add_argument(
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
-        help="change a motion setting of every method, or take a preset: --set motion=paper",
+        help="change a motion setting of every method, or use a preset: --set motion=paper",
     )  # fmt: skip
     add_values(shown)
     add_path(shown)
@@ -140,5 +152,5 @@ def _whole(text: str) -> int:
 
 def _number(text: str, least: int) -> int:
     if not (text.isascii() and text.isdecimal() and int(text) >= least):
-        raise argparse.ArgumentTypeError(f"'{text}' is no whole number of {least} or more")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of {least} or more")
     return int(text)

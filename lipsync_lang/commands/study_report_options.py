@@ -12,7 +12,7 @@ def add_report(action: Add) -> None:
     made = action(
         "report",
         study_reports.report,
-        "report which method people prefer, how strongly, and how sure that is",
+        "report which method people prefer, how strongly, and how certain the result is",
         "study report study/ -o report.html",
     )
     made.add_argument("study", metavar="STUDY", type=Path, help="the study's folder")
@@ -26,26 +26,26 @@ def add_report(action: Add) -> None:
         "--output",
         metavar="FILE",
         type=argument_path,
-        help="write to a file, by its suffix as .html, .json or text; - is standard output "
-        "[print it]",
+        help="write to a file, as HTML, JSON or text by its suffix; - is standard output [print "
+        "it]",
     )
     made.add_argument(
         "--format",
         metavar="NAME",
-        help="what to write: text, json, html [by the suffix of -o, else text]",
+        help="output format: text, json, html [by the suffix of -o, else text]",
     )
     add_json_form(made)
     made.add_argument(
         "--failed-checks", metavar="N", type=int, default=0,
-        help="attention checks that a rater may fail [0]",
+        help="number of attention checks that a rater may fail [0]",
     )  # fmt: skip
     made.add_argument(
         "--least-seconds", metavar="N", type=float,
-        help="least time for a pair [the length of the clip]",
+        help="shortest time for a pair [the length of the clip]",
     )  # fmt: skip
     made.add_argument(
         "--one-side", metavar="N", type=int, default=10,
-        help="pairs from which on a rater who takes one side only is set aside; 0 for never [10]",
+        help="exclude a rater who chooses one side in all of N or more pairs; 0 for never [10]",
     )  # fmt: skip
     made.add_argument(
         "--keep-unfinished", action="store_true", help="count raters who stopped early, too"
@@ -57,16 +57,18 @@ def add_power(action: Add) -> None:
     made = action(
         "power",
         study_reports.power,
-        "say how many raters and pairs a study needs, or the power of a design",
+        "compute the raters and pairs that a study needs, or the power of a design",
         "study power --share 0.6 --pairs 20",
     )
     made.add_argument(
         "--share", metavar="X", type=float, required=True,
-        help="share of the choices that the better method is expected to get, such as 0.6",
+        help="expected share of choices for the better method, such as 0.6",
     )  # fmt: skip
-    made.add_argument("--raters", metavar="N", type=int, help="raters [as many as needed]")
     made.add_argument(
-        "--pairs", metavar="N", type=int, help="pairs that each rater judges [10, 20 and 40]"
+        "--raters", metavar="N", type=int, help="number of raters [as many as needed]"
+    )
+    made.add_argument(
+        "--pairs", metavar="N", type=int, help="number of pairs per rater [10, 20 and 40]"
     )
     made.add_argument(
         "--power", metavar="X", type=float, default=0.8,
@@ -78,7 +80,7 @@ def add_power(action: Add) -> None:
     )  # fmt: skip
     made.add_argument(
         "--correlation", metavar="X", type=float, default=0.1,
-        help="likeness of two choices of one rater, 0 to 1: the report of a study measures it "
+        help="correlation of the choices of one rater, 0 to 1; the report of a study measures it "
         "[0.1]",
     )  # fmt: skip
     add_json(made)

@@ -43,7 +43,10 @@ def report(options: Namespace) -> int:
     else:
         _write(options, text)
     if not found.answers.choices:
-        print("no choice counts; the report says what was set aside, and why", file=sys.stderr)
+        print(
+            "no choice counts; the report lists the excluded answers and the reasons",
+            file=sys.stderr,
+        )
         return FAULTS
     return SOUND
 

@@ -140,4 +140,4 @@ def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
     for pose in renamed:
         if pose not in poses:
             hint = did_you_mean(pose, poses)
-            raise LipsyncError(f"--rename {pose}: no pose '{pose}' here; {hint}")
+            raise LipsyncError(f"--rename {pose}: unknown pose '{pose}'; {hint}")

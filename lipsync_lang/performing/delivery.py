@@ -79,13 +79,13 @@ def _levels(
     for stated_name, level in asked.items():
         name = spelled(stated_name, known)
         if name not in known:
-            raise LipsyncError(f"no {_called(what)} '{name}' here; {did_you_mean(name, known)}")
+            raise LipsyncError(f"unknown {_called(what)} '{name}'; {did_you_mean(name, known)}")
         found[name] = timed(what, name, level)
     return found
 
 
 def _called(what: str) -> str:
-    return "style" if what == "style" else "region for a dial"
+    return "style" if what == "style" else "region"
 
 
 def timed(what: str, name: str, level: "float | Points") -> Level:

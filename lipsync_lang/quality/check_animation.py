@@ -64,7 +64,7 @@ def check(
 def _sound(limits: Limits, measures: Mapping[str, Measure]) -> Limits:
     for name, value in limits.items():
         if name not in measures:
-            raise LipsyncError(f"no measure '{name}' to limit; {did_you_mean(name, measures)}")
+            raise LipsyncError(f"unknown measure '{name}'; {did_you_mean(name, measures)}")
         if not isfinite(value) or value < 0:
             raise LipsyncError(f"the limit of {name} is {value}; give a number of at least 0")
     return limits

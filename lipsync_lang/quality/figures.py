@@ -94,7 +94,7 @@ class Quality:
         """
         known = {figure.name: figure for figure in self.figures}
         if name not in known:
-            raise LipsyncError(f"no figure '{name}' here; {did_you_mean(name, known)}")
+            raise LipsyncError(f"unknown figure '{name}'; {did_you_mean(name, known)}")
         return known[name]
 
     def __str__(self) -> str:
@@ -113,7 +113,7 @@ class Quality:
                 if len(figure.findings) > MAX_FINDINGS:
                     yield f"{' ' * 10}and {len(figure.findings) - MAX_FINDINGS} more"
         judged = [figure for figure in self.figures if figure.limit is not None]
-        yield f"{len(judged) - len(self.failed)} of {len(judged)} limits kept"
+        yield f"{len(judged) - len(self.failed)} of {len(judged)} limits met"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the figures as plain JSON data."""

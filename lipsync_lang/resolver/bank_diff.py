@@ -173,7 +173,7 @@ def diff_banks(
     for key in wanted:
         if key not in known:
             name = shelf.language.model.name
-            raise LipsyncError(f"no bigram '{key}' in {name}; {did_you_mean(key, known)}")
+            raise LipsyncError(f"unknown bigram '{key}' in {name}; {did_you_mean(key, known)}")
     chosen = list(dict.fromkeys(wanted)) or known
     both = [row for key in chosen if key in pairs for row in pairs[key]]
     sides = list(map(_side, both, _sampled(both, len(shelf.poses))))

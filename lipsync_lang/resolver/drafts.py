@@ -31,7 +31,7 @@ def draft_bigrams(
         pairs |= {"-".join(pair): pair for pair in shelf.shade_pairs()}
     for key in wanted:
         if key not in pairs:
-            raise LipsyncError(f"no bigram '{key}' in {language}; {did_you_mean(key, pairs)}")
+            raise LipsyncError(f"unknown bigram '{key}' in {language}; {did_you_mean(key, pairs)}")
     chosen = list(wanted) or [key for key, pair in pairs.items() if shelf.authored(pair) is None]
     rows = shelf.drafts([pairs[key] for key in chosen])
     missing = [key for key in chosen if pairs[key] not in rows]

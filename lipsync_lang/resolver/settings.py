@@ -30,13 +30,15 @@ def motion_with(base: Motion, change: Mapping[str, object] | str | None) -> Moti
     preset = settings.pop("preset", None)
     if preset is not None:
         if preset not in PRESETS:
-            raise LipsyncError(f"no motion preset '{preset}'; {did_you_mean(str(preset), PRESETS)}")
+            raise LipsyncError(
+                f"unknown motion preset '{preset}'; {did_you_mean(str(preset), PRESETS)}"
+            )
         base = PRESETS[str(preset)]
     known = {f.name for f in fields(Motion)}
     changed: dict[str, Any] = {}
     for name, value in settings.items():
         if name not in known:
-            raise LipsyncError(f"no motion setting '{name}'; {did_you_mean(name, known)}")
+            raise LipsyncError(f"unknown motion setting '{name}'; {did_you_mean(name, known)}")
         changed[name] = _checked(name, value, getattr(base, name))
     return replace(base, **changed)
 

@@ -28,7 +28,7 @@ Write = Callable[["Coverage", TextIO, Asked], None]
 
 FORMS: Extensions[Write] = Extensions(
     "coverage_forms",
-    "form of a coverage",
+    "coverage format",
     modules={name: f"{__package__}.{name}" for name in ("text", "json", "html", "csv", "junit")},
 )
 """Functions that write a form, by its name."""

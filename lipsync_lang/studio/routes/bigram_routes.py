@@ -144,7 +144,7 @@ def _pair(shelf: PairPacks, name: str) -> Pair:
     short, known = name[:MAX_NAME_CHARS], shelf.numbered
     every = [f"{a}-{b}" for a in known for b in known if a != b or a != known[0]]
     language = shelf.language.model.name
-    raise LipsyncError(f"no bigram '{short}' in {language}; {did_you_mean(short, every)}")
+    raise LipsyncError(f"unknown bigram '{short}' in {language}; {did_you_mean(short, every)}")
 
 
 def _written(workshop: Workshop, shelf: PairPacks, row: BigramRow) -> Json:

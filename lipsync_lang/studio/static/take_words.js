@@ -66,7 +66,7 @@ export function findingTimes(figures) {
 export function listFigures(places, figures, go) {
   const missed = figures.filter((one) => one.verdict === "FAIL"), others = figures.filter((one) => one.verdict !== "FAIL");
   places.figures.hidden = !figures.length;
-  places.judged.textContent = missed.length ? `Check: ${missed.length} limit${missed.length > 1 ? "s" : ""} missed` : "Check: all limits are kept";
+  places.judged.textContent = missed.length ? `Check: ${missed.length} limit${missed.length > 1 ? "s" : ""} missed` : "Check: all limits are met";
   places.missed.replaceChildren(...missed.map((one) => figureItem(one, go)));
   places.measured.replaceChildren(...others.map((one) => figureItem(one, go)));
 }
