@@ -69,7 +69,7 @@ def commands() -> str:
             "Data goes to the standard output, words to the standard error. The exit code is 0 "
             "when all is sound, 1 when faults were found, and 2 when the command was not "
             "understood or could not be done. `lipsync-lang COMMAND --help` prints the same as "
-            "this page."
+            "this page. `lipsync-lang` alone prints the next steps in the current folder."
         ),
         table(
             ("command", "what it does"),

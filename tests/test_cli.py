@@ -139,7 +139,7 @@ def test_the_version_is_printed(cli):
     assert cli("--version").out == f"lipsync-lang {__version__} ({kernel.summary()})\n"
 
 
-@pytest.mark.parametrize("arguments", [[], ["dance"], ["bank"], ["run", "--fps"]])
+@pytest.mark.parametrize("arguments", [["dance"], ["bank"], ["run", "--fps"]])
 def test_misuse_is_told_with_the_usage(arguments, cli):
     refused(cli(*arguments), r"usage: lipsync-lang.*\n(.*\n)*lipsync-lang.*: error: ")
 

@@ -1,6 +1,7 @@
 """What the documentation says is so: pages, links, packs, commands and Python."""
 
 import importlib.util
+import os
 import re
 import shlex
 import shutil
@@ -29,7 +30,7 @@ NOT_RUN = {
     "git": "fetches what is here already",
     ".ci/run": "runs these tests",
     ".": "activates an environment",
-    "cd": "every page runs in one folder",
+    "cd": "every page runs in one folder, except in a project that it makes",
     "mkdir": "folders are made where files are put",
     "python": "runs a file of the page, whose block is run",
     "pip": "installs what a test of its own installs",
@@ -251,6 +252,8 @@ def console(told, text, capsys):
     for number, part in enumerate(parts):
         command, _, shown = re.sub(r" \\\n\s*", " ", part).partition("\n")
         words = shlex.split(command, comments=True)
+        if words[0] == "cd" and Path(words[1], "lipsync.yaml").is_file():
+            os.chdir(words[1])  # the fixture of the test goes back
         if words[0] in NOT_RUN:
             continue
         if words[:2] == ["cp", "-r"]:

@@ -27,7 +27,7 @@ def modules():
 # Arrows
 
 FLOORS = (
-    {"errors", "version", "terminal", "text_table"},
+    {"errors", "extras", "version", "terminal", "text_table"},
     {"extensions", "files"},
     {"phonology", "pipeline", "schedules"},
     {"lines", "packs"},
@@ -226,6 +226,7 @@ EXEMPT = {
     ("packs/models/project_models.py", "id"): "a placeholder",
     ("commands/defaults.py", "id"): "a placeholder",
     ("build/new_project.py", "id"): "a field of the project",
+    ("build/project_folder.py", "id"): "a field of the project",
     ("animations/azure.py", "azure"): "the name of the format",
     ("animations/rhubarb.py", "rhubarb"): "the program's name, and that of the set of its shapes",
     ("animations/smartbody.py", "smartbody"): "the name of the format",

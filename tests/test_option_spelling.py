@@ -19,6 +19,7 @@ ELSEWHERE = {
     "banks/conversion.py": "remarks of a command that imports",
     "coverage/changes.py": "names the command that writes a report",
     "coverage/forms/text.py": "the command's own report",
+    "extras.py": "an option of another program",
     "resolver/bank_diff.py": "the command's own report",
     "schedules/polly.py": "an option of another program",
     "speech/align/mfa_command.py": "an option of another program",

@@ -7,7 +7,7 @@ from typing import NamedTuple
 SHOWN_SPEAKERS = 20
 
 PLAIN = re.compile(r"[A-Za-z][\w./-]*(?<![.])")
-"""Text that means itself in YAML without quotes; words such as `no` are quoted by `_flow`."""
+"""Text that means itself in YAML without quotes; words such as `no` are quoted by `flow`."""
 
 WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
 """Plain words that YAML takes for other things."""
@@ -60,19 +60,19 @@ def project_text(layout: Layout) -> str:
         for one in layout.speakers[:SHOWN_SPEAKERS]
     )
     return TEXT.format(
-        lines=_flow(layout.lines), columns=_flow(layout.columns), languages=_flow(languages),
-        audio=_flow(layout.audio), cast=_flow(cast),
+        lines=flow(layout.lines), columns=flow(layout.columns), languages=flow(languages),
+        audio=flow(layout.audio), cast=flow(cast),
         speakers=f"\n# Speakers of their own go beside it:{speakers}" if speakers else "",
-        outputs=_flow(f"takes/{several}{{character}}/{{id}}.csv"),
+        outputs=flow(f"takes/{several}{{character}}/{{id}}.csv"),
     )  # fmt: skip
 
 
-def _flow(value: object) -> str:
+def flow(value: object) -> str:
     """Return a value as YAML on one line; JSON is YAML."""
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_flow(key)}: {_flow(one)}" for key, one in value.items()) + "}"
+        return "{" + ", ".join(f"{flow(key)}: {flow(one)}" for key, one in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_flow, value)) + "]"
+        return "[" + ", ".join(map(flow, value)) + "]"
     text = str(value)
     return (
         text

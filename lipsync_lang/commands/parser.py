@@ -17,6 +17,8 @@ from lipsync_lang.commands.performing_options import (
     add_transcribe,
 )
 from lipsync_lang.commands.shared_options import Command, add_json, add_words
+from lipsync_lang.commands.starting import welcome
+from lipsync_lang.commands.starting_options import add_new
 from lipsync_lang.commands.study_options import add_study
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.version import __version__
@@ -33,7 +35,8 @@ def parser() -> argparse.ArgumentParser:
     top.color = False  # type: ignore[attr-defined] # Python 3.14 would colour what is spelled out
     version = f"lipsync-lang {__version__} ({kernel.summary()})"
     top.add_argument("--version", action="version", version=version)
-    known = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    top.set_defaults(command=welcome, quiet=False, verbose=False)
+    known = top.add_subparsers(title="commands", metavar="COMMAND", required=False)
 
     def add(name: str, command: Command, title: str, example: str) -> argparse.ArgumentParser:
         made = known.add_parser(
@@ -46,6 +49,7 @@ def parser() -> argparse.ArgumentParser:
         made.set_defaults(command=command)
         return made
 
+    add_new(add)
     add_run(add)
     add_transcribe(add)
     add_explain(add)

@@ -1,0 +1,160 @@
+"""A new project folder: a commented `lipsync.yaml`, a script, a character and a README.
+
+The files come from `project_templates`. The folder is made under a temporary name and then renamed,
+so that it is whole or not there.
+"""
+
+import csv
+import io
+import json
+import re
+import shutil
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lipsync_lang.build.project_text import flow
+from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.files.names import fault_of_name
+from lipsync_lang.files.temporary import temporary_name
+from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.packs.project import FILE
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+
+TEMPLATES = "project_templates"
+
+SHOWN_LINES = 3
+"""Lines of a new script."""
+
+UNQUOTED = re.compile(r'["$`\\\\]')
+"""Characters that mean something to a shell within double quotes."""
+
+
+class Starter(NamedTuple):
+    """Defaults of a new project, from `starter.json`."""
+
+    language: str
+    character: str
+    """A pose set, or a character."""
+    name: str
+    """Name of the new character."""
+    text: str
+    """A sentence for examples of commands."""
+    lines: tuple[str, ...]
+    """Lines of the script in the default language."""
+
+
+@cache
+def starter() -> Starter:
+    """Return the defaults of new projects."""
+    told = json.loads(_template("starter.json"))
+    return Starter(**told | {"lines": tuple(told["lines"])})
+
+
+def make_project(
+    name: str, folder: Path, library: "Library", language: str | None, character: str | None
+) -> list[Path]:
+    """Make a project folder and return its files.
+
+    Parameters
+    ----------
+    name : name of the new folder
+    folder : the folder that it is made in
+    library : packs to choose from
+    language : name or tag of a language; None for the default
+    character : a character or a pose set; None for the default
+
+    Raises
+    ------
+    LipsyncError
+        The name is taken or unfit, or the language or character is unknown.
+    OutputError
+        The folder cannot be written.
+    """
+    if fault := fault_of_name(name):
+        where = "the new folder is made in the current one"
+        raise LipsyncError(f"cannot make a project '{name}': the name {fault} ({where})")
+    target = folder / name
+    if target.exists() or target.is_symlink():
+        raise LipsyncError(f"{name}: is there already; choose another name, or remove it first")
+    texts = project_files(name, library, language, character)
+    waiting = folder / temporary_name(name)
+    try:
+        for path, text in texts.items():
+            (waiting / path).parent.mkdir(parents=True, exist_ok=True)
+            (waiting / path).write_text(text, encoding="utf-8", newline="\n")
+        waiting.rename(target)
+    except OSError as error:
+        why = error.strerror or error
+        mend = "change to a folder that you can write to"
+        raise OutputError(f"{name}: cannot be made: {why}; {mend}") from None
+    finally:
+        shutil.rmtree(waiting, ignore_errors=True)
+    return [Path(name, path) for path in texts]
+
+
+def project_files(
+    name: str, library: "Library", language: str | None, character: str | None
+) -> dict[str, str]:
+    """Return the texts of a new project's files by path, in order."""
+    defaults = starter()
+    spoken = library.language(language or defaults.language).model
+    face = character or defaults.character
+    own = not library.finder.lookup("character", face)
+    poseset = library.poseset(face).model.name if own else face
+    usual = spoken.name == library.language(defaults.language).model.name
+    lines = defaults.lines if usual else tuple(_samples([t.text for t in spoken.tests]))
+    known: dict[str, Any] = {
+        "name": name,
+        "title": flow(name),
+        "language": flow(spoken.name),
+        "character": flow(defaults.name if own else face),
+        "poseset": flow(poseset),
+        "own": own,
+        "first": line_id(1),
+        "text": next((line for line in lines if not UNQUOTED.search(line)), defaults.text),
+    }
+    character_file = f"{FOLDERS['character']}/{defaults.name}.yaml"
+    made = {
+        "README.md": _filled("README.md", known),
+        FILE: _filled(FILE, known),
+        "lines.csv": _table(lines, defaults.name),
+        character_file: _filled("character.yaml", known),
+        ".gitignore": _filled("gitignore", known),
+    }
+    return {path: text for path, text in made.items() if own or path != character_file}
+
+
+def line_id(number: int) -> str:
+    """Return the id of a line of a new script."""
+    return f"line_{number:02}"
+
+
+def _samples(texts: list[str]) -> list[str]:
+    """Return the longest texts, in their order."""
+    longest = sorted(texts, key=len, reverse=True)[:SHOWN_LINES]
+    return [text for text in dict.fromkeys(texts) if text in longest][:SHOWN_LINES]
+
+
+def _table(lines: tuple[str, ...], speaker: str) -> str:
+    out = io.StringIO()
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(("id", "speaker", "text"))
+    rows.writerows((line_id(number), speaker, text) for number, text in enumerate(lines, 1))
+    return out.getvalue()
+
+
+def _filled(name: str, known: dict[str, Any]) -> str:
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(  # noqa: S701 plain text, no HTML
+        undefined=StrictUndefined, keep_trailing_newline=True
+    )
+    return environment.from_string(_template(f"{name}.jinja")).render(known)
+
+
+def _template(name: str) -> str:
+    return (files(__package__ or "") / TEMPLATES / name).read_text("utf-8")

@@ -1,0 +1,106 @@
+"""The screen of `lipsync-lang` without a command, and the command that makes a project folder."""
+
+import os
+import sys
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.commands.output import SOUND, tell_written
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import Extra, extras, install_line
+from lipsync_lang.packs.project import find_project
+from lipsync_lang.version import __version__
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Project
+
+TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any language and face."
+
+MORE = "All commands: lipsync-lang --help. One of them: lipsync-lang run --help."
+
+SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
+"""Extras of the first steps, most needed first."""
+
+
+def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options
+    """Print what the program does, and commands to go on with."""
+    lines = [TITLE, "", *_next_steps(), *_lacking(), "", MORE]
+    print("\n".join(lines))
+    return SOUND
+
+
+def new(options: Namespace) -> int:
+    """Make a project folder, and print its files and the next commands."""
+    from lipsync_lang.build.project_folder import make_project
+    from lipsync_lang.packs.library import Library
+
+    made = make_project(
+        options.name, Path(), Library(project=None), options.new_language, options.new_character
+    )
+    for path in made:
+        tell_written(path)
+    folder = f'"{options.name}"' if " " in options.name else options.name
+    print(f"next: cd {folder}, then: lipsync-lang build", file=sys.stderr)
+    for line in _lacking(("speech",)):
+        print(line, file=sys.stderr)
+    return SOUND
+
+
+def _next_steps() -> list[str]:
+    """Return commands with their purposes: those of the project, or those that start one."""
+    from lipsync_lang.text_table import columns
+
+    path = find_project()
+    steps = _first_steps() if path is None else _project_steps(path)
+    shown = columns([(f"  {purpose}", command) for purpose, command in steps])
+    head = "Next steps:" if path is None else f"Next steps in the project {os.path.relpath(path)}:"
+    return [head, *shown]
+
+
+def _first_steps() -> list[tuple[str, str]]:
+    from lipsync_lang.build.project_folder import starter
+
+    told = starter()
+    pair = f"-l {told.language} -c {told.character}"
+    return [
+        ("a sentence, to hear and see", f'lipsync-lang run "{told.text}" {pair} -o line.html'),
+        ("with your recording", f'lipsync-lang run "ITS TEXT" --audio FILE {pair} -o line.html'),
+        ("make a project", "lipsync-lang new my-game"),
+        ("shape a character in your browser", f"lipsync-lang studio {pair}"),
+        ("check this installation", "lipsync-lang doctor"),
+    ]
+
+
+def _project_steps(path: Path) -> list[tuple[str, str]]:
+    from lipsync_lang.build.project_folder import starter
+
+    project = _stated(path)
+    if project is None:
+        return [("find the faults of the project", "lipsync-lang validate")]
+    steps = [("check all packs", "lipsync-lang validate")]
+    if project.lines:
+        steps += [("make the lines that changed", "lipsync-lang build")]
+    if project.language and project.character:
+        steps += [
+            ("make one line", f'lipsync-lang run "{starter().text}"'),
+            ("change curves in your browser", "lipsync-lang studio"),
+        ]
+    return [*steps, ("check this installation", "lipsync-lang doctor")]
+
+
+def _stated(path: Path) -> "Project | None":
+    """Return the project, or None if it has faults."""
+    from lipsync_lang.packs.project import load_project
+
+    try:
+        return load_project(path).model
+    except (LipsyncError, OSError):
+        return None
+
+
+def _lacking(names: tuple[str, ...] = SHOWN_IN_NEXT_STEPS) -> list[str]:
+    """Return a line for each of some extras that is not installed, with the way to install it."""
+    known = {one.name: one for one in extras()}
+    missing: list[Extra] = [known[name] for name in names if known[name].missing()]
+    return [f"not installed: {one.purpose}: {install_line(one.name)}" for one in missing]

@@ -1,0 +1,95 @@
+"""Optional dependencies ("extras"): what each is for, which are installed, and how to install them.
+
+`extras.json` lists them; a test compares it with the metadata of the distribution.
+"""
+
+import json
+import os
+import sys
+from functools import cache
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+PROGRAM = "lipsync-lang"
+
+PIPX, UV_TOOL, UV = "pipx_metadata.json", "uv-receipt.toml", "uv ="
+"""Marks of the installers: files in an environment, and a line of `pyvenv.cfg`."""
+
+
+class Extra(NamedTuple):
+    """A set of optional dependencies."""
+
+    name: str
+    purpose: str
+    used_by: str
+    """Commands that need it."""
+    modules: tuple[str, ...]
+    """Modules that it installs, by their import names."""
+
+    def missing(self) -> list[str]:
+        """List the modules that are not installed; none is imported."""
+        return [module for module in self.modules if not _there(module)]
+
+
+@cache
+def extras() -> tuple[Extra, ...]:
+    """Return all extras, in the order of their file."""
+    text = files(__package__ or "lipsync_lang").joinpath("extras.json").read_text("utf-8")
+    return tuple(
+        Extra(name, one["purpose"], one["used_by"], tuple(one["modules"]))
+        for name, one in json.loads(text).items()
+    )
+
+
+def install_line(*names: str) -> str:
+    """Return the command that installs extras, for the installer of this environment.
+
+    `pipx` and `uv tool` make an environment anew, so that the line names the installed extras too.
+    """
+    home = Path(sys.prefix)
+    if (home / PIPX).is_file():
+        return f'pipx install --force "{_requirement({*names, *_installed()})}"'
+    if (home / UV_TOOL).is_file():
+        return f'uv tool install "{_requirement({*names, *_installed()})}"'
+    if UV in _settings(home):
+        return f'uv pip install "{_requirement(set(names))}"'
+    return f'{_pip()} install "{_requirement(set(names))}"'
+
+
+def _pip() -> str:
+    """Return `pip` in an activated environment, and the interpreter's own pip elsewhere."""
+    if os.environ.get("VIRTUAL_ENV") == sys.prefix:
+        return "pip"
+    python = os.path.relpath(sys.executable) if _below(sys.executable) else sys.executable
+    return f'"{python}" -m pip' if " " in python else f"{python} -m pip"
+
+
+def _below(path: str) -> bool:
+    try:
+        return Path(path).is_relative_to(Path.cwd())
+    except OSError:
+        return False
+
+
+def _requirement(names: set[str]) -> str:
+    return f"{PROGRAM}[{','.join(sorted(names))}]"
+
+
+def _installed() -> set[str]:
+    return {one.name for one in extras() if not one.missing()}
+
+
+def _settings(home: Path) -> str:
+    try:
+        return (home / "pyvenv.cfg").read_text("utf-8")
+    except (OSError, ValueError):
+        return ""
+
+
+def _there(module: str) -> bool:
+    try:
+        return find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False

@@ -1,0 +1,255 @@
+"""First runs: the screen without a command, and the project folder that `new` makes."""
+
+import csv
+import importlib.util
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from lanes import full, swept
+from shipped import LANGUAGES, LIBRARY, POSESETS
+
+from lipsync_lang import extras
+from lipsync_lang.build.project_folder import project_files, starter
+from lipsync_lang.commands import starting
+from lipsync_lang.packs.models import Project
+from lipsync_lang.packs.project import FILE, load_project
+
+FILES = {"README.md", FILE, "lines.csv", "characters/hero.yaml", ".gitignore"}
+
+COMMENTED = re.compile(r"^# (\w+): (.+)$", re.MULTILINE)
+"""A field of the project file that is off."""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def without(monkeypatch, *modules):
+    """Hide installed modules."""
+    found = importlib.util.find_spec
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name in modules else found(name))
+
+
+# Without a command
+
+
+@pytest.mark.usefixtures("here")
+def test_the_program_alone_says_what_to_do_next(cli):
+    ended = cli()
+    assert (ended.code, ended.err) == (0, "")
+    assert len(ended.out.splitlines()) < 20
+    for command in ("run", "new", "studio", "doctor", "--help"):
+        assert f"lipsync-lang {command}" in ended.out
+
+
+def test_the_sentence_of_the_screen_can_be_run(cli, here):
+    pytest.importorskip("espeakng_loader", reason="a voice is an extra")
+    (line,) = (line for line in cli().out.splitlines() if starter().text in line)
+    _, _, options = line.partition(f'"{starter().text}" ')
+    assert cli("run", starter().text, *options.split()).code == 0
+    assert (here / "line.html").is_file()
+
+
+@pytest.mark.usefixtures("here")
+def test_a_missing_extra_is_named_with_its_installer(cli, monkeypatch):
+    without(monkeypatch, "espeakng_loader")
+    ended = cli()
+    assert len(ended.out.splitlines()) < 20
+    assert re.search(r'not installed: a voice .*install "lipsync-lang\[.*speech', ended.out)
+    assert "[studio]" not in ended.out
+
+
+def test_in_a_project_the_steps_are_its_own(cli, here, monkeypatch):
+    assert cli("new", "game").code == 0
+    monkeypatch.chdir(here / "game")
+    told = cli().out
+    assert f"in the project {FILE}" in told
+    for step in ("build", "validate", f'run "{starter().text}"', "studio", "doctor"):
+        assert f"lipsync-lang {step}" in told
+    assert "lipsync-lang new" not in told
+    Path(FILE).write_text("kind: project\nformat: 1\nfsp: 3\n")
+    assert "find the faults of the project" in cli().out
+    Path(FILE).write_text("kind: project\nformat: 1\n")
+    assert "lipsync-lang build" not in cli().out
+
+
+# A new project
+
+
+@pytest.mark.parametrize("name", ["my-game", "my game", "Spiel für Zoë 口"])
+def test_a_new_project_is_sound_and_builds(cli, here, monkeypatch, name):
+    ended = cli("new", name)
+    assert (ended.code, ended.out) == (0, "")
+    assert {p.relative_to(here / name).as_posix() for p in walk(here / name)} == FILES
+    assert f"wrote {Path(name, FILE)}" in ended.err
+    assert [p.name for p in here.iterdir()] == [name]
+    monkeypatch.chdir(here / name)
+    assert cli("validate", "--no-tests").err == "0 faults, 0 warnings\n"
+    if name == "my-game":
+        ended = cli("build", "--tts", "none", "--workers", "1")
+        assert ended.code == 0, ended.err
+        assert "3 lines built" in ended.err
+        assert len(list(Path("takes").glob("*.html"))) == 3
+        assert set(Path(".gitignore").read_text().split()) >= {"takes/", "build/"}
+
+
+def walk(folder):
+    return [path for path in folder.rglob("*") if path.is_file()]
+
+
+def test_a_new_project_opens_in_the_studio(cli, here, monkeypatch):
+    pytest.importorskip("starlette", reason="the studio needs Starlette")
+    from studio_calls import Caller
+
+    from lipsync_lang.studio.workshop import Workshop
+
+    assert cli("new", "my-game").code == 0
+    monkeypatch.chdir(here / "my-game")
+    stated = load_project(Path(FILE)).model
+    workshop = Workshop(Path.cwd(), engine="none")
+    workshop.open_restored(stated.language, stated.character)
+    caller = Caller(workshop)
+    state = caller.api("state").json
+    assert (state["language"], state["character"]) == (stated.language, stated.character)
+    with Path("lines.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["text"] for row in rows] == list(starter().lines)
+    for row in rows:
+        assert caller.post("line", {"text": row["text"]}).status == 200
+
+
+@pytest.mark.parametrize("language", swept(LANGUAGES, quick=["japanese", "arabic"]))
+def test_a_project_of_any_language_has_lines_to_read(language, tmp_path):
+    made = project_files("game", LIBRARY, language, None)
+    rows = list(csv.DictReader(made["lines.csv"].splitlines()))
+    assert 1 <= len(rows) <= 3
+    assert all(row["text"] for row in rows)
+    (tmp_path / FILE).write_text(made[FILE], encoding="utf-8")
+    assert load_project(tmp_path / FILE).model.language == language
+
+
+@pytest.mark.parametrize("poseset", swept(POSESETS, quick=["crab"]))
+def test_a_project_of_any_pose_set_is_built(cli, here, monkeypatch, poseset):
+    assert cli("new", "game", "-c", poseset).code == 0
+    monkeypatch.chdir(here / "game")
+    assert f"poseset: {poseset}" in Path("characters/hero.yaml").read_text()
+    ended = cli("build", "--tts", "none", "--workers", "1")
+    assert ended.code == 0, ended.err
+
+
+@full
+def test_an_installed_character_needs_no_file(tmp_path):
+    folder = tmp_path / "characters"
+    folder.mkdir()
+    (folder / "bob.yaml").write_text("kind: character\nformat: 1\nname: bob\nposeset: crab\n")
+    from lipsync_lang.packs.library import Library
+
+    made = project_files("game", Library(tmp_path, project=None), None, "bob")
+    assert set(made) == FILES - {"characters/hero.yaml"}
+    assert "character: bob" in made[FILE]
+    assert "hero.yaml" not in made["README.md"]
+
+
+def test_every_field_of_a_project_is_in_the_new_one_and_sound_when_it_is_on(tmp_path):
+    text = project_files("game", LIBRARY, None, None)[FILE]
+    on = set(re.findall(r"^(\w+):", text, re.MULTILINE))
+    off = {name for name, _ in COMMENTED.findall(text)}
+    assert on | off == set(Project.model_fields)
+    assert not on & off
+    path = tmp_path / FILE
+    for field in sorted(off):
+        path.write_text(re.sub(rf"^# {field}:", f"{field}:", text, flags=re.MULTILINE), "utf-8")
+        assert field in load_project(path).model.model_fields_set
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["taken"], "taken: is there already; choose another name"),
+        (["file.txt"], "file.txt: is there already; choose another name"),
+        (["../out"], "has a '/'"),
+        ([".."], "begins with a dot"),
+        (["/out"], "has a '/'"),
+        (["con"], "the name of a device on Windows"),
+        ([""], "is empty"),
+        (["game", "-l", "englsh"], "did you mean 'english'?"),
+        (["game", "-c", "crabb"], "did you mean 'crab'?"),
+    ],
+)
+def test_a_project_that_cannot_be_made_is_refused_and_nothing_is_left(cli, here, arguments, told):
+    (here / "taken").mkdir()
+    (here / "file.txt").write_text("mine")
+    ended = cli("new", *arguments)
+    assert ended.code != 0
+    assert told in ended.err
+    assert sorted(path.name for path in here.iterdir()) == ["file.txt", "taken"]
+    assert not list((here / "taken").iterdir())
+
+
+def test_a_project_is_made_whole_or_not_at_all(cli, here, monkeypatch):
+    def fail(*_):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "rename", fail)
+    ended = cli("new", "game")
+    assert ended.code == 2
+    assert "game: cannot be made: Permission denied; change to a folder" in ended.err
+    assert not list(here.iterdir())
+
+
+# Extras
+
+
+def test_every_extra_is_listed_with_what_it_is_for(root):
+    stated = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    wanted = set(stated["optional-dependencies"]) - {"all", "dev"}
+    assert {one.name for one in extras.extras()} == wanted
+    for one in extras.extras():
+        assert one.purpose, one.name
+        assert one.used_by, one.name
+        assert one.modules, one.name
+
+
+def test_every_extra_that_a_message_names_is_one(root):
+    known = {one.name for one in extras.extras()}
+    text = "".join(p.read_text("utf-8") for p in sorted((root / "lipsync_lang").rglob("*.py")))
+    named = set(re.findall(r"lipsync-lang\[(\w+)\]", text))
+    assert named
+    assert named <= known
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "line"),
+    [
+        ("pyvenv.cfg", "home = /usr", "{python} -m pip install"),
+        ("pyvenv.cfg", "home = /usr\nuv = 0.5.1\n", "uv pip install"),
+        ("pipx_metadata.json", "{}", "pipx install --force"),
+        ("uv-receipt.toml", "", "uv tool install"),
+    ],
+)
+def test_the_installer_of_the_environment_is_named(tmp_path, monkeypatch, file, content, line):
+    (tmp_path / file).write_text(content)
+    monkeypatch.setattr(extras.sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(extras.sys, "executable", str(tmp_path / "bin/python"))
+    monkeypatch.delenv("VIRTUAL_ENV", raising=False)
+    told = extras.install_line("plot")
+    assert told.startswith(line.format(python=tmp_path / "bin/python"))
+    assert re.search(r'"lipsync-lang\[[\w,]*\bplot\b[\w,]*\]"$', told)
+    monkeypatch.setenv("VIRTUAL_ENV", str(tmp_path))
+    if "pip install" in line and "uv" not in line:
+        assert extras.install_line("plot") == 'pip install "lipsync-lang[plot]"'
+
+
+def test_extras_that_are_there_are_kept_by_an_installer_that_starts_anew(tmp_path, monkeypatch):
+    (tmp_path / "uv-receipt.toml").touch()
+    monkeypatch.setattr(extras.sys, "prefix", str(tmp_path))
+    without(monkeypatch, *(m for one in extras.extras() for m in one.modules if m != "openpyxl"))
+    assert extras.install_line("plot") == 'uv tool install "lipsync-lang[plot,tables]"'
+
+
+def test_the_screen_lists_extras_that_are_known():
+    assert set(starting.SHOWN_IN_NEXT_STEPS) <= {one.name for one in extras.extras()}
