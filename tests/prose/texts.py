@@ -12,6 +12,7 @@ _HIDDEN = re.compile(
     r"\A---\n.*?\n---\n"  # front matter
     r"|^(?P<fence> *(`{3,}|~{3,}))[^\n]*\n.*?\n *\2[ \t]*$"  # code blocks
     r"|<!-- lint: off -->.*?<!-- lint: on -->"  # examples of what not to write
+    r"|!\[[^\]]*\](?=\()"  # descriptions of pictures, which may be long
     r"|<!--.*?-->|<[a-zA-Z/][^>\n]*>"  # comments and tags
     r"|^\[[^\]]+\]: .*?$"  # targets of links
     r"|^ *\|?[-:| ]{3,}\|[-:| ]*$",  # rules below the head of a table
