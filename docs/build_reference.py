@@ -3,9 +3,9 @@
 
     python docs/build_reference.py
 
-`tests/test_docs.py` makes them anew and compares, and the list of languages in the README too. The
-pages depend on nothing else: not on the width of a terminal, the Python that runs this, or what
-packs lie about.
+`tests/test_docs.py` makes them again and compares, and the list of languages in the README too. The
+pages depend on nothing else: not on the width of a terminal, the version of Python, or the packs in
+other folders.
 """
 
 import argparse
@@ -66,13 +66,13 @@ def commands() -> str:
         "# Commands",
         (
             f"`lipsync-lang`: {_first_small(top.description or '')} "
-            "Data goes to the standard output, words to the standard error. The exit code is 0 "
-            "when all is sound, 1 when faults were found, and 2 when the command was not "
-            "understood or could not be done. `lipsync-lang COMMAND --help` prints the same as "
-            "this page. `lipsync-lang` alone prints the next steps in the current folder."
+            "Data goes to standard output, messages to standard error. The exit code is 0 if "
+            "there are no faults, 1 if there are faults, and 2 if the command was wrong or could "
+            "not be carried out. `lipsync-lang COMMAND --help` prints the text of this page. "
+            "`lipsync-lang` alone prints the next steps in the current folder."
         ),
         table(
-            ("command", "what it does"),
+            ("command", "purpose"),
             [
                 (f"[`{' '.join(path)}`](#{'-'.join(path)})", made.description or "")
                 for path, made in leaves(top)
@@ -164,7 +164,7 @@ name: stage-english
 tag: en-x-stage
 extends: english
 notations:
-  arpabet: {Q: _}              # a catch in the throat is silence here
+  arpabet: {Q: _}              # the glottal stop is silence here
   ipa: {ts: {to: [d, s], shares: [0.4, 0.6]}}
 words: {tsar: [s, aa, r]}
 """,
@@ -175,7 +175,7 @@ name: orkish
 tag: art-x-orkish
 aliases: [orcish]              # `-l orcish` finds it too
 g2p:
-  engine: rules                # nothing speaks it: `tts` is left out
+  engine: rules                # no voice speaks it: `tts` is left out
   notation: ipa
   rules:
     - {from: c, to: [t, ʃ], before: "[ei]"}
@@ -184,7 +184,7 @@ g2p:
 durations: {vowel: 0.2}        # slow
 notations:
   ipa: {a: aa, e: eh, i: ih, t: d, k: kg, ʃ: sh, r: d}
-automatic: true                # other letters of the IPA go to what looks nearest
+automatic: true                # other IPA letters go to the nearest mouth
 examples: {r: cira}
 reasons: {r: "rolled: the tip of the tongue is at the roof, and nothing rounds"}
 inventory: {source: the script, segments: [a, e, i, t, k, ʃ, r, ɬ], absent: {ɬ: in no line yet}}
@@ -210,10 +210,10 @@ targets:
   _: {jaw: 0}
   aa: {jaw: 0.9}
   bmp: {shut: 1, dominance: {shut: 2, jaw: 6}}
-  h: {jaw: 0.4, dominance: 0.001}          # one number for all: takes the shape around it
+  h: {jaw: 0.4, dominance: 0.001}    # one number for all poses: h follows its neighbours
   ow: [{jaw: 0.7}, {jaw: 0.3}]
 measures: {aperture: {jaw: 1, shut: -0.5}}
-checks:                        # what `lipsync-lang check` holds an animation against
+checks:                        # limits of `lipsync-lang check`
   jitter: 1
   rules:
     opens: {phonemes: [aa, ow], measure: aperture, at_least: 0.3, missed: 0.1}
@@ -242,7 +242,7 @@ targets: {aa: {jaw: 0.8, status: fitted}}  # a fit to captures found it, and may
 anticipate: {jaw: 0.05}
 fitted: {anticipate.jaw: 0.05}
 pronunciations:
-  stage-english: {either: [ay, th, er]}    # said so by her alone
+  stage-english: {either: [ay, th, er]}    # in her voice only
 bigrams:
   aa-bmp: {status: edited, curves: {shut: [[0.4, 0], [0.7, 1], [0.9, 1], [1, 0]]}}
 """,
@@ -285,18 +285,21 @@ def packs() -> str:
             "Packs are YAML files. Each starts with `kind`, `format: 1` and `name`, which is the "
             "file's name without `.yaml`, or the folder's. `lipsync-lang validate` checks them; "
             "`lipsync-lang schema KIND` prints the same as this page as JSON Schema, for editors "
-            "that complete and check while you type. What the codes in messages mean is in "
-            "[faults](faults.md)."
+            "that complete and check while you type. [Faults](faults.md) explains the codes in "
+            "messages."
         ),
         (
-            "Packs are looked for, in this order, in the folders given with `--path`, in "
-            "those of the "
-            "environment variable `LIPSYNC_LANG_PATH`, in the current folder, in installed "
-            "distributions with the entry point group `lipsync_lang.packs`, and among the built-in "
-            "ones. The first of a name shadows the others, and `list` says so. Banks and "
-            "rigs add up "
-            "instead: a folder `posesets/NAME/banks` joins those of the pose set of that name, and "
-            "what is found earlier wins."
+            "Packs are searched in this order:\n\n"
+            "1. the folders given with `--path`\n"
+            "2. the folders of the environment variable `LIPSYNC_LANG_PATH`\n"
+            "3. the current folder\n"
+            "4. installed distributions with the entry point group `lipsync_lang.packs`\n"
+            "5. the built-in packs"
+        ),
+        (
+            "The first pack of a name shadows the others, and `list` shows which. Banks and rigs "
+            "add up instead: a folder `posesets/NAME/banks` joins those of the pose set of that "
+            "name, and an entry that is found earlier wins."
         ),
     ]
     for kind in ORDER:
@@ -322,13 +325,13 @@ def _fields(part: Schema, kind: str) -> str:
         )
         for name, field in part["properties"].items()
     ]
-    return table(("field", "form", "unless stated", "meaning"), rows)
+    return table(("field", "form", "default", "meaning"), rows)
 
 
 def _default(field: Schema) -> str:
     value = field.get("default")
     if isinstance(value, dict):
-        return "as its fields say" if value else "empty"
+        return "see its fields" if value else "empty"
     if value is None or value == []:
         return "not set"
     return f"`{value}`" if value != "" else "empty"
@@ -384,7 +387,7 @@ def _number(field: Schema) -> str:
 LISTED = re.compile(
     r"(?<=<!-- languages: docs/build_reference.py -->\n).*(?=<!-- end -->)", re.DOTALL
 )
-"""Where the README lists the languages."""
+"""The list of languages in the README."""
 
 ENGINES = {
     "espeak": "a voice of eSpeak NG",
@@ -396,7 +399,7 @@ ENGINES = {
     "pypinyin": "pypinyin",
     None: "nothing yet: timed phonemes only",
 }
-"""What reads text, in words."""
+"""Engines that read text, in words."""
 
 
 @cache
@@ -418,16 +421,27 @@ def languages() -> str:
         [
             "# Languages",
             (
-                "The languages that come with a pack. Each has tests, words from a source outside "
-                "this program with the phonemes that it gives them, and says what it is known to "
-                "get wrong. `lipsync-lang languages show NAME` shows one as a table: its sounds, "
-                "their mouths, and why. A language without a pack that eSpeak NG or Epitran reads "
-                "is `-l espeak:CODE` or `-l epitran:CODE`; any language at all, where its sounds "
-                "are timed in IPA, is `-l ipa:CODE`; how to do better is in "
+                "These languages have a pack. Each has tests, which are words from a source "
+                "outside this program with their phonemes there, and a list of known errors. "
+                "`lipsync-lang languages show NAME` prints one language as a table of its sounds, "
+                "their mouths, and the reasons."
+            ),
+            (
+                "A language without a pack works as `-l espeak:CODE` or `-l epitran:CODE`, if "
+                "eSpeak NG or Epitran reads it. With sounds that are timed in IPA, every language "
+                "works as `-l ipa:CODE`. For better results, "
                 "[add a language](../tutorial/add-a-language.md)."
             ),
             table(
-                ("language", "name", "tag", "text is read by", "spoken by", "tests", "beware"),
+                (
+                    "language",
+                    "name",
+                    "tag",
+                    "text is read by",
+                    "spoken by",
+                    "tests",
+                    "known errors",
+                ),
                 [
                     (
                         _titled(model),
@@ -456,16 +470,16 @@ def ipa_table() -> str:
         [
             "# The IPA in all languages",
             (
-                "How the packs map each symbol that two or more of them have. The usual mouth is "
-                'that of most packs; the others say why they differ. A reason such as "as ə" '
-                "follows from another row: the symbol is mapped as its letters are. Mouths are the "
-                "common phonemes and shades of "
-                "[`common.yaml`](../../languages/common.yaml); the thoughts behind them are in "
-                "[how sounds find their mouth shapes](../explanation/mapping.md). "
-                "`lipsync-lang languages show NAME` shows one language whole."
+                "This table shows the mapping of each symbol that two or more packs have. The "
+                "usual mouth is that of most packs. The last column lists the other mouths, with "
+                'the reasons of the packs. A reason such as "as ə" follows from another row: the '
+                "symbol is mapped like its letters. Mouths are the common phonemes and shades of "
+                "[`common.yaml`](../../languages/common.yaml); "
+                "[how sounds find their mouth shapes](../explanation/mapping.md) explains them. "
+                "`lipsync-lang languages show NAME` prints one language in full."
             ),
             table(
-                ("symbol", "usual mouth", "languages", "otherwise, and why"),
+                ("symbol", "usual mouth", "languages", "other mouths, and why"),
                 [
                     (
                         f"`{row.symbol}`",
@@ -504,12 +518,12 @@ def posesets() -> str:
     parts = [
         "# Pose sets",
         (
-            "The faces that come with the program. Each has targets for every common phoneme, so "
-            "it speaks every language as it is, by drafts. `lipsync-lang posesets show NAME` tells "
-            "the rest: constraints, priorities and contacts. A character of your own may have any "
-            "of them, with [bigrams of its own](../how-to/edit-a-bigram.md) and "
-            "[your model](../how-to/put-it-on-your-character.md); "
-            "[add a pose set](../tutorial/add-a-pose-set.md) if none is like your face."
+            "These faces come with the program. Each has targets for every common phoneme, so it "
+            "speaks every language with drafted bigrams. `lipsync-lang posesets show NAME` prints "
+            "its constraints, priorities and contacts. A character of your own may use any of "
+            "them, with [bigrams of its own](../how-to/edit-a-bigram.md) and "
+            "[your model](../how-to/put-it-on-your-character.md). If none resembles your face, "
+            "[add a pose set](../tutorial/add-a-pose-set.md)."
         ),
         table(
             ("pose set", "name", "poses", "edited bigrams", "shown", "rigs onto"),
@@ -539,19 +553,19 @@ def posesets() -> str:
             told = [(f"`{one.pose}`", f"{one.shown:.2f}", one.what, one.why) for one in lost]
             head = ("lost", "shown", "how", "why")
             parts += [f"**{rig.model.title or rig.model.name}** (`{rig.model.name}`)"]
-            parts.append(table(head, told) if told else "shows every pose as itself.")
+            parts.append(table(head, told) if told else "This rig shows every pose.")
     return "\n\n".join(parts)
 
 
 def _rest(model: PoseSet) -> str:
-    """Say what else is worth a word of a pose set."""
+    """Describe the contacts and the pose at rest of a pose set."""
     contacts = [
         f"{name} for {' '.join(f'`{label}`' for label in contact.phonemes)}"
         for name, contact in model.contacts.items()
     ]
     parts = [f"{model.title}. Contacts: {', '.join(contacts) or 'none'}."]
     if model.neutral:
-        parts.append(f"At rest it is called `{model.neutral}`.")
+        parts.append(f"The pose at rest is `{model.neutral}`.")
     return " ".join(parts)
 
 
@@ -639,15 +653,18 @@ def motions() -> str:
         [
             "# Motion settings",
             (
-                "How curves become motion. A setting may be changed, each over the one before, in "
-                "a pose set's `motion`, in a character's `motion`, and in a call: "
-                "`--set motion.window=0.1` on the command line, "
+                "These settings control how curves become motion. You can change a setting in "
+                "three places; each overrides the one before:\n\n"
+                "1. `motion` of a pose set\n"
+                "2. `motion` of a character\n"
+                "3. a call: `--set motion.window=0.1` on the command line, "
                 '`resolve(..., motion={"window": 0.1})` or '
-                '`performer.with_motion({"window": 0.1})` '
-                "in Python. A preset replaces all of them at once: `--set motion=paper`, "
-                '`motion="paper"`, or `preset: paper` in a pack. What the stages do is in '
-                "[curves](curves.md); how to choose is in "
-                "[tune the motion](../how-to/tune-the-motion.md)."
+                '`performer.with_motion({"window": 0.1})` in Python'
+            ),
+            (
+                "A preset replaces all settings at once: `--set motion=paper`, "
+                '`motion="paper"`, or `preset: paper` in a pack. [Curves](curves.md) explains the '
+                "stages, and [tune the motion](../how-to/tune-the-motion.md) helps you choose."
             ),
             table(("setting", "values", *(f"in `{n}`" for n in names), "meaning"), rows),
             f"`PRESETS`: {told['PRESETS']}",
@@ -680,26 +697,27 @@ def checks() -> str:
     parts = [
         "# Checks",
         (
-            "What `lipsync-lang check` measures of a finished animation; the smaller the better. "
-            "How to use it is in [check an animation](../how-to/check-an-animation.md). A limit is "
-            "stated, each over the one before, in a pose set's `checks`, in a character's "
-            "`checks`, "
-            'and in a call: `--limit jitter=3`, or `check(animation, limits={"jitter": 3})`. A '
-            "value that is rounded past its limit by a thousandth of it is sound."
+            "`lipsync-lang check` computes these measures of a finished animation "
+            "([check an animation](../how-to/check-an-animation.md)). A smaller value is better. "
+            "You can state a limit in three places; each overrides the one before:\n\n"
+            "1. `checks` of a pose set\n"
+            "2. `checks` of a character\n"
+            '3. a call: `--limit jitter=3`, or `check(animation, limits={"jitter": 3})`'
         ),
+        ("A value that exceeds its limit by at most a thousandth, which is rounding, passes."),
         table(
-            ("measure", "unit", "limit unless stated", "what it is"),
+            ("measure", "unit", "default limit", "meaning"),
             [
                 (f"[`{one.name}`](#{one.name})", one.unit, _limit(one.name, one.limit), _first(one))
                 for one in measures
             ],
         ),
         (
-            "Curves are those of poses, from 0 to 1. On the channels of a rig all is told in "
-            "shares of a channel's range; constraints are then those between channels, and rules "
+            "Curves are those of poses, from 0 to 1. For the channels of a rig, values are "
+            "fractions of a channel's range, constraints are those between channels, and rules "
             "are not judged. A sound is a phoneme that is not silence; its bounds are those of its "
-            "common phonemes. `MeasureRule`, with its phonemes, measure and bounds, is described "
-            "in [packs](packs.md#measurerule-in-poseset)."
+            "common phonemes. [Packs](packs.md#measurerule-in-poseset) describes `MeasureRule`, "
+            "with its phonemes, measure and bounds."
         ),
     ]
     for one in measures:
@@ -739,26 +757,26 @@ def formats() -> str:
             "# Formats",
             "The suffix of a file names its format. `lipsync-lang formats` prints these tables.",
             "## Read: timed phonemes",
-            table(("name", "suffix", "what it holds"), sorted(read)),
+            table(("name", "suffix", "content"), sorted(read)),
             (
-                "Details: [schedules as JSON](schedule-json.md) and how to "
+                "See [schedules as JSON](schedule-json.md) and "
                 "[use your own timings](../how-to/use-your-own-timings.md)."
             ),
             "## Read: lines of a script, to be counted",
             table(
-                ("name", "suffix", "what it holds"),
+                ("name", "suffix", "content"),
                 sorted(
                     (r.name, " ".join(f"`{s}`" for s in r.suffixes), r.title)
                     for r in shipped(LINE_READERS)
                 ),
             ),
-            "How: [plan the work](../how-to/plan-the-work.md).",
+            "See [plan the work](../how-to/plan-the-work.md).",
             "## Read: animations, to be judged",
-            table(("name", "suffix", "what it holds"), judged),
-            "How: [check an animation](../how-to/check-an-animation.md).",
+            table(("name", "suffix", "content"), judged),
+            "See [check an animation](../how-to/check-an-animation.md).",
             "## Written: animations",
-            table(("name", "suffix", "what it holds"), sorted(written)),
-            "Details: [animation files](animation-files.md).",
+            table(("name", "suffix", "content"), sorted(written)),
+            "See [animation files](animation-files.md).",
         ]
     )
 
