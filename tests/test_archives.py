@@ -102,7 +102,7 @@ def test_a_damaged_archive_is_named_and_left_alone(path, damage, words):
     path.write_bytes(damaged)
     with pytest.raises(OutputError, match=words) as told:
         rewrite(path, {"c.csv": b"4"})
-    assert "move it away, and the build makes it anew" in str(told.value)
+    assert "move it away; the build makes a new one" in str(told.value)
     assert path.read_bytes() == damaged
     assert [p.name for p in path.parent.iterdir()] == [path.name]
 

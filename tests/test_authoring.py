@@ -189,7 +189,7 @@ def test_tests_that_fail_are_faults_at_their_place(folder, cli):
     assert ended.code == 1
     assert ended.out.splitlines() == [
         "languages/toy.yaml:13:5: P221 'ce' becomes kg eh, not kg ah",
-        "  hint: it was read as k e; mend the map, or the test",
+        "  hint: it was read as k e; correct the map or the test",
     ]
     assert cli("validate", str(path), "--no-tests").code == 0
 
@@ -231,7 +231,7 @@ def test_mappings_that_fight_the_features_of_their_sounds_are_warned_of(folder, 
     ended = cli("validate", str(path))
     assert ended.out.splitlines() == [
         "languages/toy.yaml:6:40: W309 warning: 'p' becomes h, which is otherwise by closure",
-        "  hint: mend it, or say why under `reasons`",
+        "  hint: correct it, or give the reason under `reasons`",
     ]
     put(folder, "toy", path.read_text("utf-8").replace("reasons: {", "reasons: {p: whispered, "))
     assert cli("validate", str(path)).out == ""

@@ -225,8 +225,8 @@ def test_mistimed_schedules_are_refused_with_the_row(triples, message, read):
 @pytest.mark.parametrize(
     ("document", "message"),
     [
-        (b"", ":1:1: not JSON: .*; mend it there"),
-        (b'[{"label": "HH",}]', r":1:\d+: not JSON: .*; mend it there"),
+        (b"", ":1:1: not JSON: .*; correct the file"),
+        (b'[{"label": "HH",}]', r":1:\d+: not JSON: .*; correct the file"),
         (b"[" * 100_000, "is nested too deep"),
         (b'{"phonemes": ' * 50_000, "is nested too deep"),
         (
@@ -255,9 +255,7 @@ def test_json_of_another_form_is_refused_with_the_form(document, message, read):
 def test_json_of_no_known_form_is_told_all_that_there_are(content, tmp_path):
     path = tmp_path / "line.json"
     path.write_text(content)
-    with pytest.raises(
-        ScheduleError, match=r"line\.json: is in none of the formats that"
-    ) as caught:
+    with pytest.raises(ScheduleError, match=r"line\.json: has none of the formats that") as caught:
         ll.read_schedule(path)
     assert "\n  json: Phonemes and words" in str(caught.value)
 
@@ -285,8 +283,8 @@ def test_words_of_another_form_are_refused(words, message, read):
     [
         ("nowhere.json", "nowhere.json: cannot be read: No such file or directory; check the path"),
         ("folder.json", "folder.json: cannot be read: .*; check the path"),
-        ("line.odd", r"line.odd: nothing reads timings from this; known: .*\.json"),
-        ("line", r"line: nothing reads timings from this; known: .*\.json"),
+        ("line.odd", r"line.odd: no reader for this suffix; known: .*\.json"),
+        ("line", r"line: no reader for this suffix; known: .*\.json"),
         ("", "cannot be read: Is a directory; check the path"),
         ("nul\0.json", "cannot be read: .*embedded null .*; check the path"),
     ],

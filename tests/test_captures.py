@@ -312,7 +312,7 @@ def test_measures_without_a_column_or_a_pose_set_are_left_out_and_named(performe
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("kind: readout", "kind: bank", "a pack of kind 'bank' where one of kind 'readout'"),
+        ("kind: readout", "kind: bank", "a pack of kind 'bank' in the place of kind 'readout'"),
         ("aperture: {up: 1, low: -1}", "aperture: {}", "must have at least 1 items"),
         ("up: 1", "up: much", "`up` must be a number"),
         ("lost: 0", "lots: 0", "did you mean 'lost'"),

@@ -130,7 +130,7 @@ FAULTY = {
     "softness: {jaw: 5}": "P104 `jaw` must be at most 0.2",
     "anticipate: {w: 0.1}": "P201 unknown pose 'w'\n  hint: did you mean 'W'",
     "anticipate: {W: 10}": "P104 `W` must be at most 1",
-    "fitted: {jaw: 0.1}": "P106 'jaw' is no value of a fit",
+    "fitted: {jaw: 0.1}": "P106 'jaw' is not a value of a fit",
     "fitted: {softness.jaw: 0.1}": "5:10: W308 warning: the character states no `softness.jaw`",
 }
 

@@ -333,7 +333,7 @@ WRONG = [
     ("  ʷ: {then: w}", "  ʷ: {set: {rouding: 1}}", "P222", "'rounding'"),
     ("  ˞: [{on: [central]", "  ˞: [{on: [middle]", "P222", ""),
     ("  β: {as: b", "  β: {as: Б", "P223", "`letters`"),
-    ("  ɩ: ɪ\n", "  ɩ: Й\n", "P223", "under one of them"),
+    ("  ɩ: ɪ\n", "  ɩ: Й\n", "P223", "under `letters` or `marks`"),
     ("  ʷ: w\n", "  Ю: w\n", "P223", "`marks`"),
     ("  sh: {j:", "  shh: {j:", "P202", "'sh'"),
     ("    to: [ax, ng]\n", "    to: [ax, nng]\n", "P202", "'ng'"),
@@ -798,9 +798,9 @@ def test_one_alias_of_two_languages_is_a_warning(tmp_path):
     faults = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W305"]
     told = [(Path(f.file).name, f.line, f.column, f.what) for f in faults]
     assert told == [
-        ("two.yaml", 4, 6, "tag 'qac' is that of language 'one' already"),
-        ("two.yaml", 5, 23, "alias 'same' is that of language 'one' already"),
-        ("zero.yaml", 5, 11, "alias 'one' is that of language 'one' already"),
+        ("two.yaml", 4, 6, "tag 'qac' already belongs to language 'one'"),
+        ("two.yaml", 5, 23, "alias 'same' already belongs to language 'one'"),
+        ("zero.yaml", 5, 11, "alias 'one' already belongs to language 'one'"),
     ]
 
 

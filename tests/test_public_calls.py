@@ -85,7 +85,7 @@ def test_a_file_of_another_kind_is_refused(project):
         ll.resolve(language, language)
     with pytest.raises(ll.PackError, match="holds a pack of kind poseset, not a language"):
         ll.speak("moi", poseset)
-    with pytest.raises(ll.PackError, match=r"gone\.yaml: no such file; a language is a name, or"):
+    with pytest.raises(ll.PackError, match=r"gone\.yaml: no such file; name a language, or"):
         ll.resolve("gone.yaml", "face")
 
 

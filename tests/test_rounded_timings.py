@@ -50,7 +50,7 @@ def test_of_many_utterances_few_are_named():
     with pytest.raises(ScheduleError, match="2000 files or channels: 'speaker-00000'") as caught:
         read(many, "a.ctm")
     assert len(str(caught.value)) < 200
-    with pytest.raises(ScheduleError, match="no tier is called 'xyz'; there is") as caught:
+    with pytest.raises(ScheduleError, match="no tier is named 'xyz'; there is") as caught:
         read(many, "a.ctm", tier="xyz")
     assert len(str(caught.value)) < 200
     assert len(read(many, "a.ctm", tier="speaker-00003")) == 1
@@ -123,5 +123,5 @@ def test_tiers_that_are_passed_over_are_named():
     grid = 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 3\n'
     for name, label in (("phones", "m"), ("words", "m"), ("pitch", "180")):
         grid += f'"IntervalTier" "{name}" 0 1 1 0 1 "{label}"\n'
-    assert read(grid, "a.TextGrid").remarks == ("a.TextGrid: tiers that were passed over: 'pitch'",)
+    assert read(grid, "a.TextGrid").remarks == ("a.TextGrid: skipped tiers: 'pitch'",)
     assert not read(grid, "a.TextGrid", tier="phones").remarks

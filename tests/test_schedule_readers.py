@@ -103,4 +103,4 @@ def test_entities_are_never_read(name, root, tmp_path):
         for options in ({}, {"read_as": name}):
             told = outcome(tmp_path / "line.xml", text.encode(), **options)
             assert "secret.txt" not in told
-            assert "has a <!DOCTYPE>, which is never read; take it out" in told
+            assert "has a <!DOCTYPE>, which is never read; remove it" in told

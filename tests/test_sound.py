@@ -116,7 +116,7 @@ def test_a_folder_is_no_recording(tmp_path):
 @pytest.mark.parametrize(
     ("content", "told"),
     [
-        (b"", "the file is empty.*; copy or record it anew"),
+        (b"", "the file is empty.*; copy or record it again"),
         (b"hello " * 100, "the file holds text.*; give the recording itself"),
         ("<!DOCTYPE html><p>schön</p>".encode() * 30, "the file holds text"),
         (b"RIFF" + bytes(100), "; save it as WAV"),
@@ -242,7 +242,11 @@ def test_a_sound_that_goes_on_after_its_stated_end_is_told(tmp_path, stated, con
     path = tmp_path / "a.wav"
     path.write_bytes(header(size=0, stated=stated)[:44] + content)
     seconds = (len(content) - stated) / RATE / 2
-    with pytest.raises(SpeechError, match=rf"a\.wav: goes on for {seconds:.2f} s after the .*mend"):
+    with pytest.raises(
+        SpeechError,
+        match=rf"a\.wav: goes on for {seconds:.2f} s after the "
+        r".*open the file",
+    ):
         read_audio(path)
 
 

@@ -166,7 +166,7 @@ def test_a_value_that_an_alias_repeats_is_not_changed_for_both():
     assert changed(text, (("bigrams", "a-f", "status"), "approved")) == [
         "-  a-f: *a", "+  a-f:", "+    curves: {}", "+    status: approved",
     ]  # fmt: skip
-    with pytest.raises(PackError, match="cannot be changed here, perhaps for an alias"):
+    with pytest.raises(PackError, match="cannot be changed here, perhaps because of an alias"):
         changed(text, (("bigrams", "f-a", "status"), "approved"))
 
 

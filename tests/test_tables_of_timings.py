@@ -100,10 +100,10 @@ def test_a_speaker_is_read_when_asked_for():
     assert rows(read(MFA, tier="Bob - phones")) == [("OW", 0, 0.2)]
     told = refusal(MFA)
     assert told.startswith(
-        "line.csv: 2 tiers look like phones: 'Ann - phones', 'Bob - phones'; say"
+        "line.csv: 2 tiers look like phones: 'Ann - phones', 'Bob - phones'; choose"
     )
     assert told.endswith('(`tier="Ann - phones"`)')
-    assert "no tier is called 'Anne'; known: Ann - phones, Ann - words" in refusal(MFA, tier="Anne")
+    assert "no tier is named 'Anne'; known: Ann - phones, Ann - words" in refusal(MFA, tier="Anne")
 
 
 def test_a_speaker_without_a_type_has_phones():
@@ -125,7 +125,7 @@ def test_other_units_are_guessed_with_a_remark_or_named(unit, told):
     text = "\n".join(["label,start,end", *lines])
     guessed, named = read(text), read(text, rate=unit)
     assert (
-        f"taken for {told}; if they are not, say how many make a second (`rate={unit}`)"
+        f"read as {told}; if they are not, state how many make a second (`rate={unit}`)"
         in (guessed.remarks[0])
     )
     np.testing.assert_allclose(guessed.times, [0, 0.1, 0.3, 0.4])
@@ -157,7 +157,7 @@ def test_seconds_are_taken_as_they_are():
             ':3: unexpected end of data; is a " left open',
         ),
         ('label\tstart\tend\n"a"b\t0\t1\n', ":2: "),
-        ("label,start,end\n", ": has no phonemes in it"),
+        ("label,start,end\n", ": has no phonemes"),
         (f"label,start,end\nHH,0,1,{'x' * 200_000}\n", ":2: field larger than"),
     ],
 )
@@ -169,9 +169,7 @@ def test_what_is_wrong_with_a_table_is_told_with_its_line(text, told):
     "text", ["a,b,c\n", "1,2,3\n", "HH,AY,M\n", "phone,start\nHH,0\n", "hello"]
 )
 def test_what_names_no_columns_is_told_how_to(text):
-    assert refusal(text) == (
-        "line.csv:1: the first row names the columns; let it be: label,start,end"
-    )
+    assert refusal(text) == ("line.csv:1: the first row must name the columns: label,start,end")
 
 
 # Label tracks
@@ -198,7 +196,7 @@ def test_a_label_without_text_is_silence():
     [
         ("0.300000\t0.300000\tB", ":4: 'B', 0.3 to 0.3 s, has no length"),
         ("0.200000\t0.400000\tB", ":4: 'B', 0.2 to 0.4 s, starts before 'AY' ends"),
-        ("0.300000 0.400000 B", ":4: is no label; it is START, END and TEXT with tabs"),
+        ("0.300000 0.400000 B", ":4: is not a label; write START, END and TEXT"),
     ],
 )
 def test_what_is_wrong_with_a_label_is_told_with_its_line(line, told):
@@ -228,7 +226,7 @@ def test_a_ctm_is_read_without_what_is_added_to_its_labels():
 def test_files_and_channels_of_a_ctm_are_read_when_asked_for(others, names):
     text = f"a 1 0 0.1 HH\n{others}"
     shown = ", ".join(f"'{name}'" for name in names)
-    told = f'{len(names)} files or channels: {shown}; say which (`tier="{names[0]}"`)'
+    told = f'{len(names)} files or channels: {shown}; choose one (`tier="{names[0]}"`)'
     assert refusal(text, "line.ctm") == f"line.ctm: {told}"
     assert [read(text, "line.ctm", tier=name).labels[0] for name in names[:2]] == ["HH", "OW"]
 
@@ -236,7 +234,7 @@ def test_files_and_channels_of_a_ctm_are_read_when_asked_for(others, names):
 def test_what_is_wrong_with_a_ctm_is_told_with_its_line():
     text = "a 1 0 0.1 HH\n"
     assert refusal(text + "a 1 0.1", "line.ctm") == (
-        "line.ctm:2: is no sound; it is FILE CHANNEL START DURATION LABEL"
+        "line.ctm:2: is not a sound; write FILE CHANNEL START DURATION LABEL"
     )
     assert refusal(text + "a 1 0.1 1.2.3 M", "line.ctm").startswith(
         "line.ctm:2: '1.2.3' is not a t"
@@ -264,7 +262,7 @@ def test_tiers_of_json_are_chosen_like_those_of_a_textgrid():
     }
     text = json.dumps(tiers(**both))
     assert words(read(text, "line.json", tier="Ann")) == [("hi", 0, 2)]
-    assert 'say which (`tier="Ann - phones"`)' in refusal(text, "line.json")
+    assert 'choose one (`tier="Ann - phones"`)' in refusal(text, "line.json")
 
 
 @pytest.mark.parametrize("form", ["json", "textgrid_json"])
@@ -289,8 +287,8 @@ def test_what_praatio_saves_as_json_is_read(form, tmp_path):
         ({"tiers": [5]}, "has no tiers; the form is "),
         ({"tiers": {"phones": 5}}, "tier 'phones' has no entries; the form is "),
         ({"tiers": {"phones": {}}}, "tier 'phones' has no entries; the form is "),
-        ({"tiers": []}, "has no phonemes in it; check that it was written to the end"),
-        (tiers(phones=tier()), "has no phonemes in it"),
+        ({"tiers": []}, "has no phonemes; check that the file is complete"),
+        (tiers(phones=tier()), "has no phonemes"),
         (tiers(phones=tier([0, 1])), "tier 'phones': an entry is [start, end, label], not [0, 1]"),
         (tiers(phones=tier([0, 1, 2])), "tier 'phones': an entry is [start, end, label], not [0"),
         (tiers(phones=tier([0, "1s", "a"])), "'1s' is not a time"),

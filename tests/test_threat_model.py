@@ -107,7 +107,7 @@ def test_nothing_opens_a_connection(project, monkeypatch):
 def test_xml_reads_no_entities(project, entity):
     file = project / "line.bml"
     file.write_text(f"<?xml version='1.0'?>{entity}<bml/>")
-    with pytest.raises(LipsyncError, match="which is never read; take it out"):
+    with pytest.raises(LipsyncError, match="which is never read; remove it"):
         ll.read_schedule(file, read_as="bml")
 
 

@@ -99,5 +99,5 @@ def test_a_schedule_is_saved_by_its_suffix(tmp_path):
         path = tmp_path / f"line.{suffix.upper()}"
         LINE.save(path)
         assert path.read_text("utf-8") == TIMING_WRITERS[suffix](LINE)
-    with pytest.raises(OutputError, match=r"line\.mp3: no timings are written to '\.mp3'"):
+    with pytest.raises(OutputError, match=r"line\.mp3: timings cannot be written as '\.mp3'"):
         LINE.save(tmp_path / "line.mp3")

@@ -75,7 +75,7 @@ def test_rhubarb_says_the_same_in_all_its_forms(read, performer, suffix):
     ("suffix", "text", "told"),
     [
         (".tsv", "0.00\tX\n0.1 B\n", r"tsv:2: '0.1 B' is not a time, a tab and a shape"),
-        (".tsv", "0.00\tX\n", "has no phonemes in it"),
+        (".tsv", "0.00\tX\n", "has no phonemes"),
         (".json", '{"mouthCues": [{"start": 0, "end": 1}]}', "a cue has no value; the form is"),
         (".json", '{"mouthCues": [{"value": "A", "start": "x"}]}', "'x' is not a time"),
         (".xml", '<rhubarbResult><mouthCue start="0">A</mouthCue></rhubarbResult>', "None is not"),
@@ -140,7 +140,7 @@ def test_of_marks_at_one_time_the_last_is_seen(read):
 
 def test_marks_without_visemes_say_how_to_ask_for_them(read):
     text = "".join(line for line in MARY.splitlines(keepends=True) if "viseme" not in line)
-    with pytest.raises(ScheduleError, match=r"has no visemes; ask for them .*--speech-mark-types"):
+    with pytest.raises(ScheduleError, match=r"has no visemes; request them .*--speech-mark-types"):
         read("line.marks", text)
     with pytest.raises(ScheduleError, match=r"marks:12: a speech mark needs time, type and value"):
         read("line.marks", MARY + '{"time": 1}\n')
@@ -200,7 +200,7 @@ def test_only_what_azure_calls_a_word_is_one(read):
 
 @pytest.mark.parametrize("number", [22, -1, 1.5, "22", None, True])
 def test_a_number_that_is_no_viseme_is_refused(read, number):
-    with pytest.raises(ScheduleError, match="is no viseme; they are numbered 0 to 21"):
+    with pytest.raises(ScheduleError, match="is not a viseme; visemes are numbered 0 to 21"):
         read("line.json", [{"AudioOffset": 0, "VisemeId": number}])
 
 
@@ -299,18 +299,18 @@ def test_one_voice_is_read(read):
     (voice,) = whole["voices"]
     whole["voices"] = [voice, {**voice, "name": "Bob"}]
     assert read("line.pg2", whole, tier="Bob").labels == ("_", "HH")
-    with pytest.raises(ScheduleError, match=r"has several voices: 'Voice 1', 'Bob'; say which"):
+    with pytest.raises(ScheduleError, match=r"has several voices: 'Voice 1', 'Bob'; choose one"):
         read("line.pg2", whole)
-    with pytest.raises(ScheduleError, match=r"no voice is called 'Rob'; did you mean 'Bob'\?"):
+    with pytest.raises(ScheduleError, match=r"no voice is named 'Rob'; did you mean 'Bob'\?"):
         read("line.pg2", whole, tier="Rob")
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        (PGO[:-20], r"pgo:\d+: is cut off here|needs 4 parts|is not a number"),
+        (PGO[:-20], r"pgo:\d+: ends too early|needs 4 parts|is not a number"),
         (PGO.replace("\t\t\t\t3 AI", "\t\t\t\tAI"), "pgo:15: needs 2 parts, but has 1"),
-        (PGO.replace("\n24\n40", "\n0\n40"), "pgo:3: has 0 frames a second"),
+        (PGO.replace("\n24\n40", "\n0\n40"), "pgo:3: has 0 frames per second"),
         (PGO.replace("\n24\n40", "\n2x\n40"), "pgo:3: '2x' is not a number of frames"),
     ],
 )
@@ -339,7 +339,7 @@ def test_a_reply_is_read_by_its_strongest_shapes(read, performer):
     schedule = read("reply.xml", REPLY)
     assert schedule.labels == ("_", "H", "Ay")
     np.testing.assert_allclose(schedule.times, [0, 0.1, 0.2, 0.4])
-    assert "1 weaker shapes start with a stronger one; left out" in schedule.remarks[1]
+    assert "1 weaker shapes start with a stronger one and are left out" in schedule.remarks[1]
     assert performer.perform(schedule).weights.any()
 
 
@@ -352,12 +352,12 @@ def test_lips_say_both_ends_and_syncs_the_words(read):
     schedule = read("line.bml", text)
     assert schedule.labels == ("_", "open", "_", "PBM")
     assert spoken(schedule) == [("hi", ("open",))]
-    with pytest.raises(ScheduleError, match="a <lips> has no `viseme`; export it anew"):
+    with pytest.raises(ScheduleError, match="a <lips> has no `viseme`; export it again"):
         read("line.bml", text.replace("viseme=", "name="))
     with pytest.raises(ScheduleError, match="overlap"):
         read("line.bml", text.replace('start="0.35"', 'start="0.2"'))
 
 
 def test_finished_curves_are_no_timings(read):
-    with pytest.raises(ScheduleError, match="holds finished curves, not visemes"):
+    with pytest.raises(ScheduleError, match="has finished curves, not visemes"):
         read("line.bml", '<bml><curve name="open" num_keys="1">0 0</curve></bml>', read_as="bml")

@@ -73,7 +73,7 @@ def _text(path: Path) -> str:
     try:
         return (_unpacked(path, raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
     except (EOFError, OSError, zlib.error):
-        raise LipsyncError(f"{path}: is a broken gzip file; get it anew") from None
+        raise LipsyncError(f"{path}: is a broken gzip file; get it again") from None
     except UnicodeDecodeError as error:
         raise LipsyncError(
             f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"

@@ -61,7 +61,7 @@ class Trial:
             elif not test.accepts_read(said, self.shades):
                 wanted = " ".join(test.read or test.phonemes)
                 what = f"'{test.text}' becomes {' '.join(said)}, not {wanted}"
-                hint = f"it was read as {' '.join(heard.labels)}; mend the map, or the test"
+                hint = f"it was read as {' '.join(heard.labels)}; correct the map or the test"
                 yield self.pack.fault(loc, "P221", what, hint)
 
     @property
@@ -113,7 +113,7 @@ def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
     for label, features in fights(pack.model, among(library, pack)):
         becomes = " ".join(pack.model.notations[IPA][label].to) or "(mute)"
         what = f"'{label}' becomes {becomes}, which is otherwise by {', '.join(features)}"
-        hint = "mend it, or say why under `reasons`"
+        hint = "correct it, or give the reason under `reasons`"
         yield pack.warning(("notations", IPA, label), "W309", what, hint, key=True)
 
 

@@ -1,6 +1,6 @@
 """Archives of outputs: `takes/english-facefx.zip/line.csv` is the member `line.csv` of a ZIP file.
 
-18 million small files fill the tables of a file system before its disk. An archive is written anew
+18 million small files fill the tables of a file system before its disk. An archive is rewritten
 beside itself and put in place whole; members that stay are copied as they are, compressed, so that
 a change of 200 lines does not compress 50,000. Equal members make equal archives: names are sorted,
 times are fixed.
@@ -120,7 +120,7 @@ def rewrite(path: Path, new: Mapping[str, NewMember], drop: Iterable[str] = ()) 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[ZipFile, BinaryIO]]:
     """Open an archive, and a stream of its bytes."""
-    mend = "move it away, and the build makes it anew"
+    mend = "move it away; the build makes a new one"
     try:
         with path.open("rb") as stream, ZipFile(stream) as archive:
             yield archive, stream

@@ -23,7 +23,7 @@ from lipsync_lang.build.standing import StandingOutputs
 from lipsync_lang.files.signals import undisturbed
 
 MAX_WAITING_LINES = 10_000
-"""Lines that wait for their archives before these are written anew."""
+"""Lines that wait for their archives before these are rewritten."""
 
 
 @dataclass

@@ -90,7 +90,7 @@ class ScriptFile:
 
     @cached_property
     def shown(self) -> str:
-        """The path as text; a path object makes it anew for every line."""
+        """The path as text; a path object makes it again for every line."""
         return str(self.path)
 
     @property

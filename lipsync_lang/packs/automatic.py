@@ -60,7 +60,7 @@ def automatic(library: "Library", name: str) -> "Pack[Language] | None":
         "tts": {"engine": engine, "voice": code} if reader.speaks else None,
         "notations": {IPA: {}},
         "automatic": True,
-        "caveats": ("nobody who speaks it has checked it",),
+        "caveats": ("no speaker of the language has checked it",),
     }
     model = Language.model_validate(data).model_copy(update={"name": name})
     return Pack(model, (YamlSource(Path(name), {**data, "name": name}),))

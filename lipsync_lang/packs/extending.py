@@ -87,6 +87,6 @@ def _line(library: "Library", path: Path) -> "list[Pack[Language]]":
                 ("extends",),
                 "P211",
                 f"languages extend each other in a circle: {names}",
-                "one of them must stand alone",
+                "one of them must not extend another",
             )
             raise library.failing(fault)

@@ -169,7 +169,7 @@ class Finder:
         if kind in PARTS:
             return tuple(map(str, self._parts(kind, name)))
         if kind not in KIND_WORDS:
-            raise ValueError(f"nothing of kind {kind!r} can be looked up")
+            raise ValueError(f"packs of kind {kind!r} cannot be looked up")
         path = self._first(kind, name)
         if path is None and kind == "language":
             path = self._answering(name)
@@ -308,12 +308,12 @@ def is_model(character: str | Path) -> bool:
 
 def _refuse_other(path: Path, kind: str) -> None:
     if not path.is_file():
-        raise PackError(f"{path}: no such file; a {kind} is a name, or a YAML file")
+        raise PackError(f"{path}: no such file; name a {kind}, or a YAML file")
     stated = _stated(_KIND, path)
     if stated not in ("", kind) and (kind, stated) != ("character", "poseset"):
         raise PackError(f"{path}: holds a pack of kind {stated}, not a {kind}")
     if stated == "poseset" and path.name != POSESET:
-        raise PackError(f"{path}: a pose set's file is called {POSESET}, in a folder of its name")
+        raise PackError(f"{path}: a pose set is a file {POSESET} in a folder of its name")
 
 
 def beside(pack: Path, name: str, unsaved: Collection[Path] = ()) -> Path | None:

@@ -157,16 +157,14 @@ class Library:
         """Load the common phonemes."""
         found = self._lookup("phonemes", COMMON)
         if not found:
-            raise PackError(
-                f"no {FOLDERS['language']}/{COMMON}.yaml is found in any place searched"
-            )
+            raise PackError(f"no {FOLDERS['language']}/{COMMON}.yaml is in any folder searched")
         return cast("Pack[models.Phonemes]", self.load(found[0], "phonemes", COMMON))
 
     def ipa(self) -> "Pack[models.Ipa]":
         """Load the features of the IPA."""
         found = self._lookup(SHARED[IPA], IPA)
         if not found:
-            raise PackError(f"no {FOLDERS['language']}/{IPA}.yaml is found in any place searched")
+            raise PackError(f"no {FOLDERS['language']}/{IPA}.yaml is in any folder searched")
         return cast("Pack[models.Ipa]", self.load(found[0], SHARED[IPA], IPA))
 
     def language(self, name: str) -> "Pack[models.Language]":
@@ -336,6 +334,7 @@ class _Inspected(NamedTuple):
 
 
 def _missing(entry_point: "EntryPoint") -> Fault:
-    what = f"'{distribution(entry_point)}' offers packs in '{entry_point.value}', which is missing"
+    what = f"'{distribution(entry_point)}' offers packs in '{entry_point.value}', but that is "
+    "missing"
     hint = "install it again, or remove it"
     return Fault("installed distributions", 1, 1, "W304", what, hint, "warning")

@@ -289,7 +289,7 @@ def put(data: Data, loc: Loc, value: Data) -> Data:
         made = () if gone else (put(inner, tuple(rest), value),)
         return (*data[:step], *made, *data[step + 1 :])
     if data is not None and not isinstance(data, dict):
-        raise PackError(f"`{step}` cannot be set within a value that is no mapping")
+        raise PackError(f"`{step}` cannot be set within a value that is not a mapping")
     inner = (data or {}).get(step)
     if value is ABSENT and (not rest or inner is None):
         return {key: one for key, one in (data or {}).items() if key != step or rest}
@@ -323,7 +323,7 @@ def pack_name(path: Path) -> str:
 def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple[YamlSource, str]:
     """Return a text with data `old` with one value changed, as data too.
 
-    A form of YAML that is not rewritten in place is dumped anew.
+    A form of YAML that is not rewritten in place is dumped again.
 
     Raises
     ------
@@ -341,7 +341,7 @@ def _rewritten(path: Path, text: str, old: Data, loc: Loc, value: Data) -> tuple
             return source, made
     where = "/".join(map(str, loc))
     raise PackError(
-        f"{shown(path)}: `{where}` cannot be changed here, perhaps for an alias (`*name`); "
+        f"{shown(path)}: `{where}` cannot be changed here, perhaps because of an alias (`*name`); "
         "change it in the file"
     )
 

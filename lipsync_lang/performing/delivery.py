@@ -119,7 +119,7 @@ def _second(name: str, at: float, schedule: "Schedule") -> float:
     if at > len(words):
         raise LipsyncError(
             f"{name} has a point at word {at:g}, but {schedule.source} has {len(words)} words; "
-            "mend the character's line"
+            "correct the character's line"
         )
     whole = min(int(at), len(words) - 1)
     start, end = float(times[words[whole].first]), float(times[words[whole].stop])

@@ -30,7 +30,7 @@ class FramePlace:
 
 
 def locate(track: Track, times: Floats) -> FramePlace:
-    """Find each frame's phoneme. A sound has one share; a silence is left, then entered anew.
+    """Find each frame's phoneme. A sound has one share; a silence is left, then entered again.
 
     A long sound is entered and left at the pace of one of `Motion.sound_reach`, and stays half
     passed in between.

@@ -2,7 +2,7 @@
 
 A cache file is used only if it passes three checks. It is whole: its digest fits its bytes. It is
 ours: its mark, its pair and the digest of the compiling code fit. It is fresh: all lookups made
-while compiling find the same files, with the same content. Any other file is compiled anew.
+while compiling find the same files, with the same content. Any other file is compiled again.
 Loading executes nothing from a file.
 """
 

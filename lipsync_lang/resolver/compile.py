@@ -263,7 +263,7 @@ BLOCK_ROWS = 256
 def _mixed(values: Floats, basis: Floats) -> Floats:
     """Return `values @ basis`, summed in order: no row depends on which others there are.
 
-    A retouched pair samples few curves, and must equal the same pair compiled anew to the last bit.
+    A retouched pair samples few curves, and must equal a newly compiled pair to the last bit.
     """
     out = np.empty((len(values), basis.shape[1]))
     for first in range(0, len(values), BLOCK_ROWS):

@@ -72,7 +72,7 @@ class OpenPair:
     def retouched(self, texts: Iterable[SplicedText]) -> Self | None:
         """Return the pair with the bigrams of some texts in place of their files.
 
-        The result equals the pair compiled anew, except that bigrams below an inserted or deleted
+        The result equals the pair compiled again, except that bigrams below an inserted or deleted
         line keep the line number that they had.
 
         Parameters
@@ -81,7 +81,7 @@ class OpenPair:
 
         Returns
         -------
-        None if more changed than bigrams of the pair's files: it must be compiled anew
+        None if more changed than bigrams of the pair's files: it must be compiled again
 
         Raises
         ------

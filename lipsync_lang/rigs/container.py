@@ -62,7 +62,7 @@ class Chunk(NamedTuple):
     length: int
 
 
-def fail(path: Path, what: str, mend: str = f"it is damaged; {EXPORT} anew") -> NoReturn:
+def fail(path: Path, what: str, mend: str = f"it is damaged; {EXPORT} again") -> NoReturn:
     """Raise an error with the fault of a model and a remedy."""
     raise ModelError(f"{path}: {what}; {mend}")
 

@@ -31,6 +31,6 @@ def read_audacity(source: TimingFile) -> Timings:
 def _row(source: TimingFile, number: int, line: str) -> LabelRow:
     found = LABEL.fullmatch(line)
     if not found:
-        raise source.fault("is no label; it is START, END and TEXT with tabs between", number)
+        raise source.fault("is not a label; write START, END and TEXT, separated by tabs", number)
     start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
     return LabelRow(found[3] or "", start, end, number)

@@ -65,7 +65,7 @@ def read_azure(source: TimingFile) -> Schedule:
     rows, told = until_next(source, starts, rest="0", end=end, rate=rate)
     if rate != TICKS_PER_SECOND and source.rate is None:
         told.append(
-            f"{source.path}: its offsets are taken for {unit}; if they are not, say how many make "
+            f"{source.path}: its offsets are read as {unit}; if they are not, state how many make "
             f"a second (`rate={rate:g}`)"
         )
     return shapes_of(source, rows, notation=NOTATION, words=words, rate=rate, remarks=told)
@@ -105,5 +105,5 @@ def _number(source: TimingFile, value: object, line: int | None) -> str:
     if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST_VISEME:
         return str(value)
     raise source.fault(
-        f"{str(value)[:20]!r} is no viseme; they are numbered 0 to {LAST_VISEME}", line
+        f"{str(value)[:20]!r} is not a viseme; visemes are numbered 0 to {LAST_VISEME}", line
     )

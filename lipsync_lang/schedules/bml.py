@@ -41,7 +41,7 @@ def read_bml(source: TimingFile) -> Schedule:
     """SmartBody's BML with lips, and the replies of its speech relays with visemes."""
     shapes = list(_shapes(source))
     if not shapes and source.xml.find(".//curve") is not None:
-        raise source.fault("holds finished curves, not visemes; there is nothing to time here")
+        raise source.fault("has finished curves, not visemes; no timings can be read")
     strongest: dict[float, LipShape] = {}
     for shape in shapes:
         before = strongest.setdefault(shape.start, shape)
@@ -50,7 +50,9 @@ def read_bml(source: TimingFile) -> Schedule:
     told = []
     if len(strongest) < len(shapes):
         weaker = len(shapes) - len(strongest)
-        told.append(f"{source.path}: {weaker} weaker shapes start with a stronger one; left out")
+        told.append(
+            f"{source.path}: {weaker} weaker shapes start with a stronger one and are left out"
+        )
     stated = [LabelRow(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
     words = list(_words(source))
     ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
@@ -77,7 +79,7 @@ def _shapes(source: TimingFile) -> Iterator[LipShape]:
 def _text(source: TimingFile, element: "Element", name: str) -> str:
     text = element.get(name)
     if text is None:
-        raise source.fault(f"a <{element.tag}> has no `{name}`; export it anew")
+        raise source.fault(f"a <{element.tag}> has no `{name}`; export it again")
     return text
 
 

@@ -45,7 +45,10 @@ def read_bournemouth(source: TimingFile) -> Schedule:
         )
         joined = _joined(phones, spans)
         if joined != phones:
-            told.add(f"{source.path}: sounds of a word are apart; each lasts until the next one")
+            told.add(
+                f"{source.path}: there are gaps between the sounds of a word; each sound is "
+                "extended to the next"
+            )
         rows += joined
         words += spans
     return schedule_of(source, rows, words=words, rate=MILLISECONDS_PER_SECOND, remarks=told)

@@ -37,7 +37,7 @@ def read_ctm(source: TimingFile) -> Timings:
             continue
         found = SOUND.fullmatch(line)
         if not found:
-            raise source.fault("is no sound; it is FILE CHANNEL START DURATION LABEL", number)
+            raise source.fault("is not a sound; write FILE CHANNEL START DURATION LABEL", number)
         start, length = source.time(found[3], number), source.time(found[4], number)
         if re.fullmatch(CONFIDENCE, found[6] or ""):
             sure[number] = float(found[6])

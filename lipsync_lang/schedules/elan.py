@@ -42,7 +42,7 @@ def read_elan(source: TimingFile) -> Timings:
     """ELAN's .eaf with a tier of phones; the words of its speaker are taken along."""
     document = source.xml
     if document.tag != "ANNOTATION_DOCUMENT":
-        raise source.fault("is no document of ELAN; save it anew there")
+        raise source.fault("is not an ELAN document; save it again in ELAN")
     elements = list(document.iter("TIER"))
     _check_parents(source, elements)
     spans = _spans(source, document, elements)
@@ -54,7 +54,7 @@ def read_elan(source: TimingFile) -> Timings:
         timeless += sum(bool(text) and span is None for text, span in found)
         rows = [LabelRow(text, span[0] / rate, span[1] / rate) for text, span in found if span]
         tiers.append(Tier(element.get("TIER_ID", "").strip(), tuple(rows)))
-    told = f"{source.path}: annotations without a time, which are left out: {timeless}"
+    told = f"{source.path}: annotations without a time are left out: {timeless}"
     timings = read_tiers(replace(source, rate=None), tiers)
     return replace(timings, remarks=(*timings.remarks, told)) if timeless else timings
 
@@ -82,7 +82,8 @@ def _check_parents(source: TimingFile, tiers: list["Element"]) -> None:
         while at is not None and at in parents and at not in sound:
             if at in chain:
                 raise source.fault(
-                    f"tier '{at}' is its own parent; give it another one in ELAN (Change Parent)",
+                    f"tier '{at}' is its own parent; give it another parent in ELAN (Change "
+                    "Parent)",
                     source.line_of(f'TIER_ID="{at}"'),
                 )
             chain[at] = None
@@ -151,7 +152,7 @@ def _refer(source: TimingFile, references: dict[str, Reference], spans: dict[str
         while name in references and name not in spans and name not in timeless:
             if name in chain:
                 raise source.fault(
-                    f"annotation '{name}' refers to itself; delete it in ELAN, and make it anew",
+                    f"annotation '{name}' refers to itself; delete it in ELAN, and create it again",
                     source.line_of(f'ANNOTATION_ID="{name}"'),
                 )
             chain[name] = references[name]

@@ -46,9 +46,9 @@ def read_gentle(source: TimingFile) -> Schedule:
             at = end
         spans.append(LabelRow(text, start, at))
     if lost and not rows:
-        raise source.fault("none of its words was found in the sound; align it anew")
+        raise source.fault("no word was found in the recording; align it again")
     shown = ", ".join(lost[:8]) + (f" and {len(lost) - 8} more" if len(lost) > 8 else "")  # noqa: PLR2004
-    told = [f"{source.path}: not found in the sound, so that the mouth rests: {shown}"]
+    told = [f"{source.path}: not found in the recording, so the mouth rests: {shown}"]
     return schedule_of(source, rows, words=spans, remarks=told if lost else ())
 
 

@@ -104,10 +104,10 @@ def _utterance(source: TimingFile) -> Lines:
         hint = did_you_mean(source.tier, names)
         raise source.fault(f"has no utterance {source.tier!r}; {hint}")
     if not names:
-        raise source.fault("names no utterance; check that it was written to the end")
+        raise source.fault("has no utterance; check that the file is complete")
     if source.tier is None and len(names) > 1:
         raise source.fault(
-            f"has {len(names)} utterances, such as {', '.join(names[:3])}; say which "
+            f"has {len(names)} utterances, such as {', '.join(names[:3])}; choose one "
             f"(`tier={names[0]!r}`)"
         )
     return parts[source.tier or names[0]]
@@ -118,7 +118,7 @@ def _first(source: TimingFile, lines: Lines) -> tuple[Lines, list[str]]:
     cuts = [at for at, (_, line) in enumerate(lines) if line.strip() == OTHER]
     if not cuts:
         return lines, []
-    told = f"{source.path}:{lines[cuts[0]][0]}: has other transcriptions; the first is read"
+    told = f"{source.path}:{lines[cuts[0]][0]}: has other transcriptions, which are not read"
     return lines[: cuts[0]], [told]
 
 

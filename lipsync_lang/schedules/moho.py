@@ -45,8 +45,8 @@ def read_moho(source: TimingFile) -> Schedule:
     rows, told = until_next(source, starts, rest=SILENCE, rate=FRAMES_PER_SECOND)
     if source.rate is None:
         told.append(
-            f"{source.path}: does not say how many frames make a second; {FRAMES_PER_SECOND:g} are "
-            "taken, the usual number; if not, say how many (`rate=30`)"
+            f"{source.path}: does not state its frame rate; {FRAMES_PER_SECOND:g} "
+            "frames per second are assumed; if that is wrong, state the rate (`rate=30`)"
         )
     return shapes_of(
         source,

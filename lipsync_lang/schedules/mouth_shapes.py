@@ -26,7 +26,7 @@ def shapes_of(  # noqa: PLR0913 each says one thing that a format may
 ) -> Schedule:
     """Make a schedule of shapes; see `rows.schedule_of` for the parameters."""
     lossy = (
-        f"{source.path}: holds mouth shapes, not sounds: each stands for several sounds, and what "
+        f"{source.path}: has mouth shapes, not sounds: each represents several sounds, and what "
         "tells them apart is lost; give timed phonemes of the line where there are some"
     )
     remarks = (lossy, *remarks)
@@ -64,7 +64,7 @@ def until_next(
         end = last
         if label != rest or len(ordered) == 1:
             end = last + TYPICAL_SOUND_SECONDS * (source.rate or rate)
-            last_one = f"{source.path}: does not say when its last label, {label!r}, ends"
+            last_one = f"{source.path}: does not state when its last label, {label!r}, ends"
             told = [f"{last_one}; it is given {TYPICAL_SOUND_SECONDS:g} s"]
     ends = [start for _, start, _ in ordered[1:]] + [end]
     rows = [LabelRow(one[0], one[1], stop, one[2]) for one, stop in zip(ordered, ends, strict=True)]

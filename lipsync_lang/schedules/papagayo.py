@@ -68,10 +68,10 @@ def _voice(source: TimingFile, voices: Voices) -> list[PapagayoWord]:
     if source.tier is not None:
         if source.tier not in voices:
             hint = did_you_mean(source.tier, voices)
-            raise source.fault(f"no voice is called {source.tier!r}; {hint}")
+            raise source.fault(f"no voice is named {source.tier!r}; {hint}")
         speaking = [source.tier]
     if len(speaking) > 1:
-        raise source.fault(f"has several voices: {names}; say which (`tier={speaking[0]!r}`)")
+        raise source.fault(f"has several voices: {names}; choose one (`tier={speaking[0]!r}`)")
     return sorted(voices[speaking[0]], key=lambda word: word.first) if speaking else []
 
 
@@ -86,7 +86,7 @@ class _Lines:
     def next(self) -> str:
         """Return the next line; raise an error at the end of the file."""
         if self.number == len(self.rows):
-            raise self.source.fault("is cut off here; save it again", self.number)
+            raise self.source.fault("ends too early; save it again", self.number)
         self.number += 1
         return self.rows[self.number - 1].strip()
 
@@ -112,7 +112,7 @@ def _of_text(source: TimingFile) -> tuple[float, str, Voices]:
     lines.next()  # the sound
     fps = lines.count()
     if not fps:
-        raise source.fault("has 0 frames a second", lines.number)
+        raise source.fault("has 0 frames per second", lines.number)
     lines.count()  # the length of the sound
     voices: Voices = {}
     for _ in range(lines.count()):

@@ -38,7 +38,7 @@ def read_partitur(source: TimingFile) -> Schedule:
             rows.append(row)
             spans[link] = spans.get(link, row)._replace(end=row.end)
     if not rows:
-        raise source.fault(f"has no tier {PHONES}; align its words with the sound first")
+        raise source.fault(f"has no tier {PHONES}; align its words with the recording first")
     if not rate or rate < 0:
         raise source.fault(f"states no rate ({RATE}: 16000); write it into the header")
     spoken = [row._replace(label=words[link]) for link, row in spans.items() if link in words]

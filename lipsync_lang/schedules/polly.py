@@ -38,9 +38,7 @@ def read_polly(source: TimingFile) -> Schedule:
         start = mark["value"], source.number(mark.get("time"), line), line
         marks.setdefault(str(mark.get("type")), []).append(start)
     if not marks["viseme"]:
-        raise source.fault(
-            "has no visemes; ask for them where the marks are made (--speech-mark-types)"
-        )
+        raise source.fault("has no visemes; request them from Polly (--speech-mark-types)")
     rows, told = until_next(source, marks["viseme"], rest=REST, rate=MILLISECONDS_PER_SECOND)
     return shapes_of(
         source,

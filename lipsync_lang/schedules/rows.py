@@ -68,7 +68,7 @@ def schedule_of(  # noqa: PLR0913 each says one thing that a format may
     """
     phones, spans = sorted(rows, key=_order), sorted(words, key=_order)
     if not phones:
-        raise source.fault("has no phonemes in it; check that it was written to the end")
+        raise source.fault("has no phonemes; check that the file is complete")
     rate, told = source.rate or rate, tuple(remarks)
     if rate is None and guess:
         rate, guessed = guessed_rate(
@@ -137,8 +137,8 @@ def guessed_rate(
     rate = min(LIKELY_RATES, key=lambda one: abs(log(middle / one / typical)))
     unit = "milliseconds" if rate == LIKELY_RATES[0] else f"frames at {rate:g} a second"
     told = (
-        f"{source.path}: its {things} would last {middle:g} s each, so its times are taken for "
-        f"{unit}; if they are not, say how many make a second (`rate={rate:g}`)"
+        f"{source.path}: its {things} would last {middle:g} s each, so its times are read as "
+        f"{unit}; if they are not, state how many make a second (`rate={rate:g}`)"
     )
     return rate, (told,)
 

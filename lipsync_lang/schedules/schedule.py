@@ -153,12 +153,13 @@ class Schedule:
             _check_number(here, end)
             if times and start > times[-1] + SNAP_SECONDS:
                 raise ScheduleError(
-                    f"{here} starts at {start:g} s, but the one before ends at {times[-1]:g} s: "
+                    f"{here} starts at {start:g} s, but the previous one ends at {times[-1]:g} s: "
                     f"a gap. Write silence there: ({SILENCE!r}, {times[-1]:g}, {start:g})"
                 )
             if times and start < times[-1] - SNAP_SECONDS:
                 raise ScheduleError(
-                    f"{here} starts at {start:g} s, before the one before ends at {times[-1]:g} s: "
+                    f"{here} starts at {start:g} s, before the previous one ends at "
+                    f"{times[-1]:g} s: "
                     "they overlap. Move one of the two boundaries, or put the rows in order"
                 )
             _check_length(here, times[-1] if times else start, end)
@@ -341,5 +342,5 @@ def _check_words(source: str, words: Sequence[Word], count: int) -> None:
         if right.first < left.stop:
             raise ScheduleError(
                 f"{source}: words {left.text!r} and {right.text!r} share phoneme {right.first}; "
-                "words are in order and do not overlap"
+                "list words in order and without overlap"
             )

@@ -46,7 +46,7 @@ def _rows(source: TimingFile, tier: "Element") -> Iterator[LabelRow]:
             continue
         begin, end = (_likeliest(source, spans).find(name) for name in ("Begin", "End"))
         if begin is None or end is None:
-            raise source.fault("an interval has a Begin and an End; save the file anew in SPPAS")
+            raise source.fault("an interval needs a Begin and an End; save the file again in SPPAS")
         labels = [_label(source, label) for label in annotation.iter("Label")]
         yield LabelRow(
             " ".join(filter(None, labels)),

@@ -109,7 +109,7 @@ def read_subtitles(source: TimingFile) -> Timings:
         speakers[speaker_of(text)] += _words(source, text, start, end, line)
     said = [(f"{name} - words" if name else "words", rows) for name, rows in speakers.items()]
     timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in said if rows])
-    told = f"{source.path}: rows that repeat the cue before, which are left out: {repeated}"
+    told = f"{source.path}: rows that repeat the previous cue are left out: {repeated}"
     return replace(timings, remarks=(*timings.remarks, told)) if repeated else timings
 
 

@@ -48,26 +48,26 @@ def read_textgrid(source: TimingFile) -> Timings:
     if source.content.startswith(SIGNATURE):
         return read_tiers(source, list(binary_tiers(source)))
     if not sniff(source):
-        raise source.fault("is no TextGrid in text; in Praat, use Save as text file")
+        raise source.fault("is not a text TextGrid; in Praat, use 'Save as text file'")
     return read_tiers(source, list(_tiers(_Tokens(source))))
 
 
 def _tiers(tokens: "_Tokens") -> Iterator[Tier]:
     """Yield the interval tiers; raise an error if the file's own counts are wrong."""
     tokens.take("text", "the type of the file")
-    if tokens.take("text", "what it holds") != "TextGrid":
-        raise tokens.fault("it holds no TextGrid; in Praat, select one and save that")
-    tokens.take("number", "its start")
-    tokens.take("number", "its end")
+    if tokens.take("text", "the kind of object") != "TextGrid":
+        raise tokens.fault("the file has no TextGrid; in Praat, select a TextGrid and save it")
+    tokens.take("number", "the start of the TextGrid")
+    tokens.take("number", "the end of the TextGrid")
     there = tokens.take("flag", "<exists>") == "<exists>"
-    for number in range(tokens.count("how many tiers there are") if there else 0):
+    for number in range(tokens.count("the number of tiers") if there else 0):
         holds = HOLDS.get(tokens.take("text", f"the class of tier {number + 1}"))
         if holds is None:
-            raise tokens.fault(f"a tier is one of {' and '.join(HOLDS)}; save it anew in Praat")
+            raise tokens.fault(f"a tier is one of {' and '.join(HOLDS)}; save it again in Praat")
         name, line = tokens.take("text", f"the name of tier {number + 1}"), tokens.line
         tokens.take("number", f"the start of tier '{name}'")
         tokens.take("number", f"the end of tier '{name}'")
-        count = tokens.count(f"how many {holds}s tier '{name}' has")
+        count = tokens.count(f"the number of {holds}s of tier '{name}'")
         numbered = (f"{holds} {at + 1} of {count} of tier '{name}'" for at in range(count))
         if holds == "interval":
             yield Tier(name.strip(), tuple(map(tokens.row, numbered)), line)
@@ -100,15 +100,16 @@ class _Tokens:
         """Return the next token; raise an error unless it is of the given group."""
         found = next(self.left, None)
         if found is None:
-            raise self.fault(f"nothing follows, but {what} should; is the file cut off?")
+            raise self.fault(f"{what} is missing at the end; is the file complete?")
         kind = found.lastgroup or ""
         self.at = found.start(kind)
         if kind == "quote":
-            raise self.fault('a quote within a text is doubled (""), and one closes it; mend it')
+            raise self.fault('the text has an unpaired quote; double a quote within a text ("")')
         if kind != group:
             raise self.fault(
-                f"here should be {what}, not {found[kind][:40]!r}; does the file hold as much as "
-                "it says? Mend the number, or save it anew in Praat"
+                f"expected {what} here, not {found[kind][:40]!r}; does the file have as many "
+                "items as "
+                "it states? Correct the number, or save it again in Praat"
             )
         return found[kind].replace('""', '"')
 
@@ -116,7 +117,7 @@ class _Tokens:
         """Return a whole number."""
         text = self.take("number", what)
         if not text.isdecimal() or len(text) > MAX_COUNT_DIGITS:
-            raise self.fault(f"here should be {what}, not {text[:40]}; save it anew in Praat")
+            raise self.fault(f"expected {what} here, not {text[:40]}; save it again in Praat")
         return int(text)
 
     def row(self, what: str) -> LabelRow:
@@ -132,6 +133,6 @@ class _Tokens:
         if found:
             self.at = found.start(found.lastgroup or 0)
             raise self.fault(
-                "more follows than the file says it holds; mend the number, or save it anew in "
+                "there is more text than the file states; correct the number, or save it again in "
                 "Praat"
             )

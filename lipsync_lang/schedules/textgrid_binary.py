@@ -24,13 +24,13 @@ def binary_tiers(source: TimingFile) -> Iterator[Tier]:
     """Yield the interval tiers; raise an error if the file is cut off or holds something else."""
     values = _Values(source)
     if values.bytes(*values.take("B")) != OBJECT:
-        raise values.fault("it holds no TextGrid; in Praat, select one and save that")
+        raise values.fault("the file has no TextGrid; in Praat, select a TextGrid and save it")
     values.take("dd")
     (there,) = values.take("?")
     for _ in range(values.count() if there else 0):
         kind = values.bytes(*values.take("B"))
         if kind not in (b"IntervalTier", b"TextTier"):
-            raise values.fault("a tier is of no known class; save it anew in Praat")
+            raise values.fault("a tier has an unknown class; save it again in Praat")
         name = values.text()
         values.take("dd")
         count = values.count()
@@ -62,14 +62,14 @@ class _Values:
         start, self.at = self.at, self.at + int(count)
         if self.at > len(self.source.content):
             self.at = start
-            raise self.fault("it is cut off; save it again in Praat, or as a text file")
+            raise self.fault("the file is incomplete; save it again in Praat, or as a text file")
         return self.source.content[start : self.at]
 
     def count(self) -> int:
         """Return a number of tiers, intervals or points, each of which takes a byte and more."""
         (count,) = self.take("i")
         if not 0 <= count <= len(self.source.content):
-            raise self.fault(f"it states {count:g} items; save it again in Praat")
+            raise self.fault(f"the file states {count:g} items; save it again in Praat")
         return int(count)
 
     def text(self) -> str:

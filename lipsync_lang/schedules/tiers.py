@@ -97,13 +97,13 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
     if chosen.holds_words():
         return words_of_rows(source, chosen.rows, guess=guess)
     words = _sure([t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker])
-    remarks = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no label in it"]
+    remarks = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no labels"]
     spans = words[0].rows if len(words) == 1 else ()
     sure = [t for t in tiers if t.role == CONFIDENCE and t.speaker == chosen.speaker]
     used = (chosen, *(words if spans else ()), *sure)
     others = [tier for tier in tiers if tier.spoken and all(tier is not one for one in used)]
     if others and source.tier is None:
-        remarks.append(f"{source.path}: tiers that were passed over: {_list(others)}")
+        remarks.append(f"{source.path}: skipped tiers: {_list(others)}")
     schedule = schedule_of(source, chosen.rows, words=spans, guess=guess, remarks=remarks)
     return _rated(schedule, sure[0].spoken) if sure else schedule
 
@@ -126,7 +126,7 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
     `what` describes the tiers in the error about several.
     """
     if not tiers:
-        raise source.fault("has no phonemes in it; check that it was written to the end")
+        raise source.fault("has no phonemes; check that the file is complete")
     found = list(tiers)
     if source.tier is not None:
         found = [tier for tier in tiers if tier.name == source.tier]
@@ -137,18 +137,18 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
         names = did_you_mean(str(source.tier), {tier.name for tier in tiers})
         if names.startswith("known") and len(tiers) > MAX_NAMES:
             names = f"there is {_list(tiers)}"
-        raise source.fault(f"no tier is called '{source.tier}'; {names}")
+        raise source.fault(f"no tier is named '{source.tier}'; {names}")
     first, *others = found
     same = next((tier for tier in others if tier.name == first.name), None)
     if same:
         also = f" (one in line {first.line})" if first.line else ""
         raise source.fault(
-            f"{len(found)} {what}, two of them '{first.name}'{also}; rename one, or take it out",
+            f"{len(found)} {what}, two of them '{first.name}'{also}; rename one, or remove it",
             same.line,
         )
     if others:
         raise source.fault(
-            f'{len(found)} {what}: {_list(found)}; say which (`tier="{first.name}"`)'
+            f'{len(found)} {what}: {_list(found)}; choose one (`tier="{first.name}"`)'
         )
     return first
 
@@ -163,7 +163,7 @@ def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     found = found or [tier for tier in spoken if len(spoken) == 1 and tier.holds_words()]
     if tiers and not found:
         raise source.fault(
-            f"no tier looks like phones; there is {_list(tiers)}. Say which it is (`tier='NAME'`), "
+            f"no tier looks like phones; there is {_list(tiers)}. Name the tier (`tier='NAME'`), "
             "or align the file first"
         )
     return found

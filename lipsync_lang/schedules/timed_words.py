@@ -132,7 +132,7 @@ def timed_words_of(
     found = [replace(word, text=" ".join(word.text.split())) for word in words]
     found = sorted((w for w in found if w.text), key=lambda word: (word.start, word.end))
     if not found:
-        raise source.fault("has no words in it; check that it was written to the end")
+        raise source.fault("has no words; check that the file is complete")
     rate, told = source.rate or rate, tuple(remarks)
     if rate is None and guess:
         rows = [_row(word) for word in found]

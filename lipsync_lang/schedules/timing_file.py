@@ -99,11 +99,13 @@ class TimingFile:
             ) from None
         except (LookupError, ValueError):
             raise self.fault(
-                f"no encoding is called '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
+                f"unknown encoding '{encoding}'; try utf-8, utf-16, cp1252 or shift_jis"
             ) from None
         if "\0" in text:
             line = text.count("\n", 0, text.index("\0")) + 1
-            raise self.fault("holds zero bytes, so it is no text; check what wrote it", line)
+            raise self.fault(
+                "has zero bytes, so it is not text; check the program that wrote it", line
+            )
         return re.sub(r"\r\n?", "\n", text.removeprefix("\ufeff"))
 
     @cached_property
@@ -141,7 +143,7 @@ class TimingFile:
         except json.JSONDecodeError as error:
             at = line + error.lineno - 1
             raise self.fault(
-                f"not JSON: {error.msg}; mend it there, or save it anew", at, error.colno
+                f"not JSON: {error.msg}; correct the file, or save it again", at, error.colno
             ) from None
         except (RecursionError, ValueError) as error:
             what = "is nested too deep" if isinstance(error, RecursionError) else str(error)
@@ -186,13 +188,13 @@ class TimingFile:
         if declared:
             line = text.count("\n", 0, declared.start()) + 1
             raise self.fault(
-                f"has a <!{declared[1]}>, which is never read; take it out of the file", line
+                f"has a <!{declared[1]}>, which is never read; remove it from the file", line
             )
         try:
             return ET.fromstring(re.sub(r"^\s*<\?xml.*?\?>", "", text, flags=re.DOTALL))  # noqa: S314 no entities
         except ET.ParseError as error:
             raise self.fault(
-                f"not XML: {error.msg.split(':')[0]}; mend it there, or export it anew",
+                f"not XML: {error.msg.split(':')[0]}; correct the file, or export it again",
                 error.position[0],
             ) from None
 

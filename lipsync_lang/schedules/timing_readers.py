@@ -99,8 +99,8 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     found = read_timings(path, notation, read_as=read_as, tier=tier, rate=rate, encoding=encoding)
     if isinstance(found, TimedWords):
         raise ScheduleError(
-            f"{found.source}: times words alone, and their phonemes depend on the language; let "
-            "its reader fill them (`fill_words(read_timings(PATH), LANGUAGE)`)"
+            f"{found.source}: has timed words only, and their phonemes depend on the language; "
+            "add them with `fill_words(read_timings(PATH), LANGUAGE)`"
         )
     return found
 
@@ -161,7 +161,7 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
         found = [one for one in alike if one in named] or alike
         if len(found) > 1:
             names = " or ".join(one.name for one in found)
-            raise source.fault(f"may be {names}; say which (`read_as={found[0].name!r}`)")
+            raise source.fault(f"may be {names}; choose one (`read_as={found[0].name!r}`)")
         if found:
             return found[0]
     if len(named) == 1:
@@ -169,9 +169,9 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     _check_form(source)
     if named:
         titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
-        raise source.fault(f"is in none of the formats that end in '{source.path.suffix}':{titles}")
+        raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
     raise source.fault(
-        f"nothing reads timings from this; known: {', '.join(READERS.suffixes())} "
+        f"no reader for this suffix; known: {', '.join(READERS.suffixes())} "
         "(`lipsync-lang formats`)"
     )
 

@@ -65,7 +65,7 @@ def _tiers(source: TimingFile) -> list[Tier]:
     line, first = next(rows, (1, []))
     columns = _columns(first)
     if not columns:
-        raise source.fault("the first row names the columns; let it be: label,start,end", line)
+        raise source.fault("the first row must name the columns: label,start,end", line)
     if NUMBER.fullmatch(first[columns["start"]]):
         rows = chain([(line, first)], rows)
     only_words = columns["label"] == columns.get("word")
@@ -94,7 +94,9 @@ def _row(
     source: TimingFile, columns: Mapping[str, int], line: int, cells: Sequence[str]
 ) -> LabelRow:
     if len(cells) <= max(columns[what] for what in columns.keys() & {"label", "start", "end"}):
-        raise source.fault(f"has {len(cells)} cells, too few for the columns; add the others", line)
+        raise source.fault(
+            f"has {len(cells)} cells, too few for the columns; add the missing ones", line
+        )
     start, end, length = (
         source.time(_cell(cells, columns, what).replace(",", "."), line) if what in columns else 0.0
         for what in ("start", "end", "duration")

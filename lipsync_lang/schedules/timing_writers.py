@@ -145,7 +145,8 @@ def save_timings(schedule: Schedule, path: str | Path) -> None:
     found = write.get(target.suffix.lower())
     if found is None:
         raise OutputError(
-            f"{target}: no timings are written to '{target.suffix}'; end it in {', '.join(write)}"
+            f"{target}: timings cannot be written as '{target.suffix}'; end it in "
+            f"{', '.join(write)}"
         )
     with atomic(target) as stream:
         stream.write(found(schedule).encode("utf-8"))

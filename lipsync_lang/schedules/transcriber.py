@@ -39,7 +39,7 @@ def read_transcriber(source: TimingFile) -> Timings:
     tiers = [(f"{name} - words" if name else "words", rows) for name, rows in said.items()]
     timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in tiers])
     noises = sorted({one.get("desc") or "?" for one in document.iter("Event")})
-    told = f"{source.path}: noises and other events, which are left out: {', '.join(noises[:8])}"
+    told = f"{source.path}: noises and other events are left out: {', '.join(noises[:8])}"
     return replace(timings, remarks=(*timings.remarks, told)) if noises else timings
 
 

@@ -56,9 +56,9 @@ def read_voicevox(source: TimingFile) -> Schedule:
         at = _add(rows, (SILENCE, _pause(source, query, phrase)), at, speed)
     _add(rows, (SILENCE, _number(source, query, "postphonemelength", 0.0)), at, speed)
     if all(row.label == SILENCE for row in rows):
-        raise source.fault("states no lengths of sounds; ask the engine for an audio_query")
+        raise source.fault("has no lengths of sounds; ask the engine for an audio_query")
     short = sounds - sum(row.label != SILENCE for row in rows)
-    told = f"{source.path}: sounds shorter than half a frame, which are not heard: {short}"
+    told = f"{source.path}: sounds shorter than half a frame are ignored: {short}"
     return schedule_of(source, rows, words=words, rate=1.0, remarks=[told] if short else ())
 
 
@@ -112,5 +112,5 @@ def _number(source: TimingFile, whole: Json, name: str, missing: float) -> float
     value = whole.get(name)
     number = missing if value is None else source.number(value)
     if number < 0:
-        raise source.fault(f"{name} is {number:g}; lengths and factors are 0 or above")
+        raise source.fault(f"{name} is {number:g}; lengths and factors must be 0 or more")
     return number

@@ -108,7 +108,7 @@ def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
         )
     stated, size = sound.frames, Path(path).stat().st_size
     if stated > SAMPLES_PER_BYTE.get(sound.format, FLAC_SAMPLES_PER_BYTE) * size:
-        raise SpeechError(f"{path}: states {stated:,} samples in {size:,} bytes; save it anew")
+        raise SpeechError(f"{path}: states {stated:,} samples in {size:,} bytes; save it again")
     if sound.frames > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
         raise SpeechError(
             f"{path}: has {sound.frames:,} samples on {sound.channels} channels, and "
@@ -117,7 +117,7 @@ def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
     if surplus:
         raise SpeechError(
             f"{path}: goes on for {surplus:.2f} s after the {stated / rate:.2f} s that its header "
-            "states; mend the header: open the file as raw sound in an editor, and save it anew"
+            "states; open the file as raw sound in an editor, and save it again"
         )
 
 
@@ -130,12 +130,12 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
     blocks = _mixed(path, sound) if channel is None else _taken(path, sound, channel - 1)
     count = sum(map(len, blocks))
     if count == 0:
-        raise SpeechError(f"{path}: holds no sound; record it anew")
+        raise SpeechError(f"{path}: holds no sound; record it again")
     slack = MP3_SLACK if sound.format == MP3 else 0
     if count < stated - slack or _cut_short(sound):
         raise SpeechError(
             f"{path}: ends after {count / rate:.2f} s, before its own header says it does; "
-            "copy or save it anew"
+            "copy or save it again"
         )
     return Audio(np.concatenate(blocks), rate)
 

@@ -47,7 +47,7 @@ def unread(path: Path, reason: str) -> str:
         made = shlex.quote(f"{stem}.wav")
         return f"it is {title}); convert it: ffmpeg -i {shlex.quote(str(path))} {made}"
     if not head:
-        return "the file is empty); copy or record it anew"
+        return "the file is empty); copy or record it again"
     if _is_text(head):
         return "the file holds text); give the recording itself"
     return f"{reason}); save it as WAV, FLAC, OGG or MP3"

@@ -387,7 +387,7 @@ class Desk:
             self._journal.add(line, self._sheets.values())
 
     def _compact(self) -> None:
-        """Write the journal anew: the files with unsaved edits, without steps."""
+        """Write the journal again: the files with unsaved edits, without steps."""
         if self._journal is None:
             return
         self._journal.rewrite(sheet for sheet in self._sheets.values() if sheet.edited)

@@ -22,7 +22,7 @@ MAX_JOURNAL_BYTES = 64 * 2**20
 """Largest journal that is read."""
 
 MAX_JOURNAL_LINES = 250
-"""Lines after which a journal is written anew with the texts alone; a line takes 10 ms to read."""
+"""Lines after which a journal is rewritten with the texts alone; a line takes 10 ms to read."""
 
 Line = dict[str, Any]
 
@@ -54,7 +54,7 @@ class JournalKeeper:
 
     @property
     def full(self) -> bool:
-        """True if the next edit is better kept by writing the journal anew."""
+        """True if the next edit is better kept by writing the journal again."""
         return self.stale or self._lines >= MAX_JOURNAL_LINES
 
     def add(self, line: Line, sheets: Iterable[Sheet]) -> None:
@@ -67,7 +67,7 @@ class JournalKeeper:
         self._last = line, append(self.path, [*map(base_line, new), line], at)
 
     def rewrite(self, edited: Iterable[Sheet]) -> None:
-        """Write the journal anew with the texts of files alone."""
+        """Write the journal again with the texts of files alone."""
         kept = [*edited]
         write_journal(self.path, (line for sheet in kept for line in whole(sheet)))
         self._opened = {sheet.path for sheet in kept}
@@ -106,7 +106,7 @@ def read_journal(path: Path) -> list[Line]:
 
 
 def write_journal(path: Path, lines: Iterable[Line]) -> None:
-    """Write a journal anew; raise `OutputError` if that fails."""
+    """Write a journal again; raise `OutputError` if that fails."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic(path, durable=True) as stream:
         for line in (HEADER, *lines):

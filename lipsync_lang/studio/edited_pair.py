@@ -33,7 +33,7 @@ class EditedPair:
         return cls(pair, desk.revision, _beside(pair, desk.contents), _written(pair, desk.contents))
 
     def current(self, desk: Desk) -> Self | None:
-        """Return the pair as the desk has it now; None if it must be compiled anew."""
+        """Return the pair as the desk has it now; None if it must be compiled again."""
         texts = {path: text for path in self.pair.data if (text := desk.text(path)) is not None}
         made = self.changed(desk.contents, texts)
         return None if made is None else type(self).of(made, desk)
@@ -41,7 +41,7 @@ class EditedPair:
     def changed(
         self, contents: Mapping[Path, bytes], texts: Mapping[Path, SplicedText]
     ) -> OpenPair | None:
-        """Return the pair with texts in place of its files; None if it must be compiled anew.
+        """Return the pair with texts in place of its files; None if it must be compiled again.
 
         Parameters
         ----------

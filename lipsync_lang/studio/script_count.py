@@ -1,7 +1,7 @@
 """The script of a project: its bigrams, counted in a thread and kept until it changes.
 
 A count depends on the script and on how the language reads it; what the character has is looked up
-anew each time, so that an edit of a bank needs no count.
+again each time, so that an edit of a bank needs no count.
 """
 
 import logging

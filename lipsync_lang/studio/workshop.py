@@ -174,7 +174,7 @@ class Workshop:
         return self._pair.pair
 
     def _with(self, changed: Mapping[Path, SplicedText]) -> OpenPair:
-        """Return the open pair with some texts changed: bigrams retouched, or compiled anew."""
+        """Return the open pair with some texts changed: bigrams retouched, or compiled again."""
         contents = {**self.desk.contents, **{path: text.content for path, text in changed.items()}}
         self.pair()
         made = None if self._pair is None else self._pair.changed(contents, changed)

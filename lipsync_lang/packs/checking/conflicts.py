@@ -84,8 +84,8 @@ def _pairs(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             what = f"'{one}' and '{other}' are constrained twice"
             yield poseset.fault(loc, "P216", what, f"first in line {line}; keep one of the two")
         elif order.binds(pair) and order.rank(one) == order.rank(other):
-            what = f"neither '{one}' nor '{other}' yields: `priority` names neither"
-            yield poseset.warning(loc, "W302", what, "name the one that yields in `priority`")
+            what = f"'{one}' and '{other}' have equal priority, so neither yields"
+            yield poseset.warning(loc, "W302", what, "name the pose that yields under `priority`")
         seen.setdefault(key, index)
 
 
@@ -115,8 +115,8 @@ def _circles(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     for index, pose, other in rules:
         path = path_between(waits, other, pose)
         if path:
-            what = f"constraints run in a circle: {' -> '.join((pose, *path))}"
-            hint = "a pose cannot wait for itself; drop one"
+            what = f"constraints form a circle: {' -> '.join((pose, *path))}"
+            hint = "a pose cannot depend on itself; remove one"
             yield poseset.fault(("constraints", "pairs", index), "P206", what, hint)
 
 
@@ -168,7 +168,7 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             if contact.floor.get(pair.pose, 0) > contact.floor.get(pair.at_most, 0):
                 loc = ("contacts", name, "floor", pair.pose)
                 what = f"'{pair.pose}' never passes '{pair.at_most}', which is not held as high"
-                hint = f"drop the constraint, or hold '{pair.at_most}' as well"
+                hint = f"remove the constraint, or hold '{pair.at_most}' as well"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
 
 
@@ -203,15 +203,15 @@ def _pressed(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
             if pose in floors:
                 loc = ("contacts", name, "ceiling", pose)
                 what = f"'{pose}' gets a ceiling here, but contact '{floors[pose][1]}' holds it up"
-                yield poseset.fault(loc, "P209", what, "leave it out of one of the two", key=True)
+                yield poseset.fault(loc, "P209", what, "remove it from one of the two", key=True)
 
 
 def _idle(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that every contact has a floor above 0 or a ceiling below 1."""
     for name, contact in poseset.model.contacts.items():
         if not any(contact.floor.values()) and all(top == 1 for top in contact.ceiling.values()):
-            what = f"contact '{name}' demands nothing: no floor above 0, no ceiling below 1"
-            hint = "say how far poses must rise (`floor`) or may rise (`ceiling`), or drop it"
+            what = f"contact '{name}' has no effect: no floor above 0, no ceiling below 1"
+            hint = "state a `floor` above 0 or a `ceiling` below 1, or remove the contact"
             yield poseset.warning(("contacts", name), "W312", what, hint, key=True)
 
 
@@ -231,7 +231,7 @@ def unprepared(pack: "Pack[PoseSet] | Pack[Character]", poseset: PoseSet) -> Ite
                     what = f"'{pose}' stays at {min(heights):g}, but contact '{name}' is at {top:g}"
                 else:
                     continue
-                hint = "make them agree, so that a draft gets there by itself"
+                hint = "change the target or the contact, so that a draft satisfies it"
                 yield pack.warning(("targets", phoneme), "W314", what, hint, key=True)
 
 

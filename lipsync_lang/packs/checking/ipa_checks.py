@@ -105,7 +105,7 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
         rest = _unread(_plain(meant), letters | marks)
         if rest:
             what = f"'{rest[0]}' is neither a letter nor a mark"
-            yield ipa.fault(loc, "P223", what, "put it under one of them")
+            yield ipa.fault(loc, "P223", what, "put it under `letters` or `marks`")
 
 
 def _voiceless(model: "Ipa") -> list[str]:

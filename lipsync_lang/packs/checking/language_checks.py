@@ -64,11 +64,12 @@ def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
             loc: Loc = ("notations", name, label)
             line = language.where(("notations", name, earlier), key=True).line
             if table[earlier] != sounds:
-                what = f"'{label}' and '{earlier}' (line {line}) are one label, mapped in two ways"
+                what = f"'{label}' and '{earlier}' (line {line}) are the same label with two "
+                "mappings"
                 yield language.fault(loc, "P219", what, "keep one of the two", key=True)
             else:
                 what = f"'{label}' is '{earlier}' (line {line}) in another spelling"
-                yield language.warning(loc, "W308", what, "one of the two is enough", key=True)
+                yield language.warning(loc, "W308", what, "keep one of the two", key=True)
 
 
 def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
@@ -158,7 +159,7 @@ def _tests(
                 f"/{test.ipa}/ becomes {' '.join(heard)}, not {' '.join(test.phonemes)}, "
                 f"in the test of '{test.text}'"
             )
-            yield language.fault(loc, "P221", what, "mend the map or the test")
+            yield language.fault(loc, "P221", what, "correct the map or the test")
 
 
 def _annotated_labels(language: "Pack[models.Language]") -> Iterator[Fault]:

@@ -103,7 +103,7 @@ def _adds(language: "Pack[Language]", common: Phonemes, known: Collection[str]) 
             yield from _phoneme(language, ("adds", label), label, common.phonemes, key=True)
         elif label in common.phonemes or label in common.shades:
             what = f"'{label}' is declared in the common pack already"
-            hint = f"write `{label}: null` to add it as it is, or choose another label"
+            hint = f"write `{label}: null` to add it unchanged, or choose another label"
             hint = "choose another label" if label in common.shades else hint
             yield language.fault(("adds", label), "P215", what, hint, key=True)
         elif phoneme.like is not None:
@@ -212,16 +212,16 @@ def _claims(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
     """Check that each spelling belongs to one pose, and that none is the face at rest."""
     model = poseset.model
     if model.neutral in model.poses:
-        what = f"the face at rest is called '{model.neutral}', and so is a pose"
-        yield poseset.fault(("neutral",), "P225", what, "rename one, or drop the pose")
+        what = f"the face at rest and a pose have the same name, '{model.neutral}'"
+        yield poseset.fault(("neutral",), "P225", what, "rename one, or remove the pose")
     owners = {pose.casefold(): pose for pose in model.poses}
     for pose, told in model.poses.items():
         for number, text in enumerate(told.names):
             for spelling in expanded(text):
                 owner = owners.setdefault(spelling.casefold(), pose)
                 if owner != pose:
-                    what = f"'{spelling}' is claimed by '{owner}' and by '{pose}'"
-                    hint = f"a shape of that name means one pose; '{owner}' has it first"
+                    what = f"the shape name '{spelling}' belongs to '{owner}' and to '{pose}'"
+                    hint = f"give it to one pose; '{owner}' comes first"
                     yield poseset.fault(("poses", pose, "names", number), "P224", what, hint)
 
 
@@ -232,7 +232,7 @@ def _without_target(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
         return
     for pose in model.poses:
         if pose not in moved:
-            what = f"no target moves '{pose}', so that drafts leave it at rest"
+            what = f"no target moves '{pose}', so drafts leave it at rest"
             hint = "name it under `targets`, or leave it to the banks"
             yield poseset.warning(("poses", pose), "W301", what, hint, key=True)
 
@@ -367,8 +367,8 @@ def _delivery(
     known = {*styles, *poseset.styles} - {BankPack.model_fields["style"].default}
     for style in stated.styles:
         if style not in known:
-            what = f"no bank has the style '{style}', so that nothing of it is heard"
-            hint = did_you_mean(style, known) if known else "write a bank that says `style:`"
+            what = f"no bank has the style '{style}', so it has no effect"
+            hint = did_you_mean(style, known) if known else "write a bank that states `style:`"
             yield character.warning((*at, "styles", style), "W320", what, hint, key=True)
 
 
@@ -418,15 +418,15 @@ def check_home(
 ) -> Iterator[Fault]:
     """Check that a bank or rig lies in the folder of its pose set."""
     if stated != poseset.name:
-        what = f"the pack is for pose set '{stated}', but lies in that of '{poseset.name}'"
-        yield pack.fault(("poseset",), "P204", what, "move the file, or mend its `poseset`")
+        what = f"the pack is for pose set '{stated}', but is in the folder of '{poseset.name}'"
+        yield pack.fault(("poseset",), "P204", what, "move the file, or correct its `poseset`")
 
 
 def _twice(pack: "Pack[Any]", loc: Loc, items: Iterable[str]) -> Iterator[Fault]:
     seen: set[str] = set()
     for number, item in enumerate(items):
         if item in seen:
-            yield pack.fault((*loc, number), "P205", f"'{item}' stands twice in `{loc[-1]}`")
+            yield pack.fault((*loc, number), "P205", f"'{item}' appears twice in `{loc[-1]}`")
         seen.add(item)
 
 

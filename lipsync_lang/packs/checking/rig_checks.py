@@ -53,7 +53,7 @@ def _twice(rig: "Pack[RigPack]") -> Iterator[Fault]:
         for key in keys:
             for name, count in Counter(expanded(key)).items():
                 if name in first or count > 1:
-                    what = f"'{name}' stands twice in `{field}`"
+                    what = f"'{name}' appears twice in `{field}`"
                     hint = f"'{first.get(name, key)}' stands for it already"
                     yield rig.fault((field, key), "P205", what, hint, key=True)
                 first.setdefault(name, key)
@@ -78,8 +78,8 @@ def _limits(rig: "Pack[RigPack]") -> Iterator[Fault]:
             limit = one.channel.at_most
             path = path_between(waits, limit, one.name) if limit and limit != one.name else ()
             if path:
-                what = f"channels run in a circle: {' -> '.join((one.name, *path))}"
-                yield rig.fault(loc, "P206", what, "a channel cannot wait for itself; drop one")
+                what = f"channels form a circle: {' -> '.join((one.name, *path))}"
+                yield rig.fault(loc, "P206", what, "a channel cannot depend on itself; remove one")
                 break
 
 
@@ -128,5 +128,5 @@ def _unseen(rig: "Pack[RigPack]", poseset: PoseSet) -> Iterator[Fault]:
     for pose in poseset.poses:
         if pose not in shown and pose not in rig.model.lost:
             what = f"the rig never shows '{pose}'"
-            hint = "drive a channel with it, or say why not under `lost`"
+            hint = "drive a channel with it, or give the reason under `lost`"
             yield rig.warning(("channels",), "W311", what, hint, key=True)

@@ -112,7 +112,7 @@ class _Validation:
             if path.suffix == YAML[0]:
                 self.check_file(_placed(path))
             else:
-                self._warn(path, "W303", "is not read: packs are `.yaml`", "rename it")
+                self._warn(path, "W303", "is not read, because packs end in `.yaml`", "rename it")
         if folder.name == FOLDERS["poseset"]:
             for entry in entries(folder):
                 parts = [POSESET, *PARTS]
@@ -291,7 +291,7 @@ class _Validation:
         alias = next((a for a in model.aliases if folded(a) == answer), None)
         loc: Loc = ("tag",) if alias is None or folded(model.tag) == answer else ("aliases", alias)
         field = "tag" if loc == ("tag",) else "alias"
-        what = f"{field} '{answer}' is that of language '{other}' already"
+        what = f"{field} '{answer}' already belongs to language '{other}'"
         fault = source.fault(loc, "W305", what, f"only '{other}' answers to it")
         self._note(replace(fault, severity="warning"))
 

@@ -25,10 +25,10 @@ class MeasureRule(Strict):
     @model_validator(mode="after")
     def _can_be_met(self) -> Self:
         if self.at_least is None and self.at_most is None:
-            what = "the rule bounds nothing: give `at_least`, `at_most` or both"
+            what = "the rule has no bound: give `at_least`, `at_most` or both"
             raise PydanticCustomError("P115", what, {"field": "measure"})
         if self.at_least is not None and self.at_most is not None and self.at_least > self.at_most:
-            what = "`at_least` is more than `at_most`, so that nothing is both"
+            what = "`at_least` is more than `at_most`, so no value meets both"
             raise PydanticCustomError("P115", what, {"field": "at_least"})
         return self
 

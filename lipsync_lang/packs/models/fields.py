@@ -48,7 +48,7 @@ def _plain(text: str) -> str:
     if text != text.strip() or not text.isprintable():
         raise PydanticCustomError(
             "P106",
-            "'{text}' has spaces around it, or a character that does not show",
+            "'{text}' has spaces around it, or an invisible character",
             {"text": text.strip()},
         )
     return text
@@ -102,7 +102,7 @@ def _bigram(key: str) -> str:
         what, hint = "'{key}' is a trigram, not a bigram", "put it under `trigrams`"
         raise PydanticCustomError("P112", what, {"key": key, "hint": hint})
     if key.count("-") > 1:
-        what = "'{key}' has three or more parts: these are reserved for longer units"
+        what = "'{key}' has three or more parts, which are reserved for longer units"
         raise PydanticCustomError("P112", what, {"key": key})
     what = "'{key}' is not a bigram: write two common phonemes joined by '-', such as 'l-ow'"
     raise PydanticCustomError("P106", what, {"key": key})
@@ -119,7 +119,7 @@ def _trigram(key: str) -> str:
     hint = "write three common phonemes joined by '-', such as 's-d-r'"
     if key.split("-")[1:-1] == ["_"]:
         what = "'{key}' has silence in its middle"
-        hint = "silence stands at either end of a trigram; draw the two bigrams instead"
+        hint = "silence can only begin or end a trigram; draw the two bigrams instead"
     raise PydanticCustomError("P106", what, {"key": key, "hint": hint})
 
 
@@ -131,7 +131,7 @@ def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float
     before = 0.0
     for index, (time, _) in enumerate(points):
         if time < before:
-            what = "times fall from {before} to {time}; a curve runs from left to right"
+            what = "times fall from {before} to {time}; the times of a curve must not fall"
             raise PydanticCustomError(
                 "P113", what, {"before": f"{before:g}", "time": f"{time:g}", "at": index}
             )

@@ -316,8 +316,8 @@ MAX_TRIGRAMS = 1000
 def _apart(ends: tuple[float, float]) -> tuple[float, float]:
     """Refuse boundaries between which the phoneme in the middle has no time."""
     if ends[1] - ends[0] < SHORTEST_MIDDLE:
-        what = "the boundaries leave the phoneme in the middle no time: {first} and {last}"
-        hint = f"let the second be {SHORTEST_MIDDLE:g} or more above the first"
+        what = "the boundaries {first} and {last} leave no time for the middle phoneme"
+        hint = f"make the second at least {SHORTEST_MIDDLE:g} larger than the first"
         told = {"first": f"{ends[0]:g}", "last": f"{ends[1]:g}", "hint": hint}
         raise PydanticCustomError("P104", what, told)
     return ends
@@ -368,7 +368,7 @@ class BankPack(PackModel):
     def _neutral_trigrams(self) -> Self:
         if self.trigrams and self.style != NEUTRAL_STYLE:
             what = "a bank of style '{style}' cannot draw trigrams"
-            hint = "draw the bigrams of that style: they come before neutral trigrams"
+            hint = "draw the bigrams of that style; they override neutral trigrams"
             told = {"style": self.style, "field": "trigrams", "hint": hint}
             raise PydanticCustomError("P115", what, told)
         return self
@@ -406,7 +406,7 @@ def _forwards(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, flo
     """Refuse points whose words decrease."""
     for (before, _), (after, _) in pairwise(points):
         if after < before:
-            what = "the words of these points run back: {after} after {before}"
+            what = "the words of these points are out of order: {after} after {before}"
             context = {"after": f"{after:g}", "before": f"{before:g}"}
             raise PydanticCustomError("P113", what, context)
     return points
@@ -452,7 +452,8 @@ def _scalar_item(item: str) -> str:
     """Refuse the name of a value that no fit writes."""
     if item != SPEED_ITEM and not re.fullmatch(r"(softness|anticipate)\..+", item):
         what = (
-            f"'{{item}}' is no value of a fit: write softness.NAME, anticipate.NAME or {SPEED_ITEM}"
+            f"'{{item}}' is not a value of a fit: write softness.NAME, anticipate.NAME or "
+            f"{SPEED_ITEM}"
         )
         raise PydanticCustomError("P106", what, {"item": item})
     return item
@@ -529,14 +530,14 @@ class RigChannel(Strict):
     @model_validator(mode="after")
     def _bone_fits(self) -> Self:
         if self.range is not None and self.range[0] > self.range[1]:
-            what = "`range` runs from its most to its least; turn it round"
+            what = "`range` must begin with its smaller number; swap the two"
             raise PydanticCustomError("P115", what, {"field": "range"})
         moves = [f for f in ("rotation", "translation") if getattr(self, f) is not None]
         if moves and self.node is None:
             what = "`{field}` moves a bone, but `node` names none"
             raise PydanticCustomError("P115", what, {"field": moves[0]})
         if self.node is not None and len(moves) != 1:
-            what = "`node` needs one of `rotation` and `translation`"
+            what = "`node` needs either `rotation` or `translation`"
             raise PydanticCustomError("P115", what, {"field": "node"})
         return self
 

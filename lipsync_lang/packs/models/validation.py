@@ -49,9 +49,9 @@ _RANGE = {
 }
 _PATTERNS = {
     r"^\d+(\.\d+)?(/\d+)?$": "write a number such as 23.976, or a fraction such as 24000/1001",
-    "^[a-z]+$": "a sound is called by small letters a to z; silence demands no contact",
-    "^([a-z]+|_)$": "a common phoneme is called by small letters a to z, or '_'",
-    "^[A-Za-z0-9][A-Za-z0-9_-]*$": "a name is letters, digits, '-' and '_'",
+    "^[a-z]+$": "name a phoneme in small letters a to z; silence has no contact",
+    "^([a-z]+|_)$": "name a common phoneme in small letters a to z, or '_'",
+    "^[A-Za-z0-9][A-Za-z0-9_-]*$": "use letters, digits, '-' and '_'",
     "^[A-Za-z0-9][A-Za-z0-9_-]*(:[A-Za-z0-9][A-Za-z0-9_+-]*)?$": (
         "name a language, or an engine and its code as in ENGINE:CODE"
     ),
@@ -100,8 +100,8 @@ def _kind(source: YamlSource, kind: str | None) -> tuple[type[PackModel] | None,
         hint = did_you_mean(str(stated), MODELS)
         return None, [source.fault(("kind",), "P109", f"unknown kind {_got(stated)}", hint)]
     if kind is not None and stated != kind:
-        what = f"a pack of kind '{stated}' where one of kind '{kind}' belongs"
-        hint = "move the file to its folder, or mend its `kind`"
+        what = f"a pack of kind '{stated}' in the place of kind '{kind}'"
+        hint = "move the file to its folder, or correct its `kind`"
         return None, [source.fault(("kind",), "P109", what, hint)]
     number = data.get("format")
     if type(number) is int and number > PACK_FORMAT:
@@ -115,7 +115,7 @@ def _name(source: YamlSource, name: str | None) -> list[Fault]:
     stated = source.data.get("name")
     if name is None or not isinstance(stated, str) or stated == name:
         return []
-    what = f"the pack is named '{stated}', but its file or folder '{name}'"
+    what = f"the pack is named '{stated}', but its file or folder is named '{name}'"
     return [source.fault(("name",), "P111", what, "rename one of the two")]
 
 
@@ -173,7 +173,7 @@ def _say(  # noqa: C901, PLR0911 one return for each family of errors
         hint = hint if "pattern" in context else f"keep it below {context['max_length']} characters"
         return "P106", f"{_got(value)} is malformed", hint
     if sort == "string_too_short":
-        return "P116", f"{subject} is empty", "write something, or delete it"
+        return "P116", f"{subject} is empty", "write a value, or delete the field"
     if sort == "literal_error":
         return _literal(subject, value, context["expected"])
     if sort.startswith("P1"):

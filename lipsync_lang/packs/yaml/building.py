@@ -137,9 +137,9 @@ def _syntax(path: Path, text: str, error: YamlError) -> Fault:
     lines = text.splitlines()
     rest = lines[line - 1][: column + 1] if line <= len(lines) else ""
     if "'\\t'" in error.problem or "\t" in rest[: len(rest) - len(rest.lstrip())]:
-        what, hint = "a tab stands where YAML wants spaces", "indent with spaces"
+        what, hint = "a tab is used for indentation; YAML needs spaces", "indent with spaces"
         return Fault(shown(path), line, column, "P007", what, hint)
-    problem = error.problem or "not sound YAML"
+    problem = error.problem or "not valid YAML"
     if "undefined alias" in problem:
         return Fault(shown(path), line, column, "P012", problem)
     hint = error.context or "check quotes, brackets and indentation here and in the line above"
@@ -193,7 +193,7 @@ class _Builder:
         with _no_collection():
             self._read(text, parse)
         if self.root is None:
-            raise self._stop(1, 1, "P006", "the file holds nothing but comments", "state the pack")
+            raise self._stop(1, 1, "P006", "the file has only comments", "state the pack")
         data, mark = self.root
         return YamlSource(self.path, data, mark, tuple(sorted(self.faults)))
 
@@ -232,7 +232,9 @@ class _Builder:
         if event.version is not None and tuple(event.version) != (1, 2):
             version = ".".join(map(str, event.version))
             hint = "delete the line `%YAML`"
-            self._note(line, column, "P017", f"YAML {version} is asked for; packs are 1.2", hint)
+            self._note(
+                line, column, "P017", f"the file asks for YAML {version}; packs are YAML 1.2", hint
+            )
 
     def _on_scalar(self, event: Event) -> None:
         mark = event.start_mark
@@ -272,7 +274,7 @@ class _Builder:
         elif text in frame.inner:
             frame.dropped = True
             first = frame.inner[text][0].line
-            hint = f"it stands first in line {first}; keep one of the two"
+            hint = f"it is also in line {first}; keep one of the two"
             self._note(line, column, "P015", f"'{text}' is stated twice", hint)
 
     def _on_start(self, event: Event, data: Data, inner: Data) -> None:
@@ -326,14 +328,14 @@ class _Builder:
 
     def _tagged(self, line: int, column: int, tag: str) -> None:
         what = f"tags such as '{tag}' are not supported"
-        self._note(line, column, TAG_FAULT, what, "delete it; quotes make text of anything")
+        self._note(line, column, TAG_FAULT, what, "delete it; quotes turn any value into text")
 
     def _not_a_key(self, line: int, column: int) -> bool:
         """Return True where a value is expected; note a fault where a key is expected."""
         frame = self.frames[-1] if self.frames else None
         if frame is None or frame.data.__class__ is list or frame.key is not None:
             return True
-        what, hint = "a key must be plain text", "is a colon missing, or one too many?"
+        what, hint = "a key must be plain text", "is a colon missing, or is there one too many?"
         self._note(line, column, "P016", what, hint)
         return False
 

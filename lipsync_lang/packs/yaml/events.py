@@ -71,7 +71,7 @@ def parsers(text: str) -> tuple[Parser, ...]:
     if disputed is not None:
         line = text.count("\n", 0, disputed) + 1
         column = disputed - text.rfind("\n", 0, disputed)
-        what = f"U+{ord(text[disputed]):04X} is not read here in a file this large"
+        what = f"U+{ord(text[disputed]):04X} is not read in a file of this size"
         raise YamlError((line, column), what, "delete it, or write it as an escape in quotes", None)
     return (by_libyaml,)
 
@@ -112,8 +112,8 @@ def by_ruamel(text: str) -> Iterator[Event]:
     except GeneratorExit:
         raise
     except Exception as error:  # noqa: BLE001 the parser has errors of its own: they are the file's
-        what = f"not sound YAML from here on ({type(error).__name__})"
-        raise YamlError(None, what, "write it more plainly", None) from None
+        what = f"not valid YAML from here on ({type(error).__name__})"
+        raise YamlError(None, what, "use a simpler form", None) from None
 
 
 def has_libyaml() -> bool:

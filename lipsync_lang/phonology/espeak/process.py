@@ -170,10 +170,10 @@ def _library() -> tuple[str, Path]:
     try:
         library, data = espeakng_loader.get_library_path(), Path(espeakng_loader.get_data_path())
     except RuntimeError as error:
-        raise SpeechError(f"eSpeak NG is not installed whole: {error}; install it anew") from None
+        raise SpeechError(f"eSpeak NG is not installed whole: {error}; install it again") from None
     for path in (Path(library), data):
         if not path.exists():
-            raise SpeechError(f"eSpeak NG is not installed whole: no {path}; install it anew")
+            raise SpeechError(f"eSpeak NG is not installed whole: no {path}; install it again")
     return library, data
 
 
@@ -256,6 +256,6 @@ def refusal(header: dict[str, Any], voice: str) -> str:
             hint = did_you_mean(variant, header["known"])
             return f"eSpeak NG has no voice variant '{variant}'; {hint}"
         case "data":
-            return "eSpeak NG cannot read its data; install it anew"
+            return "eSpeak NG cannot read its data; install it again"
         case _:
             return f"eSpeak NG could not speak the text (status {header.get('status')})"

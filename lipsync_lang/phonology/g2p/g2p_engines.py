@@ -66,7 +66,7 @@ class Settings:
     corrections : corrections of the labels that the engine gives, in order
     readings : readings of words and letters in the engine's own spelling, in order
     labels : the labels of the notation that comes out
-    respell : the name in `RESPELLERS` of what spells text anew before it is read
+    respell : the name in `RESPELLERS` of what spells text again before it is read
     otherwise : the engine that reads where the library of the first is not installed
     """
 
@@ -113,7 +113,7 @@ WHISPER = "\u0325"
 RESPELLERS: Extensions[Respeller] = Extensions(
     "respellers", "respeller", modules={"kana": f"{_HERE}.kana"}
 )
-"""Functions that spell text anew, by name."""
+"""Functions that respell text, by name."""
 
 
 def engine(name: str, settings: Settings) -> Engine:
@@ -144,7 +144,7 @@ def engine(name: str, settings: Settings) -> Engine:
 
 
 def respeller(name: str) -> Respeller:
-    """Return what spells text anew.
+    """Return the function that respells text.
 
     Raises
     ------

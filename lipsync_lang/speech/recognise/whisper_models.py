@@ -89,7 +89,7 @@ def _loaded(faster_whisper: "ModuleType", folder: Path) -> Any:
     except Exception as error:  # noqa: BLE001 several libraries read the files, each fails its own way
         reason = str(error).strip().partition("\n")[0] or type(error).__name__
         raise SpeechError(
-            f"{folder}: the Whisper model cannot be read ({reason}); fetch or convert it anew"
+            f"{folder}: the Whisper model cannot be read ({reason}); fetch or convert it again"
         ) from None
 
 
@@ -111,7 +111,7 @@ def _check_folder(folder: Path) -> None:
         json.loads((folder / "config.json").read_text("utf-8"))
     except (OSError, ValueError):
         raise SpeechError(
-            f"{folder / 'config.json'}: cannot be read; fetch or convert the model anew"
+            f"{folder / 'config.json'}: cannot be read; fetch or convert the model again"
         ) from None
 
 

@@ -208,7 +208,7 @@ def read_model(folder: Path) -> AcousticModel:
     except (struct.error, ValueError, IndexError, KeyError) as error:
         raise SpeechError(
             f"{folder}: not an acoustic model of phonetically tied mixtures ({error}); "
-            "install it anew, or name another"
+            "install it again, or name another"
         ) from None
 
 

@@ -149,7 +149,7 @@ def _acting(
 
 
 def own(workshop: Workshop, _: Wish) -> Json:
-    """Copy the pose set into the project, where it can be edited, and open the pair anew."""
+    """Copy the pose set into the project, where it can be edited, and open the pair again."""
     from lipsync_lang.authoring.poseset_copy import copy_poseset
 
     name = workshop.performer.compiled.poseset
