@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures wheel clean
+.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures docs wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -34,8 +34,12 @@ $(VENV)/demo: pyproject.toml $(KERNEL) | $(BIN)/python
 	touch $@
 
 $(VENV)/ready: pyproject.toml $(KERNEL) | $(BIN)/python
-	$(PIP) --editable '.[all,whisper,dev]'
-	touch $(VENV)/demo $@
+	$(PIP) --editable '.[all,whisper,dev,docs]'
+	touch $(VENV)/demo $(VENV)/docs $@
+
+$(VENV)/docs: pyproject.toml $(KERNEL) | $(BIN)/python
+	$(PIP) --no-compile --editable '.[docs]'
+	touch $@
 
 demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 	@mkdir -p out
@@ -108,6 +112,10 @@ dictionaries: $(VENV)/ready ## count what is read otherwise: make dictionaries D
 figures: $(VENV)/ready ## measure "How good is it?" anew: make figures DATA=folder DICTIONARIES=folder
 	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES)
 	$(BIN)/python docs/how_good.py
+
+docs: $(VENV)/docs ## build the documentation site into build/site
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "Open build/site/index.html in a browser."
 
 wheel: $(VENV)/ready ## build the wheel into dist/
 	$(BIN)/python -m build --wheel

@@ -16,12 +16,14 @@ import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
 from textwrap import fill
+from types import FunctionType
 from typing import Any, get_args, get_type_hints
 
+import lipsync_lang as ll
 from lipsync_lang.animations.animation_writers import WRITERS
 from lipsync_lang.animations.readers.animation_readers import READERS as ANIMATION_READERS
 from lipsync_lang.authoring.ipa_comparison import SymbolMappings, UnusualMapping, compare
@@ -737,6 +739,65 @@ def _first(measure: Any) -> str:
     return inspect.cleandoc(measure.told).partition("\n")[0]
 
 
+# Python API
+
+
+def api() -> str:
+    """Describe the public names of the package.
+
+    The site replaces the text between the comments of a name by its whole documentation.
+    """
+    public = {name: getattr(ll, name) for name in ll.__all__ if name in _API}
+    kinds: dict[str, list[str]] = {"Functions": [], "Classes": [], "Errors": []}
+    for name, named in public.items():
+        kinds[_kind(named)].append(name)
+    parts = [
+        "# Python API",
+        (
+            "The public names of the package, `import lipsync_lang as ll`. How to use them is in "
+            "[use it from Python](../how-to/use-from-python.md). Other modules are not public: "
+            "their names may change in any release. Times are in seconds, and weights of poses "
+            "are from 0 to 1."
+        ),
+        table(
+            ("name", "summary"),
+            [(f"[`{name}`](#{name.lower()})", _summary(named)) for name, named in public.items()],
+        ),
+    ]
+    for title, names in kinds.items():
+        parts += [f"## {title}", *(_documented(name, public[name]) for name in names)]
+    return "\n\n".join(parts)
+
+
+_API = ll._HOMES  # noqa: SLF001 where the public names live
+
+
+_MEMBERS = (FunctionType, classmethod, staticmethod, property, cached_property)
+
+
+def _kind(named: Any) -> str:
+    if not inspect.isclass(named):
+        return "Functions"
+    return "Errors" if issubclass(named, Exception) else "Classes"
+
+
+def _summary(named: Any) -> str:
+    return inspect.cleandoc(named.__doc__).partition("\n\n")[0]
+
+
+def _documented(name: str, named: Any) -> str:
+    """Return a section about a name, with a table of its methods."""
+    methods = [
+        (f"`{key}`", _summary(value))
+        for key, value in vars(named).items()
+        if inspect.isclass(named) and not key.startswith("_")
+        if isinstance(value, _MEMBERS) and value.__doc__
+    ]
+    parts = [f"<!-- api: {_API[name]}.{name} -->", f"### {name}", _summary(named)]
+    parts += [table(("member", "summary"), methods)] if methods else []
+    return "\n\n".join([*parts, "<!-- end -->"])
+
+
 # Formats
 
 
@@ -791,6 +852,7 @@ PAGES = {
     "motion.md": motions,
     "checks.md": checks,
     "formats.md": formats,
+    "api.md": api,
 }
 """The generated pages, and the function that writes each."""
 

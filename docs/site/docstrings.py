@@ -1,0 +1,35 @@
+# ruff: noqa: INP001 - loaded by mkdocstrings
+"""Read the docstrings of this project: they describe a parameter, and the code has its type."""
+
+import re
+from typing import Any
+
+from griffe import Extension, Object
+
+UNDERLINE = re.compile(r"^(\w+)\n-{3,}\n", re.MULTILINE)
+
+
+class StatedTypes(Extension):
+    """Let `name : meaning` be the description of a parameter, whose type is its annotation."""
+
+    def on_object(self, *, obj: Object, **_: Any) -> None:
+        """Rewrite the sections of a docstring to the form that the parser reads."""
+        if obj.docstring:
+            obj.docstring.value = rewritten(obj.docstring.value)
+
+
+def rewritten(docstring: str) -> str:
+    """Return a docstring with the descriptions of its sections on lines of their own."""
+    head, *sections = UNDERLINE.split(docstring)
+    parts = [head]
+    for title, body in zip(sections[::2], sections[1::2], strict=True):
+        change = CHANGES.get(title)
+        parts.append(f"{title}\n{'-' * len(title)}\n{change(body) if change else body}")
+    return "".join(parts)
+
+
+def _parameters(body: str) -> str:
+    return re.sub(r"^(\w[\w, *]*?) : (.+)$", r"\1\n    \2", body, flags=re.MULTILINE)
+
+
+CHANGES = {"Parameters": _parameters, "Attributes": _parameters}
