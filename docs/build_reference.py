@@ -611,7 +611,7 @@ GROUPS = {
 
 
 def faults() -> str:
-    """List every code."""
+    """Describe every code, with its cause and its cure."""
     parts = [
         "# Faults",
         "A fault says where it stands, what is wrong, and how to mend it:",
@@ -626,10 +626,13 @@ def faults() -> str:
         ),
     ]
     for start, title in GROUPS.items():
-        rows = [(code, told) for code, told in CODES.items() if code.startswith(start)]
-        parts += [f"## {title}", table(("code", "meaning"), rows)]
-    told = sum(code[:2] in GROUPS for code in CODES)
-    if told != len(CODES):
+        parts.append(f"## {title}")
+        for code, told in CODES.items():
+            if code.startswith(start):
+                lines = (told.meaning, f"- Cause: {told.cause}", f"- Cure: {told.cure}")
+                parts += [f"### {code}", f"{lines[0]}\n\n{lines[1]}\n{lines[2]}"]
+    grouped = sum(code[:2] in GROUPS for code in CODES)
+    if grouped != len(CODES):
         raise ValueError("a fault code belongs to no group of this page")
     return "\n\n".join(parts)
 

@@ -1,5 +1,6 @@
 """What the documentation says is so: pages, links, packs, commands and Python."""
 
+import ast
 import importlib.util
 import os
 import re
@@ -127,6 +128,31 @@ def test_every_page_can_be_reached_from_the_readme():
         links = re.findall(r"\]\(([^)#\s]+)", FENCE.sub("", page.read_text(encoding="utf-8")))
         ahead += [(page.parent / link).resolve() for link in links if ":" not in link]
     assert set(PAGES) <= seen
+
+
+# Messages that no console block can show
+
+
+def test_the_messages_of_troubleshooting_are_in_the_code():
+    page = ROOT / "docs/how-to/troubleshooting.md"
+    shown = [text for language, told, text in blocks(page) if language == "text" and not told]
+    fragments = [part.strip() for text in shown for part in re.split(r"\.\.\.|\n", text)]
+    modules = sorted((ROOT / "lipsync_lang").rglob("*.py"))
+    written = "\n".join(map(messages, modules))
+    assert shown, "a sweep over nothing passes"
+    assert not [part for part in fragments if part not in written]
+
+
+def messages(module):
+    """Return the texts of a module, with `...` where an f-string has a value."""
+    texts = []
+    for node in ast.walk(ast.parse(module.read_bytes())):
+        if isinstance(node, ast.JoinedStr):
+            parts = [one.value if isinstance(one, ast.Constant) else "..." for one in node.values]
+            texts.append("".join(parts))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            texts.append(node.value)
+    return "\n".join(texts)
 
 
 # What a reader does, in the order of the page

@@ -1,6 +1,7 @@
 """Every way a pack can be wrong: its code, and the exact place it is reported at."""
 
 import json
+import re
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -536,3 +537,9 @@ def test_a_misspelt_pose_in_the_priority_is_one_fault(tmp_path, monkeypatch):
     plant(tmp_path)
     put(tmp_path, POSESET, TREE[POSESET].replace("priority: [open,", "priority: [opne,"))
     assert [fault.code for fault in faults_of(tmp_path)] == ["P201"]
+
+
+@pytest.mark.parametrize("code", sorted(CODES))
+def test_every_code_has_a_meaning_a_cause_and_a_cure(code):
+    for sentence in (CODES[code].meaning, CODES[code].cause, CODES[code].cure):
+        assert re.fullmatch(r"[A-Z`].{8,}\.", sentence)
