@@ -95,10 +95,17 @@ def _os_words(error: OSError) -> str:
 
 
 def _encode_all() -> None:
-    """Escape characters outside the terminal's encoding instead of failing."""
-    for stream in (sys.stdout, sys.stderr):
+    """Escape characters outside the terminal's encoding; pipes and files carry UTF-8 on Windows.
+
+    Python would use the code page, which other programs do not expect, and which lacks the IPA.
+    """
+    stated = sys.platform != "win32" or "PYTHONIOENCODING" in os.environ
+    for stream in (sys.stdin, sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
+            if not stated and not stream.isatty():
+                stream.reconfigure(encoding="utf-8")
+            if stream is not sys.stdin:
+                stream.reconfigure(errors="backslashreplace")
 
 
 def _discard_output() -> None:

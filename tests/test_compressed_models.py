@@ -385,7 +385,7 @@ def test_without_its_decoder_a_model_says_how_to_read_it(
         animation, _ = draco_face(tmp_path, draco)
     monkeypatch.setitem(sys.modules, "meshopt", None)
     monkeypatch.setitem(sys.modules, "DracoPy", None)
-    told = rf"face.glb: is compressed \({name}\); .*pip install 'lipsync-lang\[models\]'"
+    told = rf'face.glb: is compressed \({name}\); .*pip install "lipsync-lang\[models\]"'
     with pytest.raises(ModelError, match=told):
         staged(animation)
     assert "lipsync-lang[models]" in face_data(animation, ArrayPack())["unshown"][0]

@@ -138,7 +138,7 @@ def test_what_is_in_a_draft_explains_itself(cli):
     text = Path("posesets/thing/poseset.yaml").read_text("utf-8")
     assert '# constraints: {pairs: [{between: ["zz top", "true"], threshold: 1}]}' in text
     assert "# No pose set knows these poses" in text
-    assert "lipsync-lang run 'Hello' -l LANGUAGE -c thing" in text
+    assert 'lipsync-lang run "Hello" -l LANGUAGE -c thing' in text
     model = Library().poseset("thing").model
     assert [*model.poses] == ["zz top", "true", "zz: zy"]
     assert model.title == "It's a: thing"

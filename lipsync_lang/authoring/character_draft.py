@@ -204,7 +204,7 @@ def _asking(match: Match) -> str:
 def _running(name: str, model: Path) -> str:
     """Return an example command; its output file never overwrites the model."""
     same = Path(f"{name}.glb").resolve() == model.resolve()
-    return f"lipsync-lang run 'Hello' -l LANGUAGE -c {name} -o {name}{'-line' * same}.glb"
+    return f'lipsync-lang run "Hello" -l LANGUAGE -c {name} -o {name}{"-line" * same}.glb'
 
 
 def _add(made: CharacterDraft, path: Path, text: str, said: str) -> None:

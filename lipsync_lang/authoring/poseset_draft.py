@@ -97,7 +97,7 @@ class PoseSetDraft:
         return (
             f"wrote {self.path}: {self.said}\n{copied}"
             f"next: look at its targets, then\n"
-            f"  lipsync-lang run 'Hello' -l LANGUAGE -c {name} --plot {name}.png\n"
+            f'  lipsync-lang run "Hello" -l LANGUAGE -c {name} --plot {name}.png\n'
             f"  lipsync-lang validate {self.path}"
         )
 

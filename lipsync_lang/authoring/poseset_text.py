@@ -59,7 +59,7 @@ def _lines(
 ) -> Iterator[str]:
     name = model.name
     yield f"# {model.title}: a draft. It runs as it is:"
-    yield f"#   lipsync-lang run 'Hello' -l LANGUAGE -c {name} --plot {name}.png"
+    yield f'#   lipsync-lang run "Hello" -l LANGUAGE -c {name} --plot {name}.png'
     yield from (f"# {line}" for line in wrap(why[""], WIDTH - 2))
     yield "kind: poseset"
     yield "format: 1"

@@ -69,7 +69,7 @@ def _client(address: str) -> "Iterator[Client]":
         import distributed
     except ImportError:
         raise LipsyncError(
-            "Dask is not installed here; install it: pip install 'lipsync-lang[cluster]'"
+            'Dask is not installed here; install it: pip install "lipsync-lang[cluster]"'
         ) from None
     for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are told by us, once
@@ -138,7 +138,7 @@ def check_versions(client: "Client", address: str) -> None:
                 raise LipsyncError(
                     f"{address}: {name} has {package} {versions[package] or '(none)'}, this "
                     f"machine {wanted}; install the same versions on all machines: "
-                    f"pip install 'lipsync-lang[cluster]=={__version__}' "
+                    f'pip install "lipsync-lang[cluster]=={__version__}" '
                     f"distributed=={own['distributed']} numpy=={own['numpy']}"
                 )
 

@@ -1,6 +1,5 @@
 """Put what workers made in place: record it first, then rename it or pack it into archives."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +19,7 @@ from lipsync_lang.build.records import (
     unusable,
 )
 from lipsync_lang.build.standing import StandingOutputs
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.signals import undisturbed
 
 MAX_WAITING_LINES = 10_000
@@ -87,7 +87,7 @@ class OutputKeeper:
         with undisturbed():
             self.records.put(self._rows)
             for temporary, target in self._moves:
-                os.replace(temporary, target)  # noqa: PTH105 ten thousands of them
+                replace_file(Path(temporary), target)
         for archive, new in self._members.items():
             rewrite(self.folder / archive, new)
             for temporary_file in new.values():

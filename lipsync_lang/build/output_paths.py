@@ -75,7 +75,7 @@ def check_links(paths: set[str], folder: Path, faults: ScriptFaults) -> None:
     }
     for head in sorted(heads):
         real = os.path.realpath(os.path.join(home, head))  # noqa: PTH118 links are followed here
-        if os.path.commonpath([home, real]) != home:
+        if not Path(real).is_relative_to(home):
             faults.add(FILE, f"outputs: {head} leads outside {folder} by a link; remove the link")
 
 

@@ -8,14 +8,13 @@ ends its process again then is lost; the others go on.
 import os
 from collections import deque
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 from typing import Any, Self
 
 from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, Missing, run_job
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.files.child_processes import begin_child, deaf_to_interrupts
+from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 MAX_DEATHS = 2
 """Processes that a batch may end while it runs alone."""
@@ -73,8 +72,7 @@ class _Pool:
     """Processes that end with the block, with their parent, or with a signal to it."""
 
     def __init__(self, count: int) -> None:
-        context = get_context("spawn")
-        self.executor = ProcessPoolExecutor(count, context, initializer=begin_child)
+        self.executor = child_pool(count)
         self.unfinished: list[Job] = []
         """Jobs on their way when a process died."""
         self._sent: dict[tuple[str, ...], int] = {}

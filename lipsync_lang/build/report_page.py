@@ -5,7 +5,6 @@ larger. Charts are SVG with a name in words; rows are sorted and filtered by a s
 """
 
 import os
-import shlex
 from base64 import b64encode
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,6 +31,7 @@ from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.coverage.page.assembling import TightLayout, own_file
 from lipsync_lang.coverage.page.charts import HEIGHT
 from lipsync_lang.coverage.page.wording import NBSP, count
+from lipsync_lang.files.quoting import shell_command
 
 PageOf = Callable[[PlannedLine], Path | None]
 """The page of a line (`-o line.html`), or None where none was written."""
@@ -82,7 +82,10 @@ class WorstRow:
         """Address of the line's page, from the report; empty without one."""
         if self.page is None:
             return ""
-        return quote(Path(os.path.relpath(self.page, self.folder)).as_posix())
+        try:
+            return quote(Path(os.path.relpath(self.page, self.folder)).as_posix())
+        except ValueError:  # another drive of Windows
+            return self.page.absolute().as_uri()
 
     @property
     def command(self) -> str:
@@ -94,7 +97,7 @@ class WorstRow:
         parts += ["-o", f"{line.name}.html"]
         if line.timings is None and line.text:
             parts += ["--", line.text]
-        return shlex.join(parts)
+        return shell_command(parts)
 
     @property
     def text(self) -> str:

@@ -5,7 +5,7 @@ without a scale are in units of the curves before the fit.
 """
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -17,6 +17,8 @@ from lipsync_lang.capture.fit_mentions import with_mentions
 from lipsync_lang.capture.fit_motion import MotionGroups, fit_motion
 from lipsync_lang.capture.fit_targets import fit_targets
 from lipsync_lang.capture.fit_values import FitFace, FitValues
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 MOST_FOLDS = 5
 """Parts into which lines or speakers are divided."""
@@ -107,8 +109,16 @@ def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iter
     if workers <= 1 or len(kept) <= 1:
         yield from map(task.fit, kept)
         return
-    with ProcessPoolExecutor(min(workers, len(kept)), initializer=_begin, initargs=(task,)) as pool:
-        yield from pool.map(_fit, kept)
+    try:
+        with child_pool(min(workers, len(kept)), _begin, task) as pool:
+            with deaf_to_interrupts():
+                found = pool.map(_fit, kept)
+            yield from found
+    except BrokenProcessPool:
+        raise LipsyncError(
+            "a process that fits died (out of memory?); fit in one process (workers=1), and in a "
+            'script of your own, put the call under `if __name__ == "__main__":`'
+        ) from None
 
 
 _TASK: list[FitTask] = []

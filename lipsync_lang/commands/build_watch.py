@@ -83,7 +83,7 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
     try:
         from watchfiles import Change, DefaultFilter, watch
     except ImportError:
-        raise LipsyncError("--watch needs watchfiles: pip install 'lipsync-lang[watch]'") from None
+        raise LipsyncError('--watch needs watchfiles: pip install "lipsync-lang[watch]"') from None
     remarks, made, usual = StandingRemarks(), MadeByBuilds(), DefaultFilter()
 
     def is_input(change: Change, path: str) -> bool:

@@ -13,7 +13,7 @@ def add_live(add: Add) -> None:
         "live",
         live.live,
         "speak typed sentences, and send their frames to an engine in real time",
-        "live 'Hello, world' -l english -c facefx --to vmc:127.0.0.1:39539",
+        'live "Hello, world" -l english -c facefx --to vmc:127.0.0.1:39539',
     )
     live_.add_argument(
         "text", metavar="TEXT", nargs="?", help="the text to say [lines from standard input]"

@@ -29,7 +29,7 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(
         prog="lipsync-lang",
         description="Lip sync for any language and any character, from data you can edit.",
-        epilog="Try: lipsync-lang run 'Hello, world' -l english -c facefx -o hello.csv",
+        epilog='Try: lipsync-lang run "Hello, world" -l english -c facefx -o hello.csv',
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     top.color = False  # type: ignore[attr-defined] # Python 3.14 would colour what is spelled out

@@ -22,7 +22,7 @@ def add_run(add: Add) -> None:
         "run",
         performing.run,
         "animate text or timed phonemes",
-        "run 'Hello, world' -l english -c facefx -o hello.csv -o hello.wav --plot hello.png",
+        'run "Hello, world" -l english -c facefx -o hello.csv -o hello.wav --plot hello.png',
     )
     add_line(run_)
     _add_written(run_.add_argument_group("output"))
@@ -81,7 +81,7 @@ def add_transcribe(add: Add) -> None:
         "transcribe",
         performing.transcribe,
         "show the phonemes and common phonemes of a text",
-        "transcribe 'Hello, world' -l english",
+        'transcribe "Hello, world" -l english',
     )
     transcribe_.add_argument("text", metavar="TEXT", nargs="?", help="the text to read")
     transcribe_.add_argument(
@@ -104,7 +104,7 @@ def add_explain(add: Add) -> None:
         "explain",
         performing.explain,
         "explain the weight of each pose at a time",
-        "explain 'Hello, world' -l english -c facefx --at 0.42",
+        'explain "Hello, world" -l english -c facefx --at 0.42',
     )
     add_line(explain_)
     explain_.add_argument(
@@ -119,7 +119,7 @@ def add_stills(add: Add) -> None:
         "stills",
         stills.stills,
         "draw the model at given times, always from the same camera",
-        "stills 'Hello, world' -l english -c facefx --at 0.12,0.42 --close -o hello.png",
+        'stills "Hello, world" -l english -c facefx --at 0.12,0.42 --close -o hello.png',
     )
     add_line(stills_)
     stills_.add_argument(
@@ -141,7 +141,7 @@ def add_check(add: Add) -> None:
         "check",
         check.check,
         "measure the quality of an animation, and compare it with limits",
-        "check 'Hello, world' -l english -c facefx --baseline",
+        'check "Hello, world" -l english -c facefx --baseline',
     )
     add_line(check_)
     check_.add_argument(

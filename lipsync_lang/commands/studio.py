@@ -40,7 +40,7 @@ def studio(options: Namespace) -> int:
         from lipsync_lang.studio.server import app
     except ImportError:
         raise LipsyncError(
-            "the studio needs Starlette and uvicorn: pip install 'lipsync-lang[studio]'"
+            'the studio needs Starlette and uvicorn: pip install "lipsync-lang[studio]"'
         ) from None
     from lipsync_lang.commands.performing import motion_settings
     from lipsync_lang.studio.desk import Desk

@@ -1,12 +1,45 @@
-"""Child processes that leave Ctrl-C to their parent, and end with it."""
+"""Child processes that leave Ctrl-C to their parent, and end with it; the same on every system."""
 
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from threading import Thread
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from concurrent.futures import ProcessPoolExecutor
+
+MOST_PROCESSES = 61 if sys.platform == "win32" else 10_000
+"""Processes of one pool; Windows waits for no more at a time."""
+
+
+def child_pool(
+    count: int, begin: "Callable[..., None] | None" = None, *values: object
+) -> "ProcessPoolExecutor":
+    """Return a pool of fresh processes, which start alike on every system.
+
+    Parameters
+    ----------
+    count : of processes, fewer where the system allows no more
+    begin, values : a function that each process calls first, and its arguments
+    """
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    return ProcessPoolExecutor(
+        min(count, MOST_PROCESSES), get_context("spawn"), _begin, (begin, values)
+    )
+
+
+def _begin(then: "Callable[..., None] | None", values: tuple[object, ...]) -> None:
+    begin_child()
+    if then is not None:
+        then(*values)
 
 
 @contextmanager

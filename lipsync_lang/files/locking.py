@@ -10,18 +10,26 @@ from pathlib import Path
 def claim(path: Path) -> int | None:
     """Return a descriptor that holds a lock file for this process; None if another has it.
 
-    The lock lasts until the descriptor is closed. Where the system has no such locks (Windows),
-    every process gets one.
+    The lock lasts until the descriptor is closed.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     held = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
     try:
-        import fcntl
-    except ImportError:
-        return held
-    try:
-        fcntl.lockf(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _lock(held)
     except OSError:
         os.close(held)
         return None
     return held
+
+
+def _lock(held: int) -> None:
+    """Lock a file that is open, or raise an `OSError` at once."""
+    try:
+        import fcntl
+    except ImportError:
+        from importlib import import_module
+
+        windows = import_module("msvcrt")
+        windows.locking(held, windows.LK_NBLCK, 1)
+    else:
+        fcntl.lockf(held, fcntl.LOCK_EX | fcntl.LOCK_NB)

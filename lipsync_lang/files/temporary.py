@@ -6,6 +6,7 @@ of a killed process, and leaves alone those of a running one.
 
 import os
 import re
+import sys
 import time
 import zlib
 from contextlib import suppress
@@ -86,7 +87,7 @@ def _is_dead(process: int) -> bool:
 
     On Windows the answer is always False: `os.kill` with signal 0 would end the process there.
     """
-    if os.name != "posix":
+    if sys.platform == "win32":
         return False
     try:
         os.kill(process, 0)

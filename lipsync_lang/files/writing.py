@@ -15,9 +15,13 @@ from pathlib import Path
 from typing import IO, Any, BinaryIO, cast
 
 from lipsync_lang.errors import OutputError
+from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.signals import undisturbed
 from lipsync_lang.files.targets import STANDARD_STREAM, descriptor, file_behind, may_write
 from lipsync_lang.files.temporary import sweep, temporary_name
+
+IN_USE = (5, 32)
+"""Errors of Windows for a file that another program has open: access denied, sharing violation."""
 
 MAX_SPOOLED_BYTES = 16 * 2**20
 """Bytes held in memory for a device or a pipe; more are held on the disk."""
@@ -111,7 +115,7 @@ class _Outputs:
         with undisturbed():
             for file in self.files:
                 with _worded(file.path):
-                    file.temporary.replace(file.target)
+                    replace_file(file.temporary, file.target)
         if self.durable:
             for folder in {file.target.parent for file in self.files}:
                 _sync_folder(folder)
@@ -236,4 +240,9 @@ def _cannot_write(path: Path, error: OSError | ValueError) -> OutputError:
     why = getattr(error, "strerror", None) or error
     if isinstance(error, PermissionError) and not may_write(path.parent):
         why = f"the folder {path.parent} is read-only"
+    elif getattr(error, "winerror", None) in IN_USE:
+        return OutputError(
+            f"{path}: is open in another program, or not yours to write; close it there, or name "
+            "another place"
+        )
     return OutputError(f"{path}: cannot be written: {why}; name another place")

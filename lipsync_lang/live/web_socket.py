@@ -68,7 +68,7 @@ class WebSocketOutlet:
             import websockets.asyncio.server
         except ImportError:
             raise LipsyncError(
-                "a WebSocket needs websockets: pip install 'lipsync-lang[live]'"
+                'a WebSocket needs websockets: pip install "lipsync-lang[live]"'
             ) from None
         self.session = session
         self.clients: set[ServerConnection] = set()

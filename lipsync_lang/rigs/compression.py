@@ -19,7 +19,7 @@ DRACO = "KHR_draco_mesh_compression"
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 """Both names of one format; the later one adds a filter for colours."""
 
-INSTALL = "to read it: pip install 'lipsync-lang[models]'; or export it without compression"
+INSTALL = 'to read it: pip install "lipsync-lang[models]"; or export it without compression'
 
 BYTES_PER_BYTE = 1024
 """Decoded bytes per compressed byte at most: meshoptimizer keeps 256 rows of a word in a byte."""

@@ -1,9 +1,10 @@
 """Sound files that libsndfile does not read, or whose header states too little."""
 
-import shlex
 import struct
 from io import RawIOBase
 from pathlib import Path
+
+from lipsync_lang.files.quoting import shell_command
 
 FOREIGN = (
     (4, b"ftyp", "MPEG-4 sound or video (m4a, mp4, mov)"),
@@ -44,8 +45,8 @@ def unread(path: Path, reason: str) -> str:
     title = next((one for at, sign, one in FOREIGN if head[at:].startswith(sign)), None)
     if title is not None:
         stem = path.stem if path.suffix.lower() != ".wav" else f"{path.stem}-converted"
-        made = shlex.quote(f"{stem}.wav")
-        return f"it is {title}); convert it: ffmpeg -i {shlex.quote(str(path))} {made}"
+        command = shell_command(["ffmpeg", "-i", str(path), f"{stem}.wav"])
+        return f"it is {title}); convert it: {command}"
     if not head:
         return "the file is empty); copy or record it again"
     if _is_text(head):

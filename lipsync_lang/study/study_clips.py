@@ -5,19 +5,18 @@ A clip that is there is never rendered again, so a run that was killed goes on w
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import blake2b
 from io import BytesIO
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import OutputError
 from lipsync_lang.files import atomic
-from lipsync_lang.files.child_processes import begin_child, deaf_to_interrupts
+from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
@@ -120,7 +119,7 @@ def _cores() -> int:
 
 
 def _in_processes(missing: dict[Path, Clip], count: int, told: Callable[[int, int], None]) -> None:
-    pool = ProcessPoolExecutor(count, get_context("spawn"), initializer=begin_child)
+    pool = child_pool(count)
     try:
         with deaf_to_interrupts():
             futures = [pool.submit(_render, clip, path) for path, clip in missing.items()]

@@ -179,7 +179,7 @@ class _Stream:
         match end.get("code"):
             case 0 if end is not header:
                 pass
-            case int(code) if code == -signal.SIGALRM:
+            case int(code) if code == -getattr(signal, "SIGALRM", 0) != 0:
                 return SpeechError(unfinished(seconds, text))
             case int(code):
                 return SpeechError(ending(code, said, text, self.voice))
