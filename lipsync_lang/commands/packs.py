@@ -3,12 +3,22 @@
 import sys
 from argparse import Namespace
 from textwrap import indent
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.commands.output import SOUND, as_json, lines_of, working
+from lipsync_lang.commands.output import (
+    FAULTS,
+    SOUND,
+    as_json,
+    count,
+    lines_of,
+    tell_written,
+    working,
+)
 from lipsync_lang.errors import LipsyncError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from lipsync_lang.packs.describe import Description
     from lipsync_lang.packs.library import Library
 
@@ -21,6 +31,10 @@ def packs(options: Namespace) -> int:
     library = Library(options.path)
     if options.action == "new":
         return NEW[options.kind](library, options)
+    if options.action == "check":
+        return _check_language(library, options)
+    if vars(options).get("picture"):
+        raise LipsyncError(f"{options.action} draws no picture; languages check NAME does")
     if vars(options).get("poses"):
         raise LipsyncError(f"{options.action} takes no poses; only `posesets new` does")
     if options.action == "show":
@@ -128,3 +142,36 @@ def _show_language(library: "Library", options: Namespace) -> int:
         told = describe(library, library.language(options.name))
     print(as_json(told) if options.json else language_table(told))
     return SOUND
+
+
+def _check_language(library: "Library", options: Namespace) -> int:
+    """Print the faults, the mouths and the tests of a language pack."""
+    from lipsync_lang.authoring.language_check import check_language
+    from lipsync_lang.packs.finding import located
+    from lipsync_lang.packs.library import Library
+
+    if options.name is None:
+        raise LipsyncError("name the language or its file: languages check languages/NAME.yaml")
+    if options.picture is not None and options.character is None:
+        raise LipsyncError("--picture draws a character; name one with -c CHARACTER")
+    (name,), folders = located(options.path, language=options.name)
+    library = Library(folders)
+    with working(f"checking {name}"):
+        found = check_language(library, library.find("language", name), options.character)
+    if found.sounds is not None and options.picture is not None:
+        _draw_mouths(options, found.sounds)
+    print(as_json(found.to_dict()) if options.json else found)
+    faults = sum(fault.severity == "fault" for fault in found.faults)
+    warnings = count(len(found.faults) - faults, "warning")
+    print(f"{count(faults, 'fault')}, {warnings}", file=sys.stderr)
+    return SOUND if found.sound else FAULTS
+
+
+def _draw_mouths(options: Namespace, sounds: "Mapping[str, Any]") -> None:
+    from lipsync_lang.authoring.mouth_sheet import draw_mouths
+    from lipsync_lang.files import write_all
+    from lipsync_lang.performing.resolving import resolve
+
+    performer = resolve(options.name, options.character, paths=options.path, gaps="rest")
+    write_all({options.picture: lambda out: draw_mouths(performer, sounds, out)})
+    tell_written(options.picture)

@@ -1,0 +1,169 @@
+"""Check of a language pack for its author: faults, tests, and the mouth of each sound."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lipsync_lang.authoring.sound_table import SoundTable
+from lipsync_lang.authoring.trial import doubts, try_out
+from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.extending import extended
+from lipsync_lang.packs.finding import IPA
+from lipsync_lang.text_table import columns
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.library import Library
+    from lipsync_lang.packs.yaml.faults import Fault
+
+FAILED_TEST = "P221"
+
+FAINTEST = 0.05
+"""Smallest weight of a pose in the description of a mouth."""
+
+MUTE, REST = "(mute)", "at rest"
+
+MOST_SOUNDS, MOST_WORDS = 8, 3
+"""Maximum numbers of sounds and of words in a row."""
+
+
+@dataclass(frozen=True)
+class LanguageCheck:
+    """Faults of a language pack, and its sounds if it can be read."""
+
+    faults: "tuple[Fault, ...]"
+    sounds: Mapping[str, Any] | None
+    """The table of sounds (`SoundTable.told`); None if a fault keeps the pack from being read."""
+    mouths: Mapping[str, str] = field(default_factory=dict)
+    """Poses of each common phoneme on a character, such as ``open 0.60, wide 0.20``."""
+    character: str = ""
+    tests: int = 0
+    """Tests that the pack itself states."""
+    refusal: str = ""
+    """Reason why the texts of the tests were not read; empty if they were."""
+
+    @property
+    def failed(self) -> int:
+        """Number of tests with another result."""
+        return len({fault.line for fault in self.faults if fault.code == FAILED_TEST})
+
+    @property
+    def sound(self) -> bool:
+        """True if there is no fault; warnings do not count."""
+        return all(fault.severity != "fault" for fault in self.faults)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data for JSON."""
+        return {
+            "faults": [fault.to_dict() for fault in self.faults],
+            "sounds": self.sounds,
+            "character": self.character or None,
+            "mouths": dict(self.mouths),
+            "tests": {"count": self.tests, "failed": self.failed, "refusal": self.refusal},
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(self._told())
+
+    def _told(self) -> Iterator[str]:
+        yield from map(str, self.faults)
+        if self.sounds is None:
+            return
+        sounds = self.sounds
+        mouths = mouths_in(sounds)
+        yield (
+            f"{sounds['title']} ({sounds['tag']}): {sum(map(len, mouths.values()))} sounds, "
+            f"{len(mouths)} mouths"
+        )
+        titles = {one["name"]: one["title"] for one in sounds["common"]}
+        rows = [("mouth", "sounds", "as in", "looks like", *([self.character] * bool(self.mouths)))]
+        for mouth, own in mouths.items():
+            words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
+            looks = " -> ".join(titles.get(name, "") for name in mouth)
+            poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
+            told = (" ".join(mouth) or MUTE, _few(own), ", ".join(words[:MOST_WORDS]), looks)
+            rows.append((*told, *([poses] * bool(self.mouths))))
+        yield from (f"  {line}" for line in columns(rows, widest=64))
+        yield from _looks_needed(sounds)
+        yield self._told_tests()
+
+    def _told_tests(self) -> str:
+        if not self.tests:
+            return "no tests yet: give words with their phonemes under `tests`"
+        unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
+        return f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
+
+
+def _looks_needed(sounds: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the mappings that need a look, the most urgent first."""
+    needed = [row for row in sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
+    if needed:
+        yield "look at:"
+        yield from (f"  {row['label']}: {row['says']}" for row in needed)
+
+
+def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str, Any]]]:
+    """Return the sounds of each mouth, those that words show first.
+
+    A mouth is the common phonemes that a label becomes. Labels are of the notation that people
+    read: IPA, or else the first of the language.
+    """
+    notations = sounds["notations"]
+    shown = IPA if IPA in notations else next(iter(notations), IPA)
+    mouths: dict[tuple[str, ...], list[dict[str, Any]]] = {}
+    for row in sounds["rows"]:
+        if row["notation"] == shown and row["need"] != "unmapped":
+            mouths.setdefault(tuple(row["to"]), []).append(row)
+    return {mouth: sorted(own, key=lambda row: not row["words"]) for mouth, own in mouths.items()}
+
+
+def _few(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the labels of a mouth, the first of them if there are many."""
+    labels = " ".join(row["label"] for row in rows[:MOST_SOUNDS])
+    return f"{labels} + {len(rows) - MOST_SOUNDS}" if len(rows) > MOST_SOUNDS else labels
+
+
+def check_language(library: "Library", path: Path, character: str | None = None) -> LanguageCheck:
+    """Check a language pack.
+
+    Parameters
+    ----------
+    library : packs, with the folder of the language among its folders
+    path : file of the language pack
+    character : a character or pose set that shows the mouths; None for no mouths
+
+    Raises
+    ------
+    PackError
+        The character is unknown or unsound.
+    """
+    faults = validate(library, [path])
+    if any(fault.severity == "fault" and fault.code != FAILED_TEST for fault in faults):
+        return LanguageCheck(tuple(faults), None)
+    pack = extended(library, path)
+    trial = try_out(library, pack)
+    tried = trial.faults(library.common().model.silence)
+    return LanguageCheck(
+        tuple(sorted({*faults, *tried, *doubts(library, pack)})),
+        SoundTable(library, pack).told(),
+        mouths_of(library, pack.model.name, character) if character else {},
+        character or "",
+        len(pack.model.tests),
+        trial.refusal or "",
+    )
+
+
+def mouths_of(library: "Library", language: str, character: str) -> dict[str, str]:
+    """Describe the target of each common phoneme: its poses with their weights, largest first."""
+    from lipsync_lang.resolver.layers import PairPacks
+
+    shelf = PairPacks.open(library, language, character)
+    return {
+        phoneme: _described(target.weights.max(axis=0).tolist(), shelf.poses)
+        for phoneme, (target, _) in shelf.targets.items()
+    }
+
+
+def _described(weights: list[float], poses: "tuple[str, ...] | list[str]") -> str:
+    seen = sorted((-w, pose) for w, pose in zip(weights, poses, strict=True) if w >= FAINTEST)
+    return ", ".join(f"{pose} {-weight:.2f}" for weight, pose in seen) or REST

@@ -1,0 +1,122 @@
+"""`languages check`: what the author of a language sees, without writing code."""
+
+import json
+from pathlib import Path
+
+import pytest
+from lanes import swept
+from shipped import LANGUAGES, LIBRARY
+
+from lipsync_lang.authoring.language_check import check_language, mouths_in, mouths_of
+
+PACK = """kind: language
+format: 1
+name: stage-english
+tag: en-x-stage
+extends: english
+notations:
+  ipa: {ŋ: kg}
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("languages").mkdir()
+    Path("languages/stage-english.yaml").write_text(PACK, "utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", swept(LANGUAGES, quick=LANGUAGES[::20]))
+def test_every_sound_of_every_language_has_a_mouth(name):
+    found = check_language(LIBRARY, LIBRARY.find("language", name), "facefx")
+    assert found.sound
+    mouths = mouths_in(found.sounds)
+    assert mouths
+    assert {phoneme for mouth in mouths for phoneme in mouth} <= found.mouths.keys()
+    assert all(row["need"] != "unmapped" for own in mouths.values() for row in own)
+    told = str(found).split("\n")
+    assert sum(line.startswith("  ") for line in told) >= len(mouths) + 1
+
+
+def test_a_pack_is_checked_by_its_file_or_its_name(cli):
+    by_file = cli("languages", "check", "languages/stage-english.yaml", "-c", "facefx")
+    by_name = cli("languages", "check", "stage-english", "-c", "facefx")
+    assert by_file.code == by_name.code == 0, by_file.err
+    assert by_file.out == by_name.out
+    rows = {line.split()[0]: line for line in by_file.out.split("\n") if line.startswith("  ")}
+    assert "ŋ" in rows["kg"], "the pack's own mapping"
+    assert "ng" not in rows
+    assert "PBM 1.00" in rows["bmp"]
+    assert "lips pressed together" in rows["bmp"]
+    assert "0 faults, 0 warnings" in by_file.err
+
+
+def test_weights_are_those_of_the_targets():
+    targets = LIBRARY.poseset("facefx").model.targets
+    mouths = mouths_of(LIBRARY, "english", "facefx")
+    for phoneme, steps in targets.items():
+        if phoneme in mouths:
+            for pose, weight in steps[0].weights.items():
+                if weight == max(step.weights.get(pose, 0) for step in steps) and weight >= 0.05:
+                    assert f"{pose} {weight:.2f}" in mouths[phoneme]
+
+
+def test_faults_come_before_the_table(cli):
+    path = Path("languages/stage-english.yaml")
+    path.write_text(PACK.replace("ŋ: kg", "ŋ: gk").replace("tag: en-x-stage", "tag: 7"), "utf-8")
+    ended = cli("languages", "check", path)
+    assert ended.code == 1
+    assert len(ended.out.strip().split("\n")) >= 2
+    assert all("stage-english.yaml:" in line or "hint:" in line for line in ended.out.splitlines())
+    assert "mouth" not in ended.out
+
+
+def test_a_failing_test_is_counted_and_located(cli):
+    path = Path("languages/stage-english.yaml")
+    path.write_text(PACK + "tests:\n  - {text: sing, phonemes: [s, ih, d]}\n", "utf-8")
+    ended = cli("languages", "check", path)
+    assert ended.code == 1
+    assert "stage-english.yaml:9" in ended.out
+    assert "0 of 1 tests pass" in ended.out
+
+
+def test_json_says_the_same(cli):
+    told = json.loads(cli("languages", "check", "stage-english", "-c", "facefx", "--json").out)
+    assert told["faults"] == []
+    assert told["character"] == "facefx"
+    assert told["mouths"]["bmp"].startswith("PBM 1.00")
+    assert {row["label"] for row in told["sounds"]["rows"]} >= {"ŋ", "NG"}
+
+
+def test_the_mouths_are_drawn(cli):
+    from PIL import Image
+
+    ended = cli("languages", "check", "stage-english", "-c", "facefx", "--picture", "mouths.png")
+    assert ended.code == 0, ended.err
+    with Image.open("mouths.png") as picture:
+        height = picture.height
+    alone = [mouth for mouth in mouths_in(english_sounds()) if len(mouth) == 1]
+    rows = -(-len(alone) // 4)
+    assert rows * 320 < height < (rows + 1) * 400
+
+
+def english_sounds():
+    return check_language(LIBRARY, LIBRARY.find("language", "english")).sounds
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ((), "languages check languages/NAME.yaml"),
+        (("stage-english", "--picture", "m.png"), "name one with -c CHARACTER"),
+        (("languages/none.yaml",), "no such file"),
+        (("stage-english", "-c", "facef"), "did you mean 'facefx'?"),
+        (("stage-english", "-c", "arkit", "--picture", "m.png"), "model"),
+    ],
+)
+def test_misuse_is_told_and_nothing_is_written(arguments, said, cli):
+    ended = cli("languages", "check", *arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert said in ended.err
+    assert not Path("m.png").exists()
