@@ -20,6 +20,7 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
+from lipsync_lang.render.plot_fonts import quiet_fonts, with_fonts
 from lipsync_lang.render.sound_panel import (
     EDGES,
     IN_DOUBT,
@@ -128,10 +129,10 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
         from matplotlib import style
     except ImportError:
         raise OutputError('a picture needs matplotlib: pip install "lipsync-lang[plot]"') from None
-    with warnings.catch_warnings(), style.context(RC, after_reset=True):
+    with warnings.catch_warnings(), style.context(RC, after_reset=True), quiet_fonts():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         warnings.filterwarnings("ignore", message="Matplotlib currently does not support")
-        page().savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
+        with_fonts(page).savefig(stream, format=name, dpi=DPI, metadata=FORMATS[name])
 
 
 def _page(view: View) -> "Figure":

@@ -1,8 +1,10 @@
 """Contact sheet: stills of the most different faces of a line, each with its word and time."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from textwrap import shorten
 from typing import Any, BinaryIO
 
@@ -11,6 +13,14 @@ import numpy as np
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
 from lipsync_lang.pipeline.arrays import Ints
+from lipsync_lang.render.fonts import (
+    FoundFonts,
+    find_fonts,
+    legible,
+    letters_of,
+    split_letters,
+    warn_of,
+)
 from lipsync_lang.render.model.camera import close_up, framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist
@@ -19,19 +29,17 @@ from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
 MOST, COLUMNS = 12, 4
 
-CELL, FOOT, GAP, EDGE = 320, 58, 12, 16
-"""Pixels: side of a still, height of its caption, gap between stills, margin of the sheet."""
+CELL, FOOT, GAP, EDGE, APART = 320, 58, 12, 16, 13
+"""Pixels: side of a still, height of its caption, gap between stills, margin of the sheet,
+space between a word and its time."""
 
 PAPER, INK, PALE = "#ffffff", "#222222", "#777777"
 
-FONTS = (
-    *("DejaVuSans.ttf", "NotoSans-Regular.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf"),
-    *("NotoSansCJK-Regular.ttc", "NotoSansCJKjp-Regular.otf", "msyh.ttc", "PingFang.ttc"),
-    *("YuGothM.ttc", "malgun.ttf", "Nirmala.ttf", "NotoSansDevanagari-Regular.ttf"),
-    *("NotoSansArabic-Regular.ttf", "NotoSansHebrew-Regular.ttf", "NotoSansThai-Regular.ttf"),
-    *("FreeSans.ttf", "unifont.ttf"),
-)
-"""System fonts by preference; the first with all letters of a text is used."""
+FONTS = ("DejaVuSans.ttf", "NotoSans-Regular.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf")
+"""Usual fonts by preference; other installed fonts draw the letters that the first one lacks."""
+
+TRIED = 12
+"""Pixels: size at which a font is looked into."""
 
 ABSENT = "\U0010fffe"
 """A character absent from every font."""
@@ -118,9 +126,10 @@ def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
         picture = artist.draw(still.seconds + start)
         page.paste(image.fromarray(picture), (left, top))
-        told = f"{_plain(still.word, 24)}   {still.seconds:.2f} s".strip()
         _write(draw, left, top + CELL + 4, _plain(still.sound, 12), 20, INK)
-        _write(draw, left, top + CELL + 29, told, 14, PALE)
+        word = _plain(still.word, 24)
+        after = _write(draw, left, top + CELL + 29, word, 14, PALE) + APART if word else left
+        _write(draw, after, top + CELL + 29, f"{still.seconds:.2f} s", 14, PALE)
     page.save(out, "PNG", optimize=True)
 
 
@@ -151,27 +160,66 @@ def _plain(text: str, width: int) -> str:
     return shorten(text, width, placeholder="…") or text[:width].strip()
 
 
-def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> None:  # noqa: PLR0913, PLR0917
-    """Draw a text in the first font with all its letters, or else in the one with most of them."""
-    letters = [letter for letter in dict.fromkeys(text) if not letter.isspace()]
-    fonts = _fonts(size)
-    lacks = [sum(not _has(font, letter) for letter in letters) for font in fonts]
-    draw.text((left, top), text, fill=ink, font=fonts[lacks.index(min(lacks))])
+def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> int:  # noqa: PLR0913, PLR0917
+    """Draw a text, each part of it in a font that has its letters, and return its right edge."""
+    baseline, x = top + _font(_usual(), size).getmetrics()[0], float(left)
+    for part, file in _parts(text):
+        font = _font(file, size)
+        draw.text((x, baseline), part, fill=ink, font=font, anchor="ls")
+        x += font.getlength(part)
+    return round(x)
+
+
+def _parts(text: str) -> list[tuple[str, str]]:
+    """Divide a text by the font files that have its letters."""
+    usual, letters = _usual(), letters_of([text])
+    lacking = letters - _having(usual, letters)
+    found = find_fonts(lacking, coverage) if lacking else FoundFonts((), lacking)
+    warn_of(found.missing)
+    others = {str(path): coverage(path, lacking) for path in found.paths}
+    parts: list[tuple[str, str]] = []
+    for letter in split_letters(legible(text, found.missing), hidden=True):
+        file = next((name for name, known in others.items() if letter in known), usual)
+        if parts and (parts[-1][1] == file or not letters_of([letter])):
+            parts[-1] = (parts[-1][0] + letter, parts[-1][1])
+        else:
+            parts.append((letter, file))
+    return parts
+
+
+def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
+    """Return those of some letters that a font file has; none if Pillow cannot use it."""
+    try:
+        return _having(str(path), letters)
+    except (OSError, ValueError):
+        return frozenset()
+
+
+def _having(file: str, letters: frozenset[str]) -> frozenset[str]:
+    """Return the letters of a font file; a shape other than that of an absent character is one."""
+    font = _font(file, TRIED, simple=True)
+    absent = bytes(font.getmask(ABSENT))
+    characters = {character for letter in letters for character in letter}
+    there = {one for one in characters if bytes(font.getmask(one)) != absent}
+    return frozenset(letter for letter in letters if there.issuperset(letter))
 
 
 @cache
-def _fonts(size: int) -> list[Any]:
+def _usual() -> str:
+    """Return the usual font's file; empty for the one that Pillow brings."""
+    for name in FONTS:
+        with suppress(OSError):
+            _font(name, TRIED)
+            return name
+    return ""
+
+
+@cache
+def _font(file: str, size: int, *, simple: bool = False) -> Any:
+    """Open a font file, without shaping of letters by their neighbours if `simple`."""
     from PIL import ImageFont
 
-    found = []
-    for name in FONTS:
-        try:
-            found.append(ImageFont.truetype(name, size))
-        except OSError:
-            continue
-    return [*found, ImageFont.load_default(size)]
-
-
-@cache
-def _has(font: Any, letter: str) -> bool:
-    return bytes(font.getmask(letter)) != bytes(font.getmask(ABSENT))
+    if not file:
+        return ImageFont.load_default(size)
+    layout = ImageFont.Layout.BASIC if simple else None
+    return ImageFont.truetype(file, size, layout_engine=layout)

@@ -1,0 +1,197 @@
+"""Fonts for the text of pictures: installed ones that have its letters, or advice which to install.
+
+No library lists fonts for all pictures: matplotlib draws plots, and Pillow draws sheets. So the
+folders of the system are searched here, and the library that draws says which letters a file has.
+"""
+
+import logging
+import os
+import re
+import sys
+import unicodedata
+from collections.abc import Callable, Collection, Iterable, Iterator
+from functools import cache
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+FOLDERS = {
+    "linux": ("/usr/share/fonts", "/usr/local/share/fonts", "~/.local/share/fonts", "~/.fonts"),
+    "darwin": ("/System/Library/Fonts", "/Library/Fonts", "~/Library/Fonts"),
+    "win32": ("%WINDIR%/Fonts", "%LOCALAPPDATA%/Microsoft/Windows/Fonts"),
+}
+"""Folders of fonts by platform; those of Linux serve other systems."""
+
+SUFFIXES = (".ttf", ".otf", ".ttc", ".otc")
+
+MAX_FONTS = 5000
+"""Font files that are looked at."""
+
+SHOWN_LETTERS = 12
+"""Missing letters in a remark."""
+
+ELLIPSIS = "…"
+"""Stands in a picture for letters that no font has."""
+
+UNFIT = re.compile(r"last ?resort|blank|emoji|color|symbol|music", re.IGNORECASE)
+"""File names of fonts that have boxes or pictures for letters."""
+
+UNUSUAL = re.compile(
+    r"bold|italic|oblique|black|thin|light|medium|condensed|narrow|mono|serif|slant|kufi|nastaliq"
+    r"|looped|display|supplement|[a-z]UI\b",
+    re.IGNORECASE,
+)
+"""File names of fonts that stand out beside an upright sans serif."""
+
+PLAIN_SCRIPTS = {"LATIN", "GREEK", "CYRILLIC", "COMBINING", "MODIFIER", "SUPERSCRIPT", "SUBSCRIPT"}
+"""First words of letters' names in Unicode that one font of many scripts has."""
+
+HIDDEN = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp", "Zs"}
+"""Unicode categories of characters without a glyph."""
+
+EAST_ASIAN_SCRIPTS = {
+    "CJK", "HIRAGANA", "KATAKANA", "KATAKANA-HIRAGANA", "HANGUL", "BOPOMOFO", "IDEOGRAPHIC",
+    "FULLWIDTH", "HALFWIDTH",
+}  # fmt: skip
+
+Coverage = Callable[[Path, frozenset[str]], frozenset[str]]
+"""Return those of some letters that a font file has."""
+
+
+_log = logging.getLogger(__name__)
+_told: set[str] = set()
+
+
+class FoundFonts(NamedTuple):
+    """Fonts that have the letters of a text together."""
+
+    paths: tuple[Path, ...]
+    missing: frozenset[str]
+    """Letters that no font has."""
+
+
+@cache
+def find_fonts(letters: frozenset[str], coverage: Coverage) -> FoundFonts:
+    """Find few installed fonts with some letters; among equals, the plainest fonts.
+
+    Parameters
+    ----------
+    letters : characters, alone or with their marks, as `letters_of` gives them
+    coverage : how the drawing library looks into a font file
+    """
+    wanted = {path: coverage(path, letters) for path in font_files()}
+    chosen: list[Path] = []
+    missing = set(letters)
+    while missing and wanted:
+        best = max(wanted, key=lambda path: len(wanted[path] & missing))
+        if not wanted[best] & missing:
+            break
+        chosen.append(best)
+        missing -= wanted[best]
+    return FoundFonts(tuple(chosen), frozenset(missing))
+
+
+@cache
+def font_files() -> tuple[Path, ...]:
+    """List the installed font files, plain upright ones first."""
+    stated = FOLDERS.get(sys.platform, FOLDERS["linux"])
+    folders = [Path(os.path.expandvars(one)).expanduser() for one in stated]
+    found = {path for folder in folders for path in islice(_fonts_below(folder), MAX_FONTS)}
+    return tuple(sorted(found, key=_rank))
+
+
+def _fonts_below(folder: Path) -> Iterator[Path]:
+    for here, inner, names in os.walk(folder):
+        inner.sort()
+        for name in sorted(names):
+            if name.lower().endswith(SUFFIXES) and not UNFIT.search(name):
+                yield Path(here, name)
+
+
+def _rank(path: Path) -> tuple[int, bool, int, str]:
+    """Sort key: few unusual marks in the name, then sans serif, then a short name."""
+    name = path.stem
+    sans = "sans" in name.lower()
+    return len(UNUSUAL.findall(name)), not sans, len(name), str(path)
+
+
+def letters_of(texts: Iterable[str]) -> frozenset[str]:
+    """Return the letters of texts: characters alone, and characters with the marks on them.
+
+    A mark needs a font that has its character too, because they are drawn as one.
+    """
+    found = {letter for text in texts for letter in split_letters(text)}
+    return frozenset(found | {letter[0] for letter in found})
+
+
+def split_letters(text: str, *, hidden: bool = False) -> Iterator[str]:
+    """Yield each character with its marks, and characters without a glyph if `hidden`."""
+    letter = ""
+    for character in text:
+        category = unicodedata.category(character)
+        if letter and category.startswith("M"):
+            letter += character
+            continue
+        if letter:
+            yield letter
+        letter = character if hidden or category not in HIDDEN else ""
+    if letter:
+        yield letter
+
+
+def warn_of(missing: Collection[str]) -> None:
+    """Log once which letters no font has, unless only their marks are left out."""
+    if any(letter[0] in missing for letter in missing):
+        remark = font_remark(missing)
+        if remark not in _told:
+            _told.add(remark)
+            _log.warning(remark)
+
+
+def legible(text: str, missing: Collection[str]) -> str:
+    """Replace letters that no font has: by the character without marks, or by an ellipsis."""
+    for letter in sorted(split_letters(text), key=len, reverse=True):
+        if letter in missing:
+            text = text.replace(letter, ELLIPSIS if letter[0] in missing else letter[0])
+    return re.sub(f"{ELLIPSIS}+", ELLIPSIS, text)
+
+
+def font_remark(missing: Collection[str]) -> str:
+    """Say which letters no installed font has, and which font to install.
+
+    >>> print(font_remark("क"))  # doctest: +SKIP
+    no installed font has the letter क: the picture shows "…" instead; install Noto Sans Devanagari...
+    """
+    letters = sorted(letter for letter in missing if letter[0] in missing)
+    shown = " ".join(letters[:SHOWN_LETTERS]) + (" ..." if len(letters) > SHOWN_LETTERS else "")
+    what = f"the letters {shown}" if len(letters) > 1 else f"the letter {shown}"
+    advice = "; ".join(f"install {name}: {how}" for name, how in fonts_to_install(letters).items())
+    them = "them" if several else "it"
+    return (
+        f'no installed font has {what}, so "{ELLIPSIS}" stands for {them} in the picture; {advice}'
+    )
+
+
+def fonts_to_install(letters: Iterable[str]) -> dict[str, str]:
+    """Return names of fonts with some letters, each with the way to install it here."""
+    return {name: _how(name) for name in dict.fromkeys(map(_font_name, sorted(letters)))}
+
+
+def _font_name(letter: str) -> str:
+    script = unicodedata.name(letter[0], "").partition(" ")[0]
+    if script in EAST_ASIAN_SCRIPTS:
+        return "Noto Sans CJK"
+    if script in PLAIN_SCRIPTS or not script:
+        return "Noto Sans"
+    return f"Noto Sans {script.title()}"
+
+
+def _how(name: str) -> str:
+    """Return the way to install a font of Google's Noto family on this platform."""
+    if sys.platform == "darwin":
+        cask = name.lower().replace(" ", "-").replace("cjk", "cjk-jp")
+        return f"brew install --cask font-{cask}"
+    if sys.platform == "win32":
+        return "download it from https://fonts.google.com/noto, and open the file to install it"
+    package = "fonts-noto-cjk" if name.endswith("CJK") else "fonts-noto-core"
+    return f"sudo apt install {package} (Debian, Ubuntu), or your system's package of Noto fonts"
