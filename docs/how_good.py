@@ -5,8 +5,8 @@
 
 Figures are those of `docs/measured.json`, which `docs/measure.py` measures, and of
 `docs/published.yaml`, which names their sources. Text between the marks `made: NAME` and `end` is
-written anew; all other text of the page is written by hand, and states no figure.
-`tests/test_how_good.py` makes the page anew and compares.
+generated; all other text of the page is written by hand, and states no figure.
+`tests/test_how_good.py` generates the page again and compares.
 """
 
 import argparse
@@ -166,7 +166,7 @@ class Page:
             picture("articulation", self.articulation_words()),
             table(["r, mean of the recordings", *names], rows),
             measured_by(self.measured["articulation"])
-            + f" From recording to recording the default differs: {spread}.",
+            + f" The default varies from recording to recording: {spread}.",
             f"On {self.here['voices']}:",
             table(["r, mean of the voices", *names], held),
             f"*{self.here['about']} {self.here['held_out_note']}*",
@@ -206,7 +206,7 @@ class Page:
             picture("motion", f"Each measure of the jaw beside the range of captures. {words}"),
             table(head, rows),
             measured_by(self.measured["motion"])
-            + f" The column of captures: {self.here['captures_of']}. {self.here['about']}",
+            + f" The column of captures shows {self.here['captures_of']}. {self.here['about']}",
         )
 
     def contacts(self) -> str:
@@ -254,18 +254,18 @@ class Page:
         rows = [
             ["languages read", f"{len(spoken)}"],
             ["words read", f"{words:,}"],
-            ["words and labels that nothing reads or maps", f"{lost:,}"],
+            ["words and labels that no engine reads and no pack maps", f"{lost:,}"],
             ["bigrams of 441 that a text uses, least", f"{used[low]} ({low})"],
             ["the same, median", f"{median(used.values()):g}"],
             ["the same, most", f"{used[high]} ({high})"],
-            ["bigrams for 90 % of what is spoken, median", f"{median(ninety):g}"],
+            ["bigrams for 90 % of the spoken text, median", f"{median(ninety):g}"],
             ["bigrams without any curve", f"{gaps}"],
-            ["spoken by drafts, which nobody drew", percent(drafted)],
+            ["share of drafts in the spoken text", percent(drafted)],
         ]
         picture_words = (
             f"A bar for each of {len(spoken)} languages: bigrams that its text uses, from {used[low]} in "
             f"{low} to {used[high]} in {high}, and the {min(ninety)} to {max(ninety)} of them that are 90 % "
-            "of what is spoken"
+            "of the spoken text"
         )
         return self.joined(
             "coverage",
@@ -295,7 +295,7 @@ class Page:
         """Return how many sounds of the world's languages find a mouth."""
         found = self.figures("segments")["segments"]
         return (
-            f"Of {found['segments']:,} segments of the IPA, {found['resolved']:,} find a mouth by their "
+            f"{found['resolved']:,} of {found['segments']:,} segments of the IPA find a mouth shape by their "
             f"features, {found['exact']:,} without any loss. {measured_by(self.measured['segments'])}"
         )
 
@@ -312,14 +312,14 @@ class Page:
         words = ", ".join(f"{name} {percent(found[name]['error'])}" for name in order)
         return self.joined(
             "reading",
-            f"The median of {len(found)} lists is {percent(middle, 1)} of the phonemes; the worst, {order[-1]}, has "
+            f"The median error of {len(found)} lists is {percent(middle, 1)} of the phonemes. The worst list, {order[-1]}, has "
             f"{percent(found[order[-1]]['error'])}.",
             picture("reading", f"Bars of phoneme error by language: {words}"),
             table(["language", "words", "phoneme error", "words with a wrong lip closure"], rows),
             measured_by(self.measured["reading"])
-            + " The lists follow conventions of their own, and a difference of convention counts as an error: "
-            + f"{self.two_lists()}. The British list was left out, for it looks like the work of eSpeak NG "
-            "itself. Which words the packs were written with is not recorded.",
+            + " The lists follow their own conventions, and a difference of convention counts as an error: "
+            + f"{self.two_lists()}. The British list was left out, because it looks like the work of eSpeak NG "
+            "itself. The project does not record which words helped to write the packs.",
         )
 
     def two_lists(self) -> str:
@@ -359,7 +359,7 @@ class Page:
             + " "
             + measured_by(self.measured["warping"])
             + " The labels of CMU ARCTIC were made by another aligner.",
-            f"Texts that are remarked on as doubtful, right ones and wrong ones of some lengths: {doubts}.",
+            f"A remark calls a text doubtful, for right texts and wrong ones of several lengths: {doubts}.",
         )
 
     def aligned(self) -> list[tuple[str, Figures]]:
@@ -394,8 +394,8 @@ class Page:
             table(["heard by", "words", "words wrong"], words),
             table(head, sounds),
             measured_by(self.measured["recognition"])
-            + " A lip closure is lost if none is heard within two frames of 60 a second; phonemes are counted in steps "
-            "of 10 ms. Even with its text a recording loses closures: labels and the language's reading differ.",
+            + " A lip closure is lost if none is heard within two frames of 60 a second. Phonemes are counted in steps "
+            "of 10 ms. A recording loses closures even with its text, because the labels differ from the language's reading.",
         )
 
     def speed(self) -> str:
@@ -410,7 +410,7 @@ class Page:
             "speed",
             picture("speed", f"Time of an utterance by its length: {words}"),
             table(["timed phonemes to curves, and whole commands", "time"], rows),
-            f"*Stated {part['date']} in [performance](../reference/performance.md), where the goals stand beside "
+            f"*Stated {part['date']} in [performance](../reference/performance.md), with the goals beside "
             f"them, by [`{part['benchmark']}`](../../{part['benchmark']}): {part['machine']}.*",
             self.here["smartbody"],
         )
@@ -442,16 +442,16 @@ class Page:
                      f"{mean(one['after']):.2f}", f"{min(gains):+.2f} to {max(gains):+.2f}"]
                 )  # fmt: skip
         known = " ".join(
-            f"{one['minutes']:g} minutes of a made-up face, whose targets are known, with errors of timing and "
-            f"noise: found again in {one['seconds']:.0f} s; the root mean square error of its {poseset} curves is "
+            f"Known targets were fitted again from {one['minutes']:g} minutes of a made-up face, with errors of timing and "
+            f"noise, in {one['seconds']:.0f} s. The root mean square error of its {poseset} curves is "
             f"{one['before']:.3f} before and {one['after']:.3f} after."
             for poseset, one in part["figures"]["known"].items()
         )
         return self.joined(
             "fitting",
             table(["r with the recording left out", "before", "after", "by recording"], rows),
-            "The fit is made with the other recordings. The shipped targets have seen all of them, the one left "
-            "out too, so the column *before* has an advantage.",
+            "The fit uses the other recordings. The shipped targets have seen all of them, including the left-out "
+            "one, so the column *before* has an advantage.",
             f"{known} {self.busy(part)}",
             measured_by(part),
         )
@@ -461,7 +461,7 @@ class Page:
         load, cores = part.get("load", 0.0), part["cores"]
         if load < cores / 2:
             return ""
-        return f"The time was measured beside other programs, with a load of {load:g} on {cores} cores."
+        return f"The time was measured while other programs ran, with a load of {load:g} on {cores} cores."
 
     def fitted(self) -> str:
         """Return the fits in a few words."""
@@ -475,7 +475,7 @@ class Page:
 
     def preference(self) -> str:
         """Return what studies found."""
-        return self.joined("preference", "Of this program: no study yet.")
+        return self.joined("preference", "There is no study of this program yet.")
 
     def summary(self) -> str:
         """Return the page in one table."""
@@ -496,10 +496,10 @@ class Page:
              "captures of one face"],
             ["[contacts](#contacts)",
              f"{max(missed.values())} of {jaw['contacts']} missed at any of {len(missed)} frame rates",
-             "a promise, so no surprise"],
+             "the motion promises this result"],
             ["[coverage](#coverage)",
              f"{len(spoken)} languages with a text, {sum(row['gaps'] for row in spoken.values())} bigrams without a curve",
-             f"{percent(mean(row['drafted'] for row in spoken.values()))} of what is spoken are drafts"],
+             f"{percent(mean(row['drafted'] for row in spoken.values()))} of the spoken text are drafts"],
             ["[reading](#reading-of-text)",
              f"median {percent(median(row['error'] for row in reading.values()), 1)} of phonemes wrong, {len({name.partition('.')[0] for name in reading})} languages",
              f"worst {percent(max(row['error'] for row in reading.values()))}"],
@@ -507,7 +507,7 @@ class Page:
              f"German by hand: median {german['median_ms']:.0f} ms, {percent(german['within_ms']['20'])} within 20 ms",
              f"{german['boundaries']} boundaries of three recordings"],
             ["[recognition](#recognition)",
-             f"{percent(heard[best]['error'])} of words wrong by {best}", "English alone, two minutes of sound"],
+             f"{percent(heard[best]['error'])} of words wrong by {best}", "only English, two minutes of sound"],
             ["[speed](#speed)", f"{self.figures('speed')['utterance: 40 phonemes']} for 40 phonemes",
              "some goals of builds are missed"],
             ["[fits](#fits-from-captures)",
@@ -524,7 +524,7 @@ class Page:
 
 
 def written(text: str, block: Callable[[str], str]) -> str:
-    """Return a page with its marked parts made anew."""
+    """Return a page with its marked parts generated again."""
     return MARKED.sub(lambda mark: f"{mark[1]}{block(mark[2])}\n{mark[3]}", text)
 
 

@@ -78,7 +78,7 @@ def test_fits_are_told_once_they_are_measured(how_good, page):
     part = page.measured["articulation"] | {"figures": figures, "load": 7.5, "cores": 2}
     told = how_good.Page(without | {"fitting": part}, page.published)
     assert "| facefx, aperture | 0.85 | 0.80 | -0.10 to +0.00 |" in told.block("fitting")
-    assert "found again in 42 s" in told.block("fitting")
+    assert "with errors of timing and noise, in 42 s" in told.block("fitting")
     assert "0.100 before and 0.012 after" in told.block("fitting")
     assert "with a load of 7.5 on 2 cores" in told.block("fitting")
     assert told.busy(part | {"load": 0.1}) == ""
@@ -259,7 +259,7 @@ def test_a_dictionary_is_judged_as_the_page_reads_it(how_good, page, made, tmp_p
     measured = page.measured | {"reading": page.measured["reading"] | {"figures": figures}}
     told = how_good.Page(measured, page.published).block("reading")
     assert (
-        "The median of 2 lists is 25.0 % of the phonemes; the worst, finnish.other, has 50 %"
+        "The median error of 2 lists is 25.0 % of the phonemes. The worst list, finnish.other, has 50 %"
         in told
     )
     assert "finnish has 50 % by other, and 0 % by the other list" in told
