@@ -259,8 +259,8 @@ def test_a_dictionary_is_judged_as_the_page_reads_it(how_good, page, made, tmp_p
     measured = page.measured | {"reading": page.measured["reading"] | {"figures": figures}}
     told = how_good.Page(measured, page.published).block("reading")
     assert (
-        "The median error of 2 lists is 25.0 % of the phonemes. The worst list, finnish.other, has 50 %"
-        in told
+        "The median error of 2 lists is 25.0 % of the phonemes. "
+        "The worst list, finnish.other, has 50 %" in told
     )
     assert "finnish has 50 % by other, and 0 % by the other list" in told
 

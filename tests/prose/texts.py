@@ -21,8 +21,8 @@ _HIDDEN = re.compile(
 _CODE = re.compile(r"(`+)(?!`).+?(?<!`)\1(?!`)", re.DOTALL)
 _TARGET = re.compile(r"(?<=\])\([^()\s]*(?:\([^()]*\))?[^()\s]*\)")
 _BLOCK = re.compile(r"^\s*(?:[-*+] |\d+\. |#+ |> ?|!!! \w+ ?|:   )")
-_STOP = re.compile(r"[.!?][\"')\]*_]*\s+(?=[\"'(\[*_]*[A-Z0-9\x00])")
-_SHORTENED = re.compile(r"(?:\b(?:e\.g|i\.e|etc|vs|al|ca|cf|No|Dr|Fig|pp?)|\b[A-Z])\.$")
+_STOP = re.compile(r"[.!?][\"')\]*_]*\s+(?=[\"'(\[*_]*[\w\x00])")
+_SHORTENED = re.compile(r"(?:\b(?:e\.g|i\.e|etc|vs|al|ca|cf|No|Dr|Fig|pp?))\.$")
 PLACEHOLDER = "\x00"
 """Stands for code and for the values of an f-string: one word, and never a part of a pattern."""
 
