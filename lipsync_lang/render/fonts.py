@@ -160,16 +160,13 @@ def font_remark(missing: Collection[str]) -> str:
     """Say which letters no installed font has, and which font to install.
 
     >>> print(font_remark("क"))  # doctest: +SKIP
-    no installed font has the letter क: the picture shows "…" instead; install Noto Sans Devanagari...
+    no installed font has the letter क: the picture shows "…" instead; install Noto Sans ...
     """
     letters = sorted(letter for letter in missing if letter[0] in missing)
     shown = " ".join(letters[:SHOWN_LETTERS]) + (" ..." if len(letters) > SHOWN_LETTERS else "")
     what = f"the letters {shown}" if len(letters) > 1 else f"the letter {shown}"
     advice = "; ".join(f"install {name}: {how}" for name, how in fonts_to_install(letters).items())
-    them = "them" if several else "it"
-    return (
-        f'no installed font has {what}, so "{ELLIPSIS}" stands for {them} in the picture; {advice}'
-    )
+    return f'no installed font has {what}: the picture shows "{ELLIPSIS}" instead; {advice}'
 
 
 def fonts_to_install(letters: Iterable[str]) -> dict[str, str]:
