@@ -2,6 +2,7 @@
 
 import csv
 import importlib.util
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -12,7 +13,7 @@ from shipped import LANGUAGES, LIBRARY, POSESETS
 
 from lipsync_lang import extras
 from lipsync_lang.build.project_folder import project_files, starter
-from lipsync_lang.commands import starting
+from lipsync_lang.commands import doctor, starting
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
 
@@ -206,7 +207,7 @@ def test_a_project_is_made_whole_or_not_at_all(cli, here, monkeypatch):
 
 def test_every_extra_is_listed_with_what_it_is_for(root):
     stated = tomllib.loads((root / "pyproject.toml").read_text())["project"]
-    wanted = set(stated["optional-dependencies"]) - {"all", "dev"}
+    wanted = set(stated["optional-dependencies"]) - {"all", "dev", "docs"}
     assert {one.name for one in extras.extras()} == wanted
     for one in extras.extras():
         assert one.purpose, one.name
@@ -253,3 +254,72 @@ def test_extras_that_are_there_are_kept_by_an_installer_that_starts_anew(tmp_pat
 
 def test_the_screen_lists_extras_that_are_known():
     assert set(starting.SHOWN_IN_NEXT_STEPS) <= {one.name for one in extras.extras()}
+
+
+# Doctor
+
+
+def states(ended):
+    return {one["part"]: one["state"] for one in json.loads(ended.out)}
+
+
+@pytest.fixture
+def healthy(here, monkeypatch):
+    """Checks that start no process."""
+    monkeypatch.setattr(doctor, "_extra", lambda one: doctor.CheckedPart(one.name, "ok", ""))
+    return here
+
+
+def test_the_doctor_names_every_part(cli, healthy):
+    assert cli("new", "game").code == 0
+    ended = cli("doctor", "--json")
+    found = states(ended)
+    assert ended.code == int("broken" in found.values())
+    assert {"Python", "packs", "project", "cache", "terminal", "mfa"} <= set(found)
+    assert {one.name for one in extras.extras()} <= set(found)
+    assert list(healthy.iterdir()) == [healthy / "game"]
+
+
+@pytest.mark.usefixtures("healthy")
+def test_a_broken_project_fails_the_check(cli):
+    Path(FILE).write_text("kind: project\nformat: 1\nfsp: 3\n")
+    ended = cli("doctor")
+    assert ended.code == 1
+    assert re.search(r"^broken +project .*fsp", ended.out, re.MULTILINE)
+
+
+@pytest.mark.usefixtures("healthy")
+def test_a_check_that_fails_is_a_broken_part(cli, monkeypatch):
+    def _odd():
+        raise ZeroDivisionError("no reason")
+        yield
+
+    monkeypatch.setattr(doctor, "CHECKS", (_odd,))
+    ended = cli("doctor")
+    assert ended.code == 1
+    assert "broken  odd  ZeroDivisionError: no reason" in ended.out
+
+
+@pytest.mark.parametrize(
+    ("module", "state", "told"),
+    [
+        ("json", "ok", "reads"),
+        ("no_such_module_here", "missing", "install"),
+        ("antigravity_broken", "broken", "install it again"),
+    ],
+)
+def test_an_extra_is_imported_in_a_process_of_its_own(tmp_path, monkeypatch, module, state, told):
+    (tmp_path / "antigravity_broken.py").write_text("raise OSError('no library')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    found = doctor._extra(extras.Extra("tables", "reads", "build", (module,)))  # noqa: SLF001
+    assert (found.state, told in found.told) == (state, True)
+
+
+def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
+    (tmp_path / "hanging_module.py").write_text("import time\ntime.sleep(60)\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setattr(doctor, "IMPORT_SECONDS", 0.3)
+    extra = extras.Extra("tables", "reads", "build", ("hanging_module",))
+    assert doctor._extra(extra).state == "broken"  # noqa: SLF001

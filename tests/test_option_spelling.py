@@ -20,6 +20,7 @@ ELSEWHERE = {
     "coverage/changes.py": "names the command that writes a report",
     "coverage/forms/text.py": "the command's own report",
     "extras.py": "an option of another program",
+    "render/fonts.py": "an option of another program",
     "resolver/bank_diff.py": "the command's own report",
     "schedules/polly.py": "an option of another program",
     "speech/align/mfa_command.py": "an option of another program",

@@ -18,7 +18,7 @@ from lipsync_lang.commands.performing_options import (
 )
 from lipsync_lang.commands.shared_options import Command, add_json, add_words
 from lipsync_lang.commands.starting import welcome
-from lipsync_lang.commands.starting_options import add_new
+from lipsync_lang.commands.starting_options import add_doctor, add_new
 from lipsync_lang.commands.study_options import add_study
 from lipsync_lang.pipeline import kernel
 from lipsync_lang.version import __version__
@@ -50,6 +50,7 @@ def parser() -> argparse.ArgumentParser:
         return made
 
     add_new(add)
+    add_doctor(add)
     add_run(add)
     add_transcribe(add)
     add_explain(add)

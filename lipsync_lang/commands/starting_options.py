@@ -1,6 +1,7 @@
-"""Options of the commands for first runs: new."""
+"""Options of the commands for first runs: new and doctor."""
 
-from lipsync_lang.commands.shared_options import Add
+from lipsync_lang.commands.doctor import doctor
+from lipsync_lang.commands.shared_options import Add, add_json
 from lipsync_lang.commands.starting import new
 
 
@@ -21,3 +22,9 @@ def add_new(add: Add) -> None:
         "-c", "--character", metavar="CHARACTER", dest="new_character",
         help="the pose set of the new character, or an installed character [facefx]",
     )  # fmt: skip
+
+
+def add_doctor(add: Add) -> None:
+    """Add `doctor`."""
+    made = add("doctor", doctor, "check the installation, and say how to mend it", "doctor")
+    add_json(made)
