@@ -221,7 +221,7 @@ def test_sound_that_the_text_does_not_have_is_told_and_is_silence(english, spoke
     gap = silence(0.3, RATE)
     whole = np.concatenate([first.samples, gap, second.samples, gap, first.samples])
     found = aligned(english, ll.Audio(whole, RATE), f"{TEXTS[0]} {TEXTS[0]}")
-    assert "sound that the text does not have" in " ".join(found.remarks)
+    assert "sound without text" in " ".join(found.remarks)
     middle = found.labels[int(found.times.searchsorted(first.seconds + 1.0)) - 1]
     assert middle == SILENCE
 
@@ -236,7 +236,7 @@ def test_words_that_nobody_says_are_left_out_and_named(english, spoken, more, pl
     text = " ".join([*words[:place], more, *words[place:]])
     right, found = (aligned(english, known.audio, one) for one in (TEXTS[0], text))
     assert [word.text for word in found.words] == [word.text for word in right.words]
-    told = next(one for one in found.remarks if one.startswith("words that are not said"))
+    told = next(one for one in found.remarks if one.startswith("words that are not spoken"))
     assert all(f"'{word.strip('.')}'" in told for word in more.split())
     moved = [found.times[word.first] for word in found.words]
     stayed = [right.times[word.first] for word in right.words]
@@ -279,7 +279,7 @@ def test_sound_beside_a_line_moves_no_word_of_it(english, spoken, kind, first):
     ]
     assert np.median(apart) <= 0.02
     if kind != "noise":  # which the model hears as silence
-        assert "sound that the text does not have" in " ".join(found.remarks)
+        assert "sound without text" in " ".join(found.remarks)
 
 
 @full
@@ -579,13 +579,16 @@ def laid_by(monkeypatch, name, confidence):
     ("first", "second", "kept", "told"),
     [
         (0.9, 1.0, "pocketsphinx", None),
-        (0.3, 0.6, "warp", "aligned by warp, the surest of: pocketsphinx 0.30, warp 0.60"),
-        (0.3, 0.2, "pocketsphinx", "aligned by pocketsphinx, the surest of"),
+        (0.3, 0.6, "warp", "aligned by warp, the most confident of: pocketsphinx 0.30, warp 0.60"),
+        (0.3, 0.2, "pocketsphinx", "aligned by pocketsphinx, the most confident of"),
         (
             None,
             0.4,
             "warp",
-            "aligned by warp, the surest of: pocketsphinx failed, warp 0.40 (pocketsphinx finds",
+            (
+                "aligned by warp, the most confident of: pocketsphinx failed, warp 0.40 "
+                "(pocketsphinx finds"
+            ),
         ),
     ],
 )

@@ -184,7 +184,9 @@ def test_ten_thousand_characters_are_spoken(performer):
 def test_a_language_without_a_voice_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     put(tmp_path, "languages/mute.yaml", "kind: language\nformat: 1\nname: mute\ntag: qaa\n")
-    with pytest.raises(SpeechError, match="mute names no voice: give its pack a `tts`, a `g2p`"):
+    with pytest.raises(
+        SpeechError, match="mute names no voice: add a `tts` to its pack, or a `g2p`"
+    ):
         ll.speak("hello", "mute")
 
 
@@ -354,9 +356,9 @@ def test_motion_out_of_range_is_refused(value, performer):
         ("folder.csv", "folder.csv: is a folder; name a file in it"),
         ("file/a.csv", "file/a.csv: cannot be written: Not a directory; name another place"),
         ("a.xyz", "a.xyz: no writer for '.xyz'; end it in .*\\.csv, "),
-        ("a", "a: has no suffix to tell a format; end it in .*\\.csv, "),
+        ("a", "a: has no suffix; end it in .*\\.csv, "),
         ("nul\0.csv", "cannot be written: .*embedded null .*; name another place"),
-        ("a.wav", "no sound to write: here came without audio; speak text instead, or leave the"),
+        ("a.wav", "no sound to write: here has no audio; speak text instead, or omit the"),
     ],
 )
 def test_outputs_that_cannot_be_written_are_told(name, message, performer, tmp_path):

@@ -229,7 +229,7 @@ def test_everything_that_gives_way_is_told(folder, library):
         "ah-- is passed over: the curve of one phoneme alone",
         "unknown phoneme 'xx', 1 bigram passed over",
         "unknown pose 'opne', 1 bigram without it; did you mean 'open'? (--map opne=OURS)",
-        "l-ah: one key of 'wide' is no curve",
+        "l-ah: one key of 'wide' is not a curve",
         "l-ah: the times of 'W' fall",
         "l-ah: 'W' has keys twice; 3 are left",
         "l-ah: 1 key outside 0 to 1 drawn in, the farthest by 8",
@@ -542,7 +542,7 @@ def test_smooth_curves_are_told_to_stay_low(cli, folder):
         (["--map", "xx"], "--map xx: write THEIRS=OURS"),
         (["--map", "=s"], "write THEIRS=OURS"),
         (["--map", "a=b"], "'b' is neither a phoneme nor a pose"),
-        (["--to", "bank.json"], "is no name for a bank; end it in .yaml"),
+        (["--to", "bank.json"], "is not a name for a bank; end it in .yaml"),
         (["--to", "my bank.yaml"], "a bank is called by letters, digits"),
     ],
 )

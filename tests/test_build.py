@@ -517,7 +517,7 @@ def test_a_damaged_archive_is_named_and_kept(archived):
     (archived.folder / "takes/facefx.zip").write_bytes(b"PK no archive")
     told = archived.build()
     assert told.code != 0
-    assert "takes/facefx.zip: is no sound archive" in told.err
+    assert "takes/facefx.zip: is a damaged archive" in told.err
     assert (archived.folder / "takes/facefx.zip").read_bytes() == b"PK no archive"
 
 

@@ -127,7 +127,7 @@ def test_remarks_of_a_script_are_said_once(game, watched):
         lambda: table(game, "low,low"),
         lambda: table(game, "low,low", "more,", "map,map"),
     )
-    assert ["without text left out" in one for one in said] == [False, True, False, False, True]
+    assert ["without text, left out" in one for one in said] == [False, True, False, False, True]
 
 
 def test_the_watcher_sees_inputs_alone(game):

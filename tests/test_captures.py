@@ -334,10 +334,10 @@ def test_an_unsound_read_out_is_told_with_its_place(tmp_path, old, new, told):
         ("", "is empty"),
         ("time_s,up\n", "has 0 samples"),
         ("time_s,up,low\n0,1,1\n0,2,2\n", "its time does not rise"),
-        ("time_s,up,low\n0,1,1\n0.1,x,2\n", "'x' is no number"),
-        ("time_s,up,low\n,1,1\n0.1,1,2\n", "a time is no number"),
+        ("time_s,up,low\n0,1,1\n0.1,x,2\n", "'x' is not a number"),
+        ("time_s,up,low\n,1,1\n0.1,1,2\n", "a time is not a number"),
         ("time_s,up\n0,1\n0.1,2\n", "has no column"),
-        ("up,low\n1,1\n2,2\n", "its first column is 'up', no time"),
+        ("up,low\n1,1\n2,2\n", "its first column is 'up', not a time"),
     ],
 )
 def test_faulty_tables_of_sensors_are_set_aside(performer, coils, content, told):
@@ -348,11 +348,11 @@ def test_faulty_tables_of_sensors_are_set_aside(performer, coils, content, told)
 @pytest.mark.parametrize(
     ("name", "content", "told"),
     [
-        ("take.csv", b"time_s,open\n0,0\n0.1,nan\n", "a value is no number"),
+        ("take.csv", b"time_s,open\n0,0\n0.1,nan\n", "a value is not a number"),
         ("take.csv", b"time_s,brow\n0,0\n0.1,0.2\n", "has nothing of facefx"),
         ("take.csv", b"Timecode,BlendshapeCount,JawOpen\n00:00:00:00.0,61,0\n", "whole take"),
         ("take.glb", b"glTF", "take.glb"),
-        ("take.json", b"{}", "no animation of this program"),
+        ("take.json", b"{}", "not an animation of this program"),
     ],
 )
 def test_faulty_captures_are_set_aside_and_the_others_read(

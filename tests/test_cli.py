@@ -292,7 +292,7 @@ def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):
         (("--keys", "lines:1"), "--keys lines:1: give the largest error of keys"),
         (("--keys", "lines:nan"), "or that of straight lines, from 0"),
         (("--keys", "line:0.1"), "--keys line:0.1: give the largest error"),
-        (("--offset", "nan"), "--offset nan: a timeline has a day at most"),
+        (("--offset", "nan"), "--offset nan: a timeline lasts at most one day"),
         (("--offset", "01:00:00:00", "--fps", "inf"), "inf frames per second: give a number"),
         (("--plot", "a"), "a picture needs a suffix; known: png"),
         (("-o", "csv:a.png", "--plot", "a.png"), "a.png: is also an output"),
@@ -413,7 +413,7 @@ def test_options_that_would_do_nothing_are_refused(animate, cli):
 @pytest.mark.parametrize(
     ("outputs", "message"),
     [
-        (["a"], "^lipsync-lang: a: has no suffix to tell a format; end it in .*\\.csv, "),
+        (["a"], "^lipsync-lang: a: has no suffix; end it in .*\\.csv, "),
         (["."], "has no suffix"),
         (["a.cvs"], "a.cvs: no writer for '.cvs'; end it in .*\\.csv, "),
         (["a.csv", "nowhere/b.csv"], "nowhere/b.csv: the folder nowhere does not exist; make it"),
@@ -422,7 +422,7 @@ def test_options_that_would_do_nothing_are_refused(animate, cli):
         (["a.csv", "a.csv"], "a.csv: is also an output; name another file"),
         (["a.csv", "./b/../a.csv"], "a.csv: is also an output"),
         (["a.csv", "line.json"], "line.json: is also the input schedule; name another file"),
-        (["a.csv", "b.wav"], "no sound to write: line.json came without audio; speak text"),
+        (["a.csv", "b.wav"], "no sound to write: line.json has no audio; speak text"),
         (["a.csv", "x" * 300 + ".csv"], "xxx.csv: cannot be written: File name too long"),
     ],
 )
@@ -640,7 +640,7 @@ def test_drafts_are_written_once_and_then_used(cli, folder):
 @pytest.mark.parametrize(
     ("target", "message"),
     [
-        ("bank.json", "bank.json: is no name for a bank; end it in .yaml"),
+        ("bank.json", "bank.json: is not a name for a bank; end it in .yaml"),
         ("line.json/bank.yaml", "line.json: cannot be made: (File exists|Not a dir)"),
         ("english.yaml", "english.yaml: is not a bank of facefx; name another file"),
         ("list.yaml", "list.yaml"),

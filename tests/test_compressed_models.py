@@ -295,8 +295,8 @@ def number_of_bytes(own, count):
 DRACO_LIES = {
     "cut": (None, lambda own: own[:200], "has Draco data that cannot be decoded"),
     "no data": (None, lambda own: own[:11], "has Draco data that end within their header"),
-    "other data": (None, lambda own: b"x" * len(own), "is no Draco mesh of bitstream 2.2"),
-    "a cloud": (None, lambda own: own[:7] + b"\0" + own[8:], "is no Draco mesh"),
+    "other data": (None, lambda own: b"x" * len(own), "is not a Draco mesh of bitstream 2.2"),
+    "a cloud": (None, lambda own: own[:7] + b"\0" + own[8:], "is not a Draco mesh"),
     "endless points": (
         None,
         lambda own: number_of_bytes(own, b"\xff\xff\xff\xff\x0f"),

@@ -733,7 +733,7 @@ def test_what_changed_is_told_for_each_column(both, packs):
 def test_a_column_that_nothing_has_is_told(cli):
     ended = run(cli, "--column", "en")
     assert ended.code == 0
-    assert ended.err == "--column en: not used, for none of the files is a table\n"
+    assert ended.err == "--column en: not used, because no file is a table\n"
 
 
 @pytest.mark.parametrize("form", ["text", "junit", "html"])
@@ -755,7 +755,7 @@ def test_words_in_another_script_are_told_in_every_form_for_people(cli, packs, f
         (["--fail-under", "nan"], "give a percentage, 0 to 100"),
         (["--minutes", "0"], "above 0"),
         (["--against", "gone.json"], "gone.json: cannot be read"),
-        (["--encoding", "klingon"], "no encoding has this name"),
+        (["--encoding", "klingon"], "unknown encoding"),
         (["--column", "a", "--column", "b"], "there is --column a already"),
         (["-l", "klingonese"], "klingonese"),
         (["-c", "nobody"], "nobody"),
@@ -792,7 +792,7 @@ def test_an_empty_folder_says_so(cli, packs):
     write(packs / "script.txt/a.png", "x")
     ended = run(cli)
     assert ended.code == 2
-    assert "a.png: left out: nothing reads lines from '.png'" in ended.err
+    assert "a.png: left out: no reader for '.png'" in ended.err
     assert "there are no lines" in ended.err
 
 

@@ -225,10 +225,10 @@ def test_a_dial_at_its_usual_level_changes_nothing(line, fps, motion):
     ("how", "told"),
     [
         ({"styles": {"angri": 1}}, "unknown style 'angri'; did you mean 'angry'"),
-        ({"styles": {"angry": 1.5}}, "style angry: 1.5 is no level; give a number from 0 to 1"),
-        ({"styles": {"angry": float("nan")}}, "style angry: nan is no level"),
+        ({"styles": {"angry": 1.5}}, "style angry: 1.5 is not a level; give a number from 0 to 1"),
+        ({"styles": {"angry": float("nan")}}, "style angry: nan is not a level"),
         ({"dials": {"jawz": 1}}, "unknown region 'jawz'; did you mean 'jaw'"),
-        ({"dials": {"jaw": -1}}, "dial jaw: -1 is no level; give a number from 0 to 2"),
+        ({"dials": {"jaw": -1}}, "dial jaw: -1 is not a level; give a number from 0 to 2"),
         ({"dials": {"jaw": [(1, 1), (0, 1)]}}, "dial jaw: its seconds run back"),
         ({"dials": {"jaw": []}}, "dial jaw"),
         ({"dials": {"jaw": [(1, 1, 1)]}}, "dial jaw"),

@@ -410,9 +410,9 @@ def test_files_that_are_not_the_projects_are_refused(bank, home, tmp_path):
     with pytest.raises(OutputError, match=r"is shipped .* copy it to face/banks/common\.yaml"):
         desk.change("One", [(bank, BOUNDARY, 0.6)])
     desk = Desk(None)
-    with pytest.raises(OutputError, match=r"is no pack's file"):
+    with pytest.raises(OutputError, match=r"is not a pack's file"):
         desk.change("One", [(tmp_path / "passwd", BOUNDARY, 0.6)])
-    with pytest.raises(OutputError, match=r"is no pack's file"):
+    with pytest.raises(OutputError, match=r"is not a pack's file"):
         desk.change("One", [(Path("common.yaml"), BOUNDARY, 0.6)])
     bank.chmod(0o444)
     with pytest.raises(OutputError, match="is read-only"):

@@ -116,9 +116,9 @@ def test_a_model_without_an_end_is_told(cli, folder):
 
 
 def test_a_recording_through_a_pipe_or_without_an_end_is_told(endless):
-    with pytest.raises(LipsyncError, match=r"a\.wav: is a pipe; put the recording into a file"):
+    with pytest.raises(LipsyncError, match=r"a\.wav: is a pipe; write the recording to a file"):
         read_audio(endless("a.wav"))
-    with pytest.raises(LipsyncError, match="no sound that can be read"):
+    with pytest.raises(LipsyncError, match="not a readable recording"):
         read_audio("/dev/zero")
 
 

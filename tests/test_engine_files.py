@@ -283,7 +283,7 @@ def test_bones_alone_are_refused(name):
         channels=animation.channels[-1:],
         weights=animation.weights[:, -1:],
     )
-    with pytest.raises(OutputError, match="all that moves here are bones"):
+    with pytest.raises(OutputError, match="only bones move"):
         bytes_of(name, alone)
 
 

@@ -146,7 +146,7 @@ def test_its_voices_are_listed(cli):
 
 def test_a_language_without_a_voice_of_it_says_so():
     told = (
-        r"german names no voice of festival; give its pack `tts: \{others: \{festival: VOICE\}\}`"
+        r"german names no voice of festival; add to its pack `tts: \{others: \{festival: VOICE\}\}`"
     )
     with pytest.raises(SpeechError, match=told):
         ll.speak("Hallo", "german", engine="festival")
@@ -225,5 +225,5 @@ def test_a_program_that_leaves_no_sound_is_refused(tmp_path):
     program = tmp_path / "mute"
     program.write_text("#!/bin/sh\nprintf 'phones radio\\ntoken a\\nsound a 0.2 1 0\\n'\n", "utf-8")
     program.chmod(0o755)
-    with pytest.raises(SpeechError, match="Festival left no sound"):
+    with pytest.raises(SpeechError, match="Festival wrote no readable sound"):
         Festival(program=str(program)).speak("a", VOICE)

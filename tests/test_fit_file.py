@@ -88,7 +88,7 @@ DAMAGED = {
     "null": ('"value": 0.05', '"value": null', "must be a number"),
     "curve": ("[0.5, 0.25]", "[1.5, 0.25]", "at most 1"),
     "times": ("[[0, 0], [0.5", "[[0.9, 0], [0.5", "times fall"),
-    "kind": ("softness.jaw", "softnes.jaw", "no item of a fit"),
+    "kind": ("softness.jaw", "softnes.jaw", "not an item of a fit"),
     "setting": ("motion.speed_limit", "motion.warp", "speed_limit"),
     "bigram": ("bigrams.l-ow", "bigrams.low", "not a bigram"),
     "phoneme": ("targets.ow", "targets.OW", "malformed"),
@@ -97,7 +97,7 @@ DAMAGED = {
     "by": ('"by": "line"', '"by": "word"', "must be one of line, speaker"),
     "truncated": (" ]\n}\n", "", "fit.json"),
     "later": ('"format": 1', '"format": 2', "newer version"),
-    "other": ('"kind": "fit"', '"kind": "bank"', "no result of a fit"),
+    "other": ('"kind": "fit"', '"kind": "bank"', "not a result of a fit"),
     "list": ("{\n", "[{\n", "fit.json"),
     "verdict": ('"accepted": true', '"accepted": "yes"', "true or false"),
 }

@@ -533,7 +533,7 @@ def test_bones_that_cannot_be_driven_are_told(pose, columns, message, animate):
 
 def test_an_axis_needs_a_direction(animate):
     columns = (Channel("jaw", node="Jaw", rotation=(0, 0, 0)),)
-    with pytest.raises(OutputError, match=r"'jaw': a rotation about \(0, 0, 0\) turns nothing; gi"):
+    with pytest.raises(OutputError, match=r"'jaw': a rotation about \(0, 0, 0\) has no effect; gi"):
         save(animate(with_jaw(), columns=columns))
 
 
@@ -551,7 +551,11 @@ def test_more_than_a_glb_holds_is_refused(animate, monkeypatch, tmp_path):
 
 def test_without_a_model_nothing_is_written(animate, tmp_path):
     animation = animate(FACE, model=None)
-    with pytest.raises(OutputError, match=r"no model to move; name one .`model`., or `mod"):
+    with pytest.raises(
+        OutputError,
+        match=r"no model to animate; name one .`model`., or state "
+        r"`mod",
+    ):
         animation.save(tmp_path / "line.glb")
     assert [path.name for path in tmp_path.iterdir()] == ["model.glb"]
 
@@ -566,7 +570,7 @@ def test_where_no_name_is_known_both_sides_are_told(columns, animate, tmp_path):
 
 
 def test_meshes_that_no_node_shows_cannot_be_moved(animate):
-    with pytest.raises(OutputError, match="nothing in it is called as"):
+    with pytest.raises(OutputError, match="no shape has the name"):
         save(animate(FACE | {"nodes": [{"name": "empty"}]}))
 
 

@@ -228,7 +228,7 @@ def test_bones_are_never_shown():
 
 
 def test_a_sound_that_is_over_before_the_file_begins_is_refused():
-    with pytest.raises(OutputError, match=r"`offset=-3`: the sound is over 2 s before the file's"):
+    with pytest.raises(OutputError, match=r"`offset=-3`: the sound ends 2 s before the start"):
         held(plain(np.ones((20, 1)), offset=-3.0), "rest")
 
 

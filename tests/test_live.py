@@ -53,11 +53,11 @@ def test_addresses_have_usual_hosts_and_ports():
     ("text", "match"),
     [
         ("vcm:1.2.3.4:5", "did you mean 'vmc'"),
-        ("127.0.0.1:11111", "no kind of receiver"),
-        ("ws:127.0.0.1:port", "'port' is no port"),
-        ("ws:127.0.0.1:99999", "'99999' is no port"),
-        ("ws:127.0.0.1:-1", "'-1' is no port"),
-        ("", "no kind of receiver"),
+        ("127.0.0.1:11111", "not a kind of receiver"),
+        ("ws:127.0.0.1:port", "'port' is not a port"),
+        ("ws:127.0.0.1:99999", "'99999' is not a port"),
+        ("ws:127.0.0.1:-1", "'-1' is not a port"),
+        ("", "not a kind of receiver"),
     ],
 )
 def test_other_addresses_are_refused(text, match):
@@ -294,9 +294,9 @@ def test_a_client_sends_phonemes_and_gets_the_frames_of_the_file(client, perform
 @pytest.mark.parametrize(
     ("message", "match"),
     [
-        ("", "no JSON"),
-        ("[" * 100_000, "no JSON"),
-        (b"\xff\xfe", "no JSON"),
+        ("", "not JSON"),
+        ("[" * 100_000, "not JSON"),
+        (b"\xff\xfe", "not JSON"),
         ("[1]", "send a JSON object"),
         ("{}", "a message has one of"),
         ('{"words": 1}', "not 'words'"),
@@ -400,7 +400,7 @@ def test_clients_get_frames_and_are_answered(server, performer):
         for client in (one, other):
             assert json.loads(client.recv(10)) == {"poses": list(performer.poses)}
         one.send("nonsense")
-        assert "no JSON" in json.loads(one.recv(10))["error"]
+        assert "not JSON" in json.loads(one.recv(10))["error"]
         one.send('{"text": "Hello"}')
         assert json.loads(one.recv(10)) == {"waiting": 0}
         one.send('{"phonemes": [["m", 0, 0.2], ["_", 0.2, 2]]}')

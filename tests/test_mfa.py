@@ -102,7 +102,7 @@ def test_the_answer_is_a_schedule_of_the_sound(played):
     assert schedule.audio is SOUND
     assert (schedule.language, schedule.confidence, schedule.notation) == ("letters", None, None)
     (remark,) = schedule.remarks
-    assert remark.startswith("the dictionary of MFA lacks Zorks: the mouth rests there; add")
+    assert remark.startswith("the MFA dictionary lacks Zorks: the mouth rests there; add")
     assert not played.folder.exists(), "its folder is deleted"
 
 
@@ -145,14 +145,14 @@ def test_one_recording_that_fails_spoils_no_other(played, tmp_path):
         "Schedule", "SpeechError", "SpeechError", "SpeechError", "Schedule",
     ]  # fmt: skip
     assert "lost.wav: cannot be read" in str(found[1])
-    assert str(found[2]) == "'...' has no words to align; give what is said"
-    assert "MFA laid nothing of 'none' on the sound" in str(found[3])
+    assert str(found[2]) == "'...' has no words to align; give the spoken text"
+    assert "MFA aligned nothing of 'none' with the recording" in str(found[3])
     assert len(played.given) == 1
 
 
 def test_nothing_to_align_starts_nothing(played):
     assert [str(one) for one in many([(SOUND, "")])] == [
-        "'' has no words to align; give what is said"
+        "'' has no words to align; give the spoken text"
     ]
     assert many([]) == []
     assert not played.given
@@ -183,7 +183,9 @@ def test_a_sound_after_the_last_phoneme_is_silence(played):
 def test_an_answer_without_a_phoneme_is_told(played):
     for label in ("b", "aj", "spn", "n", "aw"):
         played.answer = played.answer.replace(f'text = "{label}"', 'text = ""')
-    with pytest.raises(SpeechError, match="MFA laid nothing of 'Buy Zorks, now!' on the sound"):
+    with pytest.raises(
+        SpeechError, match="MFA aligned nothing of 'Buy Zorks, now!' with the recording"
+    ):
         aligned(SPEAKER, SOUND, TEXT, aligner="mfa:some_mfa")
 
 
@@ -229,10 +231,10 @@ def test_a_dictionary_has_the_name_of_its_model_unless_stated(tmp_path):
         (None, r"MFA needs the name of its model.*`aligner='mfa:MODEL'`"),
         (",dict", "write mfa:MODEL or mfa:MODEL,DICTIONARY"),
         ("model,", "write mfa:MODEL or mfa:MODEL,DICTIONARY"),
-        ("--clean", "'--clean' is no name of an MFA model"),
-        ("a b", "'a b' is no name of an MFA model"),
-        ("mine.zip", "is a file, so that no dictionary has its name"),
-        ("german_mfa,./lost.dict", "lost.dict: there is no such model or dictionary"),
+        ("--clean", "'--clean' is not the name of an MFA model"),
+        ("a b", "'a b' is not the name of an MFA model"),
+        ("mine.zip", "is a file, and no dictionary has its name"),
+        ("german_mfa,./lost.dict", "lost.dict: no such MFA model or dictionary"),
         ("german_mfa,words.yaml", "words.yaml: lists a dictionary for each speaker"),
     ],
 )
@@ -319,9 +321,9 @@ def test_the_program_is_called_as_it_is_documented(program):
     [
         ("crash", r"^MFA ended with code 1: KaldiProcessingError: no room on the disk$"),
         ("unknown", r"^MFA has no acoustic model 'unknown'; .*mfa model download acoustic"),
-        ("unfit", r"^MFA found no way to lay the text on the sound"),
+        ("unfit", r"^MFA could not align the text with the recording"),
         ("killed", r"^MFA was ended by signal 9, without a word$"),
-        ("empty", r"^MFA laid nothing of"),
+        ("empty", r"^MFA aligned nothing of"),
     ],
 )
 @pytest.mark.usefixtures("program")

@@ -95,14 +95,17 @@ def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("vo", "script.csv"), "which language are the recordings in? Say --language english"),
+        (
+            ("vo", "script.csv"),
+            "the language of the recordings is unknown; state --language english",
+        ),
         (("vo", "script.csv", "-l", "englsh"), "did you mean 'english'?"),
         (("vo", "script.csv", "-l", "en", "-c", "facfx"), "did you mean 'facefx'?"),
         (("none", "script.csv"), "none: no such folder"),
         (("empty", "script.csv"), "empty: holds no .wav"),
         (("vo", "none.csv"), "none.csv: no such file"),
         (("vo", "/etc/hosts"), "/etc/hosts: is outside of"),
-        (("vo", "script.txt"), "script.txt: is no table; known: .csv"),
+        (("vo", "script.txt"), "script.txt: is not a table; known: .csv"),
     ],
 )
 def test_what_cannot_be_told_is_asked_for(cli, game, arguments, told):

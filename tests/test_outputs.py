@@ -399,7 +399,7 @@ def test_standard_output_takes_what_a_file_would_hold(folder, cli, name):
 def test_standard_output_asks_for_a_format(cli):
     ended = cli(*RUN, "--schedule", "line.json", "-o", "-")
     assert ended.code == 2
-    assert "-: standard output tells no format; name it, such as csv:-" in ended.err
+    assert "-: standard output has no suffix; name the format, such as csv:-" in ended.err
 
 
 def test_standard_output_is_given_once(cli):

@@ -226,27 +226,28 @@ def animated(**changes):
 
 
 BAD = {
-    "no suffix": ("line", "", "has no suffix to tell a format; known: .csv"),
+    "no suffix": ("line", "", "has no suffix; known: .csv"),
     "unknown": ("line.fbx", "", "no reader for '.fbx'"),
     "empty": ("a.csv", "", "is empty"),
-    "no time": ("a.csv", "open,W\n0,1\n", r"a.csv:1: its first column is 'open', no time"),
+    "no time": ("a.csv", "open,W\n0,1\n", r"a.csv:1: its first column is 'open', not a time"),
     "a short row": ("a.csv", "time,open\n0,1\n1\n", r"a.csv:3: has 1 values for 2 columns"),
-    "text": ("a.csv", "time,open\n0,1\n1,much\n", r"a.csv:3: 'much' is no number"),
-    "decimal comma": ("a.csv", "time;open\n0;0,5\n", r"a.csv:2: '0,5' is no number; write it with"),
+    "text": ("a.csv", "time,open\n0,1\n1,much\n", r"a.csv:3: 'much' is not a number"),
+    "decimal comma": ("a.csv", "time;open\n0;0,5\n", (r"a.csv:2: '0,5' is not a number; write it "
+    r"with")),
     "one frame": ("a.csv", "time,open\n0,1\n", "has 1 frames"),
     "no frames": ("a.csv", "time,open\n", "has 0 frames"),
     "no columns": ("a.csv", "time\n0\n1\n", "has no columns"),
     "a column twice": ("a.csv", "time,W,W\n0,1,1\n1,1,1\n", "two columns called 'W'"),
     "time falls": ("a.csv", "time,W\n0,1\n2,1\n1,1\n", "frame 2: its time does not rise"),
-    "nan": ("a.csv", "time,W\n0,1\n2,nan\n", "frame 1: a value is no number"),
+    "nan": ("a.csv", "time,W\n0,1\n2,nan\n", "frame 1: a value is not a number"),
     "latin 1": ("a.csv", b"time,W\n0,\xe9\n", "is not UTF-8 text"),
     "no timecode": ("a.csv", "Timecode,BlendShapeCount,JawOpen\nx,61,0\n", "a.csv:2: 'x' is no"),
     "empty take": ("a.csv", "Timecode,BlendShapeCount,JawOpen\n", "has no frames"),
     "text in a take": (
-        "a.csv", "Timecode,BlendShapeCount,J\n0:0:0:0,61,x\n", "a.csv:2: holds text where"
+        "a.csv", "Timecode,BlendShapeCount,J\n0:0:0:0,61,x\n", "a.csv:2: has text in"
     ),
     "broken json": ("a.json", "{", r"a.json:1:2: not JSON"),
-    "other json": ("a.json", "{}", "no animation of this program"),
+    "other json": ("a.json", "{}", "not an animation of this program"),
     "no animation": ("a.glb", glb(animations=[]), "has no animation"),
     "moves nothing": ("a.glb", glb(animations=[{}]), "moves no morph target"),
     "too few weights": ("a.glb", glb(values=(0, 0, 1)), "has 1 weights at each key of .* 2 shapes"),
@@ -268,7 +269,8 @@ BAD = {
     "no length": ("a.glb", field("bufferViews", 0, byteLength=None), "past the end"),
     "no view": ("a.glb", field("accessors", 0, bufferView=7), "accessor 0 lies in no buffer view"),
     "a stride of 0": ("a.glb", field("bufferViews", 0, byteStride=0), "lies 0 bytes apart"),
-    "sparse text": ("a.glb", field("accessors", 1, sparse="x"), "sparse values that are no object"),
+    "sparse text": ("a.glb", field("accessors", 1, sparse="x"), ("sparse values that are not an "
+    "object")),
     "sparse places": (
         "a.glb",
         field("accessors", 1, sparse={
@@ -284,7 +286,8 @@ BAD = {
     "times that fall": ("a.glb", glb(times=(0, 1, 0.5)), "the times of its animation do not rise"),
     "times of nan": ("a.glb", glb(times=(0, float("nan"), 1)), "times of its animation do not r"),
     "weights of nan": (
-        "a.glb", glb(values=(0, 0, float("nan"), 1, 0, 0)), "a value of its animation is no number"
+        "a.glb", glb(values=(0, 0, float("nan"), 1, 0, 0)), ("a value of its animation is not a "
+        "number")
     ),
     "a start in text": ("a.glb", animated(extras={"audio_start": "0"}), "audio_start of its anim"),
     "data as null": ("a.glb", glb(buffers=[{"byteLength": 90, "uri": None}]), "36 bytes of binary"),
@@ -308,12 +311,12 @@ def ours(**changes):
 
 
 BAD_JSON = {
-    "poses": ({"poses": "open"}, "poses are no list of names"),
-    "fps": ({"fps": "60"}, "`fps` is no number"),
+    "poses": ({"poses": "open"}, "poses are not a list of names"),
+    "fps": ({"fps": "60"}, "`fps` is not a number"),
     "no speed": ({"fps": 0}, "0 frames per second"),
-    "frames": ({"frames": {}}, "frames are no list"),
+    "frames": ({"frames": {}}, "frames are not a list"),
     "a frame": ({"frames": [[0], [0, 1]]}, "frame 1 is not a list of 1 numbers"),
-    "phonemes": ({"phonemes": [{"label": "P"}]}, "its phonemes are unsound"),
+    "phonemes": ({"phonemes": [{"label": "P"}]}, "its phonemes are invalid"),
 }
 
 
@@ -351,10 +354,10 @@ def test_a_bad_animation_is_noticed_in_a_file(tmp_path):
 
 
 ODD = {
-    "digits": (ours(start=0).replace('"start": 0', '"start": ' + "9" * 5000), "holds a number th"),
+    "digits": (ours(start=0).replace('"start": 0', '"start": ' + "9" * 5000), "has a number th"),
     "a start beyond floats": (ours(start=10**400), "`start` is larger than any number"),
     "a weight beyond floats": (ours(frames=[[0], [10**400]]), "larger than any weight"),
-    "a time past a day": (ours(start=1e9), "frame 0: its time is past a day"),
+    "a time past a day": (ours(start=1e9), "frame 0: its time is later than one day"),
 }
 
 

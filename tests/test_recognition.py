@@ -171,7 +171,7 @@ def test_phones_are_heard_in_the_letters_of_the_language(monkeypatch):
     assert (found.labels, found.notation) == ((SILENCE, "m", "ɑ"), "ipa")
     assert found.times[1:3] == pytest.approx([0.2, 0.3], abs=0.02)
     assert (found.recognised, found.confidence, found.words) == (True, None, ())
-    assert "single sounds move the mouth" in found.remarks[0]
+    assert "the mouth follows single sounds" in found.remarks[0]
     monkeypatch.setattr(phones_recogniser, "decoded_phones", lambda *_: told[:1])
     quiet = recognised(Speaker.of("finnish"), sound, recogniser="phones")
     assert (quiet.labels, quiet.remarks) == ((SILENCE,), ("nothing was heard",))
@@ -185,7 +185,7 @@ def test_a_mouth_moves_in_a_language_that_nobody_recognises(data):
 
 
 def test_a_language_without_a_recogniser_says_what_can_be_done():
-    with pytest.raises(ll.SpeechError, match=r"finnish has no recogniser: give the text"):
+    with pytest.raises(ll.SpeechError, match=r"finnish has no recogniser: give the spoken text"):
         ll.recognise(ll.Audio(np.zeros(RATE, np.int16), RATE), "finnish")
 
 

@@ -75,7 +75,9 @@ def test_placeholders_have_the_values_of_the_project_and_its_list_is_not_spoken(
         game, remarks, values="{who: Ada}", unspoken="NPC", audio=None, cast="{'*': crab}"
     )
     assert [one.text for one in lines] == ["Ada runs", "who läuft", "[x]", "(x)"]
-    assert remarks == ["script.csv:2: column 1: '{' has no partner, so the text beside it is read"]
+    assert remarks == [
+        "script.csv:2: column 1: '{' has no partner, so the text next to it is spoken"
+    ]
 
 
 def test_languages_and_characters_answer_to_their_other_names(game):
@@ -119,7 +121,7 @@ def test_a_file_for_each_language_holds_the_lines_of_that_language(game):
         ("english", "a", "Hello."),
         ("german", "a", "Hallo."),
     ]
-    assert "is in one language" in refusal(game, lines="loc/de.po")
+    assert "has one language" in refusal(game, lines="loc/de.po")
 
 
 def test_names_of_lines_without_an_id_do_not_depend_on_their_order(game):
@@ -155,7 +157,7 @@ def test_recordings_and_the_timings_beside_them_are_found(game):
     assert remarks == [
         "english: 1 line without a recording, so a voice speaks: vo/english/intro_2.wav",
         "german: 1 line without a recording, so a voice speaks: vo/german/intro_2.wav",
-        "1 recording of no line: vo/german/other.wav",
+        "1 recording without a line: vo/german/other.wav",
     ]
 
 
@@ -164,7 +166,7 @@ def test_outputs_beside_a_recording_are_not_its_timings(game):
     beside = '"vo/{language}/{id}.json"'
     assert planned(game)[0].timings is not None
     assert planned(game, outputs=beside)[0].timings is None
-    assert "is a file that is read" in refusal(game, outputs=beside, timings=beside)
+    assert "is an input file" in refusal(game, outputs=beside, timings=beside)
 
 
 def test_timings_may_have_a_place_of_their_own(game):
@@ -185,7 +187,7 @@ def test_lines_without_text_are_left_out_unless_they_have_files(game):
         ("english", "b", "Hello."),
         ("german", "b", ""),
     ]
-    assert remarks[0] == "english: 1 line without text left out: script.csv:2"
+    assert remarks[0] == "english: 1 line without text, left out: script.csv:2"
 
 
 # Faults
@@ -223,7 +225,7 @@ def test_ordinary_ids_are_sound(name):
 @pytest.mark.parametrize(
     ("rows", "fault"),
     [
-        (["a,A", "b,B", "a,C"], "script.csv:4: the id 'a' is taken at script.csv:2"),
+        (["a,A", "b,B", "a,C"], "script.csv:4: the id 'a' is used at script.csv:2"),
         (["A,A", "a,B"], "script.csv:3: the id 'a' is 'A' of script.csv:2 in other letters"),
         (["é,A", "e\u0301,B"], "script.csv:3: the id 'e\u0301' is 'é' of script.csv:2"),
         ([",A"], "script.csv:2: this line has no id"),
@@ -251,7 +253,7 @@ def test_the_encoding_of_a_script_is_a_field_of_the_project(game):
     one = {"languages": "[german]", "cast": None, "character": "crab"}
     assert "name its encoding (`encoding: cp1252`)" in refusal(game, **one)
     assert planned(game, encoding="cp1252", **one)[0].text == "Grüße."
-    assert "no encoding has this name" in refusal(game, encoding="cp99", **one)
+    assert "unknown encoding" in refusal(game, encoding="cp99", **one)
 
 
 @pytest.mark.parametrize(
@@ -269,11 +271,11 @@ def test_the_encoding_of_a_script_is_a_field_of_the_project(game):
         ("id,english,german", {"lines": "no.csv"}, "no.csv: no such file"),
         ("id,english,german", {"lines": None}, "states no `lines`"),
         ("id,english,german", {"outputs": None}, "states no `outputs`"),
-        ("id,english,german", {"outputs": "a.csv"}, "put {id} into it"),
-        ("id,english,german", {"outputs": "'{id}.csv'"}, "put {language} into it"),
+        ("id,english,german", {"outputs": "a.csv"}, "add {id} to it"),
+        ("id,english,german", {"outputs": "'{id}.csv'"}, "add {language} to it"),
         ("id,english,german", {"outputs": "'{language}/{id}.xyz'"}, "no writer for '.xyz'"),
         ("id,english,german", {"limits": "{contcts: 0}"}, "did you mean 'contacts'?"),
-        ("id,english,german", {"reports": "report.pdf"}, "nothing writes 'report.pdf'"),
+        ("id,english,german", {"reports": "report.pdf"}, "unknown format of 'report.pdf'"),
         ("id,english,german", {"outputs": "'../{id}.csv'"}, "is outside the project's folder"),
         ("id,english,german", {"audio": "'../{id}.wav'"}, "is outside the project's folder"),
         ("id,english,german", {"lines": "/etc/passwd"}, "is outside the project's folder"),
@@ -290,7 +292,7 @@ def test_several_characters_of_a_line_need_files_of_their_own(game):
     outputs = "'{language}/{id}.csv'"
     assert len(planned(game, outputs=outputs)) == 4, "each line is made on one character"
     told = refusal(game, outputs=outputs, cast='{"*": [crab, facefx]}')
-    assert "put {character} into it" in told
+    assert "add {character} to it" in told
 
 
 def test_two_lines_never_share_a_file(game):

@@ -117,8 +117,8 @@ def test_a_folder_is_no_recording(tmp_path):
     ("content", "told"),
     [
         (b"", "the file is empty.*; copy or record it again"),
-        (b"hello " * 100, "the file holds text.*; give the recording itself"),
-        ("<!DOCTYPE html><p>schön</p>".encode() * 30, "the file holds text"),
+        (b"hello " * 100, "the file has text.*; give the recording itself"),
+        ("<!DOCTYPE html><p>schön</p>".encode() * 30, "the file has text"),
         (b"RIFF" + bytes(100), "; save it as WAV"),
         (bytes(3000), "; save it as WAV"),
         (
@@ -134,12 +134,12 @@ def test_a_folder_is_no_recording(tmp_path):
 def test_what_is_no_sound_is_told(tmp_path, content, told):
     path = tmp_path / "a b.wav"
     path.write_bytes(content)
-    with pytest.raises(ll.SpeechError, match=rf"a b\.wav: no sound that can be read \(.*{told}"):
+    with pytest.raises(ll.SpeechError, match=rf"a b\.wav: not a readable recording \(.*{told}"):
         read_audio(path)
 
 
 def test_a_recording_of_nothing_is_told(tmp_path):
-    with pytest.raises(ll.SpeechError, match=r"a\.wav: holds no sound"):
+    with pytest.raises(ll.SpeechError, match=r"a\.wav: has no sound"):
         read_audio(written(tmp_path / "a.wav", TONE[:0]))
 
 
@@ -147,7 +147,7 @@ def test_a_recording_of_nothing_is_told(tmp_path):
 def test_a_recording_that_is_cut_short_is_told(tmp_path, name):
     path = written(tmp_path / name)
     path.write_bytes(path.read_bytes()[:-3000])
-    with pytest.raises(ll.SpeechError, match=rf"{name}: (ends after|no sound that can be read)"):
+    with pytest.raises(ll.SpeechError, match=rf"{name}: (ends after|not a readable recording)"):
         read_audio(path)
 
 
@@ -216,10 +216,10 @@ def header(channels=1, rate=RATE, size=800, stated=None):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (header(channels=0), "no sound that can be read"),
-        (header(rate=0), "no sound that can be read|samples per second"),
-        (header(channels=300, size=600_000), "has 1,000 samples on 300 channels, and .* the most"),
-        (header(stated=2**30), "before its own header says it does"),
+        (header(channels=0), "not a readable recording"),
+        (header(rate=0), "not a readable recording|samples per second"),
+        (header(channels=300, size=600_000), "has 1,000 samples on 300 channels, and .* allowed"),
+        (header(stated=2**30), "before the end that its header states"),
     ],
     ids=["no channels", "no rate", "many channels", "more than there is"],
 )

@@ -266,9 +266,13 @@ def test_a_language_that_reads_nothing_says_what_to_do(tmp_path):
     (tmp_path / "languages" / "mute.yaml").write_text(
         "kind: language\nformat: 1\nname: mute\ntag: qaa\nnotations: {ipa: {a: aa}}\n"
     )
-    with pytest.raises(SpeechError, match=r"mute names no voice: give its pack a `tts`, a `g2p`"):
+    with pytest.raises(
+        SpeechError,
+        match=r"mute names no voice: add a `tts` to its pack, or a "
+        r"`g2p`",
+    ):
         speak("a", "mute", paths=[tmp_path])
-    with pytest.raises(SpeechError, match=r"mute does not read text: give its pack a `g2p`"):
+    with pytest.raises(SpeechError, match=r"mute does not read text: add a `g2p` to its pack"):
         list(transcribe(["a"], "mute", paths=[tmp_path]))
 
 

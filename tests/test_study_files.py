@@ -80,7 +80,7 @@ def test_a_study_is_read_as_it_is_written(tmp_path):
     ({"pairs": [STUDY["pairs"][0]] * 2}, "pairs.1: 'p001' names two pairs"),
     (
         {"pairs": [STUDY["pairs"][0] | {"right": STUDY["pairs"][0]["left"], "check": None}]},
-        "pairs.0: 'ours' stands on both sides, and is no attention check",
+        "pairs.0: 'ours' is on both sides, but is not an attention check",
     ),
     ({"more": 1}, "more: Extra inputs"),
 ])  # fmt: skip

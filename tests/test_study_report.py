@@ -243,7 +243,7 @@ def test_copies_under_other_names_are_set_aside_and_likeness_is_suspicious(tmp_p
 DAMAGE = {
     "cut off": (lambda text: text[: len(text) // 2], 1),
     "empty": (lambda _: "", 1),
-    "no JSON": (lambda _: "rater,choice\n1,left\n", 1),
+    "not JSON": (lambda _: "rater,choice\n1,left\n", 1),
     "no text": (lambda _: b"\xff\xfe\x00\x01", 1),
     "deep": (lambda _: "[" * 100_000, 1),
 }

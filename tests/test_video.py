@@ -690,5 +690,5 @@ def test_a_missing_library_names_the_extra(spoken, monkeypatch, write, module, t
 @pytest.mark.parametrize("write", [write_mp4, write_png])
 @pytest.mark.usefixtures("ffmpeg")
 def test_without_a_model_one_is_asked_for(spoken, write):
-    with pytest.raises(OutputError, match=r"no model to move; name one .`model`"):
+    with pytest.raises(OutputError, match=r"no model to animate; name one .`model`"):
         write(replace(spoken("crab"), model=None), BytesIO())

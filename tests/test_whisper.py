@@ -118,7 +118,7 @@ def model(monkeypatch):
     def align_many(_, pairs, aligner=None):  # noqa: ARG001
         for audio, text in pairs:
             if "!" in text:
-                yield SpeechError("nothing of the text fits the sound")
+                yield SpeechError("the text does not fit the recording")
                 continue
             words = text.split()
             times = np.linspace(0, audio.seconds, len(words) + 1)
@@ -173,7 +173,9 @@ def test_words_that_do_not_fit_the_sound_are_left_out_and_named(model, english):
     model(segment((" Good", 0, 1, 0.9), (" thanks!", 2, 3, 0.9)))
     found = recognised(english, sound(1, 1, 1), recogniser="whisper")
     assert [word.text for word in found.words] == ["Good"]
-    assert found.remarks[1] == "left out, for the sound does not bear it out: 'thanks' at 1.5 s"
+    assert found.remarks[1] == (
+        "left out, because the recording does not support it: 'thanks' at 1.5 s"
+    )
     assert found.confidence == pytest.approx(0.45)
 
 
@@ -192,7 +194,7 @@ def test_words_that_the_aligner_divides_share_their_confidence(model, english):
 
 def test_words_of_which_none_fits_the_sound_are_an_error(model, english):
     model(segment((" thanks!", 0, 1, 0.9)))
-    with pytest.raises(SpeechError, match="heard 'thanks!', but nothing of the text fits"):
+    with pytest.raises(SpeechError, match="heard 'thanks!', but the text does not fit"):
         recognised(english, sound(1), recogniser="whisper")
 
 
@@ -272,7 +274,7 @@ def test_folders_without_a_model_are_told_before_anything_is_loaded(tmp_path):
     file.write_bytes(b"")
     with pytest.raises(SpeechError, match="is a file; `whisper:FOLDER` takes"):
         whisper_model(str(file))
-    with pytest.raises(SpeechError, match=r"config.json, tokenizer.json missing; a model of"):
+    with pytest.raises(SpeechError, match=r"config.json, tokenizer.json missing; convert"):
         whisper_model(str(tmp_path))
     for name in ("config.json", "tokenizer.json"):
         (tmp_path / name).write_text("{")

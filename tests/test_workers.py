@@ -311,7 +311,7 @@ def test_a_cluster_that_loses_a_worker_finds_the_same_bytes(tmp_path):
 @pytest.mark.parametrize(
     ("address", "words"),
     [
-        ("nowhere", "'nowhere' is no address of a Dask scheduler .missing port"),
+        ("nowhere", "'nowhere' is not the address of a Dask scheduler .missing port"),
         ("http://127.0.0.1:80", "unknown address scheme"),
         ("tcp://127.0.0.1:1", "tcp://127.0.0.1:1: no Dask scheduler answers within 1 s"),
     ],
@@ -336,5 +336,5 @@ def test_a_scheduler_that_ends_is_named():
     with cluster(1) as (address, _):
         results = run_batches(toy_work.leisurely, range(10**6), scheduler=address)
         next(results)
-    with pytest.raises(LipsyncError, match="the scheduler is gone; what was made stands"):
+    with pytest.raises(LipsyncError, match="the scheduler is gone; finished lines are kept"):
         list(results)

@@ -275,8 +275,6 @@ class Animation:
     def explain(self, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in seconds."""
         if self.performer is None:
-            raise LipsyncError(
-                "this animation was not performed here; nothing is known of its making"
-            )
+            raise LipsyncError("this animation was read from a file, so it cannot be explained")
         explanation: Explanation = self.performer.explain(self, seconds)
         return explanation

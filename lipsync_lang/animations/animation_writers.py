@@ -67,10 +67,10 @@ def find_writer(path: Path, name: str | None = None) -> Writer:
     if name is not None:
         return WRITERS.find(name, OutputError)
     if path == STANDARD_STREAM:
-        raise OutputError("-: standard output tells no format; name it, such as csv:-")
+        raise OutputError("-: standard output has no suffix; name the format, such as csv:-")
     found = WRITERS.ending(path)
     if not found:
-        what = f"no writer for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
+        what = f"no writer for '{path.suffix}'" if path.suffix else "has no suffix"
         raise OutputError(f"{path}: {what}; end it in {', '.join(WRITERS.suffixes())}")
     return found[0]
 

@@ -93,9 +93,7 @@ def shape_columns(animation: Animation) -> list[int]:
     """
     found = [n for n, channel in enumerate(animation.columns) if channel.node is None]
     if not found:
-        raise OutputError(
-            "all that moves here are bones, and this format holds shapes; write a .glb"
-        )
+        raise OutputError("only bones move, and this format has only shapes; write a .glb")
     return found
 
 

@@ -79,7 +79,7 @@ def write_glb(animation: Animation, out: BinaryIO) -> None:
     """The character's 3D model with the animation added, all else in it kept."""
     if animation.model is None:
         raise OutputError(
-            "there is no model to move; name one (`model`), or `model:` in the character"
+            "there is no model to animate; name one (`model`), or state `model:` in the character"
         )
     channels = animation.columns
     model = _model(animation.model, channels)
@@ -293,7 +293,7 @@ def _turned(channel: Channel, degrees: Floats) -> Floats:
     axis = np.array(channel.rotation, dtype=np.float64)
     if not axis.any():
         raise OutputError(
-            f"'{channel.name}': a rotation about (0, 0, 0) turns nothing; give it an axis, "
+            f"'{channel.name}': a rotation about (0, 0, 0) has no effect; give it an axis, "
             "as (1, 0, 0)"
         )
     return turns(axis, degrees)
@@ -306,7 +306,7 @@ def _parted(path: Path, what: str, node: Json) -> Json:
     found = parts(np.reshape(numbers(path, f"matrix of {what}", node["matrix"], 16), (4, 4)))
     if found is None:
         mend = "apply its transform in your 3D program and export the model again"
-        fail(path, f"{what} is sheared or flat, so nothing can turn or move it", mend)
+        fail(path, f"{what} is sheared or flat, so it cannot be animated", mend)
     own = {name: part.tolist() for name, part in found._asdict().items()}
     return {key: value for key, value in node.items() if key != "matrix"} | own
 
@@ -333,7 +333,7 @@ def _nothing_moves(model: Model, channels: Sequence[Channel]) -> OutputError:
     wanted = [channel.node or channel.name for channel in channels]
     shapes = dict.fromkeys(shape for names in model.shapes.values() for shape in names)
     return OutputError(
-        f"{model.path}: nothing in it is called as the animation's poses are: it has "
+        f"{model.path}: no shape has the name of a pose: it has "
         f"{some(shapes)}; the poses are {some(wanted)}. Give the character a rig that says which "
         "pose moves what (`lipsync-lang characters new` drafts one)"
     )

@@ -52,8 +52,8 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
     end = animation.offset + sound(animation)
     if end <= 0:
         raise OutputError(
-            f"`offset={animation.offset:g}`: the sound is over {-end:g} s before the file's "
-            "timeline begins; give a later offset"
+            f"`offset={animation.offset:g}`: the sound ends {-end:g} s before the start of "
+            "the timeline; give a later offset"
         )
     begin, weights = _frames(animation, end)
     shown = strongest(weights, _contacts(animation), _least(animation))

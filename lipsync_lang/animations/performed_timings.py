@@ -23,16 +23,14 @@ from lipsync_lang.schedules.timing_writers import (
 def _cut(animation: Animation) -> Iterable[str]:
     """Yield a remark if phonemes lie before the start of the file."""
     if _moved(animation).start < 0:
-        yield (
-            "sounds before time 0 are left out of the timings; begin later with a larger `offset`"
-        )
+        yield ("sounds before time 0 are left out of the timings; use a larger `offset`")
 
 
 def _wordless(animation: Animation) -> Iterable[str]:
     """Yield a remark on words, which a label track cannot hold beside the phonemes."""
     yield from _cut(animation)
     if animation.schedule.words:
-        yield "a label track holds the phonemes alone; a TextGrid has the words as well"
+        yield "a label track has only phonemes; a TextGrid also has words"
 
 
 @writer("textgrid", suffix=".textgrid", remarks=_cut)

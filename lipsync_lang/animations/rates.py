@@ -69,7 +69,9 @@ def parse_offset(text: str, fps: float) -> float:
             f"--offset {text}: write seconds (--offset 1.5) or a timecode (--offset 01:00:00:00)"
         ) from None
     if not abs(seconds) <= DAY:
-        raise LipsyncError(f"--offset {text}: a timeline has a day at most; give a time within it")
+        raise LipsyncError(
+            f"--offset {text}: a timeline lasts at most one day; give an earlier time"
+        )
     return seconds
 
 

@@ -82,7 +82,7 @@ def _shapes(animation: Animation) -> list[HeldShape]:
     if others:
         raise OutputError(
             f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {', '.join(others)} "
-            f"{'is' if len(others) == 1 else 'are'} none of them; perform on a character that has "
+            f"{'is' if len(others) == 1 else 'are'} unknown; perform on a character that has "
             "those shapes (-c rhubarb)"
         )
     shapes = held(animation, _known()[-1])

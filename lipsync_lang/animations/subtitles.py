@@ -45,7 +45,7 @@ def _cues(animation: Animation) -> Iterator[_Cue]:
     schedule = animation.schedule
     if not schedule.words:
         raise OutputError(
-            f"there are no words to write: {schedule.source} has phonemes alone; speak text, or "
+            f"there are no words to write: {schedule.source} has only phonemes; speak text, or "
             "give a schedule with a tier of words"
         )
     for word in schedule.words:

@@ -70,8 +70,8 @@ def _columns(animation: Animation) -> dict[str, Floats]:
     apart = [n for n, (first, *rest) in moves.items() if any((first != o).any() for o in rest)]
     if apart:
         raise OutputError(
-            f"{', '.join(apart)}: moves differently on different meshes, and USD knows shapes by "
-            "name alone; rename it on one of the meshes"
+            f"{', '.join(apart)}: moves differently on different meshes, but USD identifies "
+            "shapes by name; rename it on one of the meshes"
         )
     return {name: found[0] for name, found in moves.items()}
 

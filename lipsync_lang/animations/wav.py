@@ -14,8 +14,8 @@ def write_wav(animation: Animation, out: BinaryIO) -> None:
     audio = animation.schedule.audio
     if audio is None:
         raise OutputError(
-            f"there is no sound to write: {animation.schedule.source} came without audio; "
-            "speak text instead, or leave the .wav out"
+            f"there is no sound to write: {animation.schedule.source} has no audio; "
+            "speak text instead, or omit the .wav"
         )
     with wave.open(out, "wb") as sound:
         sound.setnchannels(1)

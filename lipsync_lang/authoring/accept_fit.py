@@ -126,7 +126,7 @@ def remove_fit(
     Raises
     ------
     LipsyncError
-        The character is no file of the project, or a wanted item is none that a fit wrote.
+        The character is not a file of the project, or a wanted item is none that a fit wrote.
     """
     pack = own_character(library, character)
     there = list(fitted_items(pack.model))

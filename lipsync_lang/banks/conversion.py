@@ -83,7 +83,7 @@ class Conversion:
     def _pair(self, pair: Pair, diphone: Diphone) -> str:
         """Map a pair to a bigram key; empty if it has none."""
         if ALONE in pair and ALONE not in self.names.sounds:
-            what = f"{_shown(pair)} is passed over: the curve of one phoneme alone is no bigram"
+            what = f"{_shown(pair)} is passed over: the curve of one phoneme alone is not a bigram"
             self._tell("alone", diphone, what)
             return ""
         missing = [label for label in dict.fromkeys(pair) if label not in self.names.sounds]
@@ -124,7 +124,7 @@ class Conversion:
             pose = self.names.poses[shape]
             points = self._points(key, diphone, shape, known[shape])
             if len(points) < FEWEST_KEYS:
-                what = f"{key}: one key of '{visible(shape)}' is no curve, and is passed over"
+                what = f"{key}: one key of '{visible(shape)}' is not a curve, and is passed over"
                 self._tell("empty", diphone, what)
             elif pose in curves:
                 what = f"{key}: '{visible(shape)}' is {pose} too, and is passed over"

@@ -163,7 +163,7 @@ def _text(path: Path) -> str:
     else:
         why = "it holds a zero byte"
     if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
-        raise PackError(f"{shown}: is no script or text of SmartBody: {why}")
+        raise PackError(f"{shown}: is not a script or text of SmartBody: {why}")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

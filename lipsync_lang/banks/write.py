@@ -89,7 +89,7 @@ def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -
 def make_room(path: Path) -> None:
     """Make the folder of a bank, or raise `OutputError` for a path that cannot be one."""
     if path.suffix != ".yaml":
-        raise OutputError(f"{path}: is no name for a bank; end it in .yaml")
+        raise OutputError(f"{path}: is not a name for a bank; end it in .yaml")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -140,7 +140,7 @@ def _refuse_other(path: Path, bank: object, made: Made) -> None:
             f"{path}: is not a bank of {made.poseset}; name another file for the bigrams"
         )
     if not isinstance(stated.get("bigrams") or {}, dict):
-        raise PackError(f"{path}: its bigrams are no mapping; write `bigrams: {{}}` there")
+        raise PackError(f"{path}: its bigrams are not a mapping; write `bigrams: {{}}` there")
     style = stated.get("style", NEUTRAL)
     if made.style not in {None, style}:
         what = f"is a bank of style '{style}', not '{made.style}'"

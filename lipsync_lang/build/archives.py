@@ -72,7 +72,7 @@ def members(path: Path) -> dict[str, Member]:
     Raises
     ------
     OutputError
-        The file cannot be read, or is no archive.
+        The file cannot be read, or is not an archive.
     """
     if not path.exists():
         return {}
@@ -127,7 +127,7 @@ def _opened(path: Path) -> Iterator[tuple[ZipFile, BinaryIO]]:
     except OSError as error:
         raise OutputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (BadZipFile, NotImplementedError, ValueError, struct.error, EOFError) as error:
-        raise OutputError(f"{path}: is no sound archive ({error}); {mend}") from None
+        raise OutputError(f"{path}: is a damaged archive ({error}); {mend}") from None
 
 
 def _write(

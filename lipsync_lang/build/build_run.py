@@ -90,7 +90,7 @@ def locked(folder: Path, tell: Tell) -> Iterator[None]:
         while (held := claim(path)) is None:
             if parent_process() is not None:
                 raise LipsyncError(
-                    "a worker of this build runs the script that began it once more; begin the "
+                    "a worker process of this build ran its script again; start the "
                     "build below `if __name__ == '__main__':`"
                 )
             if not waiting:
@@ -184,8 +184,8 @@ def _refuse_full(results: Sequence[MadeLine], done: int, of: int) -> None:
     fatal = next((one for one in results if one.fatal), None)
     if fatal is not None:
         raise OutputError(
-            f"{fatal.built.message}; {done} of {of} lines were tried, and what was made is "
-            "recorded: make room, and build again"
+            f"{fatal.built.message}; {done} of {of} lines were tried, and finished lines are "
+            "recorded: free some space, and build again"
         )
 
 

@@ -87,7 +87,7 @@ def _client(address: str) -> "Iterator[Client]":
         client = Calm(address, timeout=LIMIT_SECONDS, set_as_default=False)
     except (ValueError, TypeError, KeyError) as error:
         raise LipsyncError(
-            f"'{address}' is no address of a Dask scheduler ({error}); {start}, such as "
+            f"'{address}' is not the address of a Dask scheduler ({error}); {start}, such as "
             "tcp://host:8786"
         ) from None
     except (OSError, RuntimeError) as error:
@@ -268,7 +268,7 @@ class _ClusterRun:
             if isinstance(error, OSError) and error.errno is not None:
                 raise  # of the work itself
             raise LipsyncError(
-                f"{self._address}: the scheduler is gone; what was made stands: start it again, "
+                f"{self._address}: the scheduler is gone; finished lines are kept: start it again, "
                 "and build again"
             ) from None
 

@@ -284,7 +284,7 @@ class LineMaker:
             return f"{line.place}: out of memory; give fewer --workers, or split the line"
         kind = type(error).__name__
         return (
-            f"{line.place}: a fault of this program stopped it ({kind}: {error}); report the line"
+            f"{line.place}: an error in this program stopped it ({kind}: {error}); report the line"
         )
 
     @cached_property

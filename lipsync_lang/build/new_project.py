@@ -111,7 +111,7 @@ def new_project(  # noqa: PLR0913 what a draft is made of
     """
     for path in (recordings, table):
         if not path.resolve().is_relative_to(folder.resolve()):
-            what = "put both there, or start from the folder that holds both"
+            what = "move both into it, or start in the folder of both"
             raise LipsyncError(f"{path}: is outside of {folder}, the project's folder; {what}")
     found, suffix = recordings_below(recordings, folder)
     cells = read_cells(table)
@@ -161,7 +161,7 @@ def read_cells(table: Path) -> Cells:
     opened = by_suffix()[file.suffix.lower()].table
     if opened is None:
         known = ", ".join(sorted(s for s, one in by_suffix().items() if one.table is not None))
-        raise LipsyncError(f"{table}: is no table; known: {known}")
+        raise LipsyncError(f"{table}: is not a table; known: {known}")
     head, rows = opened(LineFile.of(file, lambda _: None, None, None))
     taken = [row for _, row in islice(rows, MAX_ROWS)]
     return Cells(head, [[cell(row, at) for row in taken] for at in range(len(head))])
@@ -187,7 +187,8 @@ def find_ids(
     )
     raise LipsyncError(
         f"{table}: no column names the {len(found)} recordings in {recordings}, such as "
-        f"{', '.join(one.stem for one in found[:SHOWN])}; name them by a column. Its columns:"
+        f"{', '.join(one.stem for one in found[:SHOWN])}; add a column with their names. Its "
+        "columns:"
         f"{columns}"
     )
 
@@ -198,7 +199,7 @@ def shortened(text: str) -> str:
 
 
 def _named(ids: IdColumn, cells: Cells, stems: Collection[str]) -> int:
-    """Count the recordings that a column names; a cell that is repeated is no id."""
+    """Count the recordings that a column names; a cell that is repeated is not an id."""
     counts = Counter(map(ids.stem, cells.at(ids.column)))
     return sum(count == 1 and stem in stems for stem, count in counts.items())
 
@@ -267,9 +268,9 @@ def _languages(
         words = folders or heads
     if len(words) > 1 and not folders:
         which = f"`language='{next(iter(words))}'`, or another of {', '.join(words)}"
-        raise LipsyncError(f"which language are the recordings in? Say {which}")
+        raise LipsyncError(f"the language of the recordings is unknown; state {which}")
     if not words:
-        raise LipsyncError("which language are the recordings in? Say `language='NAME'`")
+        raise LipsyncError("the language of the recordings is unknown; state `language='NAME'`")
     if words.keys() <= heads.keys():
         return Tongues(words, {})
     at = text_column(cells.head)
@@ -291,7 +292,7 @@ def _known_characters(finder: Finder, names: Sequence[str]) -> list[str]:
             raise finder.unknown(name, "character", "poseset")
     if not names:
         known = sorted({one.name for kind in KINDS for one in finder.names(kind)})
-        raise LipsyncError(f"which character speaks? Name one; known: {', '.join(known)}")
+        raise LipsyncError(f"the character is missing; name one of: {', '.join(known)}")
     return list(names)
 
 

@@ -61,7 +61,7 @@ def check_outputs(
     for path in paths:
         for placeholder, several in needed.items():
             if placeholder not in path.replace("{line}", "{id}"):
-                what = f"'{path}' would be the same file for {several}; put {placeholder} into it"
+                what = f"'{path}' would be the same file for {several}; add {placeholder} to it"
                 faults.add(FILE, f"outputs: {what}")
     for path in {path for path in paths if paths.count(path) > 1}:
         faults.add(FILE, f"outputs: '{path}' is stated twice; state it once")

@@ -186,7 +186,7 @@ class _Planner:
             if record.verdict == "failed":
                 reasons.append("it failed in the last build")
         if self.force:
-            reasons.append("everything is asked for")
+            reasons.append("all lines were requested")
         for _, path in line.outputs:
             written = record.outputs.get(path) if record is not None else None
             state = self._state(path, written)

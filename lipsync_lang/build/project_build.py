@@ -100,7 +100,7 @@ class ProjectBuild:
         found = file or find_project()
         if found is None:
             raise LipsyncError(
-                f"there is no {FILE} here; `lipsync-lang build new FOLDER TABLE` writes one"
+                f"this folder has no {FILE}; `lipsync-lang build new FOLDER TABLE` writes one"
             )
         project, folder = load_project(found).model, found.absolute().parent
         chosen = selection or Selection()

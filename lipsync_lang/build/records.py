@@ -264,7 +264,7 @@ def _check_form(path: Path, connection: sqlite3.Connection) -> None:
     if form not in (0, FORM):
         raise LipsyncError(
             f"{path}: was written by another version of this program (form {form}, known {FORM}); "
-            "move it away: the next build compares the files that are there with new ones"
+            "move it away: the next build compares the existing files with new ones"
         )
 
 

@@ -87,7 +87,9 @@ def _form(path: Path, heading: BuildHeading, page_of: Any) -> ReportForm:
         return JunitReport(heading)
     if suffix == ".json":
         return JsonReport(heading)
-    raise OutputError(f"{path}: no report is written as '{suffix}'; end it in .html, .xml or .json")
+    raise OutputError(
+        f"{path}: a report cannot be written as '{suffix}'; end it in .html, .xml or .json"
+    )
 
 
 class JsonReport:

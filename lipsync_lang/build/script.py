@@ -1,7 +1,7 @@
 """Lines of a build, read from the script that a project states.
 
 Faults of the script are collected, each with its place, and raised together. Lines that are left
-out or lack a file are no faults: remarks count them.
+out or lack a file are not faults: remarks count them.
 """
 
 from pathlib import Path
@@ -21,7 +21,7 @@ from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.yaml.faults import shown
 
 CONFIDENCE = "confidence"
-"""The limit that is no measure of an animation: the least fit of timings to a recording."""
+"""The limit that is not a measure of an animation: the least fit of timings to a recording."""
 
 REPORT_SUFFIXES = (".html", ".xml", ".json")
 
@@ -99,7 +99,7 @@ def _check_settings(project: Project, faults: ScriptFaults) -> None:
     for report in project.reports:
         if not report.lower().endswith(REPORT_SUFFIXES):
             ends = ", ".join(REPORT_SUFFIXES)
-            faults.add(FILE, f"reports: nothing writes '{report}'; end it in one of {ends}")
+            faults.add(FILE, f"reports: unknown format of '{report}'; end it in one of {ends}")
 
 
 def _files(

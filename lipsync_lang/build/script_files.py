@@ -139,7 +139,7 @@ def _table_rows(
         raise lacking(
             source,
             table.head,
-            "has no column of ids, which name the files; add one, or state `columns: {id: NAME}`",
+            "has no column of ids for the file names; add one, or state `columns: {id: NAME}`",
         )
     for number, row in table.rows:
         said = tuple([(index, _said(source, number, cell(row, at))) for index, at in texts])
@@ -147,7 +147,7 @@ def _table_rows(
         if own:
             yield ScriptRow(number, own, cell(row, speaker), said)
         elif any(text for _, text in said):
-            faults.add(f"{file.path}:{number}", "this line has no id, which names its files")
+            faults.add(f"{file.path}:{number}", "this line has no id for its file names")
 
 
 def _said(source: LineFile, number: int | str, text: str) -> str:
@@ -215,8 +215,8 @@ def _other_rows(file: ScriptFile, remark: Remark) -> Iterator[ScriptRow]:
     """Yield the lines of a file without columns, which is in one language."""
     if len(file.languages) > 1:
         raise LipsyncError(
-            f"{file.path}: is in one language, and the build has {len(file.languages)}; put "
-            "{language} into its path"
+            f"{file.path}: has one language, but the build has {len(file.languages)}; add "
+            "{language} to its path"
         )
     index = next(iter(file.languages))
     lines = list(

@@ -22,7 +22,7 @@ ALL = -1
 """In place of a language's index, all languages."""
 
 LACKING = {
-    "text": "without text left out",
+    "text": "without text, left out",
     "recording": "without a recording, so a voice speaks",
     "timings": "without the stated timings",
 }
@@ -148,7 +148,7 @@ class ScriptPlanner:
             if key in met and (whole or other in (ALL, group)):
                 spelled = self._spelled.get(key, key)
                 if spelled == name:
-                    what = f"the id '{name}' is taken at {met[key]}; each line has its own"
+                    what = f"the id '{name}' is used at {met[key]} already; each line needs its own"
                 else:
                     what = (
                         f"the id '{name}' is '{spelled}' of {met[key]} in other letters, and one "
@@ -181,7 +181,7 @@ class ScriptPlanner:
         return audio, timings
 
     def _own_outputs(self, index: int, row: ScriptRow) -> tuple[str, ...]:
-        """Return the paths of a line's outputs, which are no timings of it."""
+        """Return the paths of a line's outputs, which are not timings of it."""
         return tuple(
             for_line(pattern, row.name, row.speaker)
             for character in self._cast.characters
@@ -214,7 +214,7 @@ class ScriptPlanner:
             for _, path in line.outputs:
                 key = folded_name(path)
                 if key in read:
-                    self._faults.add(line.place, f"the output {path} is a file that is read")
+                    self._faults.add(line.place, f"the output {path} is an input file")
                 elif hash(key) in again and key in first:
                     what = f"the output {path} is also one of {first[key]}"
                     self._faults.add(line.place, f"{what}; put a '/' between its placeholders")
@@ -235,7 +235,7 @@ class ScriptPlanner:
                 unused.add(path)
         if unused.count:
             files = f"{unused.count:,} recording{'s' * (unused.count > 1)}"
-            remark(f"{files} of no line: {unused}")
+            remark(f"{files} without a line: {unused}")
 
 
 def _written(planned: Sequence[PlannedLine]) -> Iterator[str]:

@@ -102,7 +102,7 @@ def _item(item: str) -> str:
     """Refuse a name whose kind is unknown, or that names nothing of that kind."""
     kind, name = split_item(item)
     if kind not in FITTED or not name:
-        what = "'{item}' is no item of a fit: write one of {known}"
+        what = "'{item}' is not an item of a fit: write one of {known}"
         known = ", ".join(f"{one}.NAME" for one in FITTED)
         raise PydanticCustomError("P106", what, {"item": item[:80], "known": known})
     _adapters(kind)[0].validate_python(name)
@@ -231,10 +231,10 @@ def read_fit(path: Path) -> FitProposal:
     Raises
     ------
     PackFaults
-        The file is no sound proposal; the error lists faults with their places, the first
+        The file is not a valid proposal; the error lists faults with their places, the first
         `MAX_LISTED_FAULTS`.
     PackError
-        The file cannot be read, or is no proposal.
+        The file cannot be read, or is not a proposal.
     """
     content = read_input(path, MAX_PACK_BYTES, error=PackError, mend="accept the fit in parts")
     try:
@@ -252,10 +252,10 @@ def _proposal(source: YamlSource) -> FitProposal:
 
 
 def _refuse_other(source: YamlSource) -> None:
-    """Raise an error for a file that is no proposal, or of a later format."""
+    """Raise an error for a file that is not a proposal, or of a later format."""
     data = source.data
     if not isinstance(data, dict) or data.get("kind") != "fit":
-        raise PackError(f"{shown(source.path)}: is no result of a fit; its form is {FORM}")
+        raise PackError(f"{shown(source.path)}: is not a result of a fit; its form is {FORM}")
     number = data.get("format")
     if type(number) is int and number > FIT_FORMAT:
         what = f"the fit is in format {number}; this program reads format {FIT_FORMAT}"

@@ -50,7 +50,7 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
     Raises
     ------
     AnimationError
-        The file is no table of numbers with rising times, or lacks some of the columns of every
+        The file is not a table of numbers with rising times, or lacks some of the columns of every
         measure.
     """
     content = read_input(
@@ -100,7 +100,11 @@ def _check_times(path: Path, times: Floats) -> None:
     if len(times) < LEAST:
         fail(path, f"has {len(times)} samples", "export the whole recording")
     if not (np.isfinite(times) & (np.abs(times) <= LONGEST_SECONDS)).all():
-        fail(path, "a time is no number of seconds", "call the column time_ms if it counts those")
+        fail(
+            path,
+            "a time is not a number of seconds",
+            "name the column time_ms if it has milliseconds",
+        )
     falls = np.diff(times) <= 0
     if falls.any():
         fail(path, f"sample {int(falls.argmax()) + 1}: its time does not rise", "put it in order")

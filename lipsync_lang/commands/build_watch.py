@@ -42,7 +42,7 @@ class StandingRemarks:
 
 
 class MadeByBuilds:
-    """The files that builds of a project write, which are no reason for another build."""
+    """The files that builds of a project write, which are not a reason for another build."""
 
     def __init__(self) -> None:
         self._files: frozenset[str] = frozenset()

@@ -18,7 +18,7 @@ def read_document(path: Path) -> Coverage:
     Raises
     ------
     LipsyncError
-        The file is missing, or is no coverage document of this version.
+        The file is missing, or is not a coverage document of this version.
     """
     content = read_input(path, MAX_DOCUMENT_BYTES, mend="is it a coverage?")
     try:

@@ -45,7 +45,7 @@ UINT16_VALUES = 2**16
 """Number of codes that two bytes hold."""
 
 MAX_WORD_CHARS = 40
-"""A longer word is no example of a bigram."""
+"""A longer word is not an example of a bigram."""
 
 SILENT, BREAK = 0, -1
 """Ids of silence, and of a gap whose sound is unknown."""

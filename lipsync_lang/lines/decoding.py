@@ -48,8 +48,7 @@ def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[
         raise LipsyncError(_misread(path, opened, encoding, chosen, error)) from None
     except LookupError:
         raise LipsyncError(
-            f"`encoding={encoding!r}`: no encoding has this name; try utf-8, utf-16, cp1252 or "
-            "shift_jis"
+            f"`encoding={encoding!r}`: unknown encoding; try utf-8, utf-16, cp1252 or shift_jis"
         ) from None
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
@@ -68,8 +67,8 @@ def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
         number += 1
         if "\0" in line:
             raise LipsyncError(
-                f"{path}:{number}: holds zero bytes, so it is no text; leave the file out, or, if "
-                "it is UTF-16 without its mark, say `encoding='utf-16-le'`"
+                f"{path}:{number}: has zero bytes, so it is not text; leave the file out, or, if "
+                "it is UTF-16 without its mark, state `encoding='utf-16-le'`"
             )
         if len(line) == MAX_LINE_CHARS:
             raise LipsyncError(
@@ -85,10 +84,11 @@ def _misread(path: Path, opened: Open, asked: str | None, chosen: str, error: Un
     if asked:
         return f"{where}: is not {asked} ({why}); name another `encoding`, or save it as UTF-8"
     if chosen != "utf-8-sig":
-        return f"{where}: has the mark of {chosen.upper()} but is not ({why}); save it as UTF-8"
+        return f"{where}: starts with the mark of {chosen.upper()} but is not valid ({why}); "
+        "save it as UTF-8"
     return (
         f"{where}: is not UTF-8 ({why}), and has no mark of UTF-16 or UTF-32 at its start; name "
-        "its encoding (`encoding='cp1252'`), save it as UTF-8, or leave it out if it is no text"
+        "its encoding (`encoding='cp1252'`), save it as UTF-8, or leave it out if it is not text"
     )
 
 

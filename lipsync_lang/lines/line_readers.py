@@ -21,7 +21,7 @@ MAX_PIPED_BYTES = 64 * MIB_BYTES
 """Bytes of a script that comes through a pipe, and so has to be held; files may be any size."""
 
 Remark = Callable[[str], None]
-"""Remarks that are no faults."""
+"""Remarks that are not faults."""
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ def read_lines(
     """
     found = line_files(paths, remark)
     if column is not None and not any(_has_columns(file) for file, _ in found):
-        remark(f"`column={column!r}`: not used, for none of the files is a table")
+        remark(f"`column={column!r}`: not used, because no file is a table")
     return _read(found, column, encoding, remark, cleaning)
 
 
@@ -194,7 +194,7 @@ def _known(path: Path) -> Path:
     if not path.exists():
         raise LipsyncError(f"{path}: no such file or folder; check the path")
     if path.suffix.lower() not in by_suffix():
-        what = f"nothing reads lines from '{path.suffix}'" if path.suffix else "has no suffix"
+        what = f"no reader of lines for '{path.suffix}'" if path.suffix else "has no suffix"
         raise LipsyncError(f"{path}: {what}; known: {suffixes}")
     return path
 
@@ -213,7 +213,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
     for here, folders, files in os.walk(folder, onerror=refused):
         hidden = [name for name in (*folders, *files) if name.startswith(".")]
         if hidden:
-            remark(f"{here}: left out what is hidden: {', '.join(sorted(hidden)[:8])}")
+            remark(f"{here}: hidden files are left out: {', '.join(sorted(hidden)[:8])}")
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         for name in sorted(set(files) - set(hidden)):
             path = Path(here, name)
@@ -224,7 +224,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
     for suffix, left in sorted(others.items()):
         what = f"'{suffix}'" if suffix else "files without a suffix"
         more = f" and {len(left) - 1} more" if len(left) > 1 else ""
-        remark(f"{left[0]}{more}: left out: nothing reads lines from {what}")
+        remark(f"{left[0]}{more}: left out: no reader for {what}")
 
 
 def _reader(source: LineFile) -> LineReader:

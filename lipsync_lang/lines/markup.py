@@ -195,13 +195,13 @@ class TextCleaner:
         for found in STRAY.finditer(part):
             column = start + found.start() + 1
             self._remarks.append(
-                f"column {column}: '{found[0]}' has no partner, so the text beside it is read"
+                f"column {column}: '{found[0]}' has no partner, so the text next to it is spoken"
             )
             self._dropped.append(found[0])
         return STRAY.sub("", part)
 
     def _instead(self, found: re.Match[str]) -> str | None:
-        """Return the text in place of markup; None for text that is no markup."""
+        """Return the text in place of markup; None for text that is not markup."""
         whole, aside = found[0], found["round"] or found["doublewidth"] or found["star"]
         if aside:
             if not self._is_aside(found, aside):

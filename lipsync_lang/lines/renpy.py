@@ -131,7 +131,7 @@ def _statements(source: LineFile) -> Iterator[tuple[int, str]]:
         if whole.strip() and closed:
             yield number, whole
         elif not closed and SAYS.match(whole.split("\n")[0].strip() + '"'):
-            source.remark(f"{source.path}:{number}: left out: a quote is left open here")
+            source.remark(f"{source.path}:{number}: left out: a quote is not closed here")
 
 
 def _next(lines: Iterator[tuple[int, str]]) -> list[tuple[int, str]]:

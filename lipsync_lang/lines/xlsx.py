@@ -124,7 +124,7 @@ def _refuse_bombs(source: LineFile, stream: BinaryIO) -> None:
 
 def _damaged(source: LineFile, error: Exception) -> LipsyncError:
     why = str(error).partition("\n")[0] or type(error).__name__
-    return source.fault(1, f"no spreadsheet can be read from it ({why}); save it again as .xlsx")
+    return source.fault(1, f"the spreadsheet cannot be read ({why}); save it again as .xlsx")
 
 
 def _openpyxl() -> "ModuleType":

@@ -38,7 +38,7 @@ def read(source: LineFile) -> Iterator[Line]:
         else:
             yield from _spoken(source, number, text)
     if number and not met:
-        raise source.fault(number, "no node of Yarn in it; a node's body begins with a line `---`")
+        raise source.fault(number, "has no Yarn node; the body of a node begins with a line `---`")
 
 
 def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:

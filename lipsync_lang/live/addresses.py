@@ -39,12 +39,14 @@ def parse_address(text: str) -> LiveAddress:
     kind, _, rest = text.partition(":")
     if kind not in USUAL_PORTS:
         raise LipsyncError(
-            f"--to {text}: '{kind}' is no kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
+            f"--to {text}: '{kind}' is not a kind of receiver; {did_you_mean(kind, USUAL_PORTS)}. "
             "Write KIND:HOST:PORT, or - for standard output"
         )
     host, port = _parted(rest)
     if port and not (port.isascii() and port.isdecimal() and 0 < int(port) <= MAX_PORT):
-        raise LipsyncError(f"--to {text}: '{port}' is no port; give a number from 1 to {MAX_PORT}")
+        raise LipsyncError(
+            f"--to {text}: '{port}' is not a port; give a number from 1 to {MAX_PORT}"
+        )
     return LiveAddress(kind, host or LOCAL, int(port) if port else USUAL_PORTS[kind])
 
 

@@ -98,7 +98,7 @@ def _read(message: str | bytes) -> dict[str, Any]:
     try:
         asked = json.loads(message)
     except (ValueError, RecursionError):
-        raise LipsyncError('this is no JSON; send an object such as {"text": "Hello"}') from None
+        raise LipsyncError('this is not JSON; send an object such as {"text": "Hello"}') from None
     if not isinstance(asked, dict):
         raise LipsyncError('send a JSON object such as {"text": "Hello"}')
     return asked

@@ -334,7 +334,6 @@ class _Inspected(NamedTuple):
 
 
 def _missing(entry_point: "EntryPoint") -> Fault:
-    what = f"'{distribution(entry_point)}' offers packs in '{entry_point.value}', but that is "
-    "missing"
+    what = f"'{distribution(entry_point)}' offers packs in '{entry_point.value}', which is gone"
     hint = "install it again, or remove it"
     return Fault("installed distributions", 1, 1, "W304", what, hint, "warning")

@@ -96,7 +96,7 @@ def timed(what: str, name: str, level: "float | Points") -> Level:
         at, value = point if len(point) == len(("seconds", "level")) else (0.0, float("nan"))
         if not (isfinite(at) and 0 <= value <= most):
             raise LipsyncError(
-                f"{what} {name}: {level!r} is no level; give a number from 0 to {most:g}, "
+                f"{what} {name}: {level!r} is not a level; give a number from 0 to {most:g}, "
                 "or pairs of seconds and such numbers"
             )
     times = [at for at, _ in points]

@@ -195,7 +195,7 @@ class LabelReader:
 
         Returns
         -------
-        (n,) with -1 for labels that are no vowels, or (0,)
+        (n,) with -1 for labels that are not vowels, or (0,)
         """
         marks = sounds.marks
         if not marks.size or marks.max() < 0:

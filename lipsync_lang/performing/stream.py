@@ -167,7 +167,7 @@ class Stream:
         Raises
         ------
         ScheduleError
-            A label is unknown, a time is no finite number, or the phoneme is late.
+            A label is unknown, a time is not a finite number, or the phoneme is late.
         LipsyncError
             The stream is finished.
         """

@@ -73,7 +73,7 @@ class StressMarks:
         self.before = before
 
     def of(self, mark: int | None, kind: str) -> int | None:
-        """Return the stress of the next label; None if it is no vowel.
+        """Return the stress of the next label; None if it is not a vowel.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class StressMarks:
 
 
 def stresses_of(marks: Ints, manners: Ints) -> Ints:
-    """Return the stress of each label, as `StressMarks` reads them; -1 if it is no vowel: (n,).
+    """Return the stress of each label, as `StressMarks` reads them; -1 if it is not a vowel: (n,).
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 What letters and marks do is data (`kind: ipa`); here it is only looked up. Conventions:
 
 - Labels are compared as `labels.normalise` leaves them: composition, tie bars and look-alike
-  letters make no difference. Of several keys the longest wins; a composed letter that is no key
+  letters make no difference. Of several keys the longest wins; a composed letter that is not a key
   is read as its parts.
 - A mark belongs to the letter before it; marks that stand first, to the letter after them.
 - Features are numbers from 0 to 1, in the order of `Features.names`; None where a letter has none.

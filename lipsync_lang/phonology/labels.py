@@ -187,7 +187,7 @@ class Notation:
     def stress(self, label: str) -> int | None:
         """Return the stress that a label is marked with; None for a label without a mark.
 
-        Labels of the table are taken as they are: their signs are no marks of stress.
+        Labels of the table are taken as they are: their signs are not marks of stress.
         """
         try:
             return self._marked[label]

@@ -36,7 +36,7 @@ def check(
     Raises
     ------
     LipsyncError
-        The animation has no performer and none is given, a limit names no measure or is no number
+        The animation has no performer and none is given, a limit is invalid
         of at least 0, or the animation is of another face.
 
     Examples

@@ -30,7 +30,7 @@ MAX_FRAMES = 1_000_000
 """Frames at an even rate: more than an hour at the greatest one."""
 
 MAX_FRAMES_EACH = 100
-"""The same for each frame of the file; a longer pause is no recording of a line."""
+"""The same for each frame of the file; a longer pause is not a recording of a line."""
 
 PERCENT_ABOVE = 5.0
 """Weights above this are percentages, not shares of 1."""

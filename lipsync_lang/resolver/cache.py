@@ -77,7 +77,7 @@ def compiler() -> str:
 def _key(language: str, character: str, paths: Sequence[Path]) -> str:
     """Return the file key of a pair: its names, search paths and project, as JSON.
 
-    A folder without packs is no project, so that all such folders share a file.
+    A folder without packs is not a project, so that all such folders share a file.
     """
     from lipsync_lang.packs.finding import FOLDERS
 
@@ -105,7 +105,7 @@ def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | No
 
 
 def save(compiled: "Compiled", language: str, character: str, library: "Library") -> None:
-    """Write a compiled pair to the cache; a cache that cannot be written is no error."""
+    """Write a compiled pair to the cache; a cache that cannot be written is not an error."""
     from lipsync_lang.errors import OutputError
     from lipsync_lang.files import atomic
 

@@ -223,7 +223,7 @@ class Accessors:
     def _decode(self, what: str, extension: str, row: object) -> memoryview:
         """Decode a view of meshoptimizer."""
         if not isinstance(row, dict):
-            self._fail(what, f"has an {extension} that is no object")
+            self._fail(what, f"has an {extension} that is not an object")
         start, length = self._place(what, row)
         with self._decoding(what, extension):
             size = meshopt_size(row, length)
@@ -245,7 +245,7 @@ class Accessors:
     def _changed(self, what: str, sparse: object, values: Array) -> Array:
         """Copy values and apply sparse replacements."""
         if not isinstance(sparse, dict):
-            self._fail(what, "has sparse values that are no object")
+            self._fail(what, "has sparse values that are not an object")
         few, places, others = (sparse.get(name) for name in ("count", "indices", "values"))
         if not isinstance(places, dict) or not isinstance(others, dict):
             self._fail(what, "has sparse values without their places")

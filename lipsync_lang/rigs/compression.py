@@ -122,7 +122,7 @@ def _draco_counts(data: bytes) -> tuple[int, int]:
     """Read the numbers of faces and points from the start of a mesh."""
     signature, size = DRACO_START
     if len(data) < size or not data.startswith(signature) or data[10] & 0x80:
-        raise ValueError("is no Draco mesh of bitstream 2.2 without metadata")
+        raise ValueError("is not a Draco mesh of bitstream 2.2 without metadata")
     if data[8] == EDGEBREAKER:
         numbers = _varints(data, size + 1)
         points, faces = next(numbers), next(numbers)

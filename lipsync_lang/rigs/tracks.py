@@ -93,7 +93,7 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
     if not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         fail(where, "the times of its animation do not rise")
     if not np.isfinite(values).all():
-        fail(where, "a value of its animation is no number")
+        fail(where, "a value of its animation is not a number")
     table = values.reshape(len(times), each, -1)
     if way == "CUBICSPLINE":
         return _splined(where, times, table)

@@ -18,14 +18,14 @@ NUMBER = r"\d+(?:\.\d*)?"
 LINE = re.compile(
     rf"\s*(?!{NUMBER}\s)(\S+)\s+({NUMBER})((?:\s+\(?{NUMBER}[ ,]+{NUMBER}\)?)*)\s*", re.ASCII
 )
-"""A phoneme, which is no number, its duration, and pairs of position and pitch."""
+"""A phoneme, which is not a number, its duration, and pairs of position and pitch."""
 
 COMMENT = (";", "#")
 """Starts of comments, and of ``#`` alone, which flushes the voice."""
 
 
 def sniff(source: TimingFile) -> bool:
-    """Return True if the first two lines that are no comments have a phoneme and a duration."""
+    """Return True if the first two lines that are not comments have a phoneme and a duration."""
     rows = [row for row in source.head.split("\n") if row.strip() and not row.startswith(COMMENT)]
     return len(rows) > 1 and all(LINE.fullmatch(row) for row in rows[:2])
 

@@ -39,7 +39,7 @@ def read_sppas(source: TimingFile) -> Timings:
 
 
 def _rows(source: TimingFile, tier: "Element") -> Iterator[LabelRow]:
-    """Yield the intervals of a tier; points are no sounds."""
+    """Yield the intervals of a tier; points are not sounds."""
     for annotation in tier.iter("Annotation"):
         spans = [one for one in annotation.iter() if one.find("Begin") is not None]
         if not spans:

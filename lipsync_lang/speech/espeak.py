@@ -110,7 +110,7 @@ def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
         sounds, marks = read_events(header["events"], header["spelled"], len(samples))
         labels, bounds, index, stress = intervals(sounds, int(PAUSE * rate))
     except (KeyError, ValueError, TypeError, AttributeError):
-        raise SpeechError("eSpeak NG gave no answer that makes sense; try again") from None
+        raise SpeechError("eSpeak NG gave an unreadable answer; try again") from None
     if all(label == SILENCE for label in labels):
         raise SpeechError(
             f"eSpeak NG says nothing for {quoted(text)} in this voice{header['said']}; "

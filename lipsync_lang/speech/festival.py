@@ -206,15 +206,15 @@ def _sound(path: Path) -> Audio:
             samples = np.frombuffer(sound.readframes(sound.getnframes()), np.int16)
             return Audio(samples, sound.getframerate())
     except (OSError, EOFError, wave.Error):
-        raise SpeechError("Festival left no sound that can be read; try again") from None
+        raise SpeechError("Festival wrote no readable sound; try again") from None
 
 
 def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
     """Build a schedule from an answer, from 0 to the end of the sound."""
     if answer.phones not in NOTATIONS:
         raise SpeechError(
-            f"the Festival voice '{voice}' speaks in the phone set '{answer.phones}', which is no "
-            f"notation here; choose a voice of {' or '.join(NOTATIONS)}"
+            f"the Festival voice '{voice}' speaks in the phone set '{answer.phones}', which is "
+            f"unknown here; choose a voice with {' or '.join(NOTATIONS)}"
         )
     labels: list[str] = []
     stresses: list[int | None] = []

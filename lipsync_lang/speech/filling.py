@@ -248,7 +248,7 @@ def _laid(
         mute.append(word.text)
         layout.rest(word.end)
     if not layout.words:
-        raise error or SpeechError(f"{timed.source}: nothing in it can be read")
+        raise error or SpeechError(f"{timed.source}: no word can be read")
     return Schedule(
         tuple(layout.labels),
         np.array(layout.times),
@@ -277,4 +277,4 @@ def _mute(timed: TimedWords, mute: Sequence[str]) -> list[str]:
     if not mute:
         return []
     shown = ", ".join(map(repr, mute[:MAX_SHOWN])) + (", ..." if len(mute) > MAX_SHOWN else "")
-    return [f"{timed.source}: words that are not read, so that the mouth rests: {shown}"]
+    return [f"{timed.source}: words that are not read, so the mouth rests: {shown}"]

@@ -86,10 +86,12 @@ def align(  # noqa: PLR0913 a recording, its text, a language, and how it is hea
     speaker = Speaker.of(language, paths, Cleaning(values))
     if isinstance(audio, Recording):
         if not isinstance(text, str):
-            raise SpeechError("`audio` is one recording, so `text` is one, too: a string")
+            raise SpeechError("`audio` is one recording, so `text` must be one string")
         return aligned(speaker, audio, text, aligner=aligner)
     if isinstance(text, str):
-        raise SpeechError("`audio` is several recordings, so `text` is a list of as many")
+        raise SpeechError(
+            "`audio` is a list of recordings, so `text` must be a list of the same length"
+        )
     return map(raised, align_many(speaker, _paired(audio, text), aligner=aligner))
 
 
@@ -257,9 +259,9 @@ def _recogniser(speaker: Speaker, name: str | None) -> "tuple[Recogniser, str | 
     name, model = engine_and_model(name, stated.recognise, stated.model)
     if name is None:
         raise SpeechError(
-            f"{speaker.manner.language} has no recogniser: give the text that is said as well, or "
+            f"{speaker.manner.language} has no recogniser: give the spoken text as well, or "
             "name a recogniser in its pack (`audio: {recognise: ...}`), such as `whisper:FOLDER`, "
-            "or `phones`, which hears single sounds"
+            "or `phones`, which recognises single sounds"
         )
     return RECOGNISERS.find(name, SpeechError), model
 

@@ -48,7 +48,7 @@ def batches(items: Iterable[T], size: int) -> Iterator[list[T]]:
 def in_turn(
     items: Iterable[T | SpeechError], act: Callable[[Iterator[T]], Iterable[R | SpeechError]]
 ) -> Iterator[tuple[T, R] | SpeechError]:
-    """Pass items that are no errors through `act`; pair each with its result, in order.
+    """Pass items that are not errors through `act`; pair each with its result, in order.
 
     `act` may take items ahead of its results, as many as it likes.
 
@@ -72,7 +72,7 @@ def in_turn(
                 yield result if isinstance(result, SpeechError) else (item, result)
                 break
             yield item
-    short = SpeechError("the engine gave fewer answers than it has texts; tell its author")
+    short = SpeechError("the engine gave fewer answers than it got texts; report it to its author")
     deque(source, maxlen=0)  # what it did not take
     for item in taken:
         yield item if isinstance(item, SpeechError) else short

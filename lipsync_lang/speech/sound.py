@@ -79,7 +79,7 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
         # header that points before the start of the file prints a traceback.
         with Path(path).open("rb", buffering=0) as stream:
             if not stream.seekable():
-                raise SpeechError(f"{path}: is a pipe; put the recording into a file first")
+                raise SpeechError(f"{path}: is a pipe; write the recording to a file first")
             surplus = surplus_seconds(stream)
             stream.seek(0)
             with soundfile.SoundFile(stream.fileno(), closefd=False) as sound:
@@ -91,7 +91,7 @@ def read_audio(path: str | Path, channel: int | None = None) -> Audio:
         ) from None
     except soundfile.LibsndfileError as error:
         told = unread(Path(path), error.error_string)
-        raise SpeechError(f"{path}: no sound that can be read ({told}") from None
+        raise SpeechError(f"{path}: not a readable recording ({told}") from None
 
 
 def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
@@ -112,7 +112,7 @@ def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
     if sound.frames > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
         raise SpeechError(
             f"{path}: has {sound.frames:,} samples on {sound.channels} channels, and "
-            f"{MAX_SAMPLES:,} on {MAX_CHANNELS} are the most; resample it to 48000 Hz, mono"
+            f"{MAX_SAMPLES:,} on {MAX_CHANNELS} are allowed; resample it to 48000 Hz, mono"
         )
     if surplus:
         raise SpeechError(
@@ -130,11 +130,11 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
     blocks = _mixed(path, sound) if channel is None else _taken(path, sound, channel - 1)
     count = sum(map(len, blocks))
     if count == 0:
-        raise SpeechError(f"{path}: holds no sound; record it again")
+        raise SpeechError(f"{path}: has no sound; record it again")
     slack = MP3_SLACK if sound.format == MP3 else 0
     if count < stated - slack or _cut_short(sound):
         raise SpeechError(
-            f"{path}: ends after {count / rate:.2f} s, before its own header says it does; "
+            f"{path}: ends after {count / rate:.2f} s, before the end that its header states; "
             "copy or save it again"
         )
     return Audio(np.concatenate(blocks), rate)
@@ -146,9 +146,7 @@ def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]"
     while len(block := sound.read(BLOCK // sound.channels, dtype="float32", always_2d=True)):
         count += len(block)
         if count > MAX_SAMPLES:
-            raise SpeechError(
-                f"{path}: has more than {MAX_SAMPLES:,} samples, the most; cut it into lines"
-            )
+            raise SpeechError(f"{path}: has more than {MAX_SAMPLES:,} samples; cut it into lines")
         yield np.clip(np.nan_to_num(block), -LOUDEST, LOUDEST)
 
 

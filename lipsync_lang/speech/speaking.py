@@ -221,7 +221,7 @@ class Speaker:
         manner = self.manner
         if manner.engine is None:
             raise SpeechError(
-                f"{manner.language} does not read text: give its pack a `g2p`, "
+                f"{manner.language} does not read text: add a `g2p` to its pack, "
                 "or give timed phonemes (`schedule`)"
             )
         if manner.notation not in self.notations:
@@ -425,7 +425,7 @@ class Speaker:
 
             ENGINES.find(name, SpeechError)
             raise SpeechError(
-                f"{manner.language} names no voice of {name}; give its pack "
+                f"{manner.language} names no voice of {name}; add to its pack "
                 f"`tts: {{others: {{{name}: VOICE}}}}` (lipsync-lang voices {name} lists them)"
             )
         return name, voice
@@ -437,8 +437,8 @@ class Speaker:
         manner = self.manner
         if manner.engine is None:
             error = SpeechError(
-                f"{manner.language} names no voice: give its pack a `tts`, a `g2p` to "
-                "estimate times by, or give timed phonemes (`schedule`)"
+                f"{manner.language} names no voice: add a `tts` to its pack, or a `g2p` to "
+                "estimate times, or give timed phonemes (`schedule`)"
             )
             return refused(texts, error)
         return each(

@@ -32,7 +32,7 @@ class SilentTextError(SpeechError):
     """Error: a text holds markup alone, so that there is nothing to say."""
 
     def __init__(self, text: WrittenText) -> None:
-        super().__init__(f"nothing of it is spoken: {' '.join(text.dropped)}")
+        super().__init__(f"no part of the text is spoken: {' '.join(text.dropped)}")
         self.text = text
 
 

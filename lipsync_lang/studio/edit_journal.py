@@ -80,7 +80,7 @@ def read_journal(path: Path) -> list[Line]:
     Raises
     ------
     JournalError
-        The file is no journal, or is damaged before its last line.
+        The file is not a journal, or is damaged before its last line.
     """
     try:
         with path.open("rb") as stream:
@@ -130,7 +130,7 @@ def append(path: Path, lines: Iterable[Line], at: int | None = None) -> int:
 
 
 def put_aside(path: Path) -> Path:
-    """Rename a file that is no sound journal, and return its new path."""
+    """Rename a file that is not a valid journal, and return its new path."""
     names = (path.with_name(f"{path.name}.damaged{number or ''}") for number in range(10**6))
     free = next(name for name in names if not name.exists())
     path.rename(free)

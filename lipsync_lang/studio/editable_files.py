@@ -21,7 +21,7 @@ def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
     others : files that are edited already; one file is edited by one name
     """
     if not path.is_absolute() or path.suffix != ".yaml":
-        raise OutputError(f"{path}: is no pack's file; name it in full, ending in .yaml")
+        raise OutputError(f"{path}: is not a pack's file; name it in full, ending in .yaml")
     real = Path(os.path.realpath(path))
     folder = next((root for root in shipped if real.is_relative_to(root)), None)
     if folder is not None:

@@ -271,7 +271,7 @@ class Workshop:
             return path, None
         if name == "language" and path is None:
             raise LipsyncError(
-                f"{compiled.language} is no pack; make one that states `extends: "
+                f"{compiled.language} is not a pack; make one that states `extends: "
                 f"{compiled.language}` in {FOLDERS['language']}/NAME.yaml, and open NAME"
             )
         if name == "language":

@@ -184,7 +184,7 @@ class _Sorting:
         return found
 
     def _header(self, data: Any) -> tuple[str, str]:
-        """Return why a document is no submission to this study, and the words for it."""
+        """Return why a document is not a submission to this study, and the words for it."""
         if not isinstance(data, dict) or data.get("kind") != "answers":
             return "no answers", "its kind is not 'answers'"
         if data.get("format") != 1 or "finished" not in data:
@@ -194,7 +194,7 @@ class _Sorting:
         if data.get("consent") is not True:
             return "no consent", "consent is not true"
         if not isinstance(data.get("answers"), list) or len(data["answers"]) > 2 * MAX_PAIRS:
-            return "no answers", "its answers are no list, or too many"
+            return "no answers", "its answers are not a list, or too many"
         return "", ""
 
     def _read_answers(self, one: _Rater) -> None:

@@ -81,7 +81,7 @@ def _is_report(path: Path) -> bool:
 
 
 def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:
-    """Return the document, behind the reason and the words if the text is no JSON."""
+    """Return the document, behind the reason and the words if the text is not JSON."""
     if isinstance(text, LipsyncError):
         return "unreadable", str(text), None
     if len(text) > MAX_SUBMISSION_BYTES:
@@ -89,5 +89,5 @@ def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:
     try:
         return "", "", json.loads(text)
     except (ValueError, RecursionError) as error:
-        words = "is empty" if not text else f"is no JSON, or is cut off: {error}"
+        words = "is empty" if not text else f"is not JSON, or is cut off: {error}"
         return "unreadable", words, None

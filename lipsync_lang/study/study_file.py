@@ -136,7 +136,7 @@ class AnswerFiles(NamedTuple):
     submissions: tuple[Submission, ...]
     """Well-formed submissions in the order of the files; of any study."""
     faults: tuple[str, ...]
-    """Located sentences on lines that are no submission."""
+    """Located sentences on lines that are not a submission."""
 
 
 def read_study(path: Path) -> Study:
@@ -145,7 +145,7 @@ def read_study(path: Path) -> Study:
     Raises
     ------
     LipsyncError
-        The file cannot be read, or is no study; the message names the place.
+        The file cannot be read, or is not a study; the message names the place.
     """
     content = read_input(path, MAX_STUDY_BYTES, mend="name the study.json of a study")
     study = parsed(Study, content, str(path))
@@ -163,7 +163,7 @@ def _fault_of_study(study: Study) -> str:
         if unknown is not None:
             return f"pairs.{number}: unknown method '{unknown}'"
         if pair.left == pair.right and pair.check is None:
-            return f"pairs.{number}: '{pair.left}' stands on both sides, and is no attention check"
+            return f"pairs.{number}: '{pair.left}' is on both sides, but is not an attention check"
         if pair.pair in seen:
             return f"pairs.{number}: '{pair.pair}' names two pairs"
         seen.add(pair.pair)

@@ -117,7 +117,7 @@ def origin_of(address: str) -> str:
     Raises
     ------
     LipsyncError
-        The address is no address of the web.
+        The address is not an address of the web.
     """
     try:
         parts = urlsplit(address)

@@ -54,11 +54,11 @@ class Recording:
             fail(self.source, "has no columns of curves", "export it with its blend shapes")
         twice = sorted({name for name in self.names if self.names.count(name) > 1})
         if twice:
-            fail(self.source, f"has two columns called '{twice[0]}'", "name each once")
-        _refuse(self.source, ~np.isfinite(self.times), "its time is no number")
+            fail(self.source, f"has two columns called '{twice[0]}'", "give each its own name")
+        _refuse(self.source, ~np.isfinite(self.times), "a time is not a number")
         bad = np.asarray(~np.isfinite(self.values).all(axis=1))
-        _refuse(self.source, bad, "a value is no number")
-        _refuse(self.source, np.abs(self.times) > LONGEST_SECONDS, "its time is past a day")
+        _refuse(self.source, bad, "a value is not a number")
+        _refuse(self.source, np.abs(self.times) > LONGEST_SECONDS, "its time is later than one day")
         falls = np.append(False, np.diff(self.times) <= 0)
         _refuse(self.source, falls, "its time does not rise; put the frames in order")
 
@@ -114,14 +114,18 @@ def read_animation(path: str | Path) -> Recording:
     path = Path(path)
     chosen = sorted(READERS.ending(path), key=lambda one: one.fits is None)
     if not chosen:
-        what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix to tell a format"
+        what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix"
         fail(path, what, f"known: {', '.join(READERS.suffixes())}")
     content = read_input(
         path, MAX_ANIMATION_BYTES, error=AnimationError, mend="is it an animation?"
     )
     fits = [one for one in chosen if one.fits is None or one.fits(content)]
     if not fits:
-        fail(path, f"is no {' or '.join(one.name for one in chosen)}", "check what wrote it")
+        fail(
+            path,
+            f"is no {' or '.join(one.name for one in chosen)}",
+            "check the program that wrote it",
+        )
     return fits[0].read(path, content)
 
 

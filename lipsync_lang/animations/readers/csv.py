@@ -54,7 +54,7 @@ def table_of(
     try:
         rows = [row for row in csv.reader(text.splitlines(), delimiter=separator) if any(row)]
     except csv.Error as error:
-        fail(path, f"is no table: {error}")
+        fail(path, f"is not a table: {error}")
     if not rows:
         fail(path, "is empty", "export it again")
     if gaps:
@@ -62,7 +62,9 @@ def table_of(
     head = [name.strip() for name in rows[0]]
     unit = TIMES.get(_plain(head[0]))
     if unit is None:
-        fail(f"{path}:1", f"its first column is '{head[0]}', no time", "call it time_s or time_ms")
+        fail(
+            f"{path}:1", f"its first column is '{head[0]}', not a time", "name it time_s or time_ms"
+        )
     values = np.array([_numbers(path, n, row, len(head)) for n, row in enumerate(rows[1:], 2)])
     table = values.reshape(-1, len(head))
     return table[:, 0] * unit, tuple(head[1:]), table[:, 1:]
@@ -80,8 +82,8 @@ def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:
         return [float(value) for value in row]
     except ValueError:
         bad = next(value for value in islice(row, count) if not _is_number(value))
-        mend = "write it with a point" if "," in bad else "leave text out"
-        fail(f"{path}:{line}", f"'{bad[:20]}' is no number", mend)
+        mend = "write it with a point" if "," in bad else "remove the text"
+        fail(f"{path}:{line}", f"'{bad[:20]}' is not a number", mend)
 
 
 def _is_number(text: str) -> bool:

@@ -28,11 +28,11 @@ def read_json(path: Path, content: bytes) -> Recording:
     except json.JSONDecodeError as error:
         fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", FORM)
     except ValueError:  # a number with thousands of digits
-        fail(path, "holds a number that is none of an animation", FORM)
+        fail(path, "has a number that an animation cannot have", FORM)
     except RecursionError:
         fail(path, "is nested too deep for an animation", FORM)
     if not isinstance(document, dict) or not str(document.get("format")).startswith(MARK):
-        fail(path, "is JSON, but no animation of this program", FORM)
+        fail(path, "is JSON, but not an animation of this program", FORM)
     names, frames = _names(path, document), _frames(path, document)
     fps, start = (_number(path, document, key) for key in ("fps", "start"))
     if fps <= 0:
@@ -45,14 +45,14 @@ def read_json(path: Path, content: bytes) -> Recording:
 def _names(path: Path, document: dict[str, Any]) -> tuple[str, ...]:
     names = document.get("poses")
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        fail(path, "its poses are no list of names", FORM)
+        fail(path, "its poses are not a list of names", FORM)
     return tuple(names)
 
 
 def _number(path: Path, document: dict[str, Any], key: str) -> float:
     value = document.get(key)
     if not isinstance(value, (int, float)) or isinstance(value, bool):
-        fail(path, f"its `{key}` is no number", FORM)
+        fail(path, f"its `{key}` is not a number", FORM)
     try:
         return float(value)
     except OverflowError:
@@ -62,7 +62,7 @@ def _number(path: Path, document: dict[str, Any], key: str) -> float:
 def _frames(path: Path, document: dict[str, Any]) -> Floats:
     rows, count = document.get("frames"), len(document["poses"])
     if not isinstance(rows, list):
-        fail(path, "its frames are no list", FORM)
+        fail(path, "its frames are not a list", FORM)
     for number, row in enumerate(rows):
         good = isinstance(row, list) and len(row) == count
         if not good or not all(isinstance(v, (int, float)) for v in row):
@@ -86,4 +86,4 @@ def _schedule(path: Path, document: dict[str, Any]) -> Schedule | None:
             language=document.get("language"),
         )
     except (KeyError, TypeError, ScheduleError) as error:
-        fail(path, f"its phonemes are unsound ({error})", "each needs label, start and end")
+        fail(path, f"its phonemes are invalid ({error})", "each needs label, start and end")

@@ -52,7 +52,7 @@ def read_live_link(path: Path, content: bytes) -> Recording:
     lost = int((~kept).sum())
     remarks = [f"{path}: {rate} frames a second, judging by its timecodes"]
     if lost:
-        remarks.append(f"{path}: {lost} frames repeat a timecode, and are left out")
+        remarks.append(f"{path}: {lost} frames repeat a timecode and are left out")
     names = tuple(name[:1].lower() + name[1:] for name in head[LEADING:])
     return Recording(str(path), times[kept] - times[0], names, values[kept], remarks=tuple(remarks))
 
@@ -65,8 +65,8 @@ def _code(path: Path, line: int, row: list[str], count: int) -> tuple[float, flo
     if found is None:
         fail(
             f"{path}:{line}",
-            f"'{row[0][:20]}' is no timecode",
-            "it is hours:minutes:seconds:frames",
+            f"'{row[0][:20]}' is not a timecode",
+            "write hours:minutes:seconds:frames",
         )
     hours, minutes, seconds, frames = map(float, found.groups())
     return hours * 3600 + minutes * 60 + seconds, frames
@@ -76,7 +76,7 @@ def _values(path: Path, line: int, row: list[str]) -> list[float]:
     try:
         return [float(value or 0) for value in row[LEADING:]]
     except ValueError as error:
-        fail(f"{path}:{line}", f"holds text where a number belongs ({error})", "export it again")
+        fail(f"{path}:{line}", f"has text in the place of a number ({error})", "export it again")
 
 
 def _rate(seconds: Floats, frames: Floats) -> int:

@@ -64,8 +64,7 @@ def _twice(language: "Pack[models.Language]") -> Iterator[Fault]:
             loc: Loc = ("notations", name, label)
             line = language.where(("notations", name, earlier), key=True).line
             if table[earlier] != sounds:
-                what = f"'{label}' and '{earlier}' (line {line}) are the same label with two "
-                "mappings"
+                what = f"'{label}' and '{earlier}' (line {line}) are one label with two mappings"
                 yield language.fault(loc, "P219", what, "keep one of the two", key=True)
             else:
                 what = f"'{label}' is '{earlier}' (line {line}) in another spelling"

@@ -54,7 +54,7 @@ def check_phonemes(common: "Pack[Phonemes]") -> Iterator[Fault]:
 
 
 def _shades(common: "Pack[Phonemes]") -> Iterator[Fault]:
-    """Check that each shade has a name of its own, and a parent that is no shade."""
+    """Check that each shade has a name of its own, and a parent that is not a shade."""
     model = common.model
     parents = {*model.phonemes} - {model.silence}
     for label, shade in model.shades.items():

@@ -209,7 +209,7 @@ class LabelCorrection(Strict):
 
 
 def _compile(contexts: Mapping[str, str]) -> None:
-    """Refuse a context that is no regular expression, or too slow."""
+    """Refuse a context that is not a regular expression, or too slow."""
     for field, text in contexts.items():
         try:
             if text:

@@ -201,7 +201,7 @@ class PhonemeTarget(Strict):
 
 
 _RESERVED = ("dominance", "status")
-"""Keys of the flat form of a target that are no poses."""
+"""Keys of the flat form of a target that are not poses."""
 
 
 def _target(value: Data) -> Data:

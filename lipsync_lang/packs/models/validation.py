@@ -79,7 +79,7 @@ def validated(
 
 
 def validated_as(source: YamlSource, model: type[Model]) -> tuple[Model | None, tuple[Fault, ...]]:
-    """Return the contents of a file that is no pack (None if faulty), and every fault of it."""
+    """Return the contents of a file that is not a pack (None if faulty), and every fault of it."""
     try:
         return model.model_validate(source.data), ()
     except ValidationError as error:

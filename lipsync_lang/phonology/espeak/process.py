@@ -24,7 +24,7 @@ MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
 READER = Path(__file__).with_name("phonemizer_worker.py")
 
-GARBAGE = "eSpeak NG gave no answer that makes sense; try again"
+GARBAGE = "eSpeak NG gave an unreadable answer; try again"
 """Message for an answer that is not framed as agreed."""
 
 BATCH_TEXTS = 2000

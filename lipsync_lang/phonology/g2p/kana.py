@@ -39,7 +39,7 @@ _FINAL = "基本形"
 def respell(text: str) -> list[tuple[str, str]]:
     """Cut a text into words, numbers and the gaps between them, each with its reading in kana.
 
-    What is no speech, and what the dictionary cannot read, is spelled as it is. Numbers keep
+    What is not speech, and what the dictionary cannot read, is spelled as it is. Numbers keep
     their counters, and verbs their endings, because these sound different by themselves.
 
     Raises

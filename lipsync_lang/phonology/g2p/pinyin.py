@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 HANZI = "〇\u3400-\u9fff\uf900-\ufaff\U00020000-\U0003ffff"
 LATIN = "A-Za-zÀ-ÖØ-öø-\u024f\u1e00-\u1eff\u0300-\u036f"
 SILENT = "~～"
-"""Draw a word out in writing, and are no sound of their own."""
+"""Characters that lengthen a word in writing and have no sound of their own."""
 
 _WIDE = {0xFEE0 + c: c for c in range(0x21, 0x7F)}
 _PIECE = re.compile(
@@ -265,7 +265,7 @@ def _known() -> frozenset[str]:
 
 
 def spelled(word: str, *, toneless: bool) -> tuple[str, ...]:
-    """Return the syllables of a word of pinyin, with tone digits; none if it is no pinyin.
+    """Return the syllables of a word of pinyin, with tone digits; none if it is not pinyin.
 
     Parameters
     ----------

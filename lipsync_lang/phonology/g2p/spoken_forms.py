@@ -27,7 +27,7 @@ class SpokenForms:
     named : words before a Roman numeral that is an ordinal number
     ordinals : ordinal numbers from 1
     doubled : words whose double letter stays when the word is drawn out
-    hyphenated : words with a hyphen that are no stutters
+    hyphenated : words with a hyphen that are not stutters
     vowels : letters of vowels
     """
 

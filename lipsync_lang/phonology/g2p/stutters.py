@@ -21,7 +21,7 @@ _HYPHENS = re.compile("[-\u2010\u2011]")
 
 
 def starts_of(token: str, vowels: str, hyphenated: Collection[str] = ()) -> tuple[str, ...]:
-    """Return the repeated starts of a word with hyphens, in order; none if it is no stutter.
+    """Return the repeated starts of a word with hyphens, in order; none if it is not a stutter.
 
     `hyphenated` are words that only look like stutters, in small letters.
 

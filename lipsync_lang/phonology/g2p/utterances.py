@@ -77,7 +77,7 @@ class Utterances:
     Parameters
     ----------
     forms : the written forms of the language
-    words : words with a pronunciation of their own, which are no interjections
+    words : words with a pronunciation of their own, which are not interjections
     is_vowel : tells labels of vowels
     """
 

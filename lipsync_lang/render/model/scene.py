@@ -148,7 +148,7 @@ class Scene:
         base = gltf.arrays[attributes["POSITION"]].astype(float)
         count, first = len(base), self.count
         if base.shape[1] != 3:  # noqa: PLR2004 of space
-            raise ValueError("POSITION is no place")
+            raise ValueError("POSITION is not a place")
         if "indices" in primitive:
             corners = gltf.arrays[primitive["indices"]][:, 0].astype(np.intp)
         else:

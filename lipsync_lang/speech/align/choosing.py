@@ -77,7 +77,7 @@ def surest(
             f"{name} {'failed' if sure < 0 else f'{sure:.2f}'}" for name, sure in results
         )
         kept = max(results, key=lambda one: one[1])[0]
-        remark = f"aligned by {kept}, the surest of: {asked}"
+        remark = f"aligned by {kept}, the most confident of: {asked}"
         if isinstance(first, SpeechError):
             remark += f" ({first})"
         schedule = replace(schedule, remarks=(*schedule.remarks, remark))
@@ -103,7 +103,7 @@ def _doubted(schedule: Schedule) -> Schedule:
     ]
     least = [place for _, place in sorted(words)[:SHOWN_WORDS]]
     told = (
-        f"text and sound hardly agree (confidence {sure:.2f}): is it the right text, in "
+        f"text and recording hardly agree (confidence {sure:.2f}): is it the right text, in "
         f"{schedule.language}?" + (f" In doubt: {', '.join(least)}" if least else "")
     )
     return replace(schedule, remarks=(told, *schedule.remarks))

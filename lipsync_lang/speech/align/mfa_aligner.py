@@ -116,7 +116,7 @@ def _written(corpus: Path, numbered: tuple[int, Given]) -> float:
     """Write a sound and its text as a speaker of the corpus; return the length in seconds."""
     number, (sound, text) = numbered
     if not any(map(str.isalnum, text)):
-        raise SpeechError(f"'{text[:60]}' has no words to align; give what is said")
+        raise SpeechError(f"'{text[:60]}' has no words to align; give the spoken text")
     audio = sound()
     place = corpus / _file_name(number)
     place.mkdir(parents=True)
@@ -152,7 +152,7 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
 
 def _unfit(text: str) -> str:
     return (
-        f"MFA laid nothing of '{text[:60]}' on the sound; is it the text of this recording, and is "
+        f"MFA aligned nothing of '{text[:60]}' with the recording; is it the right text, and is "
         "the recording whole?"
     )
 

@@ -70,7 +70,7 @@ class MfaModels(NamedTuple):
             raise SpeechError(f"'mfa:{spelling}': write mfa:MODEL or mfa:MODEL,DICTIONARY")
         if not comma and _is_path(acoustic):
             raise SpeechError(
-                f"'mfa:{spelling}' is a file, so that no dictionary has its name: write "
+                f"'mfa:{spelling}' is a file, and no dictionary has its name: write "
                 "mfa:MODEL,DICTIONARY"
             )
         return cls(_located(acoustic, files=files), _located(dictionary or acoustic, files=files))
@@ -80,7 +80,7 @@ def _located(name: str, *, files: bool) -> str:
     """Return a name as it is, and a path as absolute one."""
     if not _is_path(name):
         if not _NAME.fullmatch(name):
-            raise SpeechError(f"'{name}' is no name of an MFA model; {_downloaded()}")
+            raise SpeechError(f"'{name}' is not the name of an MFA model; {_downloaded()}")
         return name
     if not files:
         raise SpeechError(
@@ -89,7 +89,7 @@ def _located(name: str, *, files: bool) -> str:
         )
     path = Path(name).expanduser().absolute()
     if not path.exists():
-        raise SpeechError(f"{name}: there is no such model or dictionary of MFA; check the path")
+        raise SpeechError(f"{name}: no such MFA model or dictionary; check the path")
     if path.suffix.lower() in {".yaml", ".yml"}:
         raise SpeechError(
             f"{name}: lists a dictionary for each speaker, and recordings name none; name one of "
@@ -201,7 +201,7 @@ def _told(log: Path, code: int) -> str:
             f"(mfa model download {kind} {name} gets it, if there is one)"
         )
     if "NoAlignmentsError" in text or "no successful alignments" in text:
-        return "MFA found no way to lay the text on the sound; is it the text of this recording?"
+        return "MFA could not align the text with the recording; is it the right text?"
     lines = [_FRAME.sub("", line).strip() for line in re.split(r"[\r\n]+", text)]
     lines = [line for line in lines if line and not _BAR.search(line)]
     last = [n for n, line in enumerate(lines) if "Error" in line or "ERROR" in line][-1:]

@@ -103,4 +103,4 @@ def _remark(names: Sequence[str], what: str) -> str:
     some = list(dict.fromkeys(names))
     more = ", ..." if len(some) > MAX_SHOWN_WORDS else ""
     listed = ", ".join(some[:MAX_SHOWN_WORDS])
-    return f"the dictionary of MFA lacks {listed}{more}: {what}; add what lacks to the dictionary"
+    return f"the MFA dictionary lacks {listed}{more}: {what}; add the missing words to it"

@@ -90,7 +90,7 @@ class PocketsphinxAligner:
         models, speaker, text = reader.models, reader.speaker, transcript.text
         sayings = reader.sayings(transcript.words)
         if not sayings:
-            raise SpeechError(f"'{text[:60]}' has no words to align; give what is said")
+            raise SpeechError(f"'{text[:60]}' has no words to align; give the spoken text")
         heard = lay(models.model, features(prepared(audio)), [saying.ways for saying in sayings])
         if heard is None:
             phonemes = sum(len(word.labels) for word in transcript.words)
@@ -101,7 +101,7 @@ class PocketsphinxAligner:
         agreeing = confidence(models, heard)
         if agreeing < NOTHING:
             raise SpeechError(
-                f"nothing of the text fits the sound ({agreeing:.0%} of its phonemes): is it the "
+                f"the text does not fit the recording ({agreeing:.0%} of its phonemes): is it the "
                 "text of this recording, in this language, and can the voice be heard? Another "
                 "aligner may do better (`aligner`)"
             )

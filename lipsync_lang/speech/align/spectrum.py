@@ -156,8 +156,8 @@ def heard_in(power: Floats) -> SpeechSpectrum:
     quiet, top = np.percentile(above, QUIET), np.percentile(above, 100 - QUIET / 2)
     if top - quiet < LEAST:
         raise SpeechError(
-            "the recording has no speech that stands out from what else is heard; "
-            "give one that is louder, or with less noise"
+            "the speech cannot be told apart from the other sounds; "
+            "use a louder recording, or one with less noise"
         )
     return SpeechSpectrum(power, noise, floor, above > quiet + SPOKEN * (top - quiet))
 

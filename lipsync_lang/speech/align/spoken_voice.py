@@ -34,8 +34,8 @@ class SpokenVoice(NamedTuple):
         """Take what the language's voice says."""
         if said.audio is None:
             raise SpeechError(
-                f"{said.language} has no voice to compare the recording with; give its "
-                "pack a `tts`, or align with another program and give its file (`schedule`)"
+                f"{said.language} has no voice to compare with the recording; add a `tts` "
+                "to its pack, or align with another program and give its file (`schedule`)"
             )
         kept = [n for n, label in enumerate(said.labels) if label != SILENCE]
         place = {n: at for at, n in enumerate(kept)}

@@ -95,7 +95,7 @@ class Warp:
         """Align as `align` does, with all texts spoken by one process."""
         if model is not None:
             error = SpeechError(
-                f"warping needs no model, but '{model}' is given: leave it out, or choose another "
+                f"warping takes no model, but '{model}' is given: leave it out, or choose another "
                 "aligner"
             )
             return refused(recordings, error)
@@ -199,7 +199,7 @@ def _other_sound(bent: Bent, power: Floats) -> tuple[str, ...]:
         if len(sounding) * HOP >= LASTING:
             begin, end = (first + sounding[[0, -1]]) * HOP
             places.append(f"{begin:.1f} to {end:.1f} s")
-    return (f"sound that the text does not have: {', '.join(places)}",) if places else ()
+    return (f"sound without text: {', '.join(places)}",) if places else ()
 
 
 def _laid(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
     from lipsync_lang.speech.sphinx.forced import HeardPhoneme
 
-SOUNDS = "single sounds move the mouth: no words were looked for, and music moves it as well"
+SOUNDS = "the mouth follows single sounds: words were not recognised, and music also moves it"
 NOTHING = "nothing was heard"
 
 
@@ -81,7 +81,8 @@ def spellings(known: ModelPhones, speaker: "Speaker") -> dict[str, str]:
     notation = speaker.notations.get(IPA)
     if notation is None:
         raise SpeechError(
-            f"{speaker.manner.language} has no notation '{IPA}', which phonemes are heard in: give "
+            f"{speaker.manner.language} has no notation '{IPA}', which recognised phonemes need: "
+            "give "
             "its pack one"
         )
     found: dict[str, str] = {}

@@ -143,7 +143,7 @@ def _remarks(
     heard: Sequence[HeardPhoneme], sayings: Sequence[Saying], chances: Sequence[float]
 ) -> tuple[str, ...]:
     if not sayings:
-        return (f"{heard_remark('')}; what moves the mouth are single sounds",)
+        return (f"{heard_remark('')}; the mouth follows single sounds",)
     starts: dict[int, float] = {}
     for one in heard:
         starts.setdefault(one.word, one.first * FRAME)

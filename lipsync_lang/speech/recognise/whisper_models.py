@@ -72,7 +72,7 @@ def language_code(model: Any, stated: str, language: str) -> str:
     knows = f"only '{known[0]}'" if len(known) == 1 else f"{len(known)} others"
     raise SpeechError(
         f"this Whisper model does not know {language} ('{code}'), but {knows}; name the folder of "
-        "a model that does (`whisper:FOLDER`), or take `phones`, which needs no words"
+        "a model that does (`whisper:FOLDER`), or use `phones`, which needs no words"
     )
 
 
@@ -103,8 +103,8 @@ def _check_folder(folder: Path) -> None:
     missing = [name for name in FILES if not (folder / name).is_file()]
     if missing:
         raise SpeechError(
-            f"{folder}: no Whisper model for faster-whisper: {', '.join(missing)} missing; a model "
-            "of another form is converted by ct2-transformers-converter, with "
+            f"{folder}: no Whisper model for faster-whisper: {', '.join(missing)} missing; convert "
+            "a model in another form with ct2-transformers-converter and "
             "--copy_files tokenizer.json"
         )
     try:
@@ -121,7 +121,8 @@ def _shipped() -> Path:
         if spec is not None and spec.origin is not None:
             return Path(spec.origin).parent / inner
     raise SpeechError(
-        "no Whisper model is installed: name the folder of one (`whisper:FOLDER`), or take a small "
+        "no Whisper model is installed: name the folder of one (`whisper:FOLDER`), or install a "
+        "small "
         f"English one; {EXTRA}"
     )
 

@@ -63,7 +63,7 @@ SETTINGS = {
 """Options of transcription."""
 
 NOISES = re.compile(r"\[[^\]]*\]|\([^)]*\)|[♪♫*]")
-"""Text of a model for sounds that are no words."""
+"""Text of a model for sounds that are not words."""
 
 
 @recogniser("whisper")
@@ -149,7 +149,9 @@ def _laid(heard: Sequence[Stretch], audio: Audio, speaker: "Speaker") -> Schedul
     ]
     remarks = [heard_remark(" ".join(stretch.text for stretch, _ in laid))]
     remarks += doubt_remarks(doubtful)
-    remarks += [f"left out, for the sound does not bear it out: {listed(lost)}"] if lost else []
+    remarks += (
+        [f"left out, because the recording does not support it: {listed(lost)}"] if lost else []
+    )
     count = sum(len(stretch.words) for stretch in heard)
     return replace(
         whole,

@@ -223,7 +223,7 @@ def _read(folder: Path) -> AcousticModel:
     moves = _table(folder / "transition_matrices").reshape(-1, STATES, STATES + 1)
     staying = np.einsum("pss->ps", moves[:, :, :STATES]) / moves.sum(axis=-1)
     if not len(found.names) == len(means) == len(staying):
-        raise ValueError("not one codebook to a phoneme")
+        raise ValueError("not one codebook per phoneme")
     return AcousticModel(*found, np.log(staying), gaussians.astype(np.float32), weights)
 
 
@@ -242,13 +242,13 @@ class _Definitions(NamedTuple):
 def _definitions(path: Path) -> _Definitions:
     content = path.read_bytes()
     if content[:4] != b"BMDF":
-        raise ValueError(f"{path.name} is of another form")
+        raise ValueError(f"{path.name} has another form")
     (skipped,) = struct.unpack_from("<i", content, 8)
     at = 12 + skipped
     head = struct.unpack_from("<10i", content, at)
     simple, count, length, _, _, _, rows, _, nodes, silence = head
     if length != STATES:
-        raise ValueError(f"{length} states to a phoneme instead of {STATES}")
+        raise ValueError(f"{length} states per phoneme instead of {STATES}")
     at += 40
     names = content[at:].split(b"\0", simple)[:simple]
     at += -(-sum(len(name) + 1 for name in names) // 4) * 4 + nodes * 8
@@ -294,7 +294,7 @@ def _body(path: Path) -> tuple[bytes, int]:
     content = path.read_bytes()
     at = content.index(b"endhdr\n") + 7
     if struct.unpack_from("<I", content, at) != (0x11223344,):
-        raise ValueError(f"{path.name} is of another byte order")
+        raise ValueError(f"{path.name} has another byte order")
     return content, at + 4
 
 

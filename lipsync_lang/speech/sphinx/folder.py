@@ -102,7 +102,7 @@ def find_models(name: str | None) -> Models:
     spec = find_spec("pocketsphinx")
     if spec is None or spec.origin is None:
         raise SpeechError(
-            "hearing words needs pocketsphinx, which is not installed; "
+            "recognising words needs pocketsphinx, which is not installed; "
             'get it with: pip install "lipsync-lang[audio]"'
         )
     folder = Path(spec.origin).parent / "model"

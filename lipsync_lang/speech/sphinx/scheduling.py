@@ -135,7 +135,7 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
         if one.word == one.phone == OUTSIDE and (one.stop - one.first) * FRAME >= LASTING
     ]
     if others:
-        remarks.append(f"sound that the text does not have: {listed(others)}")
+        remarks.append(f"sound without text: {listed(others)}")
     said = _by_word(heard)
     absent: list[str] = []
     unlike: list[str] = []
@@ -147,9 +147,9 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
         elif len(own) >= TELLING and not any(map(_borne_out, own)):
             unlike.append(place)
     if absent:
-        remarks.append(f"words that are not said, and left out: {listed(absent)}")
+        remarks.append(f"words that are not spoken are left out: {listed(absent)}")
     if unlike:
-        remarks.append(f"words that are not heard: {listed(unlike)}")
+        remarks.append(f"words that were not recognised: {listed(unlike)}")
     return remarks
 
 

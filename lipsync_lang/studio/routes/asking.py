@@ -35,7 +35,7 @@ class Wish:
         except (ValueError, RecursionError):
             found = None
         if not isinstance(found, dict):
-            raise LipsyncError("the request is no JSON object")
+            raise LipsyncError("the request is not JSON object")
         return found
 
     def text(self, name: str) -> str:

@@ -75,7 +75,7 @@ def mouth(workshop: Workshop, asked: Wish) -> Json:
     compiled = workshop.performer.compiled
     shelf = PairPacks.open(workshop.library(), compiled.language, compiled.character)
     if asked.name not in {*compiled.phonemes, *compiled.shades}:
-        raise LipsyncError(f"'{asked.name}' is no common phoneme of {compiled.language}")
+        raise LipsyncError(f"'{asked.name}' is not a common phoneme of {compiled.language}")
     targets, coarse = shelf.face.targets, compiled.shades.get(asked.name, asked.name)
     names = (asked.name, coarse, shelf.likes.get(coarse, ""))
     name = next((one for one in names if one in targets), asked.name)

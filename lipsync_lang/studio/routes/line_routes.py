@@ -175,7 +175,7 @@ def _other(workshop: Workshop, name: str) -> "Animation":
         return workshop.perform(workshop.saved)
     if name in BASELINES and schedule is not None:
         return BASELINES[name](performer, schedule, workshop.settings.fps)
-    raise LipsyncError(f"'{name}' is no take; compare with {', '.join((SAVED, *BASELINES))}")
+    raise LipsyncError(f"'{name}' is not a take; compare with {', '.join((SAVED, *BASELINES))}")
 
 
 def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) -> Json:

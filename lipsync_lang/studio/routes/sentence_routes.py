@@ -59,7 +59,7 @@ def written(workshop: Workshop, asked: Wish) -> Json:
 def _number(asked: Wish) -> int:
     """Return the number in the path."""
     if not (asked.name.isascii() and asked.name.isdecimal() and len(asked.name) <= MAX_DIGITS):
-        raise LipsyncError(f"'{asked.name[:20]}' is no number of a boundary, a word or a part")
+        raise LipsyncError(f"'{asked.name[:20]}' is not a number of a boundary, a word or a part")
     return int(asked.name)
 
 
