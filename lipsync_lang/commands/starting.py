@@ -25,7 +25,8 @@ SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
 
 def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options
     """Print what the program does, and commands to go on with."""
-    lines = [TITLE, "", *_next_steps(), *_lacking(), "", MORE]
+    lacking = _lacking()
+    lines = [TITLE, "", *_next_steps(), *([""] if lacking else []), *lacking, "", MORE]
     print("\n".join(lines))
     return SOUND
 
