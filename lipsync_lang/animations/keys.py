@@ -51,7 +51,7 @@ class Curve(NamedTuple):
 
 
 def keyframes(times: Floats, values: Floats, error: float) -> Ints:
-    """Return the indices of key frames.
+    """Return the indices of keyframes.
 
     Parameters
     ----------

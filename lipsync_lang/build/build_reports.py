@@ -68,7 +68,7 @@ def _over(tally: BuildTally, most: int) -> list[BuiltLine]:
 
 
 def _name(project: ProjectBuild) -> str:
-    """Return the name of a project; that of its folder where it states none."""
+    """Return the name of a project; by default, that of its folder."""
     stated = "name" in project.project.model_fields_set
     return project.project.name if stated else project.folder.name
 

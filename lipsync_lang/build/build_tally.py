@@ -20,7 +20,7 @@ MAX_WORST = 500
 """Lines that a report shows in full; all others are in its counts."""
 
 UNSHOWN: frozenset[Verdict] = frozenset(("passed", "doubted"))
-"""Verdicts of lines that are counted, but not named where there is no report."""
+"""Verdicts of lines that are counted; a build without a report does not name them."""
 
 ZERO_SCALE = 10
 """Badness that a value of 1 adds where the limit is 0."""

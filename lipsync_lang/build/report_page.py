@@ -34,7 +34,7 @@ from lipsync_lang.coverage.page.wording import NBSP, count
 from lipsync_lang.files.quoting import shell_command
 
 PageOf = Callable[[PlannedLine], Path | None]
-"""The page of a line (`-o line.html`), or None where none was written."""
+"""The page of a line (`-o line.html`), or None if it was not written."""
 
 LEAST_BAR = 60
 """Least height of a bar that counts anything, of `HEIGHT`: one line of 20,000 is seen."""

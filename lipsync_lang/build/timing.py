@@ -57,7 +57,7 @@ def schedules(
 
 
 def attempt(call: Callable[[], Made]) -> Made | Exception:
-    """Return what a call makes, or its error, which is told of one line alone."""
+    """Return the result of a call, or its error, which concerns only one line."""
     try:
         return call()
     except Exception as error:  # noqa: BLE001 whatever it is, the other lines are made

@@ -134,7 +134,7 @@ def _fit(kept: Sequence[int]) -> FitValues:
 
 
 def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> Shares:
-    """Return the shares at which held-out lines are followed best; 0 where none helps.
+    """Return the shares at which held-out lines are followed best; 0 if no share helps.
 
     Held-out speakers count as much as held-out lines: the worse of the two decides.
     """

@@ -78,7 +78,7 @@ class FitLine:
     frames: Frames
     dials: "tuple[Dial, ...]"
     wanted: Floats
-    """(T, S) recorded values in units of the poses; NaN where there is none to compare with."""
+    """(T, S) recorded values in units of the poses; NaN without a recorded value."""
     gains: Floats
     """(S, P)"""
     rig: "DrivenChannels | None" = None
@@ -95,7 +95,7 @@ class FitLine:
         return sums if self.rig is None else self.rig.driven(weights, motion, self.frames.fps)
 
     def errors(self, shown: Floats) -> Floats:
-        """Return shown minus recorded signals, 0 where there is none: (T, S)."""
+        """Return shown minus recorded signals, 0 without a recorded value: (T, S)."""
         return np.nan_to_num(shown - self.wanted)
 
     @property

@@ -84,7 +84,7 @@ LEAST_GAIN = 0.03
 """Likeness that a corrected offset has to gain."""
 
 LEAST_DRIFT_SECONDS = 0.15
-"""Smaller drifts over a line do no harm, and cannot be told from how it was said."""
+"""Smaller drifts over a line do no harm, and look like the delivery of the line."""
 
 REVERSED = -0.5
 """Likeness of a signal that runs against its curve."""
@@ -343,7 +343,7 @@ def _forwards(line: "CapturedLine", motion: ComparedMotion) -> "CapturedLine":
 
 
 def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
-    """Name the lines whose residual is far above the others': misaligned, or said otherwise.
+    """Name the lines whose residual is far above the others': misaligned, or spoken differently.
 
     Parameters
     ----------

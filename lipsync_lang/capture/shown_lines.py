@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lipsync_lang.capture.fit_captures import Followed
 
 LEAST_FRAMES = 3
-"""Frames from which r is told."""
+"""Least number of frames for r."""
 
 STILL = 1e-9
 """Standard deviation below which a signal does not move."""
@@ -54,7 +54,7 @@ class ShownLine:
     bounds: Floats
     """Their boundaries: one more than labels."""
     figures: tuple[SignalFigures, ...]
-    """Of each signal that was captured, worst first."""
+    """Figures of each captured signal, worst first."""
     speaker: str = ""
 
     @property

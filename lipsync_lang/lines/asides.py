@@ -12,10 +12,10 @@ from functools import lru_cache
 from lipsync_lang.phonology.g2p.tokens import PAUSES, plain
 
 MAX_WORDS = 5
-"""Words of an aside that is told by its form."""
+"""Words of an aside that is recognised by its form."""
 
 MAX_CHARS, MAX_UNCASED_CHARS = 40, 12
-"""Characters of an aside that is told by its words, in scripts with and without capitals."""
+"""Characters of an aside that is recognised by its words, in scripts with and without capitals."""
 
 OPEN_END = "..."
 """At the end of a listed word, for all words that begin so."""

@@ -136,7 +136,7 @@ def outlet(  # noqa: PLR0913 what is sent, and how it is named
 
 
 def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
-    """Refuse other names of poses that there are not."""
+    """Refuse other names for unknown poses."""
     for pose in renamed:
         if pose not in poses:
             hint = did_you_mean(pose, poses)

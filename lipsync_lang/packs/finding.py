@@ -181,7 +181,7 @@ class Finder:
         return PackError(f"unknown {KIND_WORDS[kinds[0]]} '{name}': {did_you_mean(name, known)}")
 
     def _first(self, kind: Kind, name: str) -> Path | None:
-        """Find the first pack of a name; a face's in other letters, where none is spelled so."""
+        """Find the first pack of a name; if there is none, a face's in other letters."""
         found = [self._list(root.path, kind).get(name) for root in self.roots]
         if kind != "language" and not any(found):
             spelled = {folded(one.name): one.name for one in reversed(self.names(kind))}

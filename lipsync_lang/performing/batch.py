@@ -78,7 +78,7 @@ def _effort(
     sounds: "LabelSounds",
     intensity: float | None,
 ) -> "tuple[Dial, ...]":
-    """Return the dials of stress, emphasis and loudness; none where there is no effect."""
+    """Return the dials of stress, emphasis and loudness; empty without an effect."""
     stated, motion, labels = performer.compiled.intensity, performer.motion, performer.labels
     poses = performer.opening_poses
     stresses = labels.stresses(sounds) if motion.stress and stated else sounds.marks[:0]

@@ -40,7 +40,7 @@ class HeardWord(NamedTuple):
     """Curves and emphasis of a word."""
 
     number: int
-    """Of its first label."""
+    """Number of its first label."""
     ramp: tuple[float, float, float, float]
     high: float
     """By how much it raises the level of emphasis."""
@@ -51,7 +51,7 @@ class Vowel(NamedTuple):
     """The level of stress at the middle of a vowel."""
 
     number: int
-    """Of its label."""
+    """Number of its label."""
     middle: float
     level: float
 

@@ -15,7 +15,7 @@ SURE_SHARE = 0.97
 """Share of labels that a notation has to have, to be taken without a remark."""
 
 MAX_UNLISTED = 8
-"""Labels without a place in the language that are told one by one."""
+"""Labels without a place in the language that are named one by one."""
 
 MAX_SHOWN = 4
 """Labels, or notations, shown in a remark."""
@@ -64,7 +64,7 @@ def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
 
 
 def _notation(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
-    """Yield a remark on a notation that was told by the labels, unless it is certain."""
+    """Yield a remark on a notation that was recognised by its labels, unless it is certain."""
     if schedule.notation is not None:
         return
     known = reader.own_notations

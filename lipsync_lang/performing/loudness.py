@@ -98,7 +98,7 @@ def levels(
     limits: tuple[float, float],
     reference: float,
 ) -> Level:
-    """Return the level over time, within limits; 1 where there is no sound.
+    """Return the level over time, within limits; 1 without sound.
 
     It is 1 for a sound as loud as the median of its class, in a line near the `reference` in dBFS.
 

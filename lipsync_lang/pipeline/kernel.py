@@ -17,7 +17,7 @@ INTERFACE = 2
 
 
 def load() -> Any:
-    """Return the compiled module; None where there is none for this code, or `SWITCH` is off."""
+    """Return the compiled module; None if it is missing for this code, or `SWITCH` is off."""
     if _off():
         return None
     try:

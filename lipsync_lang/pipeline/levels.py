@@ -35,7 +35,7 @@ class Blend(NamedTuple):
     style: int
     """Index into the tables' styles."""
     share: Level
-    """Of the whole, in [0, 1]; the rest is neutral."""
+    """Share of the whole, in [0, 1]; the rest is neutral."""
 
 
 class Dial(NamedTuple):

@@ -39,7 +39,7 @@ from lipsync_lang.pipeline.soften import Blur, kernel, reach_of
 from lipsync_lang.pipeline.tables import Contact, Tables
 
 GIVEN = 0.02
-"""Weight that a contact may lose where there is no room to give it back."""
+"""Weight that a contact may lose if no room is left to give it back."""
 
 ROUNDING = 1e-9
 """Tolerance for sums of weights: in floats 1 - 0.9 is not exactly 0.1."""

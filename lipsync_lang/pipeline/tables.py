@@ -87,7 +87,7 @@ class Tables:
     anticipate: Floats
     """(P,) seconds by which a pose begins early; 0 for those that do not."""
     highest: Floats
-    """(P,) the greatest weight that any target gives a pose; 1 where none does."""
+    """(P,) the greatest weight that any target gives a pose; 1 if no target names it."""
     opposed: Bools
     """(N, P) True where a phoneme keeps a pose from beginning early."""
     at_most: tuple[tuple[int, int], ...] = ()

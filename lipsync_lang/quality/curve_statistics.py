@@ -24,7 +24,7 @@ TURN_SHARE = 0.02
 
 
 def peak(curve: Floats) -> float:
-    """Return the 99th percentile of a curve: its highest level, but for a single frame."""
+    """Return the 99th percentile of a curve: its highest level, apart from single frames."""
     return percentile(curve, 99) if curve.size else 0.0
 
 

@@ -98,7 +98,7 @@ class Face:
 
     @cached_property
     def raised(self) -> tuple[bool, ...]:
-        """Of each contact, whether it raises a column; a face at rest makes all others."""
+        """Marks of the contacts that raise a column; a face at rest makes all others."""
         return tuple(bool(np.isfinite(touch.low).any()) for touch in self.touches)
 
     @cached_property

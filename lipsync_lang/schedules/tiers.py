@@ -1,4 +1,4 @@
-"""Tiers: parallel rows of labels; the phones stand in one row.
+"""Tiers: parallel rows of labels; one row has the phones.
 
 The phone tier is recognised by its name (`phones`, `MAU`, `Name - phones`, ...). If no name
 matches, the tier with many short and brief labels is taken. The words of the same speaker come

@@ -31,7 +31,7 @@ MAX_TIMINGS_BYTES = 64 * MIB_BYTES
 """Largest file of timings, in bytes."""
 
 HEAD_BYTES = 4096
-"""Bytes that a format is told by."""
+"""Bytes that identify a format."""
 
 MAX_TIME = 1e15
 """Upper limit of times, in any unit."""

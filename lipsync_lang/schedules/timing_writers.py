@@ -192,7 +192,7 @@ def _rows(rows: list[dict[str, object]]) -> str:
 
 
 def _filled(spans: Iterable[LabelSpan], end: float) -> Iterator[LabelSpan]:
-    """Yield spans with silence in the gaps: Praat wants a tier without any."""
+    """Yield spans with silence in the gaps: Praat needs a tier without gaps."""
     at = 0.0
     for label, begin, stop in spans:
         if begin > at:

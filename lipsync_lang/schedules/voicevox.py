@@ -108,7 +108,7 @@ def _plain(whole: object) -> Json:
 
 
 def _number(source: TimingFile, whole: Json, name: str, missing: float) -> float:
-    """Return a length or a factor; it cannot be below 0, but for the pitch of no sound."""
+    """Return a length or a factor; only the pitch of no sound may be below 0."""
     value = whole.get(name)
     number = missing if value is None else source.number(value)
     if number < 0:

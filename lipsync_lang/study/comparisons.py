@@ -53,7 +53,7 @@ class Clustering(NamedTuple):
     """Dependence of choices that share a rater."""
 
     design_effect: float | None
-    """Variance of the share against that of independent choices; None if it cannot be told."""
+    """Variance of the share against that of independent choices; None if it cannot be computed."""
     correlation: float | None
     """Correlation of two choices of one rater that gives this effect."""
     interval: Interval | None

@@ -152,7 +152,7 @@ def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Compariso
         )
     if len(comparisons) > 1:
         notes.append(
-            f"{len(comparisons)} comparisons are tested: by Bonferroni, each wants p below "
+            f"{len(comparisons)} comparisons are tested: by Bonferroni, each needs p below "
             f"{LEVEL / len(comparisons):.2g}"
         )
     if answers.unfinished:

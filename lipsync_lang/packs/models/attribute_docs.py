@@ -1,4 +1,4 @@
-"""Descriptions of fields: the docstrings beneath them, read when a schema or a message wants one.
+"""Descriptions of fields: the docstrings beneath them, read when a schema or a message needs one.
 
 Pydantic can take them while it makes a class, but then parses the source of each class at every
 start of the program, which takes longer than reading the packs.

@@ -166,7 +166,7 @@ class Project(PackModel):
     """Texts to say for placeholders such as `[player]`, `{player}` and `$player`, by name."""
     unspoken: Annotated[tuple[Text, ...], OrOne] = ()
     """Passages that are not spoken, such as `NPC_01`, `SFX:...` and `<<...>>`: their text, or their
-    two ends with `...` between them; without a second end, all up to the end of the line."""
+    two ends with `...` between them. Without a second end, a passage ends with the line."""
     limits: dict[Text, NotNegative] = Field(default_factory=dict)
     """Limits that fail a build: by measure of `check`, and the least `confidence` of alignment."""
     reports: Annotated[tuple[ReportFile, ...], OrOne] = ()

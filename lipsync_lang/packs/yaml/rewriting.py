@@ -286,7 +286,7 @@ class _Edits:
         return at - self._line_start(at)
 
     def _own_line(self, at: int) -> bool:
-        """Return True if nothing but spaces precedes a character in its line."""
+        """Return True if only spaces precede a character in its line."""
         return not self.text[self._line_start(at) : at].strip()
 
     def _multiline(self, start: int, end: int) -> bool:

@@ -155,7 +155,7 @@ class _Stream:
             yield answer
 
     def _send(self, source: Iterator[str], waiting: deque[str]) -> None:
-        """Send texts ahead. A long one waits until the worker reads, lest both sides write."""
+        """Send texts ahead. A long one waits until the worker reads, so only one side writes."""
         while True:
             if len(self.sizes) == len(waiting):
                 text = next(source, None) if len(waiting) < TEXTS_AHEAD else None

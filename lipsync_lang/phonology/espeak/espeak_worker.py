@@ -269,7 +269,7 @@ def send(out: BinaryIO, header: dict[str, Any], sound: bytes | bytearray = b"") 
 
 
 def main() -> None:
-    """Answer the request on stdin; whatever the library prints goes to stderr."""
+    """Answer the request on stdin; output of the library goes to stderr."""
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     request = json.loads(sys.stdin.buffer.readline())

@@ -45,7 +45,7 @@ def select(api: Any, voice: str, data: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Answer the request on stdin; whatever the library prints goes to stderr."""
+    """Answer the request on stdin; output of the library goes to stderr."""
     out = os.fdopen(os.dup(1), "w", encoding="ascii")
     os.dup2(2, 1)
     sys.path.insert(0, str(Path(__file__).parent))

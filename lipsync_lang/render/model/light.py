@@ -89,7 +89,7 @@ class Normals:
 
 
 def groups(scene: Scene) -> Ints:
-    """Map each of (V,) points to the first one equal to it but for texture coordinates."""
+    """Map each of (V,) points to the first one equal to it, apart from texture coordinates."""
     given = scene.normals
     bare: Bools = np.isnan(given[:, 0])
     size = float(np.ptp(scene.rest)) or 1.0

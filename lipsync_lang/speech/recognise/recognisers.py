@@ -54,7 +54,7 @@ def recogniser(name: str) -> Callable[[type[R]], type[R]]:
 
 
 def heard_remark(text: str) -> str:
-    """Return a remark that repeats recognised words, or says that there are none."""
+    """Return a remark that repeats recognised words, or says that no word was recognised."""
     if not text:
         return "no words were heard"
     return f"heard: {text[:SHOWN_CHARS]}{' ...' if len(text) > SHOWN_CHARS else ''}"

@@ -34,7 +34,7 @@ MAX_MIXES = 400
 """Mixes of poses in one request: a picture of each pose."""
 
 VISIBLE = 5e-4
-"""Least change of a weight that is told, as in `performing.trace`."""
+"""Least change of a weight that is shown, as in `performing.trace`."""
 
 STATED = ("constraints", "priority", "contacts", "softness", "motion", "targets", "poses")
 """Fields of a pose set that the character view edits."""
