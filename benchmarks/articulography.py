@@ -25,7 +25,7 @@ LANGUAGE = "german"
 
 FPS = 200.0
 READ_OUT = Path(__file__).with_suffix(".yaml")
-"""What the coils say of each measure, and the labels of pauses."""
+"""Measures as sums of coil positions, and the labels of pauses."""
 
 
 def recordings(

@@ -1,4 +1,4 @@
-"""How well recordings of any language are aligned, and how sure the aligner is.
+"""Errors of alignment in recordings of any language, and the confidence of the aligner.
 
     python benchmarks/hearing.py DATA [--aligner NAME] [--only SECTION ...] [--json FILE]
 
@@ -168,7 +168,7 @@ class Bench:
         self.speakers: dict[str, Speaker] = {}
         self.sound = self.took = 0.0
         self.figures: dict[str, Any] = {}
-        """What sections keep for `--json`."""
+        """Results of the sections, for `--json`."""
 
     def align(self, recording: Recording, text: str | None = None) -> Schedule:
         """Align a recording with its text or another."""

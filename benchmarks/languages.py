@@ -56,7 +56,7 @@ ALSO = {
 
 
 class Row(NamedTuple):
-    """What became of one text."""
+    """Result of one text."""
 
     language: str
     sentences: int

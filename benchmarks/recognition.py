@@ -145,7 +145,7 @@ def off(ours: np.ndarray, theirs: np.ndarray) -> int:
 
 
 def frames(found: Sequence[tuple[str, float, float]], seconds: float) -> np.ndarray:
-    """Return the common phoneme of each step; silence where there is none."""
+    """Return the common phoneme of each step; silence if there is none."""
     out = np.full(int(seconds / STEP) + 1, SILENCE, object)
     for name, start, end in found:
         out[round(start / STEP) : round(end / STEP)] = name

@@ -29,7 +29,7 @@ GOAL_SECONDS, GOAL_SPOKEN_SECONDS, GOAL_EDITED_SECONDS = 60.0, 90.0, 2.0
 def _cold(
     figures: Figures, name: str, made: Script, *options: str, goal: float | None = None
 ) -> float:
-    """Build everything anew; return the lines a second."""
+    """Build everything again; return the lines a second."""
     made.clear()
     say(f"{made.lines:,} lines, {name}")
     ended, rate = made.build(*options, expected=made.lines)

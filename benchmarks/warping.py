@@ -1,4 +1,4 @@
-"""How far aligning by warping misses the boundaries that are known.
+"""Errors of alignment by warping at known boundaries.
 
     python benchmarks/warping.py [FOLDER] [--json FILE]
 
@@ -57,7 +57,7 @@ Trial = tuple[str, Schedule]
 
 
 def german(folder: Path) -> list[Trial]:
-    """Return the recordings of a folder; none where there is none."""
+    """Return the recordings of a folder; empty if it has none."""
     found = []
     for name, text in GERMAN.items():
         phones = folder / f"{name}.phones.tsv"

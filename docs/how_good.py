@@ -62,7 +62,7 @@ SPEEDS = (
 
 
 NUMBER = re.compile(r"([-+]?[\d.,]+(-[\d.]+)?( (%|us|ms|s))?( \([\w-]+\))?)?")
-"""What stands at the right of its column."""
+"""Cells that are aligned to the right."""
 
 
 # Markdown
@@ -242,7 +242,7 @@ class Page:
         return {name: row for name, row in spoken.items() if name not in failed}, failed
 
     def coverage(self) -> str:
-        """Return what texts need, and what is drawn."""
+        """Return the data for texts and for pictures."""
         spoken = self.figures("languages")["languages"]
         used = {name: row["used"] for name, row in spoken.items()}
         ninety = [row["for_90"] for row in spoken.values()]

@@ -31,7 +31,7 @@ WIDTH = 6.4
 
 MARKS = ("o", "X", "s", "^", "D", "v", "P")
 LINES = (INK, "#7f8c8d", "#1f77b4", "#e67e22", "#27ae60", "#85c1e9", "#8e44ad")
-"""Of the sets of boundaries: those set by hand stand out."""
+"""Colours of the sets of boundaries; manual boundaries stand out."""
 
 
 def draw(page: Page, folder: Path) -> None:

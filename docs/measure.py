@@ -31,7 +31,7 @@ MEASURED = ROOT / "docs" / "measured.json"
 SPEEDS = ROOT / "docs" / "reference" / "performance.md"
 ARCTIC = "He turned sharply and faced Gregson across the table"
 DATA, DICTIONARIES = "DATA", "DICTIONARIES"
-"""What stands for the folders in a command that is kept."""
+"""Placeholders for the folders in a recorded command."""
 
 
 @dataclass(frozen=True)

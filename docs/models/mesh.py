@@ -408,7 +408,7 @@ class _Buffer:
         return self.add({**self.put("colors", rgba), **kind})
 
     def sparse(self, shifts: Points, rows: Faces, *, bounds: bool) -> int:
-        """Zeros but for some rows."""
+        """Zeros, except for some rows."""
         if not len(rows):
             return self.nothing(len(shifts))
         values = shifts[rows].astype("<f4")

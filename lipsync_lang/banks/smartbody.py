@@ -143,7 +143,7 @@ def visible(text: str) -> str:
 
 
 def _text(path: Path) -> str:
-    """Return the text of a file with normalized line ends."""
+    """Return the text of a file with normalised line ends."""
     shown = visible(str(path))
     try:
         if path.stat().st_size > MAX_SCRIPT_BYTES:

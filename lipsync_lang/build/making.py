@@ -148,7 +148,7 @@ class LineMaker:
     def _performed(
         self, performer: Performer, timed: Sequence[tuple[PlannedLine, Timed]]
     ) -> Iterator[tuple[PlannedLine, Animation | Exception]]:
-        """Yield the animation of each line, or why it has none; all at once where none fails."""
+        """Yield the animation of each line, or its error; all at once if no line fails."""
         sound = [(line, said) for line, said in timed if isinstance(said, Schedule)]
         fps, edited = self.settings.fps, performer.compiled.line_edits
         names = [line.name if line.name in edited else None for line, _ in sound]
@@ -185,7 +185,7 @@ class LineMaker:
         judged: LineJudgement | Exception,
         contents: Mapping[str, str],
     ) -> MadeLine:
-        """Write a line; whatever fails is told of this line alone."""
+        """Write a line; an error is reported for this line only."""
         if isinstance(animation, Exception):
             return self._failed(line, animation)
         if isinstance(judged, Exception):

@@ -121,7 +121,7 @@ class ProjectBuild:
         return made
 
     def resolve(self, paths: Iterable[Path]) -> None:
-        """Resolve every pair of the lines; those with faults are put aside, to be told of."""
+        """Resolve every pair of the lines; set pairs with faults aside for the report."""
         motion = self.project.motion
         stated = None if motion is None else motion.model_dump(exclude_none=True)
         for language, character in dict.fromkeys(

@@ -136,7 +136,7 @@ def _uniquely_named(found: Sequence[CaptureFiles]) -> Iterator[CaptureFiles]:
 
 
 def _named(path: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
-    """Yield the capture that a file is, or those that it lists."""
+    """Yield the capture of a file, or the captures that it lists."""
     folder = _Neighbours(path.parent)
     if _lists_captures(path):
         yield from _stated(path, folder, path.parent, aside)

@@ -189,7 +189,7 @@ def _remarks(captured: "Sequence[CapturedLine]") -> tuple[str, ...]:
 def _verdict(
     task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: Shares
 ) -> FitVerdict:
-    """Judge a fit by what it did not see."""
+    """Judge a fit by its error on held-out lines."""
     if not parts:
         return FitVerdict(
             accepted=False, why="one line alone cannot show that a fit generalises; add lines"

@@ -162,9 +162,9 @@ class FitFold(Strict):
     by: Literal["line", "speaker"]
     """The unit that is left out."""
     before: Error
-    """RMS difference on what is left out, without the fit."""
+    """RMS error on the held-out lines without the fit."""
     after: Error
-    """RMS difference on what is left out, with the fit."""
+    """RMS error on the held-out lines with the fit."""
 
 
 class FitVerdict(Strict):

@@ -287,8 +287,8 @@ def _check_words(reading: ClockReading, motion: ComparedMotion, chances: float) 
             f"{likeness:.2f} there, {best:.2f} as it is; {chance})"
         )
     raise AnimationError(
-        f"its motion does not follow its timings (likeness {best:.2f}; {chance}); are they of "
-        "another line?"
+        f"its motion does not follow its timings (likeness {best:.2f}, hardly better than "
+        f"chance; {chance}); are they of another line?"
     )
 
 

@@ -110,7 +110,7 @@ def _text(value: object) -> str:
 
 
 def _refuse_bombs(source: LineFile, stream: BinaryIO) -> None:
-    """Refuse a file whose parts are too large; `zipfile` unpacks no more than they state."""
+    """Refuse a file whose parts are too large; `zipfile` unpacks at most the stated size."""
     try:
         with ZipFile(stream) as parts:
             largest = max((part.file_size for part in parts.infolist()), default=0)

@@ -1,4 +1,4 @@
-"""Addresses of `live`: who receives the frames, and how."""
+"""Addresses of `live`: the receivers of the frames."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ from lipsync_lang.errors import LipsyncError, did_you_mean
 STANDARD_OUTPUT = "-"
 
 USUAL_PORTS = {"livelink": 11111, "vmc": 39539, "ws": 8765}
-"""Port by kind, where an address names none."""
+"""Default port by kind."""
 
 LOCAL = "127.0.0.1"
 

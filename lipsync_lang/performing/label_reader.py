@@ -244,7 +244,7 @@ class LabelReader:
 
     @cached_property
     def own_notations(self) -> dict[str, Notation]:
-        """Notations of sounds, by name: those that labels may be told by."""
+        """Notations of sounds, by name: those that labels may identify."""
         shapes = self.compiled.visemes.keys() - self.compiled.notations.keys()
         return {name: one for name, one in self.notations.items() if name not in shapes}
 

@@ -90,7 +90,7 @@ class AnswerLog:
         return {_digest(line) for line in content.split(b"\n") if line}
 
     def add(self, content: bytes) -> tuple[HTTPStatus, str]:
-        """Append a submission; return the status and what is wrong with it.
+        """Append a submission; return the HTTP status and the error message.
 
         A submission that is there already counts as taken: a browser may send it twice.
         """

@@ -153,7 +153,7 @@ def sort_answers(
 
 
 class _Sorting:
-    """The steps of sorting, each of which sets aside what it does not hand on."""
+    """Steps of sorting; each step sets some answers aside and passes on the rest."""
 
     def __init__(self, study: Study, rules: SortingRules, told: SortedAnswers) -> None:
         self._study, self._rules, self._told = study, rules, told

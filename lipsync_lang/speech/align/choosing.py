@@ -110,7 +110,7 @@ def _doubted(schedule: Schedule) -> Schedule:
 
 
 def _sureness(result: Schedule | SpeechError) -> float:
-    """Return the confidence of a result: -1 for an error, 1 where an aligner states none."""
+    """Return the confidence of a result: -1 for an error, 1 if the aligner states none."""
     if isinstance(result, SpeechError):
         return -1.0
     return 1.0 if result.confidence is None else result.confidence

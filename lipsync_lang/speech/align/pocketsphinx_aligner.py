@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker, Transcript
 
 NOTHING = 0.12
-"""Share of phonemes borne out by the sound that is no more than chance."""
+"""Share of phonemes borne out by the sound that chance alone reaches."""
 
 
 @aligner("pocketsphinx")

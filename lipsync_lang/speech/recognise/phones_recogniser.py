@@ -93,7 +93,7 @@ def spellings(known: ModelPhones, speaker: "Speaker") -> dict[str, str]:
 
 
 def _nearest(known: ModelPhones, labels: list[str], letters: str) -> str:
-    """Return the label that sounds most like some letters; silence where none is IPA."""
+    """Return the label that sounds most like some letters; silence if no letter is IPA."""
     by_ear = NearestPhonemes(known.nearest.features, {label: (label,) for label in labels})
     value = by_ear.value(letters)
     return value[0][0] if value else SILENCE

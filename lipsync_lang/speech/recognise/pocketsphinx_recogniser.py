@@ -102,7 +102,7 @@ class PocketsphinxRecogniser:
 
 
 def _heard(models: Models, sound: Floats) -> _Part:
-    """Return the words of a part, or its phonemes where it has none."""
+    """Return the words of a part, or its phonemes if it has no words."""
     listening.tell(0, 1)
     words = decoded_words(models, sound)
     sayings = [Saying(word.text, models.ways(word.text)) for word in words]
