@@ -18,8 +18,9 @@ from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage, plan, scripts
 from lipsync_lang.coverage.changes import read_document, since
 from lipsync_lang.coverage.document_schema import written
+from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.forms import FORMS, Asked
-from lipsync_lang.coverage.report import Coverage, authored
+from lipsync_lang.coverage.report import Coverage
 from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.packs.library import Library
 

@@ -13,10 +13,10 @@ from shipped import LIBRARY
 import lipsync_lang
 from lipsync_lang import LipsyncError, PackError, Schedule, resolve
 from lipsync_lang.banks.write import write_drafts
+from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.matrix import coverage
 from lipsync_lang.coverage.page import states
 from lipsync_lang.coverage.page.states import CODES
-from lipsync_lang.coverage.report import authored
 from lipsync_lang.lines.line_readers import read_lines
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.describe import show

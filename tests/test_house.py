@@ -222,7 +222,7 @@ EXEMPT = {
     ("phonology/g2p/pinyin.py", "roman"): "a kind of script, within the module",
     ("phonology/g2p/g2p_engines.py", "kana"): "the name of a respeller, after the script it writes",
     ("phonology/espeak/espeak_worker.py", "id"): "a field of the library's events",
-    ("lines/table.py", "id"): "what tables call the column of a line's name",
+    ("lines/columns.py", "id"): "what tables call the column of a line's name",
     ("packs/models/project_models.py", "id"): "a placeholder",
     ("commands/defaults.py", "id"): "a placeholder",
     ("build/new_project.py", "id"): "a field of the project",

@@ -5,13 +5,11 @@ from pathlib import Path
 from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.build.script_files import ScriptLanguage
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.answers import answers_of, folded
+from lipsync_lang.packs.answers import column_names, folded
 from lipsync_lang.packs.finding import POSESET, Finder
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
-
-OTHERS = "*"
-"""The speaker of `cast` that stands for all others."""
+from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, unique
 
 
 def languages_of(
@@ -29,7 +27,7 @@ def languages_of(
         if same:
             faults.add(FILE, f"languages: {own} and {same[0].word} are one language, {name}")
             continue
-        also = [] if path is None else [name, *answers_of(path)]
+        also = [] if path is None else column_names(path)
         answers = dict.fromkeys(map(folded, [word or own, own, *also]))
         found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), tuple(answers))
     return found
@@ -44,14 +42,13 @@ class Cast:
             stated[OTHERS] = (project.character,)
         if not stated:
             faults.add(FILE, "names no character; state `character: NAME` or `cast: {...}`")
-        self._characters = {
-            speaker: tuple(dict.fromkeys(_character(finder, name, faults) for name in names))
-            for speaker, names in stated.items()
-        }
-        self._folded = {speaker.casefold(): found for speaker, found in self._characters.items()}
-        self.characters = tuple(
-            dict.fromkeys(c for some in self._characters.values() for c in some)
+        self._faces = SpeakerFaces(
+            {
+                speaker: unique(_character(finder, name, faults) for name in names)
+                for speaker, names in stated.items()
+            }
         )
+        self.characters = self._faces.characters
         """Every character once."""
         self.faults = faults
         self._unknown: set[str] = set()
@@ -61,29 +58,26 @@ class Cast:
     @property
     def most(self) -> int:
         """Number of characters that one line is made on, at most."""
-        return max(map(len, self._characters.values()), default=0)
+        return max(map(len, self._faces.stated.values()), default=0)
 
     def of(self, speaker: str, where: str) -> tuple[str, ...]:
         """Return the characters of a speaker; an unknown one is a fault, once."""
-        found = self._characters.get(speaker) or self._folded.get(speaker.casefold())
-        if found is not None:
+        if self._faces.own(speaker):
             self.met.add(speaker.casefold())
-            return found
-        if OTHERS in self._characters:
-            return self._characters[OTHERS]
-        if speaker not in self._unknown and self._characters:
+        found = self._faces.of(speaker)
+        if not found and speaker not in self._unknown and self._faces.stated:
             self._unknown.add(speaker)
             who = f"'{speaker}'" if speaker else "no speaker"
             self.faults.add(
                 where, f"no character for {who}; add the speaker or '{OTHERS}' to `cast`"
             )
-        return ()
+        return found
 
     def unmet(self) -> list[str]:
         """Return the speakers of `cast` that no line has."""
         return sorted(
             speaker
-            for speaker in self._characters
+            for speaker in self._faces.stated
             if speaker != OTHERS and speaker.casefold() not in self.met
         )
 

@@ -14,8 +14,9 @@ from typing import NamedTuple
 from lipsync_lang.build.project_text import Layout, project_text
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.names import folded_name
+from lipsync_lang.lines.columns import SPEAKERS, first_column, text_column
 from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
-from lipsync_lang.lines.table import SPEAKERS, cell, first_column, text_column
+from lipsync_lang.lines.table import cell
 from lipsync_lang.packs.finding import Finder, Kind
 
 AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")

@@ -14,19 +14,19 @@ from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.errors import LipsyncError, ScheduleError
 from lipsync_lang.files.names import fault_of_name
 from lipsync_lang.lines import Line, read_lines
-from lipsync_lang.lines.line_readers import LineFile, Open, Table, by_suffix
-from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
-from lipsync_lang.lines.table import (
+from lipsync_lang.lines.columns import (
     NAMES,
     SPEAKERS,
-    cell,
-    column,
     first_column,
     lacking,
+    language_column,
+    stated_column,
     text_column,
 )
+from lipsync_lang.lines.line_readers import LineFile, Open, Table, by_suffix
+from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
+from lipsync_lang.lines.table import cell
 from lipsync_lang.lines.yarn import LINE_TAG
-from lipsync_lang.packs.answers import folded
 from lipsync_lang.packs.models.project_models import ScriptColumns
 
 MAX_SLUG_CHARS = 32
@@ -163,7 +163,7 @@ def _own_column(
 ) -> int:
     if asked is None:
         return first_column(table.head, known, taken)
-    return column(replace(source, column=asked), table.head)
+    return stated_column(source, table.head, asked)
 
 
 def _text_columns(
@@ -176,9 +176,8 @@ def _text_columns(
         if asked is None:
             at = _named_column(source, table.head, language, alone=len(file.languages) == 1)
         else:
-            at = column(
-                replace(source, column=asked.replace("{language}", language.word)), table.head
-            )
+            own = asked.replace("{language}", language.word)
+            at = stated_column(replace(source, names=language.answers), table.head, own)
         if at in found:
             what = f"one column for {found[at]} and {language.word}"
             raise lacking(
@@ -192,15 +191,9 @@ def _text_columns(
 def _named_column(
     source: LineFile, head: Sequence[str], language: ScriptLanguage, *, alone: bool
 ) -> int:
-    names = [folded(name) for name in head]
-    for answer in language.answers:
-        if answer in names:
-            return names.index(answer)
-    for answer in language.answers:
-        regional = [at for at, name in enumerate(names) if name.startswith(f"{answer}-")]
-        if len(regional) == 1:
-            return regional[0]
-    at = text_column(head) if alone else -1
+    at = language_column(head, language.answers)
+    if at < 0 and alone:
+        at = text_column(head)
     if at < 0:
         what = f"which column is the text in {language.word}? State `columns: {{text: NAME}}`"
         also = "" if alone else ", or what the column calls the language: `languages: {NAME: CODE}`"

@@ -5,6 +5,12 @@ from argparse import Namespace
 from io import TextIOWrapper
 from typing import TYPE_CHECKING, BinaryIO
 
+from lipsync_lang.commands.coverage_corpus import (
+    corpus_parts,
+    named_lines,
+    shown_names,
+    weights_of,
+)
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.commands.spelling import as_options
@@ -21,6 +27,9 @@ if TYPE_CHECKING:
 WHOLE = 100
 """Percent."""
 
+MAX_NAMES = 8
+"""Speakers that a remark names."""
+
 
 def coverage(options: Namespace) -> int:
     """Count a corpus and print what it needs; too little authored is a fault."""
@@ -33,59 +42,71 @@ def coverage(options: Namespace) -> int:
         raise OutputError(f"{options.output}: is an input; name another file")
     old = read_document(options.against) if options.against else None
     found = _counted(options)
-    _write(options, since(old, found, str(options.against)) if old else found)
+    if old:
+        found = since(old, found, shown_names([options.against])(str(options.against)))
+    _write(options, found)
     return _judged(found, options.fail_under)
 
 
 def _counted(options: Namespace) -> "Coverage":
     """Count all lines together and each column separately."""
     from lipsync_lang.coverage import coverage as count
-    from lipsync_lang.coverage.matrix import joined
+    from lipsync_lang.coverage.column_joining import joined
     from lipsync_lang.lines import read_lines
 
-    documents = {}
-    for column, languages in _columns(options.language, options.column).items():
+    parts = corpus_parts(options)
+    weights = weights_of(options)
+    shown = shown_names(path for part in parts for path in part.paths)
+    told = _Remarks()
+    documents = []
+    for part in parts:
         lines = read_lines(
-            options.corpus,
-            column=column,
+            part.paths,
+            column=part.column,
             encoding=options.encoding,
-            remark=_remark,
+            remark=told,
             cleaning=cleaning(options),
+            names=part.names,
+            speaker=options.speaker_column,
         )
-        documents[column] = count(
-            _shown(lines),
-            languages,
+        found = count(
+            _shown(named_lines(lines, shown)),
+            part.languages,
             options.character,
             paths=options.path,
             minutes=options.minutes,
+            weights=weights,
+            cast=options.cast,
         )
-    return joined(documents)
-
-
-def _columns(languages: list[str], stated: list[str]) -> dict[str | None, list[str]]:
-    """Map columns to languages, from ``german=de`` or from a default such as ``de``."""
-    own: dict[str, list[str | None]] = {}
-    others: str | None = None
-    for one in stated:
-        language, equals, column = one.partition("=")
-        if equals and language in languages:
-            own.setdefault(language, []).append(column)
-        elif others is None:
-            others = one
-        else:
-            raise LipsyncError(
-                f"--column {one}: there is --column {others} already; say which language has "
-                f"which column: --column {languages[0]}={others}"
-            )
-    found: dict[str | None, list[str]] = {}
-    for language in dict.fromkeys(languages):
-        for each in own.get(language, [others]):
-            found.setdefault(each, []).append(language)
+        documents.append((part.column, found))
+    found = joined(documents, weights)
+    _tell_speakers(found, options.character)
     return found
 
 
-def _remark(remark: str) -> None:
-    print(as_options(remark), file=sys.stderr)
+def _tell_speakers(found: "Coverage", default: list[str]) -> None:
+    """Remark on speakers that have no character of their own."""
+    others = found.corpus.other_speakers
+    if others:
+        names = ", ".join(f"{one.what} ({one.count})" for one in others[:MAX_NAMES])
+        more = f" and {len(others) - MAX_NAMES} more" if len(others) > MAX_NAMES else ""
+        print(
+            f"speakers that `cast` does not name get {' and '.join(default)}: {names}{more}",
+            file=sys.stderr,
+        )
+
+
+class _Remarks:
+    """Remarks, each printed once however many columns are read."""
+
+    def __init__(self) -> None:
+        self._told: set[str] = set()
+
+    def __call__(self, remark: str) -> None:
+        """Print a remark unless it was printed before."""
+        if remark not in self._told:
+            self._told.add(remark)
+            print(as_options(remark), file=sys.stderr)
 
 
 def _shown(lines: "Iterable[Line]", every: int = 1000) -> "Iterator[Line]":

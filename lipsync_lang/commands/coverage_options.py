@@ -35,12 +35,16 @@ def add_coverage(add: Add) -> None:
     coverage_.add_argument(
         "--column", metavar="NAME", action="append", default=[],
         help="the text's column in tables, by name or number; LANGUAGE=NAME for one language's, "
-        "which may have several",
+        "which may have several [the one named after the language]",
     )  # fmt: skip
     coverage_.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
     coverage_.add_argument(
         "--minutes", metavar="N", type=float, default=5.0, help="minutes to author a bigram [5]"
     )
+    coverage_.add_argument(
+        "--weight", metavar="LANGUAGE=N", action="append", default=[],
+        help="weight of a language in the total of all; may be repeated [1 each]",
+    )  # fmt: skip
     coverage_.add_argument(
         "--fail-under", metavar="PERCENT", type=float,
         help="exit with 1 where less of what is spoken is authored",
@@ -59,12 +63,13 @@ def _add_corpus(made: argparse.ArgumentParser) -> None:
         "corpus",
         metavar="CORPUS",
         type=argument_path,
-        nargs="+",
-        help="a file of lines, a folder, or - for standard input",
+        nargs="*",
+        help="a file of lines, a folder, or - for standard input [the project's lines]",
     )
+    made.set_defaults(words={}, lines=(), text_column=None, speaker_column=None, cast=None)
     for short, name, what in (
         ("-l", "language", "name or tag of a language"),
-        ("-c", "character", "a character or a pose set"),
+        ("-c", "character", "a character or a pose set that speaks every line"),
     ):
         made.add_argument(
             short, f"--{name}", metavar=name.upper(), action="append", default=[],

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
+from lipsync_lang.packs.speaker_faces import OTHERS
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
@@ -38,7 +39,8 @@ def fill(options: Namespace) -> None:
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
     for name, option in (("language", "-l"), ("character", "-c")):
-        if not getattr(options, name, True) and not getattr(options, "choosing", False):
+        cast = name == "character" and getattr(options, "cast", None)
+        if not (getattr(options, name, True) or cast or getattr(options, "choosing", False)):
             raise LipsyncError(
                 f"a {name} is missing: give {option} {name.upper()}, or state `{name}: ...` in "
                 f"{FILE}"
@@ -48,6 +50,8 @@ def fill(options: Namespace) -> None:
 def _take(options: Namespace, project: "Project", folder: Path) -> None:
     own = [] if folder == Path.cwd() else [folder]
     options.path = [*options.path, *(folder / path for path in project.paths), *own]
+    if hasattr(options, "cast"):
+        _take_script(options, project, folder)
     for name in ("language", "character"):
         stated, given = getattr(project, name), getattr(options, name, True)
         if stated is not None and not given:
@@ -71,6 +75,21 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
         named = {"id": _line(options), "line": _line(options), "speaker": NARRATOR}
         named |= {name: _slug(getattr(options, name, None) or "") for name in PAIR}
         options.output = [_output(one, folder, named) for one in project.outputs]
+
+
+def _take_script(options: Namespace, project: "Project", folder: Path) -> None:
+    """Take the script of a project: its files, languages, columns and cast."""
+    if not options.language:
+        options.language = list(project.languages)
+        options.words = dict(project.languages)
+    if not options.column:
+        options.text_column = project.columns.text
+    options.lines = [Path(os.path.relpath(folder / stated)) for stated in project.lines]
+    options.speaker_column = project.columns.speaker
+    options.encoding = options.encoding or project.encoding
+    if project.cast and not options.character:
+        options.cast = {name: list(own) for name, own in project.cast.items() if name != OTHERS}
+        options.character = list(project.cast.get(OTHERS, ()))
 
 
 def _setting(name: str, value: object) -> str:

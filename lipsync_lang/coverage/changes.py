@@ -4,7 +4,10 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from lipsync_lang.coverage.facts import Left
 from lipsync_lang.coverage.report import FORMAT, Coverage, CoverageReport, ReportChange, Since
+from lipsync_lang.coverage.script_changes import script_changes
+from lipsync_lang.coverage.total import total_of
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 
@@ -46,9 +49,16 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
                     for pair, report in (before | now).items()
                     if (pair in before) != (pair in now)
                 ),
+                script=tuple(script_changes(old.corpus.script, new.corpus.script)),
+                left=(_left(old, new), _left(new, new)),
             )
         }
     )
+
+
+def _left(document: Coverage, new: Coverage) -> Left:
+    """Return the work that a document leaves, at the pace of the newer one."""
+    return total_of(document.reports, new.minutes).left
 
 
 def _by_pair(document: Coverage) -> dict[tuple[str, str], CoverageReport]:

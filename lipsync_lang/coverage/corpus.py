@@ -7,6 +7,7 @@ disk when they are many.
 
 import json
 from array import array
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import islice, pairwise
 from tempfile import SpooledTemporaryFile
@@ -15,8 +16,11 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 import numpy as np
 
 from lipsync_lang.coverage.report import Corpus
+from lipsync_lang.coverage.script_changes import ScriptDigests
 from lipsync_lang.coverage.scripts import OtherScripts
 from lipsync_lang.coverage.tally_counter import TallyCounter
+from lipsync_lang.errors import LipsyncError
+from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
 from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
 from lipsync_lang.pipeline.track import trigrams_in
 
@@ -93,23 +97,58 @@ class CorpusTotals:
     lines: int = 0
     words: int = 0
     dropped: TallyCounter = field(default_factory=TallyCounter)
+    faces: SpeakerFaces | None = None
+    """Characters of the speakers; None if every character speaks every line."""
+    others: TallyCounter = field(default_factory=TallyCounter)
+    digests: ScriptDigests = field(default_factory=ScriptDigests)
 
     def add(self, line: "Line") -> None:
         """Count a line."""
         self.files.setdefault(line.file or line.place)
         self.lines += 1
         self.words += sum(piece.kind == "word" for piece in pieces(line.text))
+        self.digests.add(line)
         for what in line.dropped:
             self.dropped.add(what, line.place)
+        if self.faces is not None and not self.faces.own(line.speaker):
+            if not self.faces.of(line.speaker):
+                who = f"'{line.speaker}'" if line.speaker else "no speaker"
+                raise LipsyncError(
+                    f"{line.place}: no character for {who}; add the speaker or '{OTHERS}' to `cast`"
+                )
+            if line.speaker:
+                self.others.add(line.speaker, line.place)
 
-    def corpus(self) -> Corpus:
+    def corpus(self, languages: "Sequence[str]") -> Corpus:
         """Return the totals as the document holds them."""
         return Corpus(
             files=tuple(self.files),
             lines=self.lines,
             words=self.words,
             dropped=self.dropped.tallies(),
+            other_speakers=self.others.tallies(),
+            script=self.digests.lines(languages),
         )
+
+
+Takes = Callable[["Line"], bool]
+"""Tells whether a character speaks a line."""
+
+
+class Reading(NamedTuple):
+    """A language as it reads lines.
+
+    Parameters
+    ----------
+    performer : reads the lines; the character matters by its own pronunciations and the trigrams
+        that it plays
+    scripts : that the language is written in; empty if unknown
+    takes : chooses the lines; None for all
+    """
+
+    performer: "Performer"
+    scripts: "Iterable[str]" = ()
+    takes: Takes | None = None
 
 
 class SaidLine(NamedTuple):
@@ -120,16 +159,11 @@ class SaidLine(NamedTuple):
 
 
 class Count:
-    """Phonemes and bigrams of lines in one language.
+    """Phonemes and bigrams of lines in one language."""
 
-    Parameters
-    ----------
-    performer : reads the lines; the character matters by its own pronunciations and the trigrams
-        that it plays
-    scripts : that the language is written in; empty if unknown
-    """
-
-    def __init__(self, performer: "Performer", scripts: "Iterable[str]" = ()) -> None:
+    def __init__(self, reading: Reading) -> None:
+        performer, scripts, takes = reading
+        self._takes: Takes = takes or (lambda _: True)
         self._performer = replace(performer, unknown="rest", shades=False)
         self._speaker = performer.speaker
         self._numbers = performer.compiled.numbers(shades=False)
@@ -154,13 +188,18 @@ class Count:
 
     def add(self, start: int, lines: "Sequence[Line]") -> None:
         """Count lines that are numbered from `start`."""
-        written = [line for line in lines if line.schedule is None]
+        own = {n: line for n, line in enumerate(lines, start) if self._takes(line)}
+        written = [line for line in own.values() if line.schedule is None]
         spelled = self.others.spelled(written)
         cut = [_parts(line, spans) for line, spans in zip(written, spelled, strict=True)]
         texts = [text for parts in cut for text in parts if text]
         heard = self._speaker.transcribe(texts) if texts else iter(())
         left = iter(cut)
-        for number, line in enumerate(lines, start):
+        for number in range(start, start + len(lines)):
+            line = own.get(number)
+            if line is None:  # a set of its own keeps the number of the next line
+                self._starts.append(len(self._sets))
+                continue
             if line.schedule is not None:
                 said = self._scheduled(line)
             else:
@@ -282,19 +321,19 @@ def _parts(line: "Line", spelled: "Spans") -> list[str]:
 
 def count(
     lines: "Iterable[Line]",
-    performers: "Sequence[Performer]",
-    scripts: "Sequence[Iterable[str]]",
+    readings: "Sequence[Reading]",
     pages: Pages,
+    faces: SpeakerFaces | None = None,
 ) -> tuple[Corpus, list[Count]]:
     """Count lines in several languages at once.
 
     Parameters
     ----------
-    performers, scripts : one for each language, and the scripts it is written in
     pages : receives text and place of each line
+    faces : the characters of the speakers; None if every character speaks every line
     """
-    totals = CorpusTotals()
-    counts = [Count(*each) for each in zip(performers, scripts, strict=True)]
+    totals = CorpusTotals(faces=faces)
+    counts = [Count(reading) for reading in readings]
     for one in counts[:1]:
         one.dropped = totals.dropped  # an aside is one, however many languages read it
     for batch in _batches(lines):
@@ -304,7 +343,8 @@ def count(
             pages.add(line)
         for one in counts:
             one.add(start, batch)
-    return totals.corpus(), counts
+    languages = dict.fromkeys(reading.performer.language for reading in readings)
+    return totals.corpus(tuple(languages)), counts
 
 
 def _batches(lines: "Iterable[Line]") -> "Iterator[list[Line]]":

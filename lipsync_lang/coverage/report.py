@@ -6,19 +6,12 @@ elsewhere includes them. Percentages are of 100.
 
 from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict
+from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour, authored
+from lipsync_lang.coverage.script_changes import ScriptChange, ScriptLines
+from lipsync_lang.coverage.total import Total
 
 FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
 """The form's name and version; a key that is added at the end does not change it."""
-
-AUTHORED = frozenset(("edited", "approved"))
-BORROWED = "like"
-
-
-class Fact(BaseModel):
-    """A part of the document."""
-
-    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
 
 
 class Tally(Fact):
@@ -47,6 +40,10 @@ class Corpus(Fact):
     words: int
     dropped: tuple[Tally, ...] = ()
     """Markup and placeholders that are not spoken, most frequent first."""
+    other_speakers: tuple[Tally, ...] = ()
+    """Speakers without a character of their own, whose lines the default character speaks."""
+    script: tuple[ScriptLines, ...] = ()
+    """Digests of the lines, which a later document is compared with."""
 
 
 class BigramNeed(Fact):
@@ -90,27 +87,6 @@ class TrigramNeed(Fact):
     """drafted, edited or approved."""
     places: tuple[str, ...]
     """The first lines with this trigram."""
-
-
-class Authored(Fact):
-    """The needed bigrams that are authored."""
-
-    bigrams: int
-    percent: float
-
-
-class Left(Fact):
-    """The needed bigrams that are left to author."""
-
-    bigrams: int
-    hours: float
-
-
-class NextHour(Fact):
-    """The bigrams to author in the next hour."""
-
-    bigrams: tuple[str, ...]
-    percent: float
 
 
 class Sentence(Fact):
@@ -209,6 +185,10 @@ class Since(Fact):
     reports: tuple[ReportChange, ...]
     unmatched: tuple[str, ...]
     """Language and character of reports that are in one of the two documents only."""
+    script: tuple[ScriptChange, ...] = ()
+    """Lines that changed; empty if the older document has no digests."""
+    left: tuple[Left, Left] | None = None
+    """Work of all reports together, before and now."""
 
 
 class Coverage(Fact):
@@ -220,6 +200,8 @@ class Coverage(Fact):
     """Minutes it takes to author a bigram."""
     reports: tuple[CoverageReport, ...]
     shared: tuple[Shared, ...]
+    total: Total | None = None
+    """All reports together; each piece of work counts once. Null in older documents."""
     since: Since | None = None
     """Present if the document is compared with an older one."""
 
@@ -234,11 +216,6 @@ class Coverage(Fact):
 def labelled(language: str, column: str) -> str:
     """Return the language with its column in brackets, if there is one."""
     return f"{language} ({column})" if column else language
-
-
-def authored(layer: str, status: str) -> bool:
-    """Return True if a person drew a bigram; drafts and borrowed curves do not count."""
-    return status in AUTHORED and layer != BORROWED
 
 
 def schema() -> dict[str, Any]:

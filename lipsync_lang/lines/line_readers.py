@@ -3,7 +3,7 @@
 import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from io import BytesIO
 from pathlib import Path
@@ -36,6 +36,8 @@ class LineFile:
     encoding : None to tell it by the file
     content : of standard input or a pipe, which can be read only once; None for a file
     cleaning : values of placeholders, and what is not spoken
+    names : of the language, which its column may have; empty if unknown
+    speaker : column of the speakers, by name or number; None for the likeliest
     """
 
     path: Path
@@ -44,6 +46,8 @@ class LineFile:
     encoding: str | None = None
     content: bytes | None = None
     cleaning: Cleaning = AS_WRITTEN
+    names: tuple[str, ...] = ()
+    speaker: str | None = None
 
     @classmethod
     def of(
@@ -137,13 +141,15 @@ def _warn(remark: str) -> None:
     warnings.warn(remark, stacklevel=3)
 
 
-def read_lines(
+def read_lines(  # noqa: PLR0913 what to read, and what may be stated of it
     paths: str | Path | Iterable[str | Path],
     *,
     column: str | None = None,
     encoding: str | None = None,
     remark: Remark = _warn,
     cleaning: Cleaning = AS_WRITTEN,
+    names: Sequence[str] = (),
+    speaker: str | None = None,
 ) -> Iterator[Line]:
     """Read the lines of files, and of folders with all below them in order of name.
 
@@ -155,6 +161,8 @@ def read_lines(
     encoding : of all files; None for UTF-8, or what a file's own mark says
     remark : where to say what was left out; as warnings where nothing is given
     cleaning : values of placeholders, and what is not spoken
+    names : of the language: its name, title, tag and aliases; a column with one of them is the text
+    speaker : column of the speakers, by name or number from 1; None for the likeliest
 
     Raises
     ------
@@ -165,7 +173,8 @@ def read_lines(
     found = line_files(paths, remark)
     if column is not None and not any(_has_columns(file) for file, _ in found):
         remark(f"`column={column!r}`: not used, because no file is a table")
-    return _read(found, column, encoding, remark, cleaning)
+    stated = LineFile(Path(), remark, column, encoding, None, cleaning, tuple(names), speaker)
+    return _read(found, stated)
 
 
 def line_files(
@@ -184,6 +193,23 @@ def line_files(
         for file in files:
             found.setdefault(os.path.realpath(file), (file, path.is_dir()))
     return list(found.values())
+
+
+def heads(
+    paths: str | Path | Iterable[str | Path], encoding: str | None = None
+) -> dict[Path, list[str]]:
+    """Return the names of the columns of each table among some files.
+
+    Standard input, which can be read only once, is left out.
+    """
+    found: dict[Path, list[str]] = {}
+    for path, _ in line_files(paths, lambda _: None):
+        opens = None if path == STANDARD_STREAM else by_suffix()[path.suffix.lower()].table
+        if opens is not None and path.is_file():
+            source = LineFile(path, lambda _: None, encoding=encoding)
+            if not _is_timed(source):
+                found[path] = opens(source).head
+    return found
 
 
 def _known(path: Path) -> Path:
@@ -229,28 +255,30 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
 
 def _reader(source: LineFile) -> LineReader:
     """Return what reads a file: that of its suffix, unless it begins like timings."""
-    from lipsync_lang.lines.timings import NAME, is_timed
+    from lipsync_lang.lines.timings import NAME
 
     if source.path == STANDARD_STREAM:
         return READERS["text" if source.column is None else "table"]
-    if source.column is None and is_timed(source):
+    if source.column is None and _is_timed(source):
         return READERS[NAME]
     return by_suffix()[source.path.suffix.lower()]
 
 
-def _read(
-    files: Iterable[tuple[Path, bool]],
-    column: str | None,
-    encoding: str | None,
-    remark: Remark,
-    cleaning: Cleaning,
-) -> Iterator[Line]:
+def _is_timed(source: LineFile) -> bool:
+    from lipsync_lang.lines.timings import is_timed
+
+    return is_timed(source)
+
+
+def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:
+    """Yield the lines of files, which are read as `stated` says."""
     for path, among_others in files:
-        source = LineFile.of(path, remark, column, encoding, cleaning)
+        own = LineFile.of(path, stated.remark, stated.column, stated.encoding, stated.cleaning)
+        source = replace(own, names=stated.names, speaker=stated.speaker)
         try:
             yield from _reader(source).read(source)
         except ScheduleError as error:
             if not among_others:
                 raise
             what = str(error).split("\n", 1)[0].removesuffix(":")
-            remark(f"{what}; left out")
+            stated.remark(f"{what}; left out")

@@ -1,4 +1,4 @@
-"""Tags and aliases of languages, found by regular expressions instead of a YAML parser.
+"""Tags, aliases and titles of languages, found by regular expressions instead of a YAML parser.
 
 A look-up by tag searches every language's file, and parsing them all would take too long.
 """
@@ -15,6 +15,7 @@ _ALIASES = re.compile(
     re.MULTILINE,
 )
 _ALIAS = re.compile(rb"[A-Za-z0-9]+(?:-[A-Za-z0-9]+)*")
+_TITLE = re.compile(rb"^title:[ \t]*[\"']?([^\"'#\r\n]+)", re.MULTILINE)
 _COMMENT = re.compile(rb"#[^\n]*")
 
 
@@ -31,6 +32,17 @@ def answers_of(path: Path) -> list[str]:
     listed = _COMMENT.sub(b"", aliases["listed"]) if aliases else b""
     found = [*([tag[1]] if tag else []), *_ALIAS.findall(listed)]
     return list(dict.fromkeys(folded(name.decode("ascii")) for name in found))
+
+
+def column_names(path: Path) -> list[str]:
+    """Return what the column of a language may be called: name, title, tag and aliases, folded."""
+    try:
+        title = _TITLE.search(read_bytes(path))
+    except PackError:
+        title = None
+    stated = title[1].decode("utf-8", "ignore").strip() if title else ""
+    names = [path.stem, *([stated] if stated else []), *answers_of(path)]
+    return list(dict.fromkeys(map(folded, names)))
 
 
 def folded(name: str) -> str:

@@ -16,9 +16,9 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary, finalize
 
-from lipsync_lang.coverage.corpus import Pages, count
-from lipsync_lang.coverage.matrix import CountFigures, report_of
+from lipsync_lang.coverage.corpus import Pages, Reading, count
 from lipsync_lang.coverage.report import CoverageReport
+from lipsync_lang.coverage.report_figures import CountFigures, report_of
 from lipsync_lang.coverage.scripts import scripts_of
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.lines import read_lines
@@ -70,7 +70,7 @@ class _Run:
                 remark=self.remarks.append,
                 cleaning=self.performer.cleaning,
             )
-            corpus, counts = count(self._seen(lines), [self.performer], [scripts], pages)
+            corpus, counts = count(self._seen(lines), [Reading(self.performer, scripts)], pages)
             if corpus.lines:
                 self.figures = CountFigures(counts[0], pages)
             else:

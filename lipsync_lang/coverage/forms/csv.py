@@ -1,4 +1,7 @@
-"""CSV: one row per bigram, for spreadsheets.
+"""CSV: one row per bigram of each report, for spreadsheets.
+
+`rank_for_all` is the place in the ranking of all reports. A bigram that serves several reports has
+the same rank in each, and its hours in the first row alone: the sum of `hours` is the total.
 
 Words and file names come from the corpus. Spreadsheets would calculate text that begins like a
 formula, so an apostrophe stands before such text, as OWASP advises.
@@ -8,13 +11,15 @@ import csv
 from typing import TYPE_CHECKING, TextIO
 
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
+from lipsync_lang.coverage.total import piece_of
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import BigramNeed, Coverage, CoverageReport
 
 HEAD = (
     "language", "character", "bigram", "count", "percent", "running", "silence", "layer", "status",
-    "authored", "example", "places", "column",
+    "authored", "example", "places", "column", "poseset", "rank_for_all", "percent_for_all",
+    "serves", "hours",
 )  # fmt: skip
 
 FORMULA_STARTS = ("=", "+", "-", "@", "\t", "\r")
@@ -27,10 +32,20 @@ def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
     del asked  # it is always whole
     rows = csv.writer(out, lineterminator="\n")
     rows.writerow(HEAD)
+    total = coverage.total
+    ranks = {} if total is None else {one.piece: n for n, one in enumerate(total.ranking, 1)}
+    counted: set[int] = set()
     for report in coverage.reports:
         for silence, bigrams in (("no", report.bigrams), ("yes", report.silence)):
             for one in bigrams:
-                rows.writerow(map(_cell, _row(report, one, silence)))
+                rank = ranks.get(piece_of(report, one), 0) if silence == "no" else 0
+                cells: tuple[object, ...] = ("", "", "", "")
+                if rank and total is not None and not one.authored:
+                    item = total.ranking[rank - 1]
+                    hours = 0 if rank in counted else round(coverage.minutes / 60, 4)
+                    counted.add(rank)
+                    cells = (rank, item.percent, " ".join(item.languages), hours)
+                rows.writerow(map(_cell, (*_row(report, one, silence), report.poseset, *cells)))
 
 
 def _row(report: "CoverageReport", one: "BigramNeed", silence: str) -> tuple[object, ...]:

@@ -1,10 +1,11 @@
-"""Text for a terminal: the next bigrams to draw, the ranking, then the other figures."""
+"""Text for a terminal: the total of all reports, then each report from its next bigrams on."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
 
+from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
-from lipsync_lang.coverage.report import authored
+from lipsync_lang.coverage.forms.total_text import headline, total_lines
 from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
         Since,
         Tally,
     )
+    from lipsync_lang.coverage.script_changes import ScriptChange
 
 MAX_ROWS = 20
 """Rows of the ranking, unless all are asked for."""
@@ -26,9 +28,13 @@ MAX_NAMES = 8
 
 @FORMS.register("text")
 def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
-    """Write all reports below each other, after a table of them if there are several."""
+    """Write all reports below each other, after their total and a table if there are several."""
     blocks = [_read(coverage.corpus)]
     if len(coverage.reports) > 1:
+        if coverage.total is not None:
+            blocks[0].insert(0, headline(coverage.total))
+            rows = None if asked.everything else MAX_ROWS
+            blocks += [list(total_lines(coverage, coverage.total, rows))]
         blocks += [_matrix(coverage.reports)]
     blocks += [
         _report(report, coverage.minutes, everything=asked.everything)
@@ -45,6 +51,8 @@ def _read(corpus: "Corpus") -> list[str]:
     lines = [", ".join(_count(number, thing) for number, thing in read)]
     if corpus.dropped:
         lines.append(f"not spoken: {_tallies(corpus.dropped)}")
+    if corpus.other_speakers:
+        lines.append(f"no character of their own: {_tallies(corpus.other_speakers)}")
     return lines
 
 
@@ -177,10 +185,29 @@ def _shared(coverage: "Coverage") -> Iterator[str]:
 
 def _since(since: "Since") -> list[str]:
     lines = [f"since {since.file}:"]
+    if since.left is not None and len(since.reports) > 1:
+        before, now = since.left
+        lines.append(
+            f"  in all: {before.bigrams} to {now.bigrams} left, {before.hours:g} to "
+            f"{now.hours:g} hours"
+        )
+    for script in since.script:
+        lines += [f"  {line}" for line in _script_change(script, several=len(since.script) > 1)]
     for change in since.reports:
         lines += [f"  {line}" for line in _change(change)]
     lines += [f"  {name}: only in one of the two" for name in since.unmatched]
     return lines
+
+
+def _script_change(change: "ScriptChange", *, several: bool) -> Iterator[str]:
+    before, now = change.lines
+    whose = f"script in {_few(change.languages)}" if several else "script"
+    parts = (("added", change.added), ("removed", change.removed), ("changed", change.changed))
+    told = [f"{len(lines)} {what}" for what, lines in parts if lines]
+    yield f"{whose}: {_count(now, 'line')}, {before:,} before; {', '.join(told) or 'no change'}"
+    for what, lines in parts:
+        if lines:
+            yield f"  {what}: {_few(lines)}"
 
 
 def _change(change: "ReportChange") -> Iterator[str]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from string import ascii_lowercase, digits
 from typing import Any, Self
 
-from lipsync_lang.coverage.report import AUTHORED
-from lipsync_lang.coverage.report import BORROWED as LENT
+from lipsync_lang.coverage.facts import AUTHORED
+from lipsync_lang.coverage.facts import BORROWED as LENT
 
 Row = Mapping[str, Any]
 """A bigram of a report, as the document has it."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from lipsync_lang.coverage.report import authored
+from lipsync_lang.coverage.facts import authored
 from lipsync_lang.errors import LipsyncError, did_you_mean
 from lipsync_lang.packs.splicing import get
 from lipsync_lang.pipeline.arrays import Floats

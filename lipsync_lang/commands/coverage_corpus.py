@@ -1,0 +1,212 @@
+"""The corpus of `coverage`: which files and which column each language is read from."""
+
+from argparse import Namespace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf
+from os.path import commonpath
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.files import STANDARD_STREAM
+from lipsync_lang.packs.project import FILE, find_project
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines import Line
+    from lipsync_lang.packs.finding import Finder
+
+WORD = "{language}"
+"""Placeholder of the project's scripts and columns."""
+
+
+@dataclass(frozen=True)
+class CorpusPart:
+    """Files that some languages are read from, in one column.
+
+    Parameters
+    ----------
+    column : as it was stated; None for the one that is named after the language, or the likeliest
+    names : of the language, which a column may have
+    """
+
+    paths: tuple[Path, ...]
+    column: str | None
+    names: tuple[str, ...]
+    languages: list[str] = field(default_factory=list)
+
+
+def corpus_parts(options: Namespace) -> list[CorpusPart]:
+    """Return the parts of a corpus; languages of the same files and column share one.
+
+    Raises
+    ------
+    LipsyncError
+        Nothing is to be read, or a table has no column for a language.
+    """
+    from lipsync_lang.packs.finding import Finder, folders_of
+
+    finder = Finder(folders_of(options.path))
+    stated = _stated(options.language, options.column)
+    finding = _Columns(options.encoding, finder, options.language, options.words)
+    parts: dict[object, CorpusPart] = {}
+    for language in dict.fromkeys(options.language):
+        word = options.words.get(language) or language
+        paths = _paths(options, word)
+        default = options.text_column and options.text_column.replace(WORD, word)
+        names = finding.names[language]
+        for column in stated.get(language, [default]):
+            found = column or finding.of(language, paths)
+            part = CorpusPart(paths, column, names)
+            parts.setdefault((paths, found), part).languages.append(language)
+    return list(parts.values())
+
+
+def _stated(languages: Sequence[str], columns: Sequence[str]) -> dict[str, list[str | None]]:
+    """Map languages to columns, from ``german=de`` or from a default such as ``de``."""
+    own: dict[str, list[str | None]] = {}
+    others: str | None = None
+    for one in columns:
+        language, equals, column = one.partition("=")
+        if equals and language in languages:
+            own.setdefault(language, []).append(column)
+        elif others is None:
+            others = one
+        else:
+            raise LipsyncError(
+                f"--column {one}: there is --column {others} already; say which language has "
+                f"which column: --column {languages[0]}={others}"
+            )
+    if others is not None:
+        own = {language: own.get(language, [others]) for language in languages}
+    return own
+
+
+def _paths(options: Namespace, word: str) -> tuple[Path, ...]:
+    if options.corpus:
+        return tuple(options.corpus)
+    if not options.lines:
+        raise LipsyncError(f"what is to be counted? Name a script, or state `lines` in {FILE}")
+    return tuple(Path(str(path).replace(WORD, word)) for path in options.lines)
+
+
+class _Columns:
+    """The columns of tables that are named after languages."""
+
+    def __init__(
+        self,
+        encoding: str | None,
+        finder: "Finder",
+        languages: Iterable[str],
+        words: dict[str, str | None],
+    ) -> None:
+        self._encoding = encoding
+        self._finder = finder
+        self.names = {one: _names(finder, one, words.get(one)) for one in languages}
+        self._heads: dict[tuple[Path, ...], dict[Path, list[str]]] = {}
+
+    def of(self, language: str, paths: tuple[Path, ...]) -> tuple[int, ...]:
+        """Return the column in each table, or -1 where the likeliest text is taken."""
+        from lipsync_lang.lines.columns import language_column
+        from lipsync_lang.lines.line_readers import heads
+
+        if paths not in self._heads:
+            self._heads[paths] = heads(paths, self._encoding)
+        found = []
+        for path, head in self._heads[paths].items():
+            at = language_column(head, self.names[language])
+            if at < 0:
+                self._check(language, path, head)
+            found.append(at)
+        return tuple(found)
+
+    def _check(self, language: str, path: Path, head: list[str]) -> None:
+        """Raise an error unless a table has a text of no stated language."""
+        from lipsync_lang.lines.columns import language_column, text_column
+
+        at = text_column(head)
+        others = [names for other, names in self.names.items() if other != language]
+        theirs = at >= 0 and self._finder.lookup("language", head[at].casefold())
+        if at < 0 or theirs or any(language_column(head, names) >= 0 for names in others):
+            raise LipsyncError(
+                f"{path}:1: which column is the text in {language}? Say "
+                f"--column {language}=NAME. Its columns: {', '.join(head)}"
+            )
+
+
+def _names(finder: "Finder", language: str, word: str | None) -> tuple[str, ...]:
+    """Return what a column of a language may be called."""
+    from lipsync_lang.packs.answers import column_names
+
+    try:
+        known = [] if ":" in language else column_names(Path(finder.find("language", language)))
+    except PackError:  # the count says so with its hint
+        known = []
+    return tuple(dict.fromkeys([*([word] if word else []), language, *known]))
+
+
+def weights_of(options: Namespace) -> dict[str, float]:
+    """Return the weight of each language that has one, by the name of its pack."""
+    from lipsync_lang.packs.finding import Finder, folders_of
+
+    finder = Finder(folders_of(options.path))
+
+    def own(given: str) -> str:
+        paths = () if ":" in given else finder.lookup("language", given)
+        return Path(paths[0]).stem if paths else given
+
+    counted = [own(given) for given in options.language] if options.weight else []
+    weights: dict[str, float] = {}
+    for one in options.weight:
+        given, equals, number = one.partition("=")
+        weight = _number(number)
+        if not (equals and 0 <= weight < inf):
+            raise LipsyncError(f"--weight {one}: write LANGUAGE=NUMBER")
+        if own(given) not in counted:
+            known = ", ".join(counted)
+            raise LipsyncError(f"--weight {one}: {given} is not counted here, only {known}")
+        weights[own(given)] = weight
+    if weights and not any(weights.get(one, 1.0) for one in counted):
+        raise LipsyncError("--weight: all languages weigh 0; give one of them more")
+    return weights
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return -1.0
+
+
+def shown_names(corpus: Iterable[Path]) -> Callable[[str], str]:
+    """Return a function that names a file from the project's folder.
+
+    A file elsewhere is named from the folder that all files elsewhere have in common, so that no
+    report names the folders of a machine.
+    """
+    project = find_project()
+    root = (project.parent if project else Path.cwd()).resolve()
+    named = [path.resolve() for path in corpus if path != STANDARD_STREAM]
+    outside = [str(path.parent) for path in named if not path.is_relative_to(root)]
+    try:
+        common = Path(commonpath(outside)) if outside else root
+    except ValueError:  # drives of Windows
+        common = root
+    known: dict[str, str] = {str(STANDARD_STREAM): str(STANDARD_STREAM)}
+
+    def shown(file: str) -> str:
+        if file not in known:
+            path = Path(file).resolve()
+            base = next((one for one in (root, common) if path.is_relative_to(one)), path.parent)
+            known[file] = path.relative_to(base).as_posix()
+        return known[file]
+
+    return shown
+
+
+def named_lines(lines: "Iterable[Line]", shown: Callable[[str], str]) -> "Iterator[Line]":
+    """Yield lines whose places name their files as reports do."""
+    for line in lines:
+        file, colon, number = line.place.rpartition(":")
+        name = shown(file)
+        yield line if name == file else replace(line, place=f"{name}{colon}{number}")

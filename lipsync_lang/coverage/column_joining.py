@@ -1,0 +1,103 @@
+"""Joins the documents of several columns into one."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from lipsync_lang.coverage.report import Corpus, Coverage, CoverageReport, Shared, Tally
+from lipsync_lang.coverage.script_changes import ScriptLines
+from lipsync_lang.coverage.total import total_of
+
+if TYPE_CHECKING:
+    from lipsync_lang.resolver.compiled import Report
+
+
+def joined(
+    documents: Sequence[tuple[str | None, Coverage]], weights: Mapping[str, float] | None = None
+) -> Coverage:
+    """Join the documents of a table's columns into one.
+
+    Parameters
+    ----------
+    documents : column and document; reports name their column if a language is in several
+    weights : of languages in the total, by name; others weigh 1
+    """
+    if len(documents) == 1:
+        return documents[0][1]
+    corpora = [document.corpus for _, document in documents]
+    dropped: dict[str, Tally] = {}
+    for tally in (tally for corpus in corpora for tally in corpus.dropped):
+        known = dropped.get(tally.what)
+        total = tally.count + (known.count if known else 0)
+        dropped[tally.what] = (known or tally).model_copy(update={"count": total})
+    reports = tuple(_with_columns(documents))
+    minutes = documents[0][1].minutes
+    added = {one.language: one for _, document in documents for one in document.shared}
+    return Coverage(
+        corpus=Corpus(
+            files=tuple(dict.fromkeys(file for corpus in corpora for file in corpus.files)),
+            lines=sum(corpus.lines for corpus in corpora),
+            words=sum(corpus.words for corpus in corpora),
+            dropped=tuple(sorted(dropped.values(), key=lambda tally: -tally.count)),
+            other_speakers=tuple(_most(corpora)),
+            script=tuple(_scripts(documents)),
+        ),
+        minutes=minutes,
+        reports=reports,
+        shared=tuple(
+            one.model_copy(update={"used": _used(language, one.phonemes, reports)})
+            for language, one in added.items()
+        ),
+        total=total_of(reports, minutes, weights),
+    )
+
+
+def _most(corpora: Iterable[Corpus]) -> Iterator[Tally]:
+    """Yield each speaker once: each column has the same rows."""
+    found: dict[str, Tally] = {}
+    for tally in (tally for corpus in corpora for tally in corpus.other_speakers):
+        known = found.get(tally.what)
+        if known is None or known.count < tally.count:
+            found[tally.what] = tally
+    yield from found.values()
+
+
+def _scripts(documents: Sequence[tuple[str | None, Coverage]]) -> Iterator[ScriptLines]:
+    """Yield the digests of each column."""
+    for column, document in documents:
+        for one in document.corpus.script:
+            yield one.model_copy(update={"column": column or ""})
+
+
+def _with_columns(
+    documents: Sequence[tuple[str | None, Coverage]],
+) -> Iterator[CoverageReport]:
+    """Yield all reports, with their columns where a language has several."""
+    languages = [{report.language for report in document.reports} for _, document in documents]
+    columns = Counter(language for found in languages for language in found)
+    for column, document in documents:
+        for report in document.reports:
+            several = columns[report.language] > 1
+            yield report.model_copy(update={"column": column or ""}) if several else report
+
+
+def shared_of(
+    resolved: "Iterable[Report]", reports: Sequence[CoverageReport]
+) -> tuple[Shared, ...]:
+    """Return what each language adds, with the number of bigrams that any report needs."""
+    added = {one.language: (one.added, one.extra) for one in resolved}
+    return tuple(
+        Shared(
+            language=language,
+            phonemes=phonemes,
+            bigrams=bigrams,
+            used=_used(language, phonemes, reports),
+        )
+        for language, (phonemes, bigrams) in added.items()
+    )
+
+
+def _used(language: str, phonemes: Sequence[str], reports: Sequence[CoverageReport]) -> int:
+    own = (report for report in reports if report.language == language)
+    needed = {bigram.bigram for report in own for bigram in report.bigrams}
+    return sum(not set(phonemes).isdisjoint(name.split("-")) for name in needed)

@@ -1,0 +1,38 @@
+"""Base of the document's models, and the figures that reports and the total share."""
+
+from pydantic import BaseModel, ConfigDict
+
+AUTHORED = frozenset(("edited", "approved"))
+BORROWED = "like"
+
+
+class Fact(BaseModel):
+    """A part of the document."""
+
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True)
+
+
+class Authored(Fact):
+    """The needed bigrams that are authored."""
+
+    bigrams: int
+    percent: float
+
+
+class Left(Fact):
+    """The needed bigrams that are left to author."""
+
+    bigrams: int
+    hours: float
+
+
+class NextHour(Fact):
+    """The bigrams to author in the next hour."""
+
+    bigrams: tuple[str, ...]
+    percent: float
+
+
+def authored(layer: str, status: str) -> bool:
+    """Return True if a person drew a bigram; drafts and borrowed curves do not count."""
+    return status in AUTHORED and layer != BORROWED

@@ -1,0 +1,111 @@
+"""The total of a coverage as text: figures, faces, and the bigrams to draw first for all."""
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from lipsync_lang.coverage.drafting import draft_calls
+from lipsync_lang.coverage.plan import affordable
+from lipsync_lang.text_table import columns
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.report import Coverage
+    from lipsync_lang.coverage.total import Total, TotalFigures, WorkItem
+
+MAX_LANGUAGES = 3
+"""Languages that a row names before the rest is counted."""
+
+
+def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Iterator[str]:
+    """Yield the total of several reports.
+
+    Parameters
+    ----------
+    rows : of the ranking; None for all
+    """
+    yield (
+        f"all reports together: {total.authored.bigrams} of {total.needed} bigrams, "
+        f"{total.authored.percent:.1f} % of what is spoken; shared work counts once"
+    )
+    if not total.ranking:
+        return
+    if len(total.faces) > 1:
+        yield ""
+        yield from (f"  {line}" for line in columns(_faces(total)))
+    soon = total.ranking[: affordable(coverage.minutes)]
+    for number, call in enumerate(draft_calls(soon)):
+        yield from () if number else ("", "  next, for all:")
+        yield f"    {call}"
+    yield ""
+    shown = total.ranking if rows is None else total.ranking[:rows]
+    yield from (f"  {line}" for line in columns(_ranking(total, shown)))
+    if len(shown) < len(total.ranking):
+        yield f"  ... and {len(total.ranking) - len(shown)} more; --all lists them"
+
+
+def headline(total: "TotalFigures") -> str:
+    """Return the total in a sentence."""
+    number = len(total.languages)
+    whom = f"all {number} languages" if number > 1 else total.languages[0]
+    if not total.needed:
+        return f"no bigrams in {whom}"
+    if not total.left.bigrams:
+        return f"nothing is left to draw for {whom}"
+    hour = len(total.next_hour.bigrams)
+    gain = f"; the first hour gives {total.next_hour.percent:.1f} %" if hour else ""
+    drawn = "bigram" if total.left.bigrams == 1 else "bigrams"
+    return f"{total.left.bigrams:,} {drawn}, {total.left.hours:g} hours for {whom}{gain}"
+
+
+def _faces(total: "Total") -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = [
+        ("character", "pose set", "authored", "left", "hours", "first hour")
+    ]
+    rows += [
+        (
+            face.character,
+            face.poseset,
+            f"{face.authored.percent:6.2f} %",
+            f"{face.left.bigrams:4}",
+            f"{face.left.hours:5.1f}",
+            f"{face.next_hour.percent:8.2f} %",
+        )
+        for face in total.faces
+    ]
+    return rows
+
+
+def _ranking(total: "Total", items: "Sequence[WorkItem]") -> list[tuple[str, ...]]:
+    several = len({face.poseset for face in total.faces}) > 1
+    rows = [
+        (
+            "rank",
+            "bigram",
+            *(["pose set"] if several else []),
+            "gain %",
+            "then %",
+            "count",
+            "serves",
+        )
+    ]
+    rows += [
+        (
+            f"{rank:4}",
+            item.bigram,
+            *([item.poseset] if several else []),
+            f"{item.percent:6.2f}",
+            f"{item.reaches:6.2f}",
+            f"{item.count:5}",
+            serves(item, total),
+        )
+        for rank, item in enumerate(items, 1)
+    ]
+    return rows
+
+
+def serves(item: "WorkItem", total: "TotalFigures") -> str:
+    """Return the languages that an item serves."""
+    names = item.languages
+    if len(names) == len(total.languages) > 1:
+        return f"all {len(names)}"
+    more = f" and {len(names) - MAX_LANGUAGES} more" if len(names) > MAX_LANGUAGES else ""
+    return ", ".join(names[:MAX_LANGUAGES]) + more

@@ -1,0 +1,171 @@
+"""Figures of a report: what counted lines need of a character."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lipsync_lang.coverage import plan
+from lipsync_lang.coverage.corpus import Count, Pages
+from lipsync_lang.coverage.facts import Authored, Left, NextHour, authored
+from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
+
+if TYPE_CHECKING:
+    from lipsync_lang.performing.performer import Performer
+    from lipsync_lang.resolver.compiled import Origin
+
+
+class CountFigures:
+    """A count, with the figures that are the same for every character."""
+
+    def __init__(self, counted: Count, pages: Pages) -> None:
+        self.count = counted
+        self.pages = pages
+        self.examples = counted.examples()
+        codes = np.arange(counted.size**2)
+        sounding = counted.sounding(codes)
+        self.spoken = np.where(sounding, counted.bigrams, 0)
+        self.silent = np.where(sounding, 0, counted.bigrams)
+        self.unused = [int(c) for c in codes if sounding[c] and not counted.bigrams[c]]
+
+    def trigrams(self, performer: "Performer") -> tuple[TrigramNeed, ...]:
+        """Return the trigrams that a character plays, most frequent first.
+
+        Those of shades are left out, as bigrams of shades are.
+        """
+        compiled, counted = performer.compiled, self.count
+        numbers = {name: number for number, name in enumerate(compiled.counted)}
+        found = []
+        for name, origin in {one.name: one for one in compiled.origins if one.triple}.items():
+            one, two, three = (numbers.get(phoneme, -1) for phoneme in origin.triple or ())
+            if min(one, two, three) < 0:
+                continue
+            lines = counted.first_trigrams.get((one, two, three), ())
+            need = TrigramNeed(
+                trigram=name,
+                count=counted.trigrams.get((one, two, three), 0),
+                layer=origin.layer,
+                status=origin.status,
+                places=tuple(self.pages[line][0] for line in lines),
+            )
+            found.append(need)
+        return tuple(sorted(found, key=lambda need: (-need.count, need.trigram)))
+
+    def bigrams(
+        self,
+        counts: plan.Ints,
+        origins: "dict[int, Origin]",
+        names: Sequence[str],
+        within: Mapping[str, int],
+    ) -> tuple[BigramNeed, ...]:
+        """Return the ranked bigrams with layer and status of each.
+
+        Parameters
+        ----------
+        within : occurrences that authored trigrams play, by bigram
+        """
+        total, running = int(counts.sum()), 0
+        found = []
+        for code in plan.ranked(counts):
+            number = int(counts[code])
+            running += number
+            found.append(
+                BigramNeed(
+                    bigram=names[code],
+                    count=number,
+                    percent=plan.percent(number, total),
+                    running=plan.percent(running, total),
+                    layer=origins[code].layer,
+                    status=origins[code].status,
+                    example=self.examples.get(code, ""),
+                    places=tuple(self.pages[line][0] for line in self.count.first[code]),
+                    in_trigrams=within.get(names[code], 0),
+                )
+            )
+        return tuple(found)
+
+    def sentences(self, missing: Sequence[int], names: Sequence[str]) -> tuple[Sentence, ...]:
+        """Return a short list of lines that together hold all missing bigrams."""
+        sets, starts = self.count.sets()
+        return tuple(
+            Sentence(
+                place=self.pages[line][0],
+                text=self.pages[line][1],
+                bigrams=tuple(names[code] for code in new),
+            )
+            for line, new in plan.cover(sets, starts, np.array(missing, np.int64))
+        )
+
+
+def report_of(
+    performer: "Performer",
+    counted_lines: CountFigures,
+    minutes: float,
+    title: str,
+    *,
+    sentences: bool = True,
+) -> CoverageReport:
+    """Return what lines that were counted need of a character.
+
+    Parameters
+    ----------
+    performer : of the language that the lines were counted in
+    minutes : to author a bigram
+    title : of the language
+    sentences : False to leave out the short list of lines, which takes the longest
+    """
+    counted, phonemes = counted_lines.count, performer.compiled.counted
+    names = [f"{a}-{b}" for a in phonemes for b in phonemes]
+    codes = {name: code for code, name in enumerate(names)}
+    bigrams = (origin for origin in performer.compiled.origins if origin.triple is None)
+    origins = {codes[one.name]: one for one in bigrams if one.name in codes}
+    trigrams = counted_lines.trigrams(performer)
+    within = _within(trigrams)
+    rows = counted_lines.bigrams(counted_lines.spoken, origins, names, within)
+    total = sum(row.count for row in rows)
+    missing = [row for row in rows if not row.authored]
+    done = [row for row in rows if row.authored]
+    soon = missing[: plan.affordable(minutes)]
+    return CoverageReport(
+        language=performer.language,
+        language_title=title or performer.language,
+        character=performer.character,
+        poseset=performer.compiled.poseset,
+        lines=counted.lines,
+        words=counted.words,
+        phonemes={name: int(counted.phonemes[n]) for n, name in enumerate(phonemes) if n},
+        occurrences=total,
+        bigrams=rows,
+        silence=counted_lines.bigrams(counted_lines.silent, origins, names, within),
+        unused=tuple(names[code] for code in counted_lines.unused),
+        needed=plan.needed([row.count for row in rows]),
+        authored=Authored(
+            bigrams=len(done), percent=plan.percent(sum(row.covered for row in rows), total)
+        ),
+        left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
+        next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_left(soon, total)),
+        sentences=counted_lines.sentences([codes[row.bigram] for row in missing], names)
+        if sentences
+        else (),
+        unread=counted.unread.tallies(),
+        unmapped=counted.unmapped.tallies(),
+        other_scripts=counted.others.tallies(),
+        trigrams=trigrams,
+    )
+
+
+def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
+    """Count the occurrences of bigrams that authored trigrams play in their place."""
+    found: Counter[str] = Counter()
+    for one in trigrams:
+        if authored(one.layer, one.status):
+            first, middle, last = one.trigram.split("-")
+            found[f"{first}-{middle}"] += one.count
+            found[f"{middle}-{last}"] += one.count
+    return found
+
+
+def _left(rows: Sequence[BigramNeed], total: int) -> float:
+    """Return the percentage of all occurrences that rows cover once they are drawn."""
+    return plan.percent(sum(row.count - row.covered for row in rows), total)

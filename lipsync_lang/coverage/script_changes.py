@@ -1,0 +1,120 @@
+"""Digests of a script's lines, which tell what changed in it since an older document."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from hashlib import blake2b
+from typing import TYPE_CHECKING
+
+from lipsync_lang.coverage.facts import Fact
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines import Line
+
+MAX_COMPARED_LINES = 100_000
+"""Lines of a script whose digests a document holds; a larger script is not compared."""
+
+DIGEST_BYTES = 5
+
+
+class ScriptLines(Fact):
+    """Digests of the spoken lines of one reading, in its order."""
+
+    languages: tuple[str, ...]
+    """Languages that the lines were read in."""
+    column: str = ""
+    """The column that was read; empty unless it was stated."""
+    named: dict[str, str]
+    """By the line's own name."""
+    unnamed: dict[str, str]
+    """By place, for lines without a name of their own."""
+
+
+class ScriptChange(Fact):
+    """Changes of a script's lines since an older document."""
+
+    languages: tuple[str, ...]
+    """Languages in which the same lines changed."""
+    lines: tuple[int, int]
+    """Number of lines, before and now."""
+    added: tuple[str, ...]
+    """Names, or places, of lines that are new."""
+    removed: tuple[str, ...]
+    """Names, or former places, of lines that are gone."""
+    changed: tuple[str, ...]
+    """Names of lines with another text or speaker."""
+
+
+class ScriptDigests:
+    """Digests of lines, as they are read."""
+
+    def __init__(self) -> None:
+        self._found: list[tuple[str, str, str]] = []
+        self._lines = 0
+
+    def add(self, line: "Line") -> None:
+        """Add a line."""
+        self._lines += 1
+        if self._lines > MAX_COMPARED_LINES:
+            self._found.clear()
+        else:
+            self._found.append((line.name, line.place, _digest(line)))
+
+    def lines(self, languages: Sequence[str]) -> tuple[ScriptLines, ...]:
+        """Return the digests of all lines; none of a script that is too large.
+
+        A name that several lines have is no name of any.
+        """
+        if not self._found:
+            return ()
+        times = Counter(name for name, _, _ in self._found)
+        named = {name: digest for name, _, digest in self._found if name and times[name] == 1}
+        unnamed = {
+            place: digest for name, place, digest in self._found if not name or times[name] > 1
+        }
+        return (ScriptLines(languages=tuple(languages), named=named, unnamed=unnamed),)
+
+
+def script_changes(
+    old: Sequence[ScriptLines], new: Sequence[ScriptLines]
+) -> Iterator[ScriptChange]:
+    """Yield the changes of the readings that both documents have; equal ones are one."""
+    before = {(one.languages, one.column): one for one in old}
+    groups: dict[ScriptChange, list[str]] = {}
+    for now in new:
+        was = before.get((now.languages, now.column))
+        if was is not None:
+            groups.setdefault(_change(was, now), []).extend(now.languages)
+    for change, languages in groups.items():
+        yield change.model_copy(update={"languages": tuple(dict.fromkeys(languages))})
+
+
+def _change(was: ScriptLines, now: ScriptLines) -> ScriptChange:
+    come = Counter(now.unnamed.values()) - Counter(was.unnamed.values())
+    gone = Counter(was.unnamed.values()) - Counter(now.unnamed.values())
+    return ScriptChange(
+        languages=(),
+        lines=(_count(was), _count(now)),
+        added=(*(name for name in now.named if name not in was.named), *_places(now, come)),
+        removed=(*(name for name in was.named if name not in now.named), *_places(was, gone)),
+        changed=tuple(
+            name for name, digest in now.named.items() if was.named.get(name, digest) != digest
+        ),
+    )
+
+
+def _count(lines: ScriptLines) -> int:
+    return len(lines.named) + len(lines.unnamed)
+
+
+def _places(lines: ScriptLines, wanted: Counter[str]) -> Iterator[str]:
+    """Yield the places of lines with some digests, the last of equal lines first."""
+    for place, digest in reversed(lines.unnamed.items()):
+        if wanted[digest] > 0:
+            wanted[digest] -= 1
+            yield place
+
+
+def _digest(line: "Line") -> str:
+    said = line.text if line.schedule is None else " ".join(line.schedule.labels)
+    whole = f"{line.speaker}\n{said}".encode("utf-8", "surrogatepass")
+    return blake2b(whole, digest_size=DIGEST_BYTES).hexdigest()

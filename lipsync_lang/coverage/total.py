@@ -1,0 +1,194 @@
+"""The work that all reports share, each piece counted once, and its order.
+
+A piece of work is a bigram of a pose set. Drawn once in the pose set's bank, it serves every
+language that needs it and every face of that pose set. A bigram that stands as a draft in the bank
+of one language or one character is a piece of its own, since that draft plays before the shared
+bank.
+
+A piece weighs as much as it is heard: its share of what each language still lacks, averaged over
+the languages. Languages weigh the same unless weights are stated, as each player hears one.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from lipsync_lang.coverage import plan
+from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.report import BigramNeed, CoverageReport
+
+
+class Piece(NamedTuple):
+    """Identity of a piece of work."""
+
+    bigram: str
+    poseset: str
+    bank: str
+
+
+class WorkItem(Fact):
+    """A bigram to author, once for all languages and faces that it serves."""
+
+    bigram: str
+    poseset: str
+    bank: str
+    """The language or character whose own bank has a draft of it; empty for the shared bank."""
+    count: int
+    """Occurrences in all reports that nobody has drawn."""
+    percent: float
+    """Gain for what is heard, averaged over the languages."""
+    reaches: float
+    """Authored share once this and all items before it are drawn."""
+    languages: tuple[str, ...]
+    """Languages that it serves."""
+    characters: tuple[str, ...]
+    """Characters that it serves."""
+
+    @property
+    def piece(self) -> Piece:
+        """Its identity among all work."""
+        return Piece(self.bigram, self.poseset, self.bank)
+
+
+class TotalFigures(Fact):
+    """Figures over several languages; shared work counts once."""
+
+    languages: tuple[str, ...]
+    needed: int
+    """Different bigrams that the languages need."""
+    authored: Authored
+    left: Left
+    next_hour: NextHour
+
+
+class FaceTotal(TotalFigures):
+    """The total of all languages on one character."""
+
+    character: str
+    poseset: str
+
+
+class Total(TotalFigures):
+    """The total of all languages on all characters."""
+
+    weights: dict[str, float]
+    """Weight of each language in percentages."""
+    faces: tuple[FaceTotal, ...]
+    ranking: tuple[WorkItem, ...] = ()
+    """The bigrams that are left, the one that gains most first."""
+
+
+def total_of(
+    reports: "Sequence[CoverageReport]", minutes: float, weights: Mapping[str, float] | None = None
+) -> Total:
+    """Return the total of some reports.
+
+    Parameters
+    ----------
+    minutes : to author a bigram
+    weights : of languages, by name; others weigh 1
+    """
+    stated = weights or {}
+    full = {report.language: float(stated.get(report.language, 1)) for report in reports}
+    ranking = _ranking(reports, full)
+    faces: dict[str, list[CoverageReport]] = {}
+    for report in reports:
+        faces.setdefault(report.character, []).append(report)
+    return Total(
+        **_figures(reports, minutes, ranking, full),
+        weights=full,
+        faces=tuple(
+            FaceTotal(
+                **_figures(own, minutes, _ranking(own, full), full),
+                character=character,
+                poseset=own[0].poseset,
+            )
+            for character, own in faces.items()
+        ),
+        ranking=tuple(ranking),
+    )
+
+
+def _figures(
+    reports: "Sequence[CoverageReport]",
+    minutes: float,
+    ranking: Sequence[WorkItem],
+    weights: Mapping[str, float],
+) -> dict[str, object]:
+    """Return the fields of `TotalFigures`."""
+    needed = {piece_of(report, need) for report in reports for need in report.bigrams}
+    soon = ranking[: plan.affordable(minutes)]
+    reached = soon[-1].reaches if soon else 0.0
+    done = _authored(reports, weights)
+    return {
+        "languages": tuple(dict.fromkeys(report.language for report in reports)),
+        "needed": len(needed),
+        "authored": Authored(bigrams=len(needed) - len(ranking), percent=round(done, 4)),
+        "left": Left(bigrams=len(ranking), hours=round(len(ranking) * minutes / 60, 2)),
+        "next_hour": NextHour(
+            bigrams=tuple(item.bigram for item in soon),
+            percent=round(max(reached - done, 0.0), 4) if soon else 0.0,
+        ),
+    }
+
+
+def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> list[WorkItem]:
+    """Return what is left, the piece that gains most first."""
+    worth = _worth(reports, weights)
+    gains: Counter[Piece] = Counter()
+    counts: Counter[Piece] = Counter()
+    serves: dict[Piece, list[CoverageReport]] = {}
+    for report in reports:
+        for need in report.bigrams:
+            if not need.authored:
+                piece, missing = piece_of(report, need), need.count - need.covered
+                gains[piece] += missing * worth[report.language]  # type: ignore[assignment]
+                counts[piece] += missing
+                serves.setdefault(piece, []).append(report)
+    items: list[WorkItem] = []
+    reached = _authored(reports, weights)
+    for piece in sorted(serves, key=lambda one: (-round(gains[one], 9), one)):
+        reached += gains[piece]
+        items.append(
+            WorkItem(
+                **piece._asdict(),
+                count=counts[piece],
+                percent=round(gains[piece], 4),
+                reaches=round(min(reached, 100.0), 4),
+                languages=_names(report.language for report in serves[piece]),
+                characters=_names(report.character for report in serves[piece]),
+            )
+        )
+    return items
+
+
+def piece_of(report: "CoverageReport", need: "BigramNeed") -> Piece:
+    """Return the piece of work that a bigram of a report belongs to."""
+    own = {"language": report.language, "character": report.character}
+    return Piece(need.bigram, report.poseset, own.get(need.layer, ""))
+
+
+def _names(found: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(found))
+
+
+def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> dict[str, float]:
+    """Return the percentage that one occurrence in each language is worth."""
+    heard: Counter[str] = Counter()
+    for report in reports:
+        heard[report.language] += report.occurrences
+    whole = sum(weights[language] for language, number in heard.items() if number)
+    return {
+        language: 100 * weights[language] / (whole * number) if number and whole else 0.0
+        for language, number in heard.items()
+    }
+
+
+def _authored(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> float:
+    """Return the share of what is heard that is authored."""
+    worth = _worth(reports, weights)
+    return sum(
+        need.covered * worth[report.language] for report in reports for need in report.bigrams
+    )

@@ -1,0 +1,116 @@
+"""Columns of a table of lines: which of them is the text, the line's name, the speaker.
+
+A column may be named after a language: by the language's name, title, tag or an alias of it, alone
+("German", "de"), with a region ("de-AT"), in brackets ("German (de)"), or beside a word for text
+("text_de"). Spaces, underscores, accents and the case of letters make no difference.
+"""
+
+import re
+from collections.abc import Collection, Sequence
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+from unicodedata import combining, normalize
+
+from lipsync_lang.errors import LipsyncError
+
+if TYPE_CHECKING:
+    from lipsync_lang.lines.line_readers import LineFile
+
+TEXTS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
+NAMES = ("line_id", "lineid", "id", "key", "name", "identifier")
+SPEAKERS = ("speaker", "character", "who", "actor", "role")
+"""Names of columns, in small letters, most likely first."""
+
+LIKENESS = 0.75
+"""Least similarity of a mistyped column; languages are more alike than that by chance."""
+
+_BRACKETED = re.compile(r"(.*?)[-([{]+([^()\[\]{}]*)[)\]}]+")
+_BESIDE_TEXT = re.compile(rf"(?:(?:{'|'.join(TEXTS)})-(.+)|(.+)-(?:{'|'.join(TEXTS)}))")
+_REGION = re.compile(r"-(?:[a-z]{2}|[0-9]{3})")
+
+
+def first_column(head: Sequence[str], known: Sequence[str], taken: Collection[int] = ()) -> int:
+    """Return the index of the column with the first known name, or -1."""
+    found = [(name, at) for at, name in enumerate(head) if at not in taken]
+    folded = {name.casefold(): at for name, at in reversed(found)}
+    return next((folded[name] for name in known if name in folded), -1)
+
+
+def stated_column(source: "LineFile", head: Sequence[str], asked: str) -> int:
+    """Return the index of a column by name, or by number from 1."""
+    folded = [name.casefold() for name in head]
+    if asked in head:
+        return head.index(asked)
+    if asked.casefold() in folded:
+        return folded.index(asked.casefold())
+    if asked.isdecimal() and 1 <= int(asked) <= len(head):
+        return int(asked) - 1
+    if asked.casefold() in {name.casefold() for name in source.names}:
+        at = language_column(head, source.names)
+        if at >= 0:
+            return at
+    near = get_close_matches(asked, head, 1, LIKENESS)
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    raise lacking(source, head, f"has no column '{asked}'{hint}")
+
+
+def text_column(head: Sequence[str]) -> int:
+    """Return the index of the column that is most likely the text in any language, or -1."""
+    known = first_column(head, TEXTS)
+    if known >= 0:
+        return known
+    other = [i for i, name in enumerate(head) if name.casefold() not in (*NAMES, *SPEAKERS)]
+    return other[0] if len(other) == 1 else -1
+
+
+def language_column(head: Sequence[str], names: Sequence[str]) -> int:
+    """Return the index of the column that is named after a language, or -1.
+
+    Parameters
+    ----------
+    names : of the language: its name, title, tag and aliases; the likeliest first
+    """
+    wholes = [_folded(name) for name in head]
+    forms = [_forms(whole) for whole in wholes]
+    asked = list(dict.fromkeys(_folded(name) for name in names if name))
+    for name in asked:
+        if name in wholes and _is_free(head, wholes.index(name)):
+            return wholes.index(name)
+    for name in asked:
+        for matches in (
+            [at for at, form in enumerate(forms) if name in form],
+            [at for at, form in enumerate(forms) if any(_is_regional(one, name) for one in form)],
+        ):
+            if len(matches) == 1 and _is_free(head, matches[0]):
+                return matches[0]
+    return -1
+
+
+def lacking(source: "LineFile", head: Sequence[str], what: str) -> LipsyncError:
+    """Return an error that lists the columns."""
+    end = "" if what.endswith((".", "?")) else "."
+    return source.fault(1, f"{what}{end} Its columns: {', '.join(head)}")
+
+
+def _is_free(head: Sequence[str], at: int) -> bool:
+    """Return False for the only column of ids: the tag "id" of a language is a usual name there."""
+    ids = head[at].casefold() in NAMES
+    return not ids or first_column(head, NAMES, [at]) >= 0
+
+
+def _is_regional(form: str, name: str) -> bool:
+    return form.startswith(name) and bool(_REGION.fullmatch(form[len(name) :]))
+
+
+def _folded(name: str) -> str:
+    """Return a name in small letters without accents, its words joined by hyphens."""
+    plain = "".join(c for c in normalize("NFKD", name.strip().casefold()) if not combining(c))
+    return re.sub(r"[\s_-]+", "-", normalize("NFC", plain))
+
+
+def _forms(whole: str) -> tuple[str, ...]:
+    """Return what else a column may be named after: its parts without brackets and text words."""
+    bracketed = _BRACKETED.fullmatch(whole)
+    parts = [whole, *([part.strip("-") for part in bracketed.groups()] if bracketed else ())]
+    beside = [found for part in parts if (found := _BESIDE_TEXT.fullmatch(part))]
+    return (*parts, *(one for found in beside for one in found.groups() if one))

@@ -1,0 +1,37 @@
+"""The characters of each speaker, as a project's `cast` names them."""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+OTHERS = "*"
+"""The speaker that stands for all others."""
+
+
+class SpeakerFaces:
+    """The characters of each speaker.
+
+    Parameters
+    ----------
+    stated : characters by speaker; `*` stands for all other speakers
+    """
+
+    def __init__(self, stated: Mapping[str, Sequence[str]]) -> None:
+        self.stated = {speaker: tuple(found) for speaker, found in stated.items()}
+        self._folded = {speaker.casefold(): found for speaker, found in self.stated.items()}
+
+    @property
+    def characters(self) -> tuple[str, ...]:
+        """Every character once."""
+        return unique(name for names in self.stated.values() for name in names)
+
+    def own(self, speaker: str) -> tuple[str, ...]:
+        """Return the characters that are stated for a speaker; empty if there are none."""
+        return self.stated.get(speaker) or self._folded.get(speaker.casefold(), ())
+
+    def of(self, speaker: str) -> tuple[str, ...]:
+        """Return the characters of a speaker, or those of all others."""
+        return self.own(speaker) or self.stated.get(OTHERS, ())
+
+
+def unique(names: Iterable[str]) -> tuple[str, ...]:
+    """Return each name once, in order."""
+    return tuple(dict.fromkeys(names))
