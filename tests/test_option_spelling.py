@@ -18,6 +18,8 @@ ELSEWHERE = {
     "animations/rates.py": "reads what an option of the command line was given",
     "banks/conversion.py": "remarks of a command that imports",
     "coverage/changes.py": "names the command that writes a report",
+    "coverage/drafting.py": "commands to type",
+    "coverage/forms/total_text.py": "a text for the terminal",
     "coverage/forms/text.py": "the command's own report",
     "extras.py": "an option of another program",
     "render/fonts.py": "an option of another program",
