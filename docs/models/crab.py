@@ -60,7 +60,7 @@ BODY = np.array([1.2, 0.86, 0.9])
 """Half the body: width, height, depth."""
 SQUARENESS = 2.5
 HEIGHT = -0.16
-"""Angle of the closed mouth in radians."""
+"""Height of the closed mouth in radians."""
 EDGE = 1.35
 """Radians from the middle of the face at which it no longer moves with the lips."""
 
