@@ -438,3 +438,10 @@ def test_weights_that_are_all_zero_are_refused(two):
     assert "all languages weigh 0" in ended.err
     with pytest.raises(LipsyncError):
         coverage([], "toy", "facefx")
+
+
+def test_the_page_begins_with_the_total(two):
+    page = two("-c", "facefx", "--format", "html").out
+    lead = page.partition('<p class="lead">')[2]
+    assert lead.startswith("<strong>5\N{NO-BREAK SPACE}bigrams, 25\N{NO-BREAK SPACE}min</strong>")
+    assert "The first hour gives <strong>100\N{NO-BREAK SPACE}%</strong>" in lead
