@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures docs wheel clean
+.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -112,6 +112,9 @@ dictionaries: $(VENV)/ready ## count what is read otherwise: make dictionaries D
 figures: $(VENV)/ready ## measure "How good is it?" anew: make figures DATA=folder DICTIONARIES=folder
 	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES)
 	$(BIN)/python docs/how_good.py
+
+gallery: $(VENV)/ready ## draw every pose set as it says one line
+	$(BIN)/python docs/draw_gallery.py
 
 docs: $(VENV)/docs ## build the documentation site into build/site
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
