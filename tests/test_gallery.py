@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
+import lipsync_lang as ll
+
 DOCS = Path(__file__).parents[1] / "docs"
 NAMES = sorted(p.parent.name for p in DOCS.parent.glob("posesets/*/poseset.yaml"))
 assert NAMES, "a sweep over nothing passes"
@@ -63,3 +65,16 @@ def test_the_head_stands_for_itself_as_it_is():
     poses = ("open", "W", "ShCh", "PBM", "FV", "wide")
     gains = drawing["worth"](drawing["HEAD"], poses, poses)
     assert abs(gains - np.eye(len(poses))).max() < 0.05
+
+
+@pytest.mark.parametrize("name", ["arkit", "mpeg4", "oculus", "sapi"])
+def test_the_head_shuts_its_lips_for_another_pose_set(name):
+    pytest.importorskip("PIL")
+    pytest.importorskip("scipy")
+    schedule = ll.Schedule(("_", "m", "ɑː", "_"), [0, 0.2, 0.4, 0.7, 0.9])
+    animation = ll.resolve("english", name).perform(schedule, fps=60)
+    head = script()["lent"](animation, name)
+    shut, parted = (np.interp(0.3, head.times, head[p]) for p in ("PBM", "open"))
+    assert shut > 0.6
+    assert parted < 0.15
+    assert np.interp(0.6, head.times, head["open"]) > 0.2
