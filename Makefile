@@ -13,7 +13,7 @@ DATA ?= data
 CONSUMERS := $(VENV)/node
 export LIPSYNC_LANG_NODE_MODULES ?= $(abspath $(CONSUMERS)/node_modules)
 
-.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel clean
+.PHONY: help demo test test-rest test-all test-lowest consumers usd lint prose types bench articulography motion languages dictionaries figures gallery docs wheel extras clean
 
 help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
@@ -120,8 +120,12 @@ docs: $(VENV)/docs ## build the documentation site into build/site
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "Open build/site/index.html in a browser."
 
-wheel: $(VENV)/ready ## build the wheel into dist/
-	$(BIN)/python -m build --wheel
+wheel: $(VENV)/ready ## build the wheel and the source archive into dist/, and check their descriptions
+	$(BIN)/python -m build
+	$(BIN)/twine check --strict dist/*
+
+extras: $(VENV)/ready ## measure the size of each extra for the page on installation (20 minutes): make extras EXTRAS="plot audio"
+	$(BIN)/python docs/measure_extras.py $(EXTRAS)
 
 clean: ## remove what was built
 	rm -rf $(VENV) $(LOWEST) build dist out

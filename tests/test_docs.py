@@ -35,6 +35,8 @@ NOT_RUN = {
     "mkdir": "folders are made where files are put",
     "python": "runs a file of the page, whose block is run",
     "pip": "installs what a test of its own installs",
+    "pipx": "installs an environment of its own",
+    "uv": "installs an environment of its own",
 }
 """Commands of a console block that a test passes over, and why."""
 
