@@ -121,13 +121,26 @@ def test_a_touched_file_changes_nothing(built):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("fps: 30", "fps: 25"), ("fps: 30", "fps: 30\nmotion: {speed_limit: 7}")],
+    [
+        ("fps: 30", "fps: 25"),
+        ("fps: 30", "fps: 30\nmotion: {speed_limit: 7}"),
+        ("fps: 30", "fps: 30\noffset: 0.5"),
+    ],
 )
 def test_changed_settings_remake_everything(built, old, new):
     built.write("lipsync.yaml", (built.folder / "lipsync.yaml").read_text().replace(old, new))
     assert built.build("--dry-run").stale == {
-        name: ["the frame rate, motion or limits changed"] for name in ALL
+        name: ["the frame rate, offset, motion or limits changed"] for name in ALL
     }
+
+
+def test_every_sound_begins_at_the_projects_offset(game):
+    stated = (game.folder / "lipsync.yaml").read_text().replace("takes/{id}.csv", "takes/{id}.tres")
+    game.write("lipsync.yaml", stated + "offset: 0.75\n")
+    assert game.build().built == ALL
+    for name in ALL:
+        text = (game.folder / f"takes/{name}.tres").read_text(encoding="utf-8")
+        assert "metadata/audio_start = 0.75\n" in text
 
 
 def test_another_version_of_the_program_remakes_everything(built, monkeypatch):

@@ -47,6 +47,14 @@ def test_a_line_is_enough_in_a_project(cli, project):
     assert json.loads((project / "takes/hello.data").read_text())["fps"] == 30
 
 
+def test_the_sound_begins_at_the_projects_offset(cli, project):
+    state(project, offset="0.75")
+    for own, start in [((), "0.75"), (("--offset", "0.5"), "0.5")]:
+        assert cli("run", "--schedule", "hello.json", "-o", "hello.tres", *own).code == 0
+        text = Path("hello.tres").read_text(encoding="utf-8")
+        assert f"metadata/audio_start = {start}\n" in text
+
+
 @full
 def test_the_command_line_wins(cli, project):
     given = ("-l", "finnish", "-c", "oculus", "--fps", "24", "-o", "own.csv")

@@ -8,7 +8,7 @@ import errno
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from io import BytesIO
 from pathlib import Path
@@ -193,7 +193,8 @@ class LineMaker:
         schedule = animation.schedule
         files: list[MadeFile] = []
         try:
-            self._write(line, pair.performer.rigged(animation), files)
+            shown = replace(pair.performer.rigged(animation), offset=self.settings.offset)
+            self._write(line, shown, files)
         except Exception as error:  # noqa: BLE001 the other lines of the batch are made
             for file in files:
                 Path(file.temporary).unlink(missing_ok=True)

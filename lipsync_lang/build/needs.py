@@ -36,7 +36,7 @@ OF_ROWS = frozenset((
 
 TOLD = {
     "program": "the program's version",
-    "settings": "the frame rate, motion or limits",
+    "settings": "the frame rate, offset, motion or limits",
     "face": "the rules of the face",
     "model": "the model",
     "voice": "the language's reading or voice",
@@ -52,6 +52,7 @@ class BuildSettings(NamedTuple):
     fps: float
     limits: Mapping[str, float]
     tts: str | None = None
+    offset: float = 0.0
 
 
 class PairNeeds:
@@ -169,10 +170,10 @@ class PairNeeds:
         held = [(one.floor, one.ceiling) for one in compiled.tables.contacts]
         said = performer.motion, performer.shades, performer.unknown
         known = {name: sorted(one.table) for name, one in performer.labels.notations.items()}
-        model = performer.model
+        model, chosen = performer.model, self.settings
         return {
             "program": digest(__version__),
-            "settings": digest(*said, self.settings.fps, self.settings.limits),
+            "settings": digest(*said, chosen.fps, chosen.limits, chosen.offset),
             "face": digest(face, tables, held, manner["kinds"], compiled.nearest),
             "model": digest(file_digest(model) if model and model.is_file() else None),
             "voice": digest(manner, self.settings.tts),

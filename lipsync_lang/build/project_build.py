@@ -112,9 +112,8 @@ class ProjectBuild:
         if chosen and not lines:
             raise LipsyncError("no line of the script is selected; check the ids and names")
         fps = float(Fraction(project.fps)) if project.fps is not None else USUAL_FPS
-        made = cls(
-            project, folder, lines, BuildSettings(fps, dict(project.limits), tts), {}, {}, chosen
-        )
+        settings = BuildSettings(fps, dict(project.limits), tts, project.offset or 0.0)
+        made = cls(project, folder, lines, settings, {}, {}, chosen)
         made.resolve((*paths, *(folder / path for path in project.paths), folder))
         for weak in dict.fromkeys(made.weak):
             remark(weak)

@@ -38,6 +38,8 @@ def fill(options: Namespace) -> None:
         _take(options, load_project(path).model, path.parent)
     if getattr(options, "fps", 0) is None:
         options.fps = USUAL_FPS
+    if getattr(options, "offset", "") is None:
+        options.offset = "0"
     for name, option in (("language", "-l"), ("character", "-c")):
         cast = name == "character" and getattr(options, "cast", None)
         if not (getattr(options, name, True) or cast or getattr(options, "choosing", False)):
@@ -60,6 +62,8 @@ def _take(options: Namespace, project: "Project", folder: Path) -> None:
         from lipsync_lang.animations.rates import parse_rate
 
         options.fps = parse_rate(project.fps)
+    if getattr(options, "offset", "") is None and project.offset is not None:
+        options.offset = str(project.offset)
     if project.motion is not None and hasattr(options, "settings"):
         stated = project.motion.model_dump(exclude_none=True)
         again = any(one.startswith("motion=") for one in options.settings)

@@ -60,8 +60,9 @@ def _add_written(written: Options) -> None:
     )  # fmt: skip
     written.add_argument("--cut", action="store_true", help="leave out lead-in and tail")
     written.add_argument(
-        "--offset", metavar="TIME", default="0",
-        help="start of the sound in the files: seconds, or a timecode 01:00:00:00 [0]",
+        "--offset", metavar="TIME", default=None,
+        help="start of the sound in the files: seconds, or a timecode 01:00:00:00 [the "
+        "project's, or 0]",
     )  # fmt: skip
     written.add_argument(
         "--keys", metavar="[lines:]ERROR",

@@ -131,6 +131,9 @@ class Project(PackModel):
         | None
     ) = None
     """Frames per second: a number, or a fraction such as 24000/1001."""
+    offset: Annotated[float, Field(ge=0, le=86_400)] | None = None
+    """Seconds of every file at which its sound begins. By default 0, or the length of the movement
+    before the sound in formats without time below zero."""
     motion: Annotated[MotionFields, Short(_preset, forms=_or({"type": "string"}))] | None = None
     """Motion settings over the character's own; a preset's name alone is short for it."""
     shades: bool | None = None
