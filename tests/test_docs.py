@@ -37,6 +37,7 @@ NOT_RUN = {
     "pip": "installs what a test of its own installs",
     "pipx": "installs an environment of its own",
     "uv": "installs an environment of its own",
+    "npm": "installs what a test of its own finds installed",
 }
 """Commands of a console block that a test passes over, and why."""
 
@@ -213,6 +214,11 @@ def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / ".cache"))
     monkeypatch.delenv("LIPSYNC_LANG_PATH", raising=False)
+    follow(page, capsys)
+
+
+def follow(page, capsys):
+    """Do what a page says, in the folder at hand."""
     scope = {"__name__": "__main__"}
     for language, told, text in steps(page):
         if about := TOLD.search(told):

@@ -1,5 +1,6 @@
 """Godot: the form of .tres, and what a real Godot 3 makes of it and of our GLB."""
 
+import importlib.util
 import json
 import os
 import re
@@ -8,12 +9,14 @@ import subprocess
 import time
 from dataclasses import replace
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lanes import full
 from small_models import glb
+from test_docs import follow
 
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
@@ -23,8 +26,13 @@ from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 
 SCRIPT = Path(__file__).parent / "consumers" / "godot.gd"
+PAGE_SCRIPT = SCRIPT.with_name("page.gd")
+PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "godot.md"
 PATIENCE = 120
 """Seconds after which Godot hangs."""
+
+MIX_SECONDS = 0.1
+"""Most that a sound's position may be off: Godot mixes in parts."""
 
 ODD = ('a "quoted" one', "back\\slash", "a:colon", "ein Mündchen", "]]>", "a/b", "{}", "100%")
 
@@ -148,8 +156,8 @@ def test_what_a_tres_cannot_hold_is_told():
 
 
 @pytest.fixture
-def godot(tmp_path):
-    """Play animations in Godot: what each track of each file is at some times."""
+def engine(tmp_path):
+    """Run a script of ours in Godot, in a project with files, and return what it says."""
     program = shutil.which("godot3-server")
     if program is None:
         pytest.skip("no godot3-server: nothing plays what we write for Godot")
@@ -159,19 +167,14 @@ def godot(tmp_path):
     for variable in [name for name in environment if name.startswith("XDG_")]:
         del environment[variable]
 
-    def played(times, files):
-        project = tmp_path / "project"
-        project.mkdir()
+    def said(script, project, scenes, **asked):
         (project / "project.godot").write_text('config_version=4\n[application]\nconfig/name="x"\n')
-        shutil.copy(SCRIPT, project)
-        for name, animation in files.items():
-            animation.save(project / name)
-        scenes = [name for name in files if name.endswith(".glb")]
+        shutil.copy(script, project)
         if scenes:
             imported(program, project, scenes, environment)
         ended = subprocess.run(
-            [program, "--path", project, "--script", SCRIPT.name],
-            env={**environment, "ASKED": json.dumps({"files": list(files), "times": list(times)})},
+            [program, "--path", project, "--script", script.name],
+            env=environment | asked,
             capture_output=True,
             text=True,
             stdin=subprocess.DEVNULL,
@@ -182,6 +185,22 @@ def godot(tmp_path):
         assert told, ended.stdout + ended.stderr
         assert "rror" not in ended.stderr.replace("ocale", ""), ended.stderr
         return json.loads(told[1])
+
+    return said
+
+
+@pytest.fixture
+def godot(tmp_path, engine):
+    """Play animations in Godot: what each track of each file is at some times."""
+
+    def played(times, files):
+        project = tmp_path / "project"
+        project.mkdir()
+        for name, animation in files.items():
+            animation.save(project / name)
+        scenes = [name for name in files if name.endswith(".glb")]
+        asked = json.dumps({"files": list(files), "times": list(times)})
+        return engine(SCRIPT, project, scenes, ASKED=asked)
 
     return played
 
@@ -228,3 +247,27 @@ def test_godot_finds_shapes_of_any_name(godot):
         wanted = np.interp(times, animation.timeline, animation.weights[:, number])
         shape = tracks[f"blend_shapes/{name.replace(':', '_')}"]
         np.testing.assert_allclose(shape, wanted, atol=1e-4)
+
+
+@full
+def test_the_face_keeps_time_with_its_sound(engine, tmp_path, monkeypatch, capsys):
+    if importlib.util.find_spec("espeakng_loader") is None:
+        pytest.skip("nothing speaks: espeakng_loader is an extra")
+    monkeypatch.chdir(tmp_path)
+    follow(PAGE, capsys)
+    project = tmp_path / "project"
+    project.mkdir()
+    for name in ("hello.glb", "hello.wav", "speaking.gd"):
+        shutil.copy(name, project)
+    frames = engine(PAGE_SCRIPT, project, ("hello.glb", "hello.wav"))
+    schedule = ll.speak("Hello, people", "english")
+    animation = ll.resolve("english", "facefx").perform(schedule, fps=60)
+    for frame in frames:
+        for pose in animation.poses:
+            wanted = np.interp(frame["at"] - 0.5, animation.times, animation[pose])
+            assert frame["weights"][pose] == pytest.approx(wanted, abs=1e-3)
+    heard = [frame for frame in frames if frame["heard"] >= 0]
+    assert heard[-1]["heard"] > 0.5
+    for before, frame in pairwise(heard):
+        shown = frame["at"] - 0.5
+        assert before["heard"] - MIX_SECONDS < shown < frame["heard"] + MIX_SECONDS

@@ -1,0 +1,78 @@
+// Play the page of docs/how-to/web.md in a headless browser, and print what it shows while it sounds:
+//
+//   node web.mjs NODE_MODULES CHROMIUM FOLDER
+//
+// FOLDER holds the files of the page, and is served with NODE_MODULES beside them. Printed is JSON:
+// `soundStart`, and `frames`, of each frame the seconds of the sound that are `heard`, the time of the
+// clip (`at`), and the `weights` by shape; and `weighed`, what weights.js says of hello.json at TIMES.
+import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
+import { extname, join, normalize } from "node:path";
+
+const [modules, chromium, folder, times] = process.argv.slice(2);
+const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
+
+const TYPES = { ".js": "text/javascript", ".html": "text/html", ".wav": "audio/wav" };
+
+function answer(request, response) {
+  const path = normalize(new URL(request.url, "http://here").pathname);
+  const type = TYPES[extname(path)] ?? "application/octet-stream";
+  const inside = "/node_modules/";
+  const file = path.startsWith(inside) ? join(modules, path.slice(inside.length)) : join(folder, path);
+  try {
+    const content = readFileSync(file);
+    response.writeHead(200, { "content-type": type }).end(content);
+  } catch {
+    response.writeHead(404).end();
+  }
+}
+
+const server = createServer(answer);
+await new Promise((done) => server.listen(0, "127.0.0.1", done));
+const flags = [
+  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+];
+const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+try {
+  const page = await browser.newPage({ viewport: { width: 200, height: 200 } });
+  page.on("pageerror", (error) => console.error(String(error)));
+  page.on("console", (said) => said.type() === "error" && !/favicon/.test(said.location().url) && console.error(said.text()));
+  await page.addInitScript(() => {
+    const start = AudioBufferSourceNode.prototype.start;
+    AudioBufferSourceNode.prototype.start = function (when) {
+      window.soundAt = when;
+      start.call(this, when);
+    };
+  });
+  await page.goto(`http://127.0.0.1:${server.address().port}/index.html`);
+  await page.waitForFunction(() => window.line, null, { timeout: 60000 });
+  await page.evaluate(() => {
+    const { face, mixer, audio } = window.line;
+    const setTime = mixer.setTime.bind(mixer);
+    window.frames_ = [];
+    mixer.setTime = (at) => {
+      const heard = audio.currentTime - (audio.outputLatency || 0) - window.soundAt;
+      setTime(at);
+      if (window.soundAt === undefined || audio.state !== "running") return;
+      const weights = {};
+      face.scene.traverse((one) => Object.entries(one.morphTargetDictionary ?? {}).forEach(
+        ([name, index]) => { weights[name] = one.morphTargetInfluences[index]; },
+      ));
+      window.frames_.push({ heard, at, weights });
+    };
+  });
+  await page.mouse.click(100, 100);
+  await page.waitForFunction(() => window.frames_.at(-1)?.heard > 0.8, null, { timeout: 60000 });
+  const shown = await page.evaluate(() => ({ soundStart: window.line.soundStart, frames: window.frames_ }));
+  shown.weighed = await page.evaluate(async (asked) => {
+    const { weights } = await import("/weights.js");
+    const line = await (await fetch("/hello.json")).json();
+    return asked.map((seconds) => weights(line, seconds));
+  }, JSON.parse(times));
+  console.log(JSON.stringify(shown));
+} finally {
+  await browser.close();
+  server.close();
+}
