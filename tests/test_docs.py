@@ -41,6 +41,7 @@ NOT_RUN = {
     "uv": "installs an environment of its own",
     "pipx": "installs what a test of its own installs",
     "uv": "installs what a test of its own installs",
+    "npm": "installs what a test of its own finds installed",
 }
 """Commands of a console block that a test passes over, and why."""
 
@@ -220,6 +221,11 @@ def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch, capsys):
     if page.name == "README.md":
         bring_a_recording_and_a_head()
         capsys.readouterr()
+    follow(page, capsys)
+
+
+def follow(page, capsys):
+    """Do what a page says, in the folder at hand."""
     scope = {"__name__": "__main__"}
     for language, told, text in steps(page):
         if about := TOLD.search(told):
