@@ -13,13 +13,11 @@ import ast
 import inspect
 import re
 import sys
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache, cached_property
 from itertools import pairwise
 from pathlib import Path
-from textwrap import fill
 from types import FunctionType
 from typing import Any, get_args, get_type_hints
 
@@ -386,21 +384,11 @@ def _number(field: Schema) -> str:
 
 # Languages
 
-LISTED = re.compile(
-    r"(?<=<!-- languages: docs/build_reference.py -->\n).*(?=<!-- end -->)", re.DOTALL
-)
-"""The list of languages in the README."""
-
-ENGINES = {
-    "espeak": "a voice of eSpeak NG",
-    "rules": "rules of spelling",
-    "lexicon": "a list of words",
-    "epitran": "Epitran",
-    "thaiphon": "thaiphon",
-    "g2p2": "g2p2",
-    "pypinyin": "pypinyin",
-    None: "nothing yet: timed phonemes only",
+COUNTED = {
+    "languages": re.compile(r"\d+(?= languages\b|, or yours)"),
+    "pose sets": re.compile(r"\d+(?= pose sets\b)"),
 }
+"""Numbers in the README, by the things that they count."""
 """Engines that read text, in words."""
 
 
@@ -589,15 +577,11 @@ def _spoken_by(model: Language) -> str:
 
 
 def readme(text: str) -> str:
-    """Return the README with its list of languages as the packs are now."""
-    engines = Counter(model.g2p.engine if model.g2p else None for model in known())
-    read = ", ".join(f"{ENGINES[name]} ({count})" for name, count in engines.most_common())
-    titles = ", ".join(map(_titled, known()))
-    tests = sum(len(model.tests) for model in known())
-    have = f"{len(known())} languages and varieties have a pack, tested with {tests} words:"
-    told = [f"{have} {titles}.", f"What reads their text: {read}."]
-    section = "\n\n".join(fill(part, 105, break_on_hyphens=False) for part in told)
-    return LISTED.sub(lambda _: f"{section}\n", text)
+    """Return the README with its numbers of languages and pose sets as the packs are now."""
+    library = Library(project=None)
+    posesets = len({found.name for found in library.names("poseset")})
+    text = COUNTED["languages"].sub(str(len(known())), text)
+    return COUNTED["pose sets"].sub(str(posesets), text)
 
 
 # Faults
