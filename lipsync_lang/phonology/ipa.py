@@ -214,7 +214,7 @@ class Features:
         return {mark: letters for mark, letters in seen.items() if letters != every}
 
     def _shows(self, sound: LetterSound, cases: Sequence[Case]) -> bool:
-        """Say whether a mark adds a letter, or changes a feature by as much as is told as lost."""
+        """Say whether a mark adds a letter, or changes a feature enough to be named as lost."""
         case = next((case for case in cases if case.fits(sound)), None)
         if case is None or case.then:
             return case is not None
