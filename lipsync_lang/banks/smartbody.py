@@ -468,7 +468,7 @@ class _Export:
         except ValueError:
             numbers = None
         if not at or numbers is None or len(numbers) % 2:
-            what = "Shape is passed over: it wants a name, a count, and as many numbers, in pairs"
+            what = "this Shape is skipped: it needs a name, a count, and as many numbers, in pairs"
             self._tell(line, what)
             return
         name = " ".join(words[:at])

@@ -35,12 +35,12 @@ NO_CONTACT = "the pose set has no contacts"
 def contacts(scene: Take) -> Iterable[Measured]:
     """Sounds that demand a contact and do not get it, for each contact.
 
-    A sound gets it if at one frame, within half a frame of the sound, all poses that the contact
-    holds up reach 0.9 of their floors, and those it keeps down stay below their ceilings, or no
-    more than 0.05 above. On a rig, the same of each channel, as its gains pass floors and ceilings
-    on. Sounds of bigrams that say `contact: free` demand nothing. With contacts for lips and teeth
-    and the rules below, these are the signs that Edwards, Landreth, Fiume and Singh, "JALI" (2016),
-    say no lip sync may lack::
+    A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
+    All poses that the contact holds up reach 0.9 of their floors. All poses that it keeps down
+    are at most 0.05 above their ceilings. On a rig, the same holds for each channel, because its
+    gains pass floors and ceilings on. Sounds of bigrams that say `contact: free` demand nothing.
+    With contacts for lips and teeth and the rules below, these are the signs that Edwards,
+    Landreth, Fiume and Singh, "JALI" (2016), say no lip sync may lack::
 
         value = missed / demanded
     """

@@ -320,10 +320,10 @@ def _opens(scene: Take) -> Bools:
 def opening_lag(scene: Take) -> Iterable[Measured]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
-    Of each sound that opens the mouth wide when said alone and follows a contact: the seconds
-    until the jaw reaches 0.1 of its peak and stays above on its way to the top, or all of the sound
-    if it never does. No capture states it: released lips open with their sound, so the limit is
-    half a frame of the captures::
+    The sounds are those that open the mouth wide when said alone and follow a contact. Each counts
+    the seconds until the jaw reaches 0.1 of its peak and stays above on its way to the top. A sound
+    that never does so counts whole. No capture states it:
+    released lips open with their sound, so the limit is half a frame of the captures::
 
         value = median over such sounds of (jaw opens - sound begins), at least 0
     """
