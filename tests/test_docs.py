@@ -39,8 +39,6 @@ NOT_RUN = {
     "pip": "installs what a test of its own installs",
     "pipx": "installs an environment of its own",
     "uv": "installs an environment of its own",
-    "pipx": "installs what a test of its own installs",
-    "uv": "installs what a test of its own installs",
     "npm": "installs what a test of its own finds installed",
 }
 """Commands of a console block that a test passes over, and why."""

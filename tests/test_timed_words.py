@@ -70,7 +70,7 @@ def test_a_table_and_a_tier_of_words_are_timed_words(tmp_path):
     grid = TimingFile(Path("a.TextGrid"), sentence, "notes")
     assert spans(timings_of(grid))[0] == ("my maps", 0.1, 0.8)
     (tmp_path / "words.csv").write_text(TABLE)
-    with pytest.raises(ScheduleError, match=r"times words alone.*fill_words"):
+    with pytest.raises(ScheduleError, match=r"has timed words only.*fill_words"):
         read_schedule(tmp_path / "words.csv")
 
 
@@ -105,7 +105,7 @@ def test_phonemes_fill_each_word_and_silence_what_is_between(speaker):
     assert [w.confidence for w in schedule.words] == [None, None, 0.7]
     told, mute = schedule.remarks
     assert told.endswith("the phonemes are estimated within each word")
-    assert mute.endswith("so that the mouth rests: '♪'")
+    assert mute.endswith("so the mouth rests: '♪'")
     assert schedule.language == "english"
 
 

@@ -113,5 +113,5 @@ def test_a_word_is_on_one_line_and_lasts(name):
 def test_a_schedule_without_words_is_refused(name):
     animation = spoken(())
     animation = replace(animation, schedule=replace(animation.schedule, source="line.lab"))
-    with pytest.raises(OutputError, match=r"no words to write: line\.lab has phonemes alone"):
+    with pytest.raises(OutputError, match=r"no words to write: line\.lab has only phonemes"):
         text_of(name, animation)
