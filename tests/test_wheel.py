@@ -3,11 +3,12 @@
 import json
 import os
 import runpy
+import shutil
 import subprocess
 import sys
 import tarfile
-import venv
 import zipfile
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -50,11 +51,10 @@ def dist(root, tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
-def installed(dist, tmp_path_factory):
-    """The programs of an environment that has the wheel and what it requires, no more."""
-    folder = tmp_path_factory.mktemp("environment")
-    venv.create(folder, with_pip=True)
+def installed_in(python, folder, dist):
+    """Install the wheel into a new environment of a Python; return the folder of its programs."""
+    made = run(python, "-m", "venv", folder)
+    assert made.returncode == 0, made.stdout + made.stderr
     programs = folder / ("Scripts" if sys.platform == "win32" else "bin")
     (wheel,) = dist.glob("*.whl")
     options = ["--quiet", "--disable-pip-version-check", "--prefer-binary"]
@@ -63,6 +63,13 @@ def installed(dist, tmp_path_factory):
         pytest.skip("pip reaches no index to install the wheel's requirements from")
     assert done.returncode == 0, done.stderr
     return programs
+
+
+@pytest.fixture(scope="module")
+def installed(dist, tmp_path_factory):
+    """The programs of an environment that has the wheel and what it requires, no more."""
+    folder = tmp_path_factory.mktemp("environment")
+    return installed_in(sys.executable, folder, dist)
 
 
 @pytest.fixture
@@ -147,6 +154,15 @@ def test_the_source_archive_holds_what_is_needed_to_build_and_test(dist, root):
     }
 
 
+@pytest.mark.skipif(find_spec("twine") is None, reason="twine is not installed")
+def test_twine_accepts_the_wheel_and_the_source_archive(dist):
+    archives = [*dist.glob("*.whl"), *dist.glob("*.tar.gz")]
+    assert len(archives) == 2
+    done = run(sys.executable, "-m", "twine", "check", "--strict", *archives)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count("PASSED") == 2
+
+
 def test_the_installed_program_runs_without_the_checkout(start, root):
     done = start("--version")
     assert done.stdout.startswith(f"lipsync-lang {ll.__version__} (")
@@ -174,6 +190,43 @@ def test_the_installed_program_resolves_and_performs(start, installed):
     places = run(installed / "python", "-c", code).stdout
     checkout = str(Path(__file__).resolve().parents[1])
     assert checkout + os.sep not in places + os.sep
+
+
+def test_a_project_is_built_below_a_home_with_spaces_and_other_letters(
+    start, tmp_path, monkeypatch
+):
+    home = tmp_path / "Mein Spiel – テスト"
+    home.mkdir()
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(home / "cache"))
+    monkeypatch.chdir(home)
+    done = start("new", "Spiel – テスト 2")
+    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(home / "Spiel – テスト 2")
+    Path("line.json").write_text(json.dumps(SCHEDULE))
+    done = start("run", "--schedule", "line.json", "-c", "hero", "-o", "テスト 1.csv")
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
+    assert "wrote テスト 1.csv" in done.stderr
+    assert Path("テスト 1.csv").read_text().startswith("time_s,open,")
+    assert start("validate").returncode == 0
+    assert any((home / "cache").iterdir())
+
+
+@pytest.mark.parametrize("version", ["3.12", "3.13", "3.14"])
+def test_the_wheel_runs_on_other_pythons(version, dist, start, tmp_path):
+    name = f"python{version}"
+    kept = sorted(Path("~/.pyenv/versions").expanduser().glob(f"{version}.*/bin/{name}"))
+    python = kept[-1] if kept else shutil.which(name)
+    if not python or run(python, "-c", "import venv, ensurepip").returncode:
+        pytest.skip(f"{name} is not on this machine")
+    programs = installed_in(python, tmp_path / "environment", dist)
+    Path("line.json").write_text(json.dumps(SCHEDULE))
+    options = ("-l", "english", "-c", "facefx", "--schedule", "line.json", "-o")
+    for command, written in ((programs, "a.csv"), (None, "b.csv")):
+        arguments = ("run", *options, written)
+        done = run(command / "lipsync-lang", *arguments) if command else start(*arguments)
+        assert (done.returncode, done.stdout) == (0, ""), done.stderr
+    assert Path("a.csv").read_text() == Path("b.csv").read_text()
 
 
 def test_extras_that_are_missing_are_named(start):
