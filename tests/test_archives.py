@@ -87,9 +87,9 @@ def test_archives_of_others_are_kept_as_they_are(path):
 
 SOUND = {"a.csv": b"1,2\n" * 100, "b.csv": b"3"}
 DAMAGE = {
-    "empty": (lambda data: data[:0], "no sound archive"),
-    "cut": (lambda data: data[:-30], "no sound archive"),
-    "text": (lambda data: b"hello" * len(data), "no sound archive"),
+    "empty": (lambda data: data[:0], "is a damaged archive"),
+    "cut": (lambda data: data[:-30], "is a damaged archive"),
+    "text": (lambda data: b"hello" * len(data), "is a damaged archive"),
     "moved": (lambda data: b"    " + data[4:], "'a.csv' is not where its list says"),
     "locked": (lambda data: data.replace(b"\x14\0\0\0\x08\0", b"\x14\0\1\0\x08\0"), "encrypted"),
 }

@@ -117,7 +117,7 @@ def test_several_recordings_give_an_iterator(speaker):
     [
         ([SOUND], ["a", "b"], "more texts than recordings"),
         ([SOUND, SOUND], ["a"], "more recordings than texts"),
-        ([SOUND, SOUND], "ab", "several recordings"),
+        ([SOUND, SOUND], "ab", "is a list of recordings"),
         (SOUND, ["a"], "one recording"),
     ],
 )

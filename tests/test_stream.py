@@ -396,5 +396,5 @@ def test_arguments_are_checked(performer):
         performer.stream(late="never")
     with pytest.raises(ScheduleError, match="no notation 'morse'"):
         performer.stream(notation="morse")
-    with pytest.raises(LipsyncError, match="no style"):
+    with pytest.raises(LipsyncError, match="unknown style 'bored'"):
         performer.stream(styles={"bored": 1})

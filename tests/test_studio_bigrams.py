@@ -101,7 +101,7 @@ def test_a_bigram_drawn_as_another_has_fields_of_its_own_to_come(told):
 
 @pytest.mark.parametrize("name", ["", "x", "a-x", "a-a-a", "_-_", "..", "a-%2e", "<script>-a"])
 def test_an_unknown_bigram_is_refused(told, name):
-    assert "no bigram" in told(f"bigram/{name or '-'}", 422)["error"]
+    assert "unknown bigram" in told(f"bigram/{name or '-'}", 422)["error"]
 
 
 # The file of an edit
