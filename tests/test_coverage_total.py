@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 from collections import Counter
 
 import pytest
@@ -445,3 +446,25 @@ def test_the_page_begins_with_the_total(two):
     lead = page.partition('<p class="lead">')[2]
     assert lead.startswith("<strong>5\N{NO-BREAK SPACE}bigrams, 25\N{NO-BREAK SPACE}min</strong>")
     assert "The first hour gives <strong>100\N{NO-BREAK SPACE}%</strong>" in lead
+
+
+def test_the_page_ranks_the_work_of_all_languages_and_each_face(two):
+    shown = two("-c", "facefx", "-c", "crab", "--format", "html").out
+    told = json.loads(two("-c", "facefx", "-c", "crab", "--json").out)["total"]
+    section = shown.partition('<section id="total">')[2].partition("</section>")[0]
+    ranked = re.findall(r"<tr><td>(\d+)</td><td><b>([^<]+)</b></td>", section)
+    assert ranked == [(str(n), item["bigram"]) for n, item in enumerate(told["ranking"], 1)]
+    assert len(ranked) > 1
+    assert re.findall(r'<th scope="row">([^<]+)</th>', section) == ["facefx", "crab"]
+
+
+def test_the_page_tells_what_changed(two, packs):
+    assert two("-c", "facefx", "-o", "old.json").code == 0
+    bank(packs, "edited")
+    write(packs / "a.csv", "id,speaker,toy,Other (x)\n1,Ann,ta ta,ta\n3,Bob,mi,sa\n")
+    shown = two("-c", "facefx", "--against", "old.json", "--format", "html").out
+    section = shown.partition('<section id="since">')[2].partition("</section>")[0]
+    assert "Since old.json" in section
+    assert "1 added, 1 removed, 0 changed" in section
+    assert "and 3 are left now" in section
+    assert '<section id="since">' not in two("-c", "facefx", "--format", "html").out

@@ -20,6 +20,9 @@ from lipsync_lang.coverage.page.states import LAYERS, STATUSES, States, status
 from lipsync_lang.coverage.page.wording import count, folder, listed
 
 TITLE = "What to draw next"
+MOST_ITEMS, MOST_NAMES = 60, 8
+"""Bigrams of the ranking for all languages, and names of a list of changes, that a page shows."""
+
 MAX_LANGUAGES = 5
 """Languages that a sentence names before the rest is counted."""
 
@@ -130,6 +133,8 @@ def _environment() -> Environment:
         "LAYERS": LAYERS,
         "HEIGHT": charts.HEIGHT,
         "TITLE": TITLE,
+        "MOST_ITEMS": MOST_ITEMS,
+        "MOST_NAMES": MOST_NAMES,
     }
     return environment
 
