@@ -115,7 +115,7 @@ def test_faults_of_packs_and_of_the_project_are_told_too(game, watched):
     )
     assert "posesets/facefx/banks/common.yaml:7:" in said[1]
     assert "1 line built" in said[2]
-    assert "there is no lipsync.yaml here" in said[3]
+    assert "this folder has no lipsync.yaml" in said[3]
     assert "0 lines built" in said[4]
 
 
