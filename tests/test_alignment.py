@@ -288,7 +288,7 @@ def test_sound_beside_a_line_moves_no_word_of_it(english, spoken, kind, first):
     np.rint(3000 * np.sin(np.arange(RATE) / 5)).astype(np.int16),
 ], ids=["silence", "tone"])  # fmt: skip
 def test_where_nothing_fits_there_is_no_schedule(english, samples):
-    with pytest.raises(ll.SpeechError, match=r"nothing of the text fits .*is it the text of"):
+    with pytest.raises(ll.SpeechError, match=r"the text does not fit .*is it the text of"):
         aligned(english, ll.Audio(samples, RATE), "Four hours of steady work faced us all")
 
 
