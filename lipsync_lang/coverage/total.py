@@ -135,7 +135,7 @@ def _figures(
 
 
 def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> list[WorkItem]:
-    """Return what is left, the piece that gains most first."""
+    """Rank the work that is left, the largest gain first."""
     worth = _worth(reports, weights)
     gains: Counter[Piece] = Counter()
     counts: Counter[Piece] = Counter()
@@ -187,7 +187,7 @@ def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) ->
 
 
 def _authored(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> float:
-    """Return the share of what is heard that is authored."""
+    """Return the authored share of the speech."""
     worth = _worth(reports, weights)
     return sum(
         need.covered * worth[report.language] for report in reports for need in report.bigrams

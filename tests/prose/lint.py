@@ -30,9 +30,9 @@ class Rule:
     bad: tuple[str, ...]
     good: tuple[str, ...]
     running: bool
-    """Whether tables, headings and messages are left out."""
+    """True if the rule leaves out tables, headings and messages."""
     pages: bool
-    """Whether modules are left out."""
+    """True if the rule leaves out modules."""
 
     def finds(self, sentence: Sentence) -> re.Match[str] | None:
         """Search a sentence for the pattern."""
@@ -105,7 +105,7 @@ def faults(sentence: Sentence, vocabulary: list[Rule]) -> Iterator[Finding]:
 
 
 def main(arguments: list[str]) -> int:
-    """Print what is found in files, and count it."""
+    """Print the findings of files, and count them."""
     paths = [Path(argument).resolve() for argument in arguments] or [*documents(), *modules()]
     found = list(findings(paths, rules()))
     for finding in found:
