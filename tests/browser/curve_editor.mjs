@@ -130,6 +130,7 @@ try {
   await press("Delete");
   result.gone = { change: (await changes()).at(-1), tells: await page.evaluate(() => tells.splice(0)) };
   await page.click("button:text('Paste')");
+  await page.waitForFunction(() => window.changes.length); // the clipboard of a system answers in its own time
   result.pasted = (await changes()).at(-1);
 
   // a drag that is given up, and edits of a server that come in while it lasts
