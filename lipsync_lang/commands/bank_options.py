@@ -1,10 +1,9 @@
 """Options of `bank` and its actions."""
 
-import argparse
 from pathlib import Path
 
 from lipsync_lang.commands import bank_fitting, banks, fit_acceptance
-from lipsync_lang.commands.shared_options import Add, Command, add_json, add_pair, add_path
+from lipsync_lang.commands.shared_options import Add, add_json, add_pair, add_path, adder
 from lipsync_lang.files import argument_path
 
 
@@ -17,69 +16,19 @@ def add_bank(add: Add) -> None:
         "bank draft -l english -c facefx",
     )
     actions = bank_.add_subparsers(title="actions", metavar="ACTION", required=True)
-
-    def action(
-        name: str, command: Command, title: str, more: str, example: str
-    ) -> argparse.ArgumentParser:
-        made = actions.add_parser(
-            name,
-            help=title,
-            description=f"{title[0].upper()}{title[1:]}{more}.",
-            epilog=f"example:\n  lipsync-lang {example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        made.set_defaults(command=command)
-        return made
-
-    _add_draft(
-        action(
-            "draft",
-            banks.draft,
-            "draft bigrams from a pose set's targets",
-            ", as YAML to look at or to edit",
-            "bank draft -l english -c facefx --write l-ow h-eh",
-        )
-    )
-    _add_import(
-        action(
-            "import",
-            banks.import_,
-            "import the phone-bigram banks of SmartBody",
-            ", its Python scripts (which are read, never run) or its text exports",
-            "bank import init-diphoneDefault.py -c facefx",
-        )
-    )
-    _add_fit(
-        action(
-            "fit",
-            bank_fitting.fit,
-            "fit targets, motion and bigrams to captures of a face",
-            ", and prove them on lines that the fit did not see",
-            "bank fit captures/ -l english -c facefx -o fit.json",
-        )
-    )
-    _add_diff(
-        action(
-            "diff",
-            banks.diff,
-            "show which bigrams a character's layers change, and by how much",
-            "; without --against, a pose set's banks are compared with its drafts",
-            "bank diff -l english -c facefx --plot changes.png",
-        )
-    )
-    _add_accept(
-        action(
-            "accept",
-            fit_acceptance.accept,
-            "accept what a fit to captures proposes for a character",
-            ": all of it, or item by item; without --all and items, list it. Values that a person "
-            "wrote or drew stay",
-            "bank accept fit.json targets.ow softness.jaw -c anna",
-        )
-    )
+    action = adder(actions)
+    for add_action in (_add_draft, _add_import, _add_fit, _add_diff, _add_accept):
+        add_action(action)
 
 
-def _add_draft(made: argparse.ArgumentParser) -> None:
+def _add_draft(action: Add) -> None:
+    made = action(
+        "draft",
+        banks.draft,
+        "draft bigrams from a pose set's targets",
+        "bank draft -l english -c facefx --write l-ow h-eh",
+        more=", as YAML to look at or to edit",
+    )
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
     add_pair(made)
     made.add_argument(
@@ -91,7 +40,14 @@ def _add_draft(made: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def _add_import(made: argparse.ArgumentParser) -> None:
+def _add_import(action: Add) -> None:
+    made = action(
+        "import",
+        banks.import_,
+        "import the phone-bigram banks of SmartBody",
+        "bank import init-diphoneDefault.py -c facefx",
+        more=", its Python scripts (which are read, never run) or its text exports",
+    )
     made.add_argument("files", metavar="FILE", type=Path, nargs="+", help="a script or text export")
     made.add_argument(
         "-c", "--character", metavar="POSESET",
@@ -119,7 +75,15 @@ def _add_import(made: argparse.ArgumentParser) -> None:
     add_json(made)
 
 
-def _add_accept(made: argparse.ArgumentParser) -> None:
+def _add_accept(action: Add) -> None:
+    made = action(
+        "accept",
+        fit_acceptance.accept,
+        "accept what a fit to captures proposes for a character",
+        "bank accept fit.json targets.ow softness.jaw -c anna",
+        more=": all of it, or item by item; without --all and items, list it. Values that a person "
+        "wrote or drew stay",
+    )
     made.add_argument(
         "items", metavar="FIT.json ITEM", nargs="*",
         help="the file of the fit, and items of it, such as targets.ow or bigrams.l-ow",
@@ -146,7 +110,14 @@ def _add_accept(made: argparse.ArgumentParser) -> None:
     add_json(made)
 
 
-def _add_fit(made: argparse.ArgumentParser) -> None:
+def _add_fit(action: Add) -> None:
+    made = action(
+        "fit",
+        bank_fitting.fit,
+        "fit targets, motion and bigrams to captures of a face",
+        "bank fit captures/ -l english -c facefx -o fit.json",
+        more=", and prove them on lines that the fit did not see",
+    )
     made.add_argument(
         "captures", metavar="CAPTURE", type=Path, nargs="+",
         help="a capture, a list of captures, or a folder to search; each capture needs timings, or "
@@ -180,7 +151,14 @@ def _add_fit(made: argparse.ArgumentParser) -> None:
     add_json(made)
 
 
-def _add_diff(made: argparse.ArgumentParser) -> None:
+def _add_diff(action: Add) -> None:
+    made = action(
+        "diff",
+        banks.diff,
+        "show which bigrams a character's layers change, and by how much",
+        "bank diff -l english -c facefx --plot changes.png",
+        more="; without --against, a pose set's banks are compared with its drafts",
+    )
     made.add_argument("bigrams", metavar="BIGRAM", nargs="*", help="such as l-ow; none means all")
     add_pair(made)
     made.add_argument(

@@ -49,31 +49,38 @@ def add_checking(add: Add) -> None:
 
 def add_packs(add: Add) -> None:
     """Add `languages`, `posesets` and `characters`."""
-    for kind, title in (
-        ("languages", "list language packs, show one, check one, or draft a new one"),
-        ("posesets", "list pose sets, show one, or draft a new one"),
-        ("characters", "list characters, show one, or draft one from a model"),
+    for kind, title, actions, parts in (
+        (
+            "languages",
+            "list language packs, show one, check one, or draft a new one",
+            ("list", "show", "check", "new"),
+            (_add_language_check, _add_new_language),
+        ),
+        (
+            "posesets",
+            "list pose sets, show one, or draft a new one",
+            ("list", "show", "new"),
+            (_add_new_poseset,),
+        ),
+        (
+            "characters",
+            "list characters, show one, or draft one from a model",
+            ("list", "show", "new"),
+            (_add_new_character,),
+        ),
     ):
         packs_ = add(kind, packs.packs, title, f"{kind} list")
         packs_.set_defaults(kind=kind[:-1])
-        actions = (
-            ("list", "show", "check", "new") if kind == "languages" else ("list", "show", "new")
-        )
         packs_.add_argument("action", choices=actions, nargs="?", default="list")
         packs_.add_argument("name", metavar="NAME", nargs="?", help="the pack to show or to create")
-        if kind == "languages":
-            packs_.set_defaults(choosing=True)  # a character is welcome, but not needed
-            _add_language_check(packs_)
-            _add_new_language(packs_)
-        if kind == "posesets":
-            _add_new_poseset(packs_)
-        if kind == "characters":
-            _add_new_character(packs_)
+        for add_part in parts:
+            add_part(packs_)
         add_path(packs_)
         add_json(packs_)
 
 
 def _add_language_check(made: argparse.ArgumentParser) -> None:
+    made.set_defaults(choosing=True)  # a character is welcome, but not needed
     check = made.add_argument_group("how a language is checked")
     check.add_argument(
         "-c", "--character", metavar="CHARACTER",

@@ -16,7 +16,7 @@ from lipsync_lang.commands.performing_options import (
     add_stills,
     add_transcribe,
 )
-from lipsync_lang.commands.shared_options import Command, add_json, add_words
+from lipsync_lang.commands.shared_options import Add, add_json, add_words, adder
 from lipsync_lang.commands.starting import welcome
 from lipsync_lang.commands.starting_options import add_doctor, add_new
 from lipsync_lang.commands.study_options import add_study
@@ -38,17 +38,7 @@ def parser() -> argparse.ArgumentParser:
     top.set_defaults(command=welcome, quiet=False, verbose=False)
     known = top.add_subparsers(title="commands", metavar="COMMAND", required=False)
 
-    def add(name: str, command: Command, title: str, example: str) -> argparse.ArgumentParser:
-        made = known.add_parser(
-            name,
-            help=title,
-            description=f"{title[0].upper()}{title[1:]}.",
-            epilog=f"example:\n  lipsync-lang {example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        made.set_defaults(command=command)
-        return made
-
+    add = adder(known)
     add_new(add)
     add_doctor(add)
     add_run(add)
@@ -64,6 +54,14 @@ def parser() -> argparse.ArgumentParser:
     add_packs(add)
     add_bank(add)
     add_study(add)
+    _add_lists(add)
+    for _, made in leaves(top):
+        add_words(made)
+    return top
+
+
+def _add_lists(add: Add) -> None:
+    """Add `voices`, `formats` and `completion`."""
     voices_ = add("voices", listing.voices, "list the voices that speak text", "voices")
     voices_.add_argument(
         "engine", metavar="ENGINE", nargs="?", default="espeak", help="a speech engine [espeak]"
@@ -80,6 +78,3 @@ def parser() -> argparse.ArgumentParser:
         "completion bash > ~/.local/share/bash-completion/completions/lipsync-lang",
     )
     completion_.add_argument("shell", choices=SHELLS, help="the shell")
-    for _, made in leaves(top):
-        add_words(made)
-    return top

@@ -10,6 +10,7 @@ from lipsync_lang.commands.shared_options import (
     Options,
     add_json,
     add_json_form,
+    add_language,
     add_line,
     add_path,
 )
@@ -91,9 +92,7 @@ def add_transcribe(add: Add) -> None:
         type=argument_path,
         help="read the lines of this file instead of a TEXT; - is standard input",
     )
-    transcribe_.add_argument(
-        "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
-    )
+    add_language(transcribe_)
     add_values(transcribe_)
     add_path(transcribe_)
     add_json(transcribe_)

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands.script_options import add_values
@@ -13,8 +14,34 @@ Options = argparse._ActionsContainer  # noqa: SLF001 a command, or a group of it
 Command = Callable[[argparse.Namespace], int]
 """A command handler: options in, exit code out."""
 
-Add = Callable[[str, Command, str, str], argparse.ArgumentParser]
-"""Register a command by name, handler, title and example arguments."""
+Commands = argparse._SubParsersAction  # noqa: SLF001 the commands of a parser, or actions of one
+
+
+class Add(Protocol):
+    """Registers a command with an example of its arguments."""
+
+    def __call__(  # noqa: D102 the class says it
+        self, name: str, command: Command, title: str, example: str, *, more: str = ""
+    ) -> argparse.ArgumentParser: ...
+
+
+def adder(known: "Commands[argparse.ArgumentParser]") -> Add:
+    """Return the function that adds commands to these."""
+
+    def add(
+        name: str, command: Command, title: str, example: str, *, more: str = ""
+    ) -> argparse.ArgumentParser:
+        made = known.add_parser(
+            name,
+            help=title,
+            description=f"{title[0].upper()}{title[1:]}{more}.",
+            epilog=f"example:\n  lipsync-lang {example}",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        made.set_defaults(command=command)
+        return made
+
+    return add
 
 
 def add_words(made: argparse.ArgumentParser) -> None:
@@ -51,12 +78,17 @@ def add_json_form(made: Options) -> None:
     )
 
 
-def add_pair(made: Options, *, models: bool = False) -> None:
-    """Add the language and character options; `models` if a model may stand for a character."""
-    face = "a character, a pose set or a model (.glb)" if models else "a character or a pose set"
+def add_language(made: Options) -> None:
+    """Add the option for the language; the project supplies the default."""
     made.add_argument(
         "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
     )
+
+
+def add_pair(made: Options, *, models: bool = False) -> None:
+    """Add the language and character options; `models` if a model may stand for a character."""
+    face = "a character, a pose set or a model (.glb)" if models else "a character or a pose set"
+    add_language(made)
     made.add_argument("-c", "--character", metavar="CHARACTER", help=f"{face} [the project's]")
     add_path(made)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from lipsync_lang.animations.rates import parse_rate
 from lipsync_lang.commands import studies
 from lipsync_lang.commands.script_options import add_values
-from lipsync_lang.commands.shared_options import Add, add_json, add_path
+from lipsync_lang.commands.shared_options import Add, add_json, add_language, add_path
 from lipsync_lang.files import argument_path
 
 
@@ -19,7 +19,9 @@ def add_new(action: Add) -> None:
         "study new script.csv -l english -c facefx --method ours --method keyframes --pairs 40 "
         "-o study",
     )
-    _add_shown(new_)
+    _add_lines(new_)
+    _add_compared(new_)
+    _add_clips(new_)
     _add_page(new_.add_argument_group("text and questions of the page"))
     new_.add_argument(
         "-o", "--output", metavar="FOLDER", type=Path, required=True,
@@ -52,71 +54,72 @@ def add_serve(action: Add) -> None:
     )  # fmt: skip
 
 
-def _add_shown(made: argparse.ArgumentParser) -> None:
-    """Add the lines, the characters and the methods."""
+def _add_lines(made: argparse.ArgumentParser) -> None:
+    """Add the lines, and what reads and speaks them."""
     made.add_argument(
         "lines", metavar="LINES", nargs="*", type=argument_path,
         help="files or folders of lines: scripts, tables, timings; - is standard input",
     )  # fmt: skip
-    shown = made.add_argument_group("clips")
-    shown.add_argument(
-        "--text",
-        metavar="TEXT",
-        action="append",
-        default=[],
+    lines = made.add_argument_group("lines")
+    lines.add_argument(
+        "--text", metavar="TEXT", action="append", default=[],
         help="an additional line; may be repeated",
-    )
-    shown.add_argument(
-        "-l", "--language", metavar="LANGUAGE", help="name or tag of a language [the project's]"
-    )
-    shown.add_argument(
-        "-c", "--character", metavar="CHARACTER", action="append", default=[],
-        help="a character or a pose set [the project's]; may be repeated",
     )  # fmt: skip
-    shown.add_argument(
+    lines.add_argument(
+        "--column", metavar="NAME", help="the text's column in tables, by name or number"
+    )
+    lines.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
+    add_values(lines)
+    add_language(lines)
+    lines.add_argument(
+        "--audio", metavar="FOLDER", type=Path,
+        help="recordings named after the lines, instead of a voice",
+    )  # fmt: skip
+    lines.add_argument("--tts", metavar="ENGINE", help="speech engine [the language's]")
+
+
+def _add_compared(made: argparse.ArgumentParser) -> None:
+    """Add the methods, and how many pairs of clips compare them."""
+    compared = made.add_argument_group("comparison")
+    compared.add_argument(
         "--method", metavar="METHOD", action="append", default=[],
         help="ours, keyframes, dominance, held, NAME=FOLDER of files named after the lines, "
         "NAME=character:OTHER, NAME=bank:FILE or NAME=motion:PRESET; give two or more",
     )  # fmt: skip
-    shown.add_argument(
+    compared.add_argument(
         "--pairs", metavar="N", type=_positive, help="largest number of pairs, chosen evenly [all]"
     )
-    shown.add_argument(
-        "--checks",
-        metavar="N",
-        type=_whole,
+    compared.add_argument(
+        "--checks", metavar="N", type=_whole,
         help="number of attention checks [one for every ten pairs]",
-    )
-    shown.add_argument(
-        "--raters-see",
-        metavar="N",
-        type=_positive,
+    )  # fmt: skip
+    compared.add_argument(
+        "--raters-see", metavar="N", type=_positive,
         help="number of pairs that each rater sees [all]",
-    )
-    shown.add_argument(
+    )  # fmt: skip
+    compared.add_argument(
         "--seed", metavar="N", type=int, default=1, help="seed of all random choices [1]"
     )
-    shown.add_argument(
-        "--audio", metavar="FOLDER", type=Path,
-        help="recordings named after the lines, instead of a voice",
+
+
+def _add_clips(made: argparse.ArgumentParser) -> None:
+    """Add the characters, and how they are filmed."""
+    clips = made.add_argument_group("clips")
+    clips.add_argument(
+        "-c", "--character", metavar="CHARACTER", action="append", default=[],
+        help="a character or a pose set [the project's]; may be repeated",
     )  # fmt: skip
-    shown.add_argument("--tts", metavar="ENGINE", help="speech engine [the language's]")
-    shown.add_argument(
+    clips.add_argument(
         "--model", metavar="GLB", type=Path, help="film this model instead of the characters' own"
     )
-    shown.add_argument(
-        "--column", metavar="NAME", help="the text's column in tables, by name or number"
-    )
-    shown.add_argument("--encoding", metavar="NAME", help="the encoding of all files [UTF-8]")
-    shown.add_argument(
+    clips.add_argument(
         "--fps", metavar="N", type=parse_rate, default=30.0, help="frames per second [30]"
     )
-    shown.add_argument(
+    clips.add_argument(
         "--set", metavar="motion.NAME=VALUE", action="append", default=[], dest="settings",
         help="change a motion setting of every method, or use a preset: --set motion=paper",
     )  # fmt: skip
-    add_values(shown)
-    add_path(shown)
+    add_path(clips)
 
 
 def _add_page(page: argparse._ArgumentGroup) -> None:

@@ -1,9 +1,7 @@
 """Options of `study` and its actions."""
 
-import argparse
-
 from lipsync_lang.commands import study_reports
-from lipsync_lang.commands.shared_options import Add, Command
+from lipsync_lang.commands.shared_options import Add, adder
 from lipsync_lang.commands.study_making_options import add_new, add_serve
 from lipsync_lang.commands.study_report_options import add_power, add_report
 
@@ -17,18 +15,7 @@ def add_study(add: Add) -> None:
         "study report study/",
     )
     actions = study_.add_subparsers(title="actions", metavar="ACTION", required=True)
-
-    def action(name: str, command: Command, title: str, example: str) -> argparse.ArgumentParser:
-        made = actions.add_parser(
-            name,
-            help=title,
-            description=f"{title[0].upper()}{title[1:]}.",
-            epilog=f"example:\n  lipsync-lang {example}",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
-        made.set_defaults(command=command)
-        return made
-
+    action = adder(actions)
     add_new(action)
     add_serve(action)
     add_report(action)
