@@ -111,9 +111,9 @@ def test_lines_are_named_for_each_schedule_or_for_none():
     line = Schedule(("M", "AA"), [0, 0.1, 0.3], notation="arpabet")
     assert performer.perform_many([]) == []
     assert len(performer.perform_many(iter([line, line]), lines=[None, None])) == 2
-    with pytest.raises(LipsyncError, match="1 lines for 2 schedules; give each one"):
+    with pytest.raises(LipsyncError, match="1 lines for 2 schedules; give one line per schedule"):
         performer.perform_many([line, line], lines=[None])
-    with pytest.raises(LipsyncError, match="no edits of line 'x'"):
+    with pytest.raises(LipsyncError, match="no edits for line 'x'"):
         performer.perform_many([line, line], lines=[None, "x"])
     with pytest.raises(LipsyncError, match="0 frames per second"):
         performer.perform_many([line], 0)

@@ -137,7 +137,7 @@ def test_gaps_and_motion_are_asked_for_anew(store):
     put(Path(), "posesets/bare/poseset.yaml", BARE)
     ll.resolve("parent", "bare", gaps="rest")
     assert warm("parent", "bare")
-    with pytest.raises(ll.LipsyncError, match="bare has nothing for"):
+    with pytest.raises(ll.LipsyncError, match="bare has no curves for"):
         ll.resolve("parent", "bare")
     assert ll.resolve("parent", "bare", gaps="rest", motion={"window": 0.2}).motion.window == 0.2
     assert only(store)

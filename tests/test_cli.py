@@ -294,7 +294,7 @@ def test_an_offset_and_the_error_of_keys_reach_the_files(animate, folder):
         (("--keys", "line:0.1"), "--keys line:0.1: give the largest error"),
         (("--offset", "nan"), "--offset nan: a timeline lasts at most one day"),
         (("--offset", "01:00:00:00", "--fps", "inf"), "inf frames per second: give a number"),
-        (("--plot", "a"), "a picture needs a suffix; known: png"),
+        (("--plot", "a"), "the picture's name has no suffix; known: png"),
         (("-o", "csv:a.png", "--plot", "a.png"), "a.png: is also an output"),
     ],
 )
@@ -480,7 +480,7 @@ def test_unknown_labels_are_an_error_or_rest(cli, folder):
 
 
 def test_a_line_nobody_edited_is_told(animate):
-    refused(animate("--line", "intro_042"), "facefx has no edits of line 'intro_042'")
+    refused(animate("--line", "intro_042"), "facefx has no edits for line 'intro_042'")
 
 
 # explain, resolve
@@ -521,7 +521,7 @@ def test_gaps_are_faults(cli, folder):
     assert ended.code == 1
     assert "gaps: aa-aa" in ended.out or "gaps: ah-ah" in ended.out
     command = ("run", "-l", "english", "-c", "bare", "--schedule", "line.json")
-    refused(cli(*command), r"bare has nothing for 441 bigrams of english: .* targets .*--gaps rest")
+    refused(cli(*command), r"bare has no curves for 441 bigrams of english.* targets .*--gaps rest")
     assert cli(*command, "--gaps", "rest").code == 0
 
 

@@ -229,7 +229,7 @@ def test_a_dial_at_its_usual_level_changes_nothing(line, fps, motion):
         ({"styles": {"angry": float("nan")}}, "style angry: nan is not a level"),
         ({"dials": {"jawz": 1}}, "unknown region 'jawz'; did you mean 'jaw'"),
         ({"dials": {"jaw": -1}}, "dial jaw: -1 is not a level; give a number from 0 to 2"),
-        ({"dials": {"jaw": [(1, 1), (0, 1)]}}, "dial jaw: its seconds run back"),
+        ({"dials": {"jaw": [(1, 1), (0, 1)]}}, "dial jaw: its points are not in order of time"),
         ({"dials": {"jaw": []}}, "dial jaw"),
         ({"dials": {"jaw": [(1, 1, 1)]}}, "dial jaw"),
     ],

@@ -68,8 +68,8 @@ def test_edits_keep_the_speed_limit(anna):
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("intor", "no edits of line 'intor'; did you mean 'intro'"),
-        ("wrong", "edit 0 of line 'wrong' is for word 2, but the line has 2 words"),
+        ("intor", "no edits for line 'intor'; did you mean 'intro'"),
+        ("wrong", "edit 0 of line 'wrong' is for word 2, counted from 0, but the line has 2 words"),
     ],
 )
 def test_what_is_not_there_is_named(anna, line, message):

@@ -53,7 +53,7 @@ def test_lips_that_shut_stay_shut_and_fade_a_bared_smile_smoothly(performer):
 def test_an_animation_of_other_poses_is_refused():
     rigged = ll.resolve("english", "facefx")
     other = ll.resolve("english", "arkit").perform(said())
-    with pytest.raises(LipsyncError, match="added to poses; add it before the rig"):
+    with pytest.raises(LipsyncError, match="adds to poses; add it before you convert"):
         rigged.with_expression(other, {"wide": 0.2})
 
 

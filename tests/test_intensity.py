@@ -223,7 +223,7 @@ def test_a_number_out_of_range_is_told(performer, number):
 
 def test_a_line_without_sound_is_told(performer):
     silent = Schedule(EVEN.labels, EVEN.times, notation="arpabet")
-    with pytest.raises(LipsyncError, match="schedule has no sound to take the loudness from"):
+    with pytest.raises(LipsyncError, match="schedule has no recording, whose loudness"):
         performer.perform(silent, intensity=1)
 
 
@@ -251,4 +251,4 @@ def test_the_command_line_asks_for_it(cli, tmp_path):
     schedule.write_text('{"phonemes": [{"label": "AA", "start": 0, "end": 0.3}]}', "utf-8")
     ended = cli("run", "--schedule", schedule, "-l", "english", "-c", "facefx", "--intensity", "1")
     assert ended.code == 2
-    assert "no sound to take the loudness from" in ended.err
+    assert "has no recording, whose loudness" in ended.err

@@ -495,14 +495,14 @@ def test_a_label_that_no_pack_lists_is_told_once_with_what_it_becomes():
     line = schedule("ʙ", "i", "ɬ", "ʙ", notation="ipa", source="a.csv")
     what = "is not a sound of english; it is performed as"
     assert label_remarks(performer.labels, line) == (
-        f"a.csv: 'ʙ' (2 times) {what} bmp, the nearest by its features",
-        f"a.csv: 'ɬ' {what} l, the nearest by its features",
+        f"a.csv: 'ʙ' (2 times) {what} bmp, the nearest by phonetic features",
+        f"a.csv: 'ɬ' {what} l, the nearest by phonetic features",
     )
     assert label_remarks(performer.labels, schedule("t", "i", notation="ipa")) == ()
     assert performer.notation(replace(line, notation=None)) is performer.labels.notations["ipa"]
     many = [*"ʙɬɓɗʄɠʛǃǂǁʘꞎ"]
     told = label_remarks(performer.labels, schedule(*many, notation="ipa", source="a.csv"))
-    assert told[-1] == "a.csv: 4 more labels are performed by their features"
+    assert told[-1] == "a.csv: 4 more labels are performed by their phonetic features"
     numbers, _, _ = performer.common_phonemes(schedule("B\\", notation="x-sampa"))
     assert [performer.compiled.phonemes[n] for n in numbers] == ["bmp"]
 
@@ -521,7 +521,7 @@ def test_only_what_may_be_one_sound_goes_to_the_nearest():
 def test_what_is_no_ipa_stays_an_error_or_rests():
     performer = ll.resolve("espeak:sw", "facefx")
     line = schedule("a", "tQ", notation="ipa")
-    with pytest.raises(ll.ScheduleError, match=r"'tQ'.*no IPA: Q"):
+    with pytest.raises(ll.ScheduleError, match=r"'tQ'.*not IPA: Q"):
         performer.perform(line)
     resting = ll.Performer(performer.compiled, performer.motion, unknown="rest")
     assert spoken(resting, line) == ["aa", "_"]

@@ -233,7 +233,7 @@ def test_texts_are_spoken_sentence_by_sentence_and_failures_are_told():
     assert said.wait(10)
     assert spoken == ["One.", "Two?", "Bad!", "三。", "四", "End"]
     assert told == ["no"]
-    for text, match in (("  ", "no text"), ("x" * (MAX_TEXT_CHARS + 1), "more than")):
+    for text, match in (("  ", "the text is empty"), ("x" * (MAX_TEXT_CHARS + 1), "more than")):
         with pytest.raises(LipsyncError, match=match):
             speaker.say(text)
 
@@ -297,11 +297,11 @@ def test_a_client_sends_phonemes_and_gets_the_frames_of_the_file(client, perform
         ("", "not JSON"),
         ("[" * 100_000, "not JSON"),
         (b"\xff\xfe", "not JSON"),
-        ("[1]", "send a JSON object"),
-        ("{}", "a message has one of"),
-        ('{"words": 1}', "not 'words'"),
-        ('{"text": 1}', "`text` is a text"),
-        ('{"text": "a", "finish": true}', "of its own"),
+        ("[1]", "not a JSON object"),
+        ("{}", "the message is empty; the fields of a message are"),
+        ('{"words": 1}', "unknown field 'words'"),
+        ('{"text": 1}', "`text` must be a string"),
+        ('{"text": "a", "finish": true}', "the only field"),
         ('{"phonemes": "AA"}', "rows of label, start and end"),
         ('{"phonemes": [["AA", 0]]}', "such as"),
         ('{"phonemes": [[5, 0, 1]]}', "is not a label"),
@@ -312,8 +312,8 @@ def test_a_client_sends_phonemes_and_gets_the_frames_of_the_file(client, perform
         ('{"phonemes": [["AA", 1, 0]]}', "before it starts"),
         ('{"phonemes": [["QQ", 0, 1]]}', "'QQ'"),
         ('{"phonemes": [["AA", 0, 1], ["M", 0.5, 2]]}', "late"),
-        ('{"phonemes": [["AA", 0, 1], ["M", 900, 901]]}', "times are seconds"),
-        ('{"phonemes": [["AA", 0, 1]], "known_until": 1e300}', "times are seconds"),
+        ('{"phonemes": [["AA", 0, 1], ["M", 900, 901]]}', "give times in seconds"),
+        ('{"phonemes": [["AA", 0, 1]], "known_until": 1e300}', "give times in seconds"),
         ('{"phonemes": [["AA", 0, 1]], "known_until": []}', "not a time"),
         ('{"known_until": 1}', "feed a phoneme first"),
         ('{"revise": "now"}', "not a time"),
@@ -329,7 +329,7 @@ def test_a_bad_message_gets_a_stated_answer(client, message, match):
 
 def test_a_message_has_so_many_phonemes(client):
     rows = [["AA", n / 100, (n + 1) / 100] for n in range(MAX_ROWS + 1)]
-    assert "up to" in client.answer(json.dumps({"phonemes": rows}))["error"]
+    assert "at most" in client.answer(json.dumps({"phonemes": rows}))["error"]
 
 
 # Whole, over sockets of this machine

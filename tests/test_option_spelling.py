@@ -72,8 +72,8 @@ def test_messages_of_the_library_name_no_options():
 def test_one_message_is_spelled_both_ways(cli, tmp_path):
     line = tmp_path / "odd.json"
     line.write_text('[{"label": "QZ", "start": 0, "end": 0.2}]')
-    with pytest.raises(ll.ScheduleError, match=r"at rest \(`unknown='rest'`\)"):
+    with pytest.raises(ll.ScheduleError, match=r"as rest \(`unknown='rest'`\)"):
         ll.resolve("english", "facefx").perform(ll.read_schedule(line))
     told = cli("run", "-l", "english", "-c", "facefx", "--schedule", line).err
-    assert "at rest (--unknown rest)" in told
+    assert "as rest (--unknown rest)" in told
     assert "`" not in told

@@ -137,7 +137,7 @@ def test_gaps_are_an_error_that_names_them_or_rest_as_the_caller_says(tmp_path):
         "kind: poseset\nformat: 1\nname: eel\nposes: {gill: {}}\n"
         "targets: {aa: {gill: 1}, d: {gill: 0.2}}\n",
     )
-    with pytest.raises(PackError, match=r"nothing for 437 bigrams of english: ah-ah, .*targets"):
+    with pytest.raises(PackError, match=r"no curves for 437 bigrams of english: ah-ah, .*targets"):
         resolve("english", "eel", paths=[tmp_path], cache=False)
     performer = resolve("english", "eel", paths=[tmp_path], cache=False, gaps="rest")
     assert len(performer.report.gaps) == 437

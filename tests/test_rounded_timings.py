@@ -105,11 +105,14 @@ def american():
     [
         (("M", "AE1", "P", "S"), None),
         (("m", "æ", "p", "s"), None),
-        (("M", "spn", "AE1", "BR", "P"), r"mouth rests 0\.2 s: 'spn' \(1\), 'BR' \(1\)"),
-        (("m", "æ̃ʰ", "p", "s"), r"notation: ipa, 75% of the labels are in it"),
+        (("M", "spn", "AE1", "BR", "P"), r"mouth rests for 0\.2 s: 'spn' \(1\), 'BR' \(1\)"),
+        (("m", "æ̃ʰ", "p", "s"), r"labels are read as ipa, a notation with 75% of them"),
         (("p", "3:", "s"), None),
         (("M", "AH0", "M"), None),
-        (("T", "N"), r"notation: arpabet, 100% .*; also possible: sampa.* \(`notation='sampa'`\)"),
+        (
+            ("T", "N"),
+            r"read as arpabet, .* 100% .*; they can also be sampa.* \(`notation='sampa'`\)",
+        ),
     ],
 )
 def test_doubts_about_labels_are_told(american, labels, told):

@@ -1,1 +1,1 @@
-"""Live characters: text is spoken as it comes, and frames go to an engine while it sounds."""
+"""Live characters: each text is spoken when it arrives, and frames go to an engine in real time."""

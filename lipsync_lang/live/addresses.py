@@ -51,7 +51,7 @@ def parse_address(text: str) -> LiveAddress:
 
 
 def _parted(rest: str) -> tuple[str, str]:
-    """Part a host from a port; a number alone is a port."""
+    """Split a host from a port; a number without a host is a port."""
     if rest.startswith("["):
         host, _, after = rest[1:].partition("]")
         return host, after.removeprefix(":")

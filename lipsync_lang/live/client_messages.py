@@ -1,4 +1,4 @@
-"""Messages of the clients of a WebSocket: text to speak, or phonemes of their own.
+"""Messages from WebSocket clients: a text to speak, or timed phonemes to animate.
 
 A message is a JSON object with one of these:
 
@@ -20,13 +20,13 @@ from lipsync_lang.live.outlets import as_row
 from lipsync_lang.performing.stream import Stream
 
 MAX_MESSAGE_BYTES = 64 * 1024
-"""Bytes of a message: some thousand phonemes, or a page of text."""
+"""Maximum size of a message: some thousand phonemes, or a page of text."""
 
 MAX_ROWS = 2000
-"""Phonemes of a message."""
+"""Maximum number of phonemes in a message."""
 
 MAX_OWN_SECONDS = 600.0
-"""Longest phoneme or pause of a client, so that a message cannot ask for an hour of frames."""
+"""Longest phoneme or pause from a client: a message cannot request an hour of frames."""
 
 FIELDS = ("text", "phonemes", "known_until", "revise", "finish", "notation")
 
@@ -34,12 +34,12 @@ ROW = len(("label", "start", "end"))
 
 
 class Client:
-    """A client of a session.
+    """A client of a live session.
 
     Parameters
     ----------
-    say : speaks a text for everybody; returns how many wait before it
-    open_stream : opens a stream in a notation, or in the language's own
+    say : queues a text for all receivers; returns the number of texts before it
+    open_stream : opens a stream in a notation; None stands for the language's own
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Client:
         self.stream: Stream | None = None
 
     def answer(self, message: str | bytes) -> dict[str, Any]:
-        """Do what a message asks; return the answer."""
+        """Carry out the request of a message, and return the answer."""
         try:
             return self._answer(_read(message))
         except LipsyncError as error:
@@ -59,18 +59,22 @@ class Client:
         unknown = [name for name in asked if name not in FIELDS]
         if unknown or not asked:
             raise LipsyncError(
-                f"a message has one of {', '.join(FIELDS)}"
-                + (f", not '{unknown[0][:40]}'" if unknown else "")
+                (f"unknown field '{unknown[0][:40]}'; " if unknown else "the message is empty; ")
+                + f"the fields of a message are {', '.join(FIELDS)}"
             )
         if "text" in asked:
             text = asked["text"]
             if not isinstance(text, str) or len(asked) > 1:
-                raise LipsyncError("`text` is a text, in a message of its own")
+                raise LipsyncError(
+                    '`text` must be a string, and the only field of its message: {"text": "Hello"}'
+                )
             return {"waiting": self.say(text)}
         if self.stream is None:
             notation = asked.get("notation")
             if notation is not None and not isinstance(notation, str):
-                raise LipsyncError("`notation` is the name of a notation")
+                raise LipsyncError(
+                    "`notation` must be a string: the name of a notation of the language"
+                )
             self.stream = self.open_stream(notation)
         return self._feed(self.stream, asked)
 
@@ -98,20 +102,25 @@ def _read(message: str | bytes) -> dict[str, Any]:
     try:
         asked = json.loads(message)
     except (ValueError, RecursionError):
-        raise LipsyncError('this is not JSON; send an object such as {"text": "Hello"}') from None
+        raise LipsyncError(
+            'the message is not JSON; send an object such as {"text": "Hello"}'
+        ) from None
     if not isinstance(asked, dict):
-        raise LipsyncError('send a JSON object such as {"text": "Hello"}')
+        raise LipsyncError('the message is not a JSON object; send one such as {"text": "Hello"}')
     return asked
 
 
 def _rows(rows: object) -> list[tuple[Any, Any, Any]]:
-    """Check the rows of phonemes; their times are checked where they are fed."""
+    """Check the form of rows of phonemes; the stream checks their times."""
     if not isinstance(rows, list) or len(rows) > MAX_ROWS:
-        raise LipsyncError(f"`phonemes` are up to {MAX_ROWS} rows of label, start and end")
+        raise LipsyncError(
+            f"`phonemes` must be a list of at most {MAX_ROWS} rows of label, start and end"
+        )
     for row in rows:
         if not isinstance(row, list) or len(row) != ROW:
             raise LipsyncError(
-                '`phonemes` are rows of label, start and end, such as ["LABEL", 0.1, 0.25]'
+                "each row of `phonemes` must be a label, a start and an end, "
+                'such as ["LABEL", 0.1, 0.25]'
             )
     return [(row[0], row[1], row[2]) for row in rows]
 
@@ -121,5 +130,6 @@ def _refuse_long(stream: Stream, seconds: object) -> None:
     number = isinstance(seconds, (int, float)) and not isinstance(seconds, bool)
     if known is not None and number and seconds - known > MAX_OWN_SECONDS:  # type: ignore[operator]
         raise LipsyncError(
-            f"from {known:g} to {seconds:g} s is more than {MAX_OWN_SECONDS:g} s; times are seconds"
+            f"{known:g} to {seconds:g} s is longer than {MAX_OWN_SECONDS:g} s; "
+            "give times in seconds, and send long pauses in parts"
         )

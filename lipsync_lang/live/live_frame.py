@@ -9,6 +9,6 @@ class LiveFrame(NamedTuple):
     """A frame and its time."""
 
     seconds: float
-    """Since the start of the session."""
+    """Time since the start of the session."""
     weights: Floats
     """(P,) in [0, 1]."""

@@ -22,7 +22,7 @@ PROGRAM = "Live Link Face"
 MAX_DENOMINATOR = 1001
 MAX_SUBJECT_BYTES = 128
 WRAP = 2**31
-"""Frames after which their number starts again."""
+"""Number of frames after which the frame number restarts at 0."""
 
 
 class LiveLinkPacket:

@@ -1,4 +1,4 @@
-"""Live player: utterances become frames in real time, by a clock.
+"""Live player: performs utterances as frames in real time.
 
 Times are seconds. One utterance follows the other. Frames are sent when they are due, late ones
 at once. An utterance that is there before the frames of the one before it run out goes on in
@@ -21,28 +21,28 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 IDLE_SECONDS = 0.5
-"""Seconds after which a mouth at rest is sent again, so that an engine knows it is there."""
+"""Interval at which a mouth at rest is sent again, so that an engine keeps the connection."""
 
 EASE_SECONDS = 0.2
-"""Seconds in which the mouth comes to rest where it is interrupted."""
+"""Time in which an interrupted mouth comes to rest."""
 
 AHEAD_SECONDS = 1.0
-"""Seconds known ahead, beyond what the stages need, at which the next utterance is taken."""
+"""Time known beyond the look-ahead of the stages; below it, the next utterance is taken."""
 
 AHEAD_FRAMES = 2
-"""Frames that must be final ahead of the clock, or the stream comes to its end."""
+"""Final frames that must lie ahead of the clock; with fewer, the stream ends."""
 
 
 class LivePlayer:
-    """Performs schedules in the order in which they come.
+    """Performs schedules in the order of their arrival.
 
     Parameters
     ----------
     how : arguments of `Performer.stream`
-    clock, wait : for tests that need no real time
+    clock, wait : replaced by tests, which need no real time
     """
 
-    def __init__(  # noqa: PLR0913 who speaks, where to, and by which clock
+    def __init__(  # noqa: PLR0913 the performer, the receivers and the clock
         self,
         performer: "Performer",
         fps: float,
@@ -58,26 +58,26 @@ class LivePlayer:
         self.stream: Stream | None = None
         self.began = clock()
         self.zero = 0.0
-        """Session time of the stream's own zero."""
+        """Session time of second 0 of the stream."""
         self.last = LiveFrame(0.0, np.zeros(len(performer.poses)))
 
     @property
     def resting(self) -> bool:
-        """True while nothing is performed or waits."""
+        """True while no utterance is performed or waits."""
         return self.stream is None and self.waiting.empty()
 
     def say(self, schedule: "Schedule") -> int:
-        """Queue an utterance; return how many wait before it. Any thread may call this."""
+        """Queue an utterance; return the number of those before it. Any thread may call this."""
         before = self.waiting.qsize() + (self.stream is not None)
         self.waiting.put(schedule)
         return before
 
     def run(self, more: Callable[[], bool]) -> None:
-        """Perform until nothing is left and no more is to come.
+        """Perform until the queue is empty and no more utterances can come.
 
         Parameters
         ----------
-        more : returns True while utterances may still come
+        more : returns True while utterances can still come
         """
         self._send(self.last._replace(seconds=self._now()))
         tick = 0
@@ -87,7 +87,7 @@ class LivePlayer:
             self.wait(max(tick / self.fps - self._now(), 0.0))
 
     def rest(self) -> None:
-        """Bring the mouth to rest, from wherever it is."""
+        """Bring the mouth to rest from its current pose."""
         self.stream = None
         start = self.last
         steps = max(1, round(EASE_SECONDS * self.fps)) if start.weights.any() else 0
@@ -100,7 +100,7 @@ class LivePlayer:
         return self.clock() - self.began
 
     def _step(self) -> None:
-        """Send the frames whose time has come."""
+        """Send the frames that are due."""
         now = self._now()
         self._take_in(now)
         stream = self.stream
@@ -118,7 +118,7 @@ class LivePlayer:
             self.stream = None
 
     def _take_in(self, now: float) -> None:
-        """Feed the next utterance, into the stream that there is or into a new one."""
+        """Feed the next utterance to the open stream, or to a new one."""
         stream = self.stream
         if stream is not None and (stream.finished or self._ahead(stream, now) > AHEAD_SECONDS):
             return
@@ -141,7 +141,7 @@ class LivePlayer:
         self._tell(schedule, self.zero)
 
     def _ahead(self, stream: Stream, now: float) -> float:
-        """Return how many seconds of a stream are known after those it looks ahead."""
+        """Return the seconds of a stream that are known beyond its look-ahead."""
         return (stream.known or 0.0) + self.zero - now - stream.delay
 
     def _tell(self, schedule: "Schedule", start: float) -> None:

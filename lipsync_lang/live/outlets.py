@@ -1,4 +1,4 @@
-"""Outlets: where the frames of a session go, one by one, at their time."""
+"""Outlets: send the frames of a live session to its receivers, each at its time."""
 
 import json
 import socket
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 DIGITS = 5
-"""Decimals of weights as text."""
+"""Decimal places of times and weights in text."""
 
 
 class Outlet(Protocol):
@@ -26,7 +26,7 @@ class Outlet(Protocol):
         """Send a frame now."""
 
     def tell(self, event: Mapping[str, Any]) -> None:
-        """Tell of what begins or fails, where the receiver reads text."""
+        """Report the start of an utterance or an error, if the receiver reads text."""
 
     def close(self) -> None:
         """End the connection."""
@@ -45,11 +45,11 @@ class LineOutlet:
         self.out = out
 
     def send(self, frame: LiveFrame) -> None:
-        """Write a line: its time in seconds, and its weights."""
+        """Write the time and the weights of a frame."""
         self._write(as_row(frame))
 
     def tell(self, event: Mapping[str, Any]) -> None:
-        """Write a line."""
+        """Write an event."""
         self._write(event)
 
     def _write(self, data: Mapping[str, Any]) -> None:
@@ -57,7 +57,7 @@ class LineOutlet:
         self.out.flush()
 
     def close(self) -> None:
-        """Leave the stream open: it is not ours."""
+        """Leave the stream open; its owner closes it."""
 
 
 class PacketOutlet:
@@ -75,32 +75,32 @@ class PacketOutlet:
             found = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)
         except OSError as error:
             raise LipsyncError(
-                f"{address.kind}: no host '{address.host}' ({error.strerror or error}); name this "
-                "machine (127.0.0.1), or the address of the one that the engine runs on"
+                f"{address.kind}: no host '{address.host}' ({error.strerror or error}); give the "
+                "address of the machine that the engine runs on; 127.0.0.1 is this machine"
             ) from None
         family, kind, protocol, _, target = found[0]
         self.target: Any = target
         self.socket = socket.socket(family, kind, protocol)
 
     def send(self, frame: LiveFrame) -> None:
-        """Send a packet; nobody need be there to receive it."""
+        """Send a packet, even if no program receives it."""
         try:
             self.socket.sendto(self.pack(frame), self.target)
         except OSError as error:
             raise LipsyncError(
                 f"{self.address.kind}: cannot send to {self.address.host}:{self.address.port} "
-                f"({error.strerror or error}); is the network up?"
+                f"({error.strerror or error}); check the network"
             ) from None
 
     def tell(self, event: Mapping[str, Any]) -> None:
-        """Tell nothing: an engine reads frames alone."""
+        """Do nothing: an engine reads only frames."""
 
     def close(self) -> None:
         """Close the socket."""
         self.socket.close()
 
 
-def outlet(  # noqa: PLR0913 what is sent, and how it is named
+def outlet(  # noqa: PLR0913 the frames, and the names that a receiver knows
     address: LiveAddress,
     performer: "Performer",
     fps: float,
@@ -136,7 +136,7 @@ def outlet(  # noqa: PLR0913 what is sent, and how it is named
 
 
 def refuse_unknown(renamed: Mapping[str, str], poses: Sequence[str]) -> None:
-    """Refuse other names for unknown poses."""
+    """Refuse to rename unknown poses."""
     for pose in renamed:
         if pose not in poses:
             hint = did_you_mean(pose, poses)

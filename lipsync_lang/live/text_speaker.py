@@ -1,4 +1,4 @@
-"""Text speaker: texts are spoken in a thread, sentence by sentence, in the order they come in."""
+"""Text speaker: a thread speaks texts sentence by sentence, in the order of their arrival."""
 
 import re
 from collections.abc import Callable
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 SENTENCE_END = re.compile(r"(?<=[.!?…।؟])\s+|(?<=[。！？])")
-"""Ends of sentences: the first is heard while the others are spoken."""
+"""Ends of sentences: the first sentence plays while the next ones are synthesised."""
 
 MAX_WAITING_TEXTS = 100
 
@@ -47,7 +47,7 @@ class TextSpeaker:
             return self.pending > 0
 
     def say(self, text: str) -> int:
-        """Queue a text; return how many wait before it. Any thread may call this.
+        """Queue a text; return the number of texts before it. Any thread may call this.
 
         Raises
         ------
@@ -55,14 +55,14 @@ class TextSpeaker:
             The text is empty or too long, or too many wait.
         """
         if not text.strip():
-            raise LipsyncError("there is no text to speak; write at least one word")
+            raise LipsyncError("the text is empty; write at least one word")
         if len(text) > MAX_TEXT_CHARS:
             raise LipsyncError(
                 f"the text has {len(text)} characters, more than {MAX_TEXT_CHARS}; send it in parts"
             )
         with self.lock:
             if self.pending >= MAX_WAITING_TEXTS:
-                raise LipsyncError(f"{MAX_WAITING_TEXTS} texts wait already; send this one later")
+                raise LipsyncError(f"{MAX_WAITING_TEXTS} texts wait already; send this text later")
             self.pending += 1
             before = self.pending - 1
         self.texts.put(text)

@@ -39,7 +39,9 @@ def vmc_messages(
         from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
         from pythonosc.osc_message_builder import OscMessageBuilder
     except ImportError:
-        raise LipsyncError('VMC needs python-osc: pip install "lipsync-lang[live]"') from None
+        raise LipsyncError(
+            'VMC needs the package python-osc: pip install "lipsync-lang[live]"'
+        ) from None
 
     def message(address: str, *values: tuple[str, str | float | int]) -> "OscMessage":
         made = OscMessageBuilder(address)

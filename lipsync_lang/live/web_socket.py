@@ -1,4 +1,4 @@
-"""A WebSocket server: frames go to every client, and clients send text or phonemes.
+"""WebSocket server: sends frames to all clients, which send texts or phonemes.
 
 It listens where the user says, which is this machine alone by default. Pages of other sites are
 refused by their `Origin`: a page of the web could otherwise make the character speak.
@@ -28,39 +28,39 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 OWN_ORIGIN = re.compile(r"https?://(localhost|127\.0\.0\.1|\[::1\])(:\d+)?")
-"""Pages of this machine; programs send no `Origin` at all."""
+"""Origins of pages on this machine; programs send no `Origin`."""
 
 MAX_CLIENTS = 32
 
 MAX_UNSENT_BYTES = 2**20
-"""Bytes that wait for a slow client; it is closed beyond."""
+"""Maximum data that waits for a slow client; beyond it, the connection is closed."""
 
 CLOSING_SECONDS = 1.0
-"""Seconds that clients are given to say farewell."""
+"""Time that clients have to close their side of a connection."""
 
 BUSY, SLOW = 1013, 1008
-"""Codes of closing: try again later, and against the rules."""
+"""Close codes of the protocol: try again later, and policy violation."""
 
 
 @dataclass(frozen=True)
 class Session:
-    """Greeting and services for clients."""
+    """Greeting of a live session, and its services for clients."""
 
     greeting: Mapping[str, Any]
-    """First message to a client: names of poses, frames per second."""
+    """First message to a client: the names of the poses, and the frames per second."""
     say: Callable[[str], int]
-    """Queue a text; return how many wait before it."""
+    """Queue a text; return the number of texts before it."""
     open_stream: Callable[[str | None], Stream]
     """Open a stream in a notation."""
 
 
 class WebSocketOutlet:
-    """The server, in a thread of its own.
+    """A WebSocket server in its own thread.
 
     Raises
     ------
     LipsyncError
-        websockets is not installed, or the address is taken or not of this machine.
+        websockets is not installed, or the port is in use, or the address is not on this machine.
     """
 
     def __init__(self, address: LiveAddress, session: Session) -> None:
@@ -68,7 +68,7 @@ class WebSocketOutlet:
             import websockets.asyncio.server
         except ImportError:
             raise LipsyncError(
-                'a WebSocket needs websockets: pip install "lipsync-lang[live]"'
+                'a WebSocket server needs the package websockets: pip install "lipsync-lang[live]"'
             ) from None
         self.session = session
         self.clients: set[ServerConnection] = set()
@@ -82,7 +82,7 @@ class WebSocketOutlet:
 
     @property
     def port(self) -> int:
-        """The port that is listened at."""
+        """Port of the server."""
         port: int = self.socket.getsockname()[1]
         return port
 
@@ -122,7 +122,7 @@ class WebSocketOutlet:
         slow = [one for one in self.clients if _unsent(one) > MAX_UNSENT_BYTES]
         for one in slow:
             self.clients.discard(one)
-            self.loop.create_task(one.close(SLOW, "frames are not read"))
+            self.loop.create_task(one.close(SLOW, "the client reads its frames too slowly"))
         broadcast(self.clients, text)
 
     async def _meet(self, connection: "ServerConnection") -> None:
@@ -130,7 +130,7 @@ class WebSocketOutlet:
         from websockets.exceptions import ConnectionClosed
 
         if len(self.clients) >= MAX_CLIENTS:
-            await connection.close(BUSY, f"{MAX_CLIENTS} clients are here already")
+            await connection.close(BUSY, f"{MAX_CLIENTS} clients are connected already")
             return
         client = Client(self.session.say, self.session.open_stream)
         try:
@@ -142,18 +142,18 @@ class WebSocketOutlet:
         except ConnectionClosed:
             pass
         except Exception:  # noqa: BLE001 no traceback reaches a user; the log has it
-            _log.exception("a client failed")
+            _log.exception("the connection of a client failed")
         finally:
             self.clients.discard(connection)
 
 
 def _unsent(connection: "ServerConnection") -> int:
-    """Return the bytes that wait for a client."""
+    """Return the number of bytes that wait for a client."""
     return connection.transport.get_write_buffer_size()
 
 
 def _quiet() -> logging.Logger:
-    """Return a logger that keeps the failed handshakes of strangers from the terminal."""
+    """Return a logger that hides the failed handshakes of other programs from the terminal."""
     logger = logging.getLogger(f"{__name__}.server")
     logger.setLevel(logging.CRITICAL)
     return logger
@@ -167,5 +167,6 @@ def _listening(address: LiveAddress) -> socket.socket:
     except OSError as error:
         raise LipsyncError(
             f"ws: cannot listen at {address.host}:{address.port} ({error.strerror or error}); "
-            f"choose another port (--to ws:{LOCAL}:{address.port + 1}), or stop what uses it"
+            f"choose another port (--to ws:{LOCAL}:{address.port + 1}), or stop the program that "
+            "uses it"
         ) from None

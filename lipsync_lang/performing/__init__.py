@@ -1,1 +1,1 @@
-"""Performing: the performer, its label reader, and explanations of frames."""
+"""Performing: the performer, the label reader, streams and explanations of frames."""

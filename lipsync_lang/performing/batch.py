@@ -37,7 +37,7 @@ Asked = Mapping[str, Any]
 
 
 class Delivered(NamedTuple):
-    """All that says how a schedule is spoken."""
+    """Delivery of a schedule: its styles, dials and curve edits."""
 
     tables: "Tables"
     blends: "tuple[Blend, ...]"
@@ -53,7 +53,7 @@ class Delivered(NamedTuple):
         line: str | None,
         asked: Asked,
     ) -> Self:
-        """Find what applies to a schedule; `asked` is of `perform`."""
+        """Find the delivery of a schedule; `asked` holds the options of `perform`."""
         compiled = performer.compiled
         blends, dials = delivery(compiled, schedule, line, asked["styles"], asked["dials"])
         dials += _effort(performer, schedule, sounds, asked["intensity"])
@@ -104,7 +104,9 @@ def animate(
     fps = checked_rate(fps)
     names = [None] * len(schedules) if lines is None else lines
     if len(names) != len(schedules):
-        raise LipsyncError(f"{len(names)} lines for {len(schedules)} schedules; give each one")
+        raise LipsyncError(
+            f"{len(names)} lines for {len(schedules)} schedules; give one line per schedule"
+        )
     read = performer.labels.read(schedules) if schedules else []
     kept = _kept(performer, fps)
     out = []
@@ -120,9 +122,9 @@ def animate(
 
 
 def _kept(performer: "Performer", fps: float) -> "Kept | None":
-    """Return what the compiled kernel keeps of the neutral bank; None where it does not serve.
+    """Return the neutral bank as the compiled kernel keeps it; None if the kernel cannot play it.
 
-    Laying the tracks of a bank with trigrams is left to `lay_track`.
+    `lay_track` lays the tracks of a bank with trigrams.
     """
     tables, motion = performer.compiled.tables, performer.motion
     if not serves(motion) or len(tables.trigrams):

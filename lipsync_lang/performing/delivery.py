@@ -21,7 +21,7 @@ Points = Sequence[Sequence[float]]
 """Pairs of time and level, with non-decreasing times."""
 
 Levels = Mapping[str, "float | Points"]
-"""A constant level, or points of seconds and level, by name."""
+"""A constant level, or points of time in seconds and level, by name."""
 
 MOST = {"style": 1.0, "dial": 2.0, "expression": 1.0}
 """Maximum share of a style, level of a dial, and weight of a shape of an expression."""
@@ -38,13 +38,13 @@ def delivery(
 
     Parameters
     ----------
-    line : name of a line with optional settings of its own
+    line : name of a line of the character, which may have its own settings
     styles, dials : settings of the call; they override those of the character and the line
 
     Raises
     ------
     LipsyncError
-        A style or region is unknown, a level is out of range, or a word is beyond the line.
+        A style or region is unknown, a level is out of range, or the line has fewer words.
     """
     own = [compiled.delivery, compiled.line_deliveries.get(line or "", {})]
     if not (styles or dials or any(any(stated.values()) for stated in own)):
@@ -97,11 +97,13 @@ def timed(what: str, name: str, level: "float | Points") -> Level:
         if not (isfinite(at) and 0 <= value <= most):
             raise LipsyncError(
                 f"{what} {name}: {level!r} is not a level; give a number from 0 to {most:g}, "
-                "or pairs of seconds and such numbers"
+                "or pairs of a time in seconds and such a number"
             )
     times = [at for at, _ in points]
     if times != sorted(times) or not times:
-        raise LipsyncError(f"{what} {name}: its seconds run back; put the points in order")
+        raise LipsyncError(
+            f"{what} {name}: its points are not in order of time; sort them by their seconds"
+        )
     return Level(np.array(times), np.array([value for _, value in points], np.float64))
 
 
@@ -119,7 +121,7 @@ def _second(name: str, at: float, schedule: "Schedule") -> float:
     if at > len(words):
         raise LipsyncError(
             f"{name} has a point at word {at:g}, but {schedule.source} has {len(words)} words; "
-            "correct the character's line"
+            "correct the points in the character"
         )
     whole = min(int(at), len(words) - 1)
     start, end = float(times[words[whole].first]), float(times[words[whole].stop])

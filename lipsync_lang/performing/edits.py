@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 Curves = Mapping[str, Sequence[Sequence[float]]]
-"""Control points of each pose."""
+"""Control points of a curve, by pose."""
 
 
 def overlays(
@@ -35,11 +35,11 @@ def overlays(
     Raises
     ------
     LipsyncError
-        The character has no edits of the line, or an edit names a missing word or phoneme.
+        The character has no edits for the line, or an edit names a missing word or phoneme.
     """
     if line is not None and line not in compiled.line_edits:
         raise LipsyncError(
-            f"{compiled.character} has no edits of line '{line}'; "
+            f"{compiled.character} has no edits for line '{line}'; "
             f"{did_you_mean(line, compiled.line_edits)}"
         )
     found: list[Overlay] = []
@@ -72,7 +72,9 @@ def _span(
     if edit.get("word") is not None:
         if edit["word"] >= len(schedule.words):
             count = len(schedule.words)
-            raise LipsyncError(f"{here} is for word {edit['word']}, but the line has {count} words")
+            raise LipsyncError(
+                f"{here} is for word {edit['word']}, counted from 0, but the line has {count} words"
+            )
         word = schedule.words[edit["word"]]
         first, stop = word.first, word.stop
     if edit.get("phoneme") is None:
@@ -80,7 +82,8 @@ def _span(
     spoken = [index for index in range(first, stop) if not silent[index]]
     if edit["phoneme"] >= len(spoken):
         raise LipsyncError(
-            f"{here} is for phoneme {edit['phoneme']}, but there are {len(spoken)}, pauses aside"
+            f"{here} is for phoneme {edit['phoneme']}, counted from 0, but there are "
+            f"{len(spoken)} phonemes without the pauses"
         )
     index = spoken[edit["phoneme"]]
     return index, index + 1

@@ -1,4 +1,4 @@
-"""Expressions on top of speech: what a smile and a line add up to.
+"""Expressions on top of speech: the sum of a smile and a spoken line.
 
 Weights add up, and speech has the right of way: an expression fills the room that is left.
 
@@ -39,7 +39,9 @@ def with_expression(animation: Animation, tables: Tables, expression: "Levels") 
     expression : weight of each shape from 0 to 1, or points of seconds and weight
     """
     if len(animation.poses) != len(tables.priority):
-        raise LipsyncError("an expression is added to poses; add it before the rig drives channels")
+        raise LipsyncError(
+            "an expression adds to poses; add it before you convert them to the channels of a rig"
+        )
     wanted = {
         spelled(name, animation.poses): timed("expression", name, level).at(animation.times)
         for name, level in expression.items()
@@ -60,7 +62,7 @@ def with_expression(animation: Animation, tables: Tables, expression: "Levels") 
 
 
 def _closed(contact: Contact, weights: Floats) -> Floats:
-    """Return how far a contact is made: (T,), 1 where its floors are met; 1 without floors."""
+    """Return the degree of a contact: (T,), 1 if its floors are met or it has none."""
     raised = contact.raised
     if not raised:
         return np.ones(weights.shape[1])
@@ -71,7 +73,7 @@ def _closed(contact: Contact, weights: Floats) -> Floats:
 def _added(
     wanted: Floats, pose: int, weights: Floats, tables: Tables, closed: Sequence[Floats]
 ) -> Floats:
-    """Return what an expression adds to a pose: (T,), what contacts and constraints leave."""
+    """Return the share of an expression for a pose within contacts and constraints: (T,)."""
     added = np.minimum(wanted, 1 - weights[pose])
     for contact, made in zip(tables.contacts, closed, strict=True):
         if contact.ceiling[pose] < 1:

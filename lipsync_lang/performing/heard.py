@@ -1,4 +1,4 @@
-"""Heard: the phonemes of a stream that frames may still depend on.
+"""Heard: the phonemes of a stream that coming frames can still depend on.
 
 Times are seconds. Labels are numbered from the first one heard; those that no frame needs any more
 are forgotten, so that hours need no more room than seconds.
@@ -17,7 +17,7 @@ from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.pipeline.overlay import Overlay
 
 UNSURE_SECONDS = 0.1
-"""Length that the last phoneme is taken to have until its end is known; no final frame sees it."""
+"""Assumed length of the last phoneme until its end is known; no final frame depends on it."""
 
 
 class HeardLabel(NamedTuple):
@@ -25,25 +25,25 @@ class HeardLabel(NamedTuple):
 
     start: float
     end: float | None
-    """None while it lasts."""
+    """End in seconds; None while the label lasts."""
     sounds: tuple[tuple[int, float], ...]
     """Numbers of common phonemes, each with its share of the time; empty for a mute label."""
     kind: str = ""
     """Sound class of the first; empty for silence."""
     mark: int | None = None
-    """Stress that it is marked with."""
+    """Marked stress."""
     whole: float | None = None
-    """Start of the word that it cannot be parted from."""
+    """Start of the word from which the label cannot be separated."""
 
 
 class HeardWord(NamedTuple):
     """Curves and emphasis of a word."""
 
     number: int
-    """Number of its first label."""
+    """Number of the first label of the word."""
     ramp: tuple[float, float, float, float]
     high: float
-    """By how much it raises the level of emphasis."""
+    """Increase of the level of emphasis."""
     overlays: tuple[Overlay, ...]
 
 
@@ -51,14 +51,14 @@ class Vowel(NamedTuple):
     """The level of stress at the middle of a vowel."""
 
     number: int
-    """Number of its label."""
+    """Number of the label of the vowel."""
     middle: float
     level: float
 
 
 @dataclass
 class Heard:
-    """Labels as they were heard, and what follows from them.
+    """Labels that a stream received, and their common phonemes, stress and words.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class Heard:
     start: float = 0.0
     """Start of the first label."""
     until: float = 0.0
-    """Time until which everything is known; what lasts at that time may last longer."""
+    """Time until which everything is known; the label at that time may last longer."""
     first: int = 0
     """Number of the first label that is kept."""
     labels: list[HeardLabel] = field(default_factory=list)
@@ -81,22 +81,22 @@ class Heard:
     """Common phonemes; silences in a row are one."""
     starts: list[float] = field(default_factory=list)
     sources: list[int] = field(default_factory=list)
-    """Number of the label of each."""
+    """Number of the label of each common phoneme."""
     words: list[HeardWord] = field(default_factory=list)
     vowels: list[Vowel] = field(default_factory=list)
     befores: list[tuple[int | None, bool]] = field(default_factory=list)
     """State of stress before each label."""
     opening: float | None = None
-    """Seconds of silence before the first sound; None until there is one."""
+    """Seconds of silence before the first sound; None until the first sound is known."""
     forgotten: bool = False
-    """True if some of what was heard is forgotten."""
+    """True if some received labels are forgotten."""
     stress: tuple[int | None, bool] = (None, False)
 
     def __post_init__(self) -> None:
         self.stress = (None, self.marked)
 
     def apart(self) -> Self:
-        """Return a copy that changes on its own."""
+        """Return an independent copy."""
         other = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, list):
@@ -114,7 +114,7 @@ class Heard:
         return bool(self.sounds) and self.sounds[-1] == self.silence
 
     def add(self, label: HeardLabel) -> None:
-        """Add the label that follows the last; it starts where that ends."""
+        """Add a label, which starts at the end of the last one."""
         if not self.labels:
             self.start = label.start
         elif self.labels[-1].end is None:
@@ -122,7 +122,7 @@ class Heard:
         self._lay(label)
 
     def lasts(self, seconds: float) -> None:
-        """Let what was heard last go on until a time, or be followed by silence."""
+        """Extend the last label until a time, or add silence after it."""
         last = self.labels[-1]
         quiet = ((self.silence, 1.0),)
         if last.end is not None and last.sounds == quiet:
@@ -137,7 +137,7 @@ class Heard:
         self._lay(label._replace(end=seconds))
 
     def _drop(self) -> HeardLabel:
-        """Take the last label back."""
+        """Remove the last label."""
         label, number = self.labels.pop(), self.number
         self.stress = self.befores.pop()
         while self.sources and self.sources[-1] == number:
@@ -185,7 +185,7 @@ class Heard:
         self.vowels.append(Vowel(number, (label.start + label.end) / 2, level))
 
     def take_back(self, seconds: float) -> None:
-        """Forget all labels from a time on, and cut the one that lasts at that time."""
+        """Remove all labels from a time on, and cut the label that lasts at that time."""
         while self.labels and (self.labels[-1].start >= seconds or self.until > seconds):
             label = self._drop()
             if label.start < seconds:
@@ -193,7 +193,7 @@ class Heard:
         self.until = min(self.until, seconds) if self.labels else self.until
 
     def parted(self, seconds: float) -> float | None:
-        """Return the start of the word that taking back from a time would part, or None."""
+        """Return the start of the word that a cut at a time divides; None if it divides none."""
         inside = [
             label.whole
             for label in self.labels
@@ -203,7 +203,7 @@ class Heard:
         return inside[0] if inside else None
 
     def forget(self, seconds: float, begun: Collection[int] = ()) -> None:
-        """Forget what no frame from a time on depends on.
+        """Forget the labels on which no frame from a time on depends.
 
         Parameters
         ----------
@@ -256,7 +256,7 @@ class Heard:
         return early if first else max(self.starts[-2], early)
 
     def _stressed(self) -> float:
-        """Return the time before which no vowel yet to come changes the level of stress."""
+        """Return the time before which no future vowel changes the level of stress."""
         last = self.labels[-1]
         unknown = self.until if last.end is not None else last.start
         if self.vowels:
@@ -278,7 +278,7 @@ class Heard:
         return self.starts[-1] - max(margin, widened)
 
     def closing(self, silence_reach: float) -> float:
-        """Return the seconds of silence at the end, as a line has them that ends here."""
+        """Return the seconds of silence at the end, as for a line that ends here."""
         if not self.silent:
             return 0.0
         alone = len(self.starts) == 1 and self.opening is None
@@ -288,7 +288,7 @@ class Heard:
     def between(
         self, begin: float, end: float, begun: Collection[int] = ()
     ) -> tuple[Ints, Floats, bool]:
-        """Return the common phonemes around a stretch of time, and their (m + 1,) boundaries.
+        """Return the common phonemes around a span of time, and their (m + 1,) boundaries.
 
         Parameters
         ----------
@@ -305,7 +305,7 @@ class Heard:
         return np.array(self.sounds[first:stop]), bounds, first == 0 and not self.forgotten
 
     def _first(self, seconds: float, begun: Collection[int]) -> int:
-        """Return the index of the first sound that frames from a time on depend on."""
+        """Return the index of the first sound on which frames from a time on depend."""
         first = max(bisect_right(self.starts, seconds) - 3, 0)
         return first - (first > 0 and first - 1 in begun)
 
@@ -314,5 +314,5 @@ class Heard:
         return self.until if self.until > last else last + UNSURE_SECONDS
 
     def overlays(self) -> tuple[Overlay, ...]:
-        """Return the curves that words lay over their phonemes."""
+        """Return the curve edits of the words."""
         return tuple(one for word in self.words for one in word.overlays)

@@ -1,4 +1,4 @@
-"""Heard trigrams: where the sounds of a stream play trigrams, and where one may still begin.
+"""Heard trigrams: the sounds of a stream that begin a trigram, or can still begin one.
 
 Of two trigrams that share a bigram the first plays, so whether one plays depends on those before
 it. No two begin at neighbouring sounds: a window that begins where none began a sound earlier
@@ -26,7 +26,7 @@ def begun_trigrams(heard: "Heard", tables: "Tables") -> frozenset[int]:
 
 
 def open_trigram(heard: "Heard", tables: "Tables", silence_reach: float) -> float | None:
-    """Return the seconds from which bigrams depend on the sound that follows the last.
+    """Return the time from which bigrams depend on the sound after the last one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Intake: labels and parts of schedules become what a stream hears. Times are seconds."""
+"""Intake: reads labels and parts of schedules for a stream. Times are seconds."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Word
 
 MAX_STEP_SECONDS = 3600.0
-"""Longest phoneme, and longest gap between two; longer ones must be in another unit."""
+"""Longest phoneme or gap between phonemes; a longer one must be in another unit."""
 
 MAX_LABELS = 4096
-"""Labels whose sounds are remembered; a network may bring any number of them."""
+"""Maximum number of labels in memory, since a client may send any number of them."""
 
 
 class Intake:
@@ -33,7 +33,7 @@ class Intake:
 
     Parameters
     ----------
-    notation : of single labels; None for the one that the language's texts are read in
+    notation : notation of single labels; None for the notation of the language's texts
     emphasis : True if words with emphasis are expected
     """
 
@@ -64,7 +64,7 @@ class Intake:
         return self._heard(start, end, value, mark)
 
     def part(self, part: Schedule, moved: float) -> tuple[list[HeardLabel], list[HeardWord]]:
-        """Read a part of a schedule; words count its labels."""
+        """Read a part of a schedule; its words count the labels of the part."""
         reader = self.performer.labels
         named = part if part.notation is not None else replace(part, notation=self.notation)
         values = reader.values(named)
@@ -99,7 +99,7 @@ class Intake:
     def _word(
         self, part: Schedule, word: "Word", silent: list[bool], moved: float
     ) -> HeardWord | None:
-        """Return what a word lays over its phonemes; None for nothing."""
+        """Return the curves and the emphasis of a word; None if it has neither."""
         compiled = self.performer.compiled
         stated = compiled.intensity
         if word.emphasis and stated is not None and not self.emphasis:
@@ -134,6 +134,6 @@ def refuse_jump(here: str, start: float, end: float) -> None:
     """Refuse a step that is longer than any phoneme or pause."""
     if end - start > MAX_STEP_SECONDS:
         raise ScheduleError(
-            f"{here}: {start:g} to {end:g} s is longer than {MAX_STEP_SECONDS:g} s; are the times "
-            "in milliseconds? They must be seconds"
+            f"{here}: {start:g} to {end:g} s is longer than {MAX_STEP_SECONDS:g} s; if the times "
+            "are in milliseconds, convert them to seconds"
         )

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Compiled
 
 Unknown = Literal["error", "rest", "nearest"]
-"""Treatments of unmapped labels; `nearest` maps IPA by phonetic features, with a remark."""
+"""Treatments of unmapped labels; `nearest` maps IPA by its features, with a remark."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class LabelReader:
         Raises
         ------
         ScheduleError
-            A label is in no notation of the language, or all labels of a schedule are mute.
+            A label is in no notation of the language, or no label of a schedule has a sound.
         """
         new = [one for one in schedules if one not in self._heard]
         if new:
@@ -77,7 +77,8 @@ class LabelReader:
             for schedule, sounds in zip(new, found, strict=True):
                 if sounds is None:
                     raise ScheduleError(
-                        f"{schedule.source}: all its labels are mute; there is no sound in it"
+                        f"{schedule.source}: none of its labels has a sound; "
+                        "check the labels and their notation"
                     )
                 self._heard[schedule] = sounds
         return [self._heard[one] for one in schedules]
@@ -127,9 +128,9 @@ class LabelReader:
         return {label: nearest for label, nearest in found.items() if not nearest.unknown}
 
     def unlisted(self, notation: Notation, label: str) -> Value | None:
-        """Return the value by features of a label that a notation does not list; None without any.
+        """Return the value by features of a label outside a notation; None if it has none.
 
-        Only labels that are one sound of the IPA have one, and only if `unknown` is `nearest`.
+        Only a label of a single IPA sound has such a value, and only if `unknown` is `nearest`.
         """
         if self.unknown != "nearest" or notation.find(label) is not None:
             return None
@@ -234,7 +235,7 @@ class LabelReader:
         return self.notations[name]
 
     def _all_sounds(self, schedule: Schedule, known: Notation | None, ipa: Notation | None) -> bool:
-        """Return True if a notation lacks some labels that all are sounds of the IPA."""
+        """Return True if a notation lacks some labels and these are all sounds of the IPA."""
         labels = dict.fromkeys(schedule.labels)
         if known is None or ipa is None or all(known.find(one) is not None for one in labels):
             return False
@@ -244,7 +245,7 @@ class LabelReader:
 
     @cached_property
     def own_notations(self) -> dict[str, Notation]:
-        """Notations of sounds, by name: those that labels may identify."""
+        """Notations of sounds, by name: those that can be recognised by labels."""
         shapes = self.compiled.visemes.keys() - self.compiled.notations.keys()
         return {name: one for name, one in self.notations.items() if name not in shapes}
 
@@ -300,7 +301,7 @@ class LabelReader:
 
     @cached_property
     def _heard(self) -> "WeakKeyDictionary[Schedule, LabelSounds]":
-        """Sounds of the schedules that were read: performing and judging a line read it thrice."""
+        """Cached sounds of schedules: a line that is performed and judged is read three times."""
         return WeakKeyDictionary()
 
     @cached_property
@@ -314,7 +315,7 @@ class LabelReader:
         near = self._features if notation == IPA else None
         found = near.nearest(label) if near is not None else None
         if found is not None and found.unknown:
-            hints.append(f"no IPA: {' '.join(found.unknown)}")
+            hints.append(f"not IPA: {' '.join(found.unknown)}")
         elif found is not None and found.value:
             hints.append(f"nearest by its features: {' '.join(n for n, _ in found.value)}")
         return "; ".join(hints)
@@ -332,8 +333,8 @@ class LabelReader:
         ]
         more = f"\n... and {len(at) - 8} more" if len(at) > 8 else ""  # noqa: PLR2004 a screenful
         mend = (
-            f"\nAdd them to {self.compiled.language}'s notations, name the notation they are in "
-            "(`notation='NAME'`), or ask for unknown labels at rest (`unknown='rest'`)"
+            f"\nAdd the labels to {self.compiled.language}'s notations, name their notation "
+            "(`notation='NAME'`), or perform unknown labels as rest (`unknown='rest'`)"
         )
         features = name == IPA and self.unknown == "error"
         mend += " or by their features (`unknown='nearest'`)" if features else ""

@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.label_reader import LabelReader
 
 SURE_SHARE = 0.97
-"""Share of labels that a notation has to have, to be taken without a remark."""
+"""Share of the labels that a notation must contain to be used without a remark."""
 
 MAX_UNLISTED = 8
-"""Labels without a place in the language that are named one by one."""
+"""Maximum number of labels outside the language with a remark each."""
 
 MAX_SHOWN = 4
-"""Labels, or notations, shown in a remark."""
+"""Maximum number of labels or notations in a remark."""
 
 
 def label_remarks(reader: "LabelReader", schedule: Schedule) -> tuple[str, ...]:
-    """Return what a performance makes of labels that are in doubt; empty if none is."""
+    """Return remarks on doubtful labels and their treatment; empty if there are none."""
     return (
         *_noise(reader, schedule),
         *_by_features(reader, schedule),
@@ -38,11 +38,11 @@ def _by_features(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
         often = f" ({times} times)" if times > 1 else ""
         yield (
             f"{schedule.source}: {label!r}{often} is not a sound of {reader.compiled.language}; it "
-            f"is performed as {shown or 'nothing'}, the nearest by its features"
+            f"is performed as {shown or 'nothing'}, the nearest by phonetic features"
         )
     if len(found) > MAX_UNLISTED:
         more = len(found) - MAX_UNLISTED
-        yield f"{schedule.source}: {more} more labels are performed by their features"
+        yield (f"{schedule.source}: {more} more labels are performed by their phonetic features")
 
 
 def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
@@ -58,7 +58,7 @@ def _noise(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
             seconds += float(end - start)
     if counts:
         yield (
-            f"{schedule.source}: noise, or speech that nobody could read, so that the mouth rests "
+            f"{schedule.source}: noise or unreadable speech, during which the mouth rests for "
             f"{seconds:.1f} s: {_list(f'{label!r} ({n})' for label, n in counts.items())}"
         )
 
@@ -83,9 +83,9 @@ def _notation(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
     share = len(stated) / len(labels) if labels else 1.0
     if share >= SURE_SHARE and not alike:
         return
-    told = f"{schedule.source}: notation: {name}, {share:.0%} of the labels are in it"
+    told = f"{schedule.source}: labels are read as {name}, a notation with {share:.0%} of them"
     if alike:
-        told += f"; also possible: {_list(alike)} (`notation={alike[0]!r}`)"
+        told += f"; they can also be {_list(alike)} (`notation={alike[0]!r}`)"
     yield told
 
 

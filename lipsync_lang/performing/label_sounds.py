@@ -1,4 +1,4 @@
-"""Labels become sounds: those of many schedules at once, in a few array operations.
+"""Label sounds: converts the labels of many schedules at once, in a few array operations.
 
 Conventions: times are seconds; (n,) is labels, (m,) their sounds, m being larger where a label has
 several. A mark of stress is -1 where there is none.
@@ -14,7 +14,7 @@ from lipsync_lang.phonology.labels import Notation, Value
 from lipsync_lang.pipeline.arrays import Floats, Ints
 
 UNKNOWN, UNMARKED = -1, -1
-"""Stand for a label without a value, and for one without a mark of stress."""
+"""Number of a label without a value, and mark of a label without stress."""
 
 
 class LabelSounds(NamedTuple):
@@ -25,9 +25,9 @@ class LabelSounds(NamedTuple):
     times: Floats
     """(m + 1,) boundaries."""
     source: Ints
-    """(m,) index of the label of each."""
+    """(m,) index of the label of each common phoneme."""
     marks: Ints
-    """(n,) mark of stress of each label; (0,) if there is none in the batch."""
+    """(n,) mark of stress of each label; (0,) if no label in the batch has one."""
 
 
 class ValueTable:
@@ -103,7 +103,7 @@ class ValueTable:
 
 
 def _single(ids: Ints, marks: Ints, times: Sequence[Floats]) -> "list[LabelSounds]":
-    """Return the sounds of schedules in which each label has one."""
+    """Return the sounds of schedules in which each label has one sound."""
     out, label = [], 0
     source = np.arange(max(map(len, times)) - 1)
     for own in times:
@@ -115,9 +115,9 @@ def _single(ids: Ints, marks: Ints, times: Sequence[Floats]) -> "list[LabelSound
 
 
 class LabelTable:
-    """Labels of a notation by number, with the value and the mark of each.
+    """Labels of a notation by number, each with its value and its mark of stress.
 
-    A label is looked up in the notation once, however often it is read.
+    Each label is looked up in the notation only once.
     """
 
     def __init__(self, notation: Notation, values: ValueTable) -> None:
@@ -147,7 +147,7 @@ class LabelTable:
 
 
 class _Numbered(dict[str, int]):
-    """Numbers of labels; a missing one is added."""
+    """Numbers of labels; a missing label gets a new number."""
 
     def __init__(self, add: Callable[[str], int]) -> None:
         super().__init__()

@@ -56,7 +56,7 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
     ----------
     classes : (n,) sound class of each phoneme; empty for silence
     intensity : 0 for no effect, 1 for the setting of the pose set, 2 for twice that; None for the
-        motion's `loudness`, without an error where there is no sound or nothing to move
+        motion's `loudness`, without an error if there is no sound or no region
     motion : its `loudness` and `reference_level`
     poses : (P,) True for the poses that effort moves
 
@@ -76,12 +76,12 @@ def loudness_dial(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
     if stated is None:
         region = next(iter(compiled.regions), "REGION")
         raise LipsyncError(
-            f"{compiled.poseset} does not say what loudness moves; "
+            f"{compiled.poseset} has no regions for loudness; "
             f"add `intensity: {{regions: [{region}]}}` to the pose set"
         )
     if schedule.audio is None:
         raise LipsyncError(
-            f"{schedule.source} has no sound to take the loudness from; "
+            f"{schedule.source} has no recording, whose loudness this effect needs; "
             "speak a text, or give the recording with the timed phonemes"
         )
     limits = (stated["least"], stated["most"])
@@ -132,7 +132,7 @@ def _decibels(power: float, count: int) -> float:
 
 
 def _beyond(decibels: float) -> float:
-    """Return a level difference in dB, less the tolerance on its own side."""
+    """Return a level difference in dB, reduced by the tolerance on its side."""
     return copysign(max(abs(decibels) - TOLERANCE, 0.0), decibels)
 
 

@@ -52,9 +52,9 @@ class Performer:
     paths: tuple[Path, ...] = ()
     """Folders and files with priority in pack searches."""
     shades: bool | None = None
-    """Curves of their own for shades; None means yes, unless thresholds are the paper's."""
+    """True if shades have their own curves; None means True, except with the paper's thresholds."""
     cleaning: Cleaning = AS_WRITTEN
-    """Values of placeholders in texts, and what texts hold that is not spoken."""
+    """Values of placeholders in texts, and the parts of texts that are not spoken."""
 
     def __post_init__(self) -> None:
         refuse_other("unknown", self.unknown, Unknown)
@@ -110,7 +110,7 @@ class Performer:
 
         return replace(self, motion=motion_with(self.motion, change))
 
-    def perform(  # noqa: PLR0913 what is said, and all that says how
+    def perform(  # noqa: PLR0913 the schedule, and all settings of its delivery
         self,
         schedule: Schedule,
         fps: float = 60,
@@ -126,13 +126,13 @@ class Performer:
         ----------
         schedule : timed phonemes in any notation of the language
         fps : output frames per second, from 1 to 1000; 23.976 and 29.97 stand for their fractions
-        line : name of a line with edits or settings in the character
+        line : name of a line that has edits or settings in the character
         styles : share of each style over neutral, from 0 to 1
         dials : level of each region: 0 for no movement, 1 for normal, 2 for twice as far; shares
             and levels may also be points of seconds and value
         intensity : effect of loudness on movement, on top of the dials: 0 for none, 1 for the
-            setting of the pose set, up to 2, with a schedule that has audio; None for the motion's
-            `loudness`, where there is audio
+            setting of the pose set, at most 2; the schedule needs audio. None stands for the
+            motion's `loudness` if there is audio
 
         Raises
         ------
@@ -163,20 +163,20 @@ class Performer:
         dials: "Levels | None" = None,
         intensity: float | None = None,
     ) -> list[Animation]:
-        """Animate many schedules; each animation is the one that `perform` makes, to the bit.
+        """Animate many schedules; each animation equals that of `perform` bit by bit.
 
         Labels of all schedules are mapped at once. Batches of some hundreds keep memory low.
 
         Parameters
         ----------
         schedules : timed phonemes of each line
-        lines : name of the line with edits or settings of each schedule, None for those without
+        lines : name of the line of each schedule, for its edits and settings; None for no line
         fps, styles, dials, intensity : as in `perform`, the same for all
 
         Raises
         ------
         LipsyncError
-            As in `perform`, for the first schedule at fault.
+            As in `perform`, for the first faulty schedule.
 
         Examples
         --------
@@ -188,7 +188,7 @@ class Performer:
         asked = {"styles": styles, "dials": dials, "intensity": intensity}
         return animate(self, tuple(schedules), fps, lines, asked)
 
-    def stream(  # noqa: PLR0913 how things are said, as in `perform`
+    def stream(  # noqa: PLR0913 as `perform`
         self,
         fps: float = 60,
         *,
@@ -199,22 +199,22 @@ class Performer:
         emphasis: bool = False,
         late: "Late" = "refuse",
     ) -> "Stream":
-        """Open a stream: phonemes go in as they become known, final frames come out.
+        """Open a stream, which takes phonemes as they become known and returns final frames.
 
         The frames equal those of `perform` for the whole schedule. Loudness, lines and the rig of
-        a model need the whole, and are left out.
+        a model need the whole schedule, so a stream has none of them.
 
         Parameters
         ----------
         fps : output frames per second, as in `perform`
-        notation : of single labels; None for the one that the language's texts are read in. A
-            stream cannot recognise it by labels that are yet to come
+        notation : notation of single labels; None for the notation of the language's texts. A
+            stream cannot recognise the notation, since most labels are still unknown
         styles, dials : as in `perform`
-        stress : True if vowels without a mark are unstressed, as where some of a line have marks;
-            False if no mark counts, which spares looking ahead to the next vowel; None if marks
-            count from the first one on
-        emphasis : True if words with emphasis may come
-        late : `refuse` a phoneme that starts before what is known, or `shorten` it
+        stress : True if vowels without a mark are unstressed, as in a line with some marks; False
+            to ignore marks, which saves the look-ahead to the next vowel; None if marks count
+            from the first one on
+        emphasis : True if some words may have emphasis
+        late : `refuse` a phoneme that starts before the known time ends, or `shorten` it
 
         Raises
         ------
@@ -249,7 +249,10 @@ class Performer:
         if driver is None or animation.channels == driver.channels:
             return animation
         if animation.poses != self.poses:
-            raise LipsyncError(f"the rig of {self.character} drives other poses than these")
+            raise LipsyncError(
+                f"the rig of {self.character} needs the poses of {self.character}; "
+                "this animation has others"
+            )
         motion, fps = self.motion, animation.fps
         kernel = channel_kernel(motion, fps)
         values = drive(animation.weights, driver.rig, motion.speed_limit / fps, kernel)
@@ -264,7 +267,7 @@ class Performer:
         )
 
     def held_channels(self, weights: Floats) -> Floats:
-        """Return the channels (T, C) of the model for poses (T, P), each row held for long.
+        """Return the channels (T, C) of the model for poses (T, P), each row as a held pose.
 
         Without a rig, the channels are the poses.
         """
@@ -275,10 +278,10 @@ class Performer:
         return np.vstack(rows) if rows else np.zeros((0, len(driver.channels)))
 
     def with_expression(self, animation: Animation, expression: "Levels") -> Animation:
-        """Add an expression to an animation of this performer; speech has the right of way.
+        """Add an expression to an animation of this performer; speech takes precedence.
 
-        Contacts and constraints stay as they are: an expression adds what they leave. Shapes that
-        speech does not move are added as columns of their own.
+        Contacts and constraints still hold: an expression adds only as much as they allow. Shapes
+        that speech does not move become additional columns.
 
         Parameters
         ----------
@@ -328,13 +331,13 @@ class Performer:
         line: str | None = None,
         styles: "Levels | None" = None,
     ) -> "Track":
-        """Lay out the phonemes of a schedule as `perform` does, without a frame of it."""
+        """Lay out the phonemes of a schedule as `perform` does, without rendering frames."""
         ids, times, source = self.labels.common_phonemes(schedule)
         blends, _ = delivery(self.compiled, schedule, line, styles, None)
         return lay_track(ids, times, source, self.tables(blends), self.motion, blends)
 
     def tables(self, blends: "Sequence[Blend]") -> "Tables":
-        """Return the tables with the banks of the drafted styles that are heard."""
+        """Return the tables with the banks of the drafted styles in use."""
         if not blends:
             return self.compiled.tables
         names, drafts = self.compiled.style_names, self.compiled.style_drafts
@@ -384,12 +387,12 @@ class Performer:
 
     @cached_property
     def _drafted(self) -> "dict[frozenset[str], Tables]":
-        """Tables with drafted styles, by the styles that are heard."""
+        """Tables with drafted styles, by the styles in use."""
         return {}
 
     @cached_property
     def contact_floors(self) -> dict[str, float]:
-        """Floor of each pose that a contact holds up."""
+        """Floor of each pose that has one in a contact."""
         floors = zip(self.poses, self.compiled.tables.floors.tolist(), strict=True)
         return {pose: floor for pose, floor in floors if floor > 0}
 

@@ -101,7 +101,7 @@ def _pair(language: str, character: str, folders: Sequence[Path], *, cache: bool
 def _on_model(
     language: str | Path, model: Path, paths: Paths, *, cache: bool
 ) -> tuple[Compiled, tuple[Path, ...]]:
-    """Return the pair of a language and a model, and where to search."""
+    """Return the pair of a language and a model, and the folders to search."""
     from lipsync_lang.packs.library import Library
     from lipsync_lang.resolver.model_characters import best_match, on_model
 
@@ -115,7 +115,7 @@ def _on_model(
 def _gap_message(report: Report) -> str:
     shown = ", ".join(report.gaps[:12]) + (", ..." if len(report.gaps) > 12 else "")  # noqa: PLR2004
     return (
-        f"{report.character} has nothing for {len(report.gaps)} bigrams of {report.language}: "
-        f"{shown}. Give {report.poseset} targets for their phonemes, "
-        "or ask for gaps at rest (`gaps='rest'`)"
+        f"{report.character} has no curves for {len(report.gaps)} bigrams of "
+        f"{report.language}: {shown}. Give {report.poseset} targets for their phonemes, "
+        "or perform gaps as rest (`gaps='rest'`)"
     )

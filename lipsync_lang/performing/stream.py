@@ -1,16 +1,16 @@
-"""Stream: frames of a performance while its phonemes become known.
+"""Stream: renders the frames of a performance while its phonemes become known.
 
-Times are seconds. The frames equal those of the whole schedule, however it comes in parts; see
-`pipeline.look_ahead` for when a frame is final.
+Times are seconds. The frames equal those of the whole schedule, whatever its parts; see
+`pipeline.look_ahead` for the time at which a frame is final.
 
 Order
-    Phonemes come in the order of time. A gap between two is silence.
+    Phonemes arrive in the order of time. A gap between two phonemes is silence.
 Late
     A phoneme that starts before the time until which everything is known is late. It is refused,
-    or, with `late="shorten"`, begins at that time; what is over by then is dropped.
+    or, with `late="shorten"`, begins at that time. A phoneme that is over by then is dropped.
 Revised
-    `revise` takes back what was known from a time on. Frames that were given stay as they are:
-    taking back what they depend on is refused.
+    `revise` removes the phonemes from a time on. Returned frames do not change: `revise` refuses
+    to remove the phonemes on which they depend.
 """
 
 from collections.abc import Mapping
@@ -37,14 +37,14 @@ Late = Literal["refuse", "shorten"]
 """Treatments of a phoneme that starts before the time until which everything is known."""
 
 MAX_FRAMES = 2.0**60
-"""Frames that no stream reaches."""
+"""Upper limit of frame numbers, beyond any stream."""
 
 ROUNDED_FRAMES = 1e-6
-"""Share of a frame within which it is at a time."""
+"""Tolerance of a frame's time, as a share of a frame."""
 
 
 class FinalFrames(NamedTuple):
-    """Frames that nothing yet to come changes."""
+    """Frames that no later phoneme changes."""
 
     times: Floats
     """(k,) seconds."""
@@ -53,7 +53,7 @@ class FinalFrames(NamedTuple):
 
 
 class Stream:
-    """A performance of phonemes that become known one by one; see `Performer.stream`.
+    """A performance of phonemes that arrive one by one; see `Performer.stream`.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class Stream:
     28
     """
 
-    def __init__(  # noqa: PLR0913 how things are said, as in `perform`
+    def __init__(  # noqa: PLR0913 as `Performer.perform`
         self,
         performer: "Performer",
         fps: float,
@@ -101,7 +101,7 @@ class Stream:
 
     @property
     def delays(self) -> dict[str, float]:
-        """Seconds that each stage looks ahead, by its name; stages that do not are left out."""
+        """Look-ahead of each stage in seconds, by name; stages without one are left out."""
         found = {}
         if self._heard.levels is not None:
             found["stress"] = 2 * STRESS_REACH_SECONDS
@@ -111,33 +111,33 @@ class Stream:
 
     @property
     def delay(self) -> float:
-        """Seconds that all stages together look ahead, at most.
+        """Maximum look-ahead of all stages together, in seconds.
 
-        A frame is final as soon as a phoneme is known that starts by so much later, or a silence
-        that lasts by `motion.silence_reach` longer than that. Where that phoneme may be the second
-        of a trigram, the next one must be known as well.
+        A frame is final as soon as a phoneme is known that starts later by this delay, or a silence
+        that lasts longer than the delay by `motion.silence_reach`. If that phoneme may be the
+        second of a trigram, the next one must be known as well.
         """
         return sum(self.delays.values())
 
     @property
     def start(self) -> float | None:
-        """Seconds of the first frame, before the first sound; None while it is not known."""
+        """Time of the first frame, before the first sound; None while it is unknown."""
         return self._frames.seconds(self._heard, 0) if self.final else None
 
     @property
     def given(self) -> int:
-        """Number of frames that were returned."""
+        """Number of returned frames."""
         return self._given
 
     @property
     def final_until(self) -> float | None:
-        """Seconds of the last final frame; None while there is none."""
+        """Time of the last final frame; None before the first one."""
         final = self.final
         return self._frames.seconds(self._heard, final - 1) if final else None
 
     @property
     def known(self) -> float | None:
-        """Seconds until which everything is known; None before the first phoneme."""
+        """Time until which everything is known; None before the first phoneme."""
         return self._heard.until if self._heard.labels else None
 
     @property
@@ -147,7 +147,7 @@ class Stream:
 
     @property
     def held(self) -> int:
-        """Number of labels, sounds, levels and frames in memory; hours do not raise it."""
+        """Number of labels, sounds, levels and frames in memory; it stays small for hours."""
         heard, made = self._heard, self._made
         kept = len(heard.labels) + len(heard.sounds) + len(heard.words) + len(heard.vowels)
         return kept + len(self._intake.known) + len(made)
@@ -155,13 +155,13 @@ class Stream:
     def feed(
         self, phoneme: str | Schedule, start: float | None = None, end: float | None = None
     ) -> None:
-        """Add the phoneme that follows, or timed phonemes with their words.
+        """Add the next phoneme, or a schedule of phonemes with their words.
 
         Parameters
         ----------
-        phoneme : a label in the stream's notation, or a schedule in any
-        start : seconds at which the label starts, or by which the times of the schedule are moved
-        end : seconds at which the label ends; None while that is not known: it lasts until the
+        phoneme : a label in the stream's notation, or a schedule in any notation
+        start : start of the label in seconds, or seconds to add to the times of the schedule
+        end : end of the label in seconds; None while it is unknown: the label lasts until the
             next one
 
         Raises
@@ -180,7 +180,7 @@ class Stream:
         stop = None if end is None else second(here, end)
         if stop is not None and stop <= at:
             raise ScheduleError(
-                f"{here} from {at:g} s ends at {stop:g} s, before it starts; put them in order"
+                f"{here} from {at:g} s ends at {stop:g} s, before it starts; check both times"
             )
         refuse_jump(here, at, at if stop is None else stop)
         label = self._intake.label(phoneme, at, stop)
@@ -189,87 +189,88 @@ class Stream:
             self._heard.add(label._replace(start=begun))
 
     def known_until(self, seconds: float) -> None:
-        """Say that no phoneme starts before a time: the last one lasts, or silence follows it.
+        """State that no phoneme starts before a time: the last one lasts, or silence follows it.
 
         Raises
         ------
         ScheduleError
-            The time is before what is known, or nothing was fed yet.
+            The time is before the known time, or no phoneme was fed yet.
         """
         self._refuse_finished()
         at = second("known_until", seconds)
         if not self._heard.labels:
             raise ScheduleError(
-                f"nothing is known before {at:g} s; feed a phoneme first, or silence ({SILENCE!r})"
+                f"the stream has no phonemes until {at:g} s; feed a phoneme first, or silence "
+                f"({SILENCE!r})"
             )
         until = self._heard.until
         if at < until - SNAP_SECONDS:
             raise ScheduleError(
-                f"all is known until {until:g} s already, past {at:g} s; `revise` takes it back"
+                f"the stream is known until {until:g} s already, which is after {at:g} s; "
+                "`revise` removes phonemes"
             )
         refuse_jump("known_until", until, at)
         if at > until:
             self._heard.lasts(at)
 
     def revise(self, seconds: float) -> None:
-        """Forget the phonemes from a time on, so that others can be fed.
+        """Remove the phonemes from a time on, so that others can be fed.
 
         A phoneme that lasts at that time ends there.
 
         Raises
         ------
         LipsyncError
-            Frames that were given depend on it, or the time parts a word.
+            Returned frames depend on these phonemes, or the time divides a word.
         """
         self._refuse_finished()
         at = second("revise", seconds)
         word = self._heard.parted(at)
         if word is not None:
             raise LipsyncError(
-                f"{at:g} s is within a word that has curves or a pronunciation of its own; "
-                f"take it back whole, from {word:g} s"
+                f"{at:g} s is within a word with its own curves or pronunciation; "
+                f"remove the whole word, from {word:g} s"
             )
         other = self._heard.apart()
         other.take_back(at)
         if self._given and self._frames.settled(other) < self._given:
             shown = self._frames.seconds(self._heard, self._given - 1)
             raise LipsyncError(
-                f"frames until {shown:.3f} s were given, and depend on what is known from {at:g} s "
-                f"on; what starts {self.delay:.3f} s later than they can be taken back"
+                f"frames until {shown:.3f} s were returned and depend on the phonemes from {at:g} "
+                f"s on; only phonemes that start after {shown + self.delay:.3f} s can be removed"
             )
         if not self._given:
             self._frames.lead = None
         self._heard, self._made = other, self._made[:0]
 
     def finish(self) -> None:
-        """Say that nothing follows: the mouth comes to rest, and all frames are final.
+        """End the stream: the mouth comes to rest, and all frames are final.
 
         Raises
         ------
         LipsyncError
-            Nothing was fed, or the end of the last phoneme is not known.
+            No phoneme was fed, or the end of the last phoneme is unknown.
         """
         if self.finished:
             return
         heard = self._heard
         if not heard.labels or not heard.sounds:
-            raise LipsyncError("the stream has no phonemes; feed at least one before its end")
+            raise LipsyncError("the stream has no phonemes; feed at least one before you finish it")
         last = heard.labels[-1]
         if last.end is None:
             if heard.until <= last.start:
                 raise LipsyncError(
-                    f"the end of the phoneme from {last.start:g} s is not known; "
-                    "say how long it lasts (`known_until`)"
+                    f"the phoneme from {last.start:g} s has no end; give its end with `known_until`"
                 )
             heard.end(heard.until)
         self._frames.finish(heard)
 
     def frames(self, until: float | None = None) -> FinalFrames:
-        """Return the frames that are final and were not returned before.
+        """Return the final frames that were not returned before.
 
         Parameters
         ----------
-        until : seconds; later frames come with a later call. None for all of them
+        until : time of the last frame to return, in seconds; None for all final frames
         """
         begin, heard, frames = self._given, self._heard, self._frames
         stop = final = self.final
@@ -288,7 +289,7 @@ class Stream:
 
     @property
     def final(self) -> int:
-        """Number of frames, from the first, that are final; some may have been returned."""
+        """Number of final frames from the first on, including returned ones."""
         return max(self._frames.settled(self._heard), self._given)
 
     def _shown(self, seconds: float) -> int:
@@ -311,7 +312,7 @@ class Stream:
     def _begin(
         self, here: str, start: float, end: float | None, *, whole: bool = False
     ) -> float | None:
-        """Return where a phoneme starts that follows what is known; None where it is dropped.
+        """Return the start of the next phoneme after late times are cut; None if it is dropped.
 
         Parameters
         ----------
@@ -326,9 +327,9 @@ class Stream:
         early = start < until - SNAP_SECONDS or (lasting and start <= last.start)
         if early and (self.late == "refuse" or whole or (lasting and until <= last.start)):
             raise ScheduleError(
-                f"{here} starts at {start:g} s, but all is known until {until:g} s: it comes late, "
-                "or times run backwards. Take back what is not final (`revise`), or open the "
-                "stream with `late='shorten'`"
+                f"{here} starts at {start:g} s, but the stream is known until {until:g} s: the "
+                "phoneme is late, or the times are not in order. Remove phonemes that are not "
+                "final (`revise`), or open the stream with `late='shorten'`"
             )
         if lasting and not early:
             return start
@@ -343,7 +344,7 @@ class Stream:
 
     def _refuse_finished(self) -> None:
         if self.finished:
-            raise LipsyncError("the stream is finished; open another one")
+            raise LipsyncError("the stream is finished; open a new one")
 
 
 def _refuse_words(stated: Mapping[str, Mapping[str, object]]) -> None:
@@ -352,6 +353,6 @@ def _refuse_words(stated: Mapping[str, Mapping[str, object]]) -> None:
         for name, points in levels.items():
             if len(points) > 1:  # type: ignore[arg-type]  # points of words
                 raise LipsyncError(
-                    f"the character's {what}: {name} has points at words of a line, and a stream "
-                    "has no lines; give it one level"
+                    f"the character's {what}: {name} has points at words of a line, but a stream "
+                    "has no lines; give {name} a single level"
                 )

@@ -1,4 +1,4 @@
-"""Stream frames: which frames of a stream are final, and their weights.
+"""Stream frames: the final frames of a stream, and their weights.
 
 Times are seconds; frames are counted from the first of the stream. The stages run on a window
 around the frames, as far as they look back and ahead.
@@ -30,7 +30,7 @@ class StreamFrames:
 
     Parameters
     ----------
-    blends, dials : the same for all of the stream
+    blends, dials : styles and dials of the whole stream
     emphasis : True if words with emphasis are expected
     """
 
@@ -49,12 +49,12 @@ class StreamFrames:
         shown = self.tables.papers if self.motion.thresholds == "paper" else self.tables
         self.ahead = LookAhead.of(_bounded(prepare(shown, self.motion, fps)), self.motion, fps)
         self.lead: int | None = None
-        """Frames before the start of the schedule; None until that is known."""
+        """Number of frames before the schedule starts; None until it is known."""
         self.count: int | None = None
-        """Frames of the whole stream; None until its end is known."""
+        """Number of frames of the whole stream; None until its end is known."""
 
     def settled(self, heard: Heard) -> int:
-        """Return the number of frames that are final with what was heard."""
+        """Return the number of frames that are final with the labels so far."""
         if self.count is not None:
             return self.count
         if not heard.sounds:
@@ -77,7 +77,7 @@ class StreamFrames:
         return max(final + self.lead, 0)
 
     def finish(self, heard: Heard) -> None:
-        """Count all frames of a stream that ends with what was heard."""
+        """Count all frames of a stream that ends with the labels so far."""
         if self.lead is None:
             self.lead = self._lead_in(heard)
         closing = heard.closing(self.motion.silence_reach)
@@ -97,7 +97,7 @@ class StreamFrames:
         low, high = self.needed(begin), stop + self.ahead.ahead
         if self.count is not None:
             high = min(high, self.count)
-        # more frames where the line goes on, for the stages bring the mouth to rest at both ends
+        # more frames if the line goes on, since the stages bring the mouth to rest at both ends
         more = self.ahead.ramp if low else 0
         beyond = self.ahead.ramp if high != self.count else 0
         frames = self.laid(heard, low - more, high + beyond)
@@ -134,7 +134,7 @@ class StreamFrames:
         return tuple(out)
 
     def forget(self, heard: Heard, given: int) -> None:
-        """Let what was heard forget what no frame after those that were given depends on."""
+        """Forget the labels on which no frame after the returned ones depends."""
         since = self.seconds(heard, self.needed(given))
         heard.forget(since, begun_trigrams(heard, self.tables))
 
@@ -148,16 +148,16 @@ class StreamFrames:
 
 
 ENDLESS = {"smooth": "smooth=none", "switch": "hold=0"}
-"""Settings that bound the stages that may look at any distance."""
+"""Settings that limit the stages with an unlimited look-ahead."""
 
 
 def _bounded(prepared: Prepared) -> Prepared:
-    """Refuse settings with which a stage looks at all of a line."""
+    """Refuse settings with which a stage needs the whole line."""
     endless = [ENDLESS[name] for name, look in prepared.reach.items() if isinf(look.ahead)]
     if endless:
         name = endless[0].partition("=")[0]
         raise LipsyncError(
-            f"the motion's `{name}` looks at all of a line, so no frame of a stream is ever final; "
+            f"the motion's `{name}` needs the whole line, so no frame of a stream is ever final; "
             f"perform whole lines, or set motion.{endless[0]}"
         )
     return prepared

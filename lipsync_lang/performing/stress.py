@@ -25,13 +25,13 @@ VOWEL = "vowel"
 """Sound class of the sounds that carry stress."""
 
 SILENT_MANNER, CONSONANT_MANNER, VOWEL_MANNER = 0, 1, 2
-"""The same as numbers: of silence, of sounds that do not, and of those that do."""
+"""Sound classes as numbers: silence, sounds without stress, and sounds that carry it."""
 
 RAMP_SECONDS = 0.08
-"""Time over which an emphasised word begins, and ends, to open the mouth wider."""
+"""Duration of the rise before an emphasised word, and of the fall after it."""
 
 STRESS_REACH_SECONDS = 0.15
-"""Time from the middle of a vowel after which its stress has no effect, if no other is as near."""
+"""Time from the middle of a vowel in which its stress has an effect, if no other is nearer."""
 
 
 def stress_levels(stated: Mapping[str, Any], factor: float) -> dict[int, float]:
@@ -44,10 +44,10 @@ def stress_levels(stated: Mapping[str, Any], factor: float) -> dict[int, float]:
 
 
 def vowel_level(middles: Floats, values: Floats) -> Level:
-    """Return the level of vowels over time: straight lines, back to 1 far from every vowel.
+    """Return the level of vowels over time: straight lines that return to 1 far from vowels.
 
-    So a level depends on vowels within twice `STRESS_REACH_SECONDS` alone, and a stream need not
-    wait for the vowel after a pause.
+    A level depends only on vowels within twice `STRESS_REACH_SECONDS`, so a stream need not wait
+    for the vowel after a pause.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def vowel_level(middles: Floats, values: Floats) -> Level:
 class StressMarks:
     """Reads marks of stress label by label.
 
-    A mark before a consonant belongs to the vowel after it, as the IPA writes stress. Silence ends
-    it.
+    A mark before a consonant belongs to the vowel after it, as the IPA writes stress. The mark ends
+    at a silence.
     """
 
     def __init__(self, before: int | None = None) -> None:
@@ -77,8 +77,8 @@ class StressMarks:
 
         Parameters
         ----------
-        mark : its own mark, if any
-        kind : its sound class; empty for silence
+        mark : mark of the label, if any
+        kind : sound class of the label; empty for silence
         """
         if kind == VOWEL:
             stress = mark if mark is not None else self.before or UNSTRESSED
@@ -93,7 +93,7 @@ def stresses_of(marks: Ints, manners: Ints) -> Ints:
 
     Parameters
     ----------
-    marks : (n,) its own mark; -1 for none
+    marks : (n,) mark of each label; -1 for none
     manners : (n,) 0 for silence, 2 for a vowel, 1 for other sounds
     """
     at = np.arange(len(marks))
@@ -114,12 +114,12 @@ def stress_dial(
     factor: float,
     poses: Bools,
 ) -> Dial | None:
-    """Return the dial for stress; None if nothing is marked or the pose set states no amounts.
+    """Return the dial for stress; None without marks, or without amounts in the pose set.
 
     Parameters
     ----------
     stated : the pose set's `intensity`
-    stresses : (n,) stress of each vowel, -1 for other sounds; empty if nothing marks any
+    stresses : (n,) stress of each vowel, -1 for other sounds; empty without marks
     factor : 0 for no effect, 1 for the setting of the pose set
     poses : (P,) True for the poses that effort moves
     """
@@ -137,7 +137,7 @@ def stress_dial(
 def emphasis_dial(
     stated: Mapping[str, Any] | None, schedule: "Schedule", poses: Bools
 ) -> Dial | None:
-    """Return the dial for emphasised words; None if there are none, or nothing for them to move.
+    """Return the dial for emphasised words; None without such words or without amounts.
 
     The parameters are those of `stress_dial`.
     """
@@ -158,8 +158,8 @@ def ramped_level(ramps: Sequence[Sequence[float]], highs: Sequence[float]) -> Le
 
     Parameters
     ----------
-    ramps : four seconds of each word: its rise, start, end, and where it is over
-    highs : by how much each raises the level
+    ramps : four times of each word: begin of the rise, start, end, and end of the fall
+    highs : increase of the level by each word
     """
     times = np.unique(np.array(ramps))
     rises = [

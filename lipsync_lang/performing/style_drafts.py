@@ -1,4 +1,4 @@
-"""Banks of drafted styles: neutral curves, scaled and raised as the pose set states.
+"""Banks of drafted styles: neutral curves, scaled and offset as the pose set states.
 
 A bank is as large as the neutral one, so it is made when a style is first heard.
 """

@@ -1,6 +1,6 @@
-"""Trace: explanation of the pose weights at one time, stage by stage.
+"""Trace: explains the pose weights at one time, stage by stage.
 
-A performance records nothing. The explanation recomputes the stages for the frames near the time.
+A performance records no trace. The explanation recomputes the stages for the frames near the time.
 """
 
 from collections.abc import Mapping
@@ -29,8 +29,8 @@ VISIBLE = 5e-4
 DONE = {
     "stitch": "the larger of the overlapping bigrams",
     "overlay": "the character's own curve of this word or line",
-    "smooth": "a valley filled",
-    "switch": "one pose at a time, each for a least time",
+    "smooth": "a valley between two peaks is filled",
+    "switch": "one pose at a time, each for a minimum time",
     "anticipate": "begins before its sound",
     "ease": "rounded off",
     "rest": "brought to rest at the ends",
@@ -116,7 +116,7 @@ def _bigrams(
 ) -> tuple[BigramAt | None, BigramAt | None]:
     """Return the bigrams that end and begin with the phoneme of the frame.
 
-    In the middle of a trigram both are halves of it, and the second stands for it.
+    In the middle of a trigram, both are its halves, and only the second is returned.
     """
     at, track = int(place.phoneme[0]), performance.track
     found: list[BigramAt | None] = [None, None]
@@ -180,14 +180,14 @@ def _in_trigram(
 
 
 def _style_origin(compiled: "Compiled", style: str, row: int) -> Origin | None:
-    """Return the origin of a row in a style; None where the neutral one stands in."""
+    """Return the origin of a row in a style; None if the neutral row replaces it."""
     draft = compiled.style_drafts.get(style)
     if draft is not None:
         return Origin(compiled.origins[row].pair, "draft", "drafted", (draft["place"],))
     return compiled.style_origins[style].get(str(row))
 
 
-def _pose(  # noqa: PLR0913, PLR0917 what a frame went through
+def _pose(  # noqa: PLR0913, PLR0917 the stages of a frame
     performer: "Performer",
     performance: Performance,
     pose: int,
@@ -228,7 +228,7 @@ def _larger(covering: tuple[BigramAt | None, ...], values: list[float]) -> str:
 
 
 def _scaled(performance: Performance, pose: int, frame: int) -> str:
-    """Return the factors of a pose at a frame, as text."""
+    """Describe the factors of a pose at a frame."""
     now = performance.frames.times(frame, frame + 1)
     factors = [(d.name, float(d.level.at(now)[0])) for d in performance.dials if d.poses[pose]]
     told = [f"{name} x {factor:.2f}" for name, factor in factors if abs(factor - 1) > VISIBLE]
@@ -236,7 +236,7 @@ def _scaled(performance: Performance, pose: int, frame: int) -> str:
 
 
 def held_reason(performer: "Performer", performance: Performance, pose: int, frame: int) -> str:
-    """Return the contacts that limit a pose at a frame, its own and those it outranks, as text."""
+    """Describe the contacts that limit a pose at a frame: its own, and those that it outranks."""
     names = performer.compiled.contact_names
     reasons = []
     for name, contact, (_, frames) in zip(
@@ -255,7 +255,7 @@ def held_reason(performer: "Performer", performance: Performance, pose: int, fra
 def constraint_reason(
     performer: "Performer", performance: Performance, pose: int, weights: Floats
 ) -> str:
-    """Return the tightest constraint of a pose among (P,) constrained weights, as text."""
+    """Describe the tightest constraint of a pose among (P,) constrained weights."""
     rooms = [
         (threshold - float(weights[high]), high, threshold)
         for low, high, threshold in performance.tables.caps

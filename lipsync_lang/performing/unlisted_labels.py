@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from lipsync_lang.phonology.nearest import NearestPhonemes
 
 _CAPITAL = re.compile("[A-Z]")
-"""Letters that the IPA does not have, and most other notations do."""
+"""Letters that are absent from the IPA, but present in most other notations."""
 
 
 def nearest_value(near: "NearestPhonemes", notation: Notation, label: str) -> Value | None:
-    """Return the common phonemes nearest to a label in IPA; None if it is not one sound of it."""
+    """Return the common phonemes nearest to an IPA label; None if it is not a single sound."""
     text = notation.text(label)
     if text is None or not any(map(str.isalpha, text)) or _CAPITAL.search(text):
         return None  # signs alone, such as ??, or another notation
