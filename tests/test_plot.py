@@ -286,7 +286,7 @@ def test_an_unknown_format_names_the_known_ones(animation):
 
 
 def test_an_animation_made_elsewhere_is_refused(animation):
-    with pytest.raises(OutputError, match="not performed here"):
+    with pytest.raises(OutputError, match="without a performer"):
         picture(replace(animation, performer=None))
 
 

@@ -1,4 +1,4 @@
-"""Plot of the bigrams that a layer changes: small multiples, before and after, pose by pose.
+"""Plot of the bigrams that a layer changes: a panel per bigram, with each pose before and after.
 
 Units: x is normalised time; y is inches from the top of a panel, the scale of a printed page.
 """
@@ -100,14 +100,14 @@ def _head(figure: "Figure", diff: Diff, shown: int, height: float) -> None:
     figure.text(left, 1 - 0.12 / height, title, size=13, weight="bold", va="top")
     parts = [diff.language, f"{len(diff.changes)} of {diff.total} bigrams differ"]
     if shown < len(diff.named):
-        parts.append(f"the {shown} that differ most")
+        parts.append(f"showing the {shown} with the largest differences")
     line = "   ·   ".join(parts)
     figure.text(left, 1 - 0.4 / height, line, size=10, color=INK, va="top")
     entries = {
         "before": Line2D([], [], **BEFORE),
         "after": Line2D([], [], **AFTER),
-        "the difference": Patch(facecolor=CHANGED, alpha=0.6),
-        "where the first phoneme ends": Line2D([], [], color=INK, lw=0.8, ls=":"),
+        "difference": Patch(facecolor=CHANGED, alpha=0.6),
+        "end of the first phoneme": Line2D([], [], color=INK, lw=0.8, ls=":"),
     }
     figure.legend(
         list(entries.values()), list(entries), ncols=len(entries), loc="upper right",
@@ -121,7 +121,7 @@ def _panel(axes: "Axes", panel: Panel, poses: tuple[str, ...]) -> None:
     word = f"  {change.word}" if change.word else ""
     axes.set_title(f"{change.bigram}{word}", size=11, weight="bold", loc="left", pad=16)
     axes.annotate(
-        f"{change.before} → {change.after}" if change.changed else "the same",
+        f"{change.before} → {change.after}" if change.changed else "unchanged",
         (0, 1), (0, 5), xycoords="axes fraction", textcoords="offset points", size=8, color=INK,
     )  # fmt: skip
     tops = np.arange(len(panel.poses)) * (ROW + GAP) + GAP

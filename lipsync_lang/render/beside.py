@@ -1,4 +1,4 @@
-"""Plot of one line on several faces, stacked for comparison on a common time axis in seconds."""
+"""Plot of one line on several faces, stacked on a common time axis in seconds."""
 
 from collections.abc import Sequence
 from textwrap import shorten
@@ -40,13 +40,15 @@ def plot_beside(animations: Sequence[Animation], stream: BinaryIO, format: str =
         There is nothing to draw, or the schedules of the animations differ.
     """
     if not animations:
-        raise LipsyncError("no animation to draw")
+        raise LipsyncError("there is no animation to draw; give at least one")
     first = animations[0].schedule
     for one in animations[1:]:
         if one.schedule.labels != first.labels or not np.array_equal(
             one.schedule.times, first.times
         ):
-            raise LipsyncError("animations of different lines cannot stand below each other")
+            raise LipsyncError(
+                "the animations are of different lines; give animations of the same schedule"
+            )
     draw(lambda: _page(animations), stream, format)
 
 

@@ -1,4 +1,4 @@
-"""Fonts for the text of pictures: installed ones that have its letters, or advice which to install.
+"""Fonts for the text of pictures: installed fonts with its letters, or fonts to install.
 
 No library lists fonts for all pictures: matplotlib draws plots, and Pillow draws sheets. So the
 folders of the system are searched here, and the library that draws says which letters a file has.
@@ -20,31 +20,31 @@ FOLDERS = {
     "darwin": ("/System/Library/Fonts", "/Library/Fonts", "~/Library/Fonts"),
     "win32": ("%WINDIR%/Fonts", "%LOCALAPPDATA%/Microsoft/Windows/Fonts"),
 }
-"""Folders of fonts by platform; those of Linux serve other systems."""
+"""Folders of fonts by platform; other systems use those of Linux."""
 
 SUFFIXES = (".ttf", ".otf", ".ttc", ".otc")
 
 MAX_FONTS = 5000
-"""Font files that are looked at."""
+"""Maximum number of font files to read."""
 
 SHOWN_LETTERS = 12
-"""Missing letters in a remark."""
+"""Maximum number of missing letters in a remark."""
 
 ELLIPSIS = "…"
-"""Stands in a picture for letters that no font has."""
+"""Replaces letters that no font has."""
 
 UNFIT = re.compile(r"last ?resort|blank|emoji|color|symbol|music", re.IGNORECASE)
-"""File names of fonts that have boxes or pictures for letters."""
+"""Words in names of fonts that show boxes or symbols instead of letters."""
 
 UNUSUAL = re.compile(
     r"bold|italic|oblique|black|thin|light|medium|condensed|narrow|mono|serif|slant|kufi|nastaliq"
     r"|looped|display|supplement|[a-z]UI\b",
     re.IGNORECASE,
 )
-"""File names of fonts that stand out beside an upright sans serif."""
+"""Words in names of fonts that differ visibly from an upright sans serif."""
 
 PLAIN_SCRIPTS = {"LATIN", "GREEK", "CYRILLIC", "COMBINING", "MODIFIER", "SUPERSCRIPT", "SUBSCRIPT"}
-"""First words of letters' names in Unicode that one font of many scripts has."""
+"""First words of Unicode names of letters that a font of several scripts contains."""
 
 HIDDEN = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp", "Zs"}
 """Unicode categories of characters without a glyph."""
@@ -55,7 +55,7 @@ EAST_ASIAN_SCRIPTS = {
 }  # fmt: skip
 
 Coverage = Callable[[Path, frozenset[str]], frozenset[str]]
-"""Return those of some letters that a font file has."""
+"""Return the subset of letters that a font file contains."""
 
 
 _log = logging.getLogger(__name__)
@@ -63,16 +63,16 @@ _told: set[str] = set()
 
 
 class FoundFonts(NamedTuple):
-    """Fonts that have the letters of a text together."""
+    """Fonts that together contain the letters of a text."""
 
     paths: tuple[Path, ...]
     missing: frozenset[str]
-    """Letters that no font has."""
+    """Letters that no font contains."""
 
 
 @cache
 def find_fonts(letters: frozenset[str], coverage: Coverage) -> FoundFonts:
-    """Find few installed fonts with some letters; among equals, the plainest fonts.
+    """Find a few installed fonts that contain some letters, plain fonts first.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def split_letters(text: str, *, hidden: bool = False) -> Iterator[str]:
 
 
 def warn_of(missing: Collection[str]) -> None:
-    """Log once which letters no font has, unless only their marks are left out."""
+    """Log once the letters that no font contains, unless only their marks are left out."""
     if any(letter[0] in missing for letter in missing):
         remark = font_remark(missing)
         if remark not in _told:
@@ -149,7 +149,7 @@ def warn_of(missing: Collection[str]) -> None:
 
 
 def legible(text: str, missing: Collection[str]) -> str:
-    """Replace letters that no font has: by the character without marks, or by an ellipsis."""
+    """Replace letters that no font contains with the character without marks, or an ellipsis."""
     for letter in sorted(split_letters(text), key=len, reverse=True):
         if letter in missing:
             text = text.replace(letter, ELLIPSIS if letter[0] in missing else letter[0])
@@ -157,7 +157,7 @@ def legible(text: str, missing: Collection[str]) -> str:
 
 
 def font_remark(missing: Collection[str]) -> str:
-    """Say which letters no installed font has, and which font to install.
+    """Name the letters that no installed font contains, and the font to install.
 
     >>> print(font_remark("क"))  # doctest: +SKIP
     no installed font has the letter क: the picture shows "…" instead; install Noto Sans ...
@@ -170,7 +170,7 @@ def font_remark(missing: Collection[str]) -> str:
 
 
 def fonts_to_install(letters: Iterable[str]) -> dict[str, str]:
-    """Return names of fonts with some letters, each with the way to install it here."""
+    """Return names of fonts with some letters, each with its installation on this platform."""
     return {name: _how(name) for name in dict.fromkeys(map(_font_name, sorted(letters)))}
 
 
@@ -184,11 +184,11 @@ def _font_name(letter: str) -> str:
 
 
 def _how(name: str) -> str:
-    """Return the way to install a font of Google's Noto family on this platform."""
+    """Describe the installation of a font of Google's Noto family on this platform."""
     if sys.platform == "darwin":
         cask = name.lower().replace(" ", "-").replace("cjk", "cjk-jp")
         return f"brew install --cask font-{cask}"
     if sys.platform == "win32":
-        return "download it from https://fonts.google.com/noto, and open the file to install it"
+        return "download it from https://fonts.google.com/noto and open the file to install it"
     package = "fonts-noto-cjk" if name.endswith("CJK") else "fonts-noto-core"
-    return f"sudo apt install {package} (Debian, Ubuntu), or your system's package of Noto fonts"
+    return f"sudo apt install {package} (Debian, Ubuntu), or the Noto package of your system"

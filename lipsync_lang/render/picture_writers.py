@@ -1,4 +1,4 @@
-"""Pictures of a model that speaks: videos with the sound, and a sheet of stills."""
+"""Pictures of a speaking model: videos with sound, and a sheet of stills."""
 
 from typing import BinaryIO
 

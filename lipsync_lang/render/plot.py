@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 FORMATS: dict[str, dict[str, Any] | None] = dict.fromkeys(("png", "svg", "pdf", "jpg", "webp"))
 FORMATS |= {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-"""File formats, with the metadata that keeps the clock out of each file."""
+"""File formats, with the metadata that leaves out the date of each file."""
 
 RC = {
     "font.size": 9,
@@ -91,7 +91,7 @@ RULE, SILENT, OUTSIDE = "#c4c4c4", "#f5f5f5", "#e6e6e6"
 STITCHED: dict[str, Any] = {"lw": 1.0, "ls": (0, (1, 1))}
 THIN: dict[str, Any] = {"color": RULE, "lw": 0.6, "zorder": 0.5}
 GATE: dict[str, Any] = {"facecolor": "none", "edgecolor": "#b8408a", "lw": 1.2, "zorder": 4.5}
-"""Style of the box that bounds a pose during a contact."""
+"""Style of the box that shows the limits of a pose during a contact."""
 
 
 def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  # noqa: A002
@@ -108,7 +108,9 @@ def plot(animation: Animation, stream: BinaryIO, format: str = "png") -> None:  
         The format is unknown, matplotlib is missing, or the animation has no performer.
     """
     if animation.performer is None:
-        raise OutputError("this animation was not performed here; its stages cannot be drawn")
+        raise OutputError(
+            "an animation without a performer has no stages; perform its schedule to draw it"
+        )
     draw(lambda: _page(View(animation)), stream, format)
 
 
@@ -122,10 +124,10 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
     """
     name = format.lower()
     if name not in FORMATS:
-        what = f"no picture in '{format}'" if format else "a picture needs a suffix"
+        what = f"no picture format '{format}'" if format else "the picture's name has no suffix"
         raise OutputError(f"{what}; known: {', '.join(FORMATS)}")
     try:
-        import matplotlib as mpl  # noqa: F401 its absence hides behind modules loaded before
+        import matplotlib as mpl  # noqa: F401 loaded modules may hide that it is missing
         from matplotlib import style
     except ImportError:
         raise OutputError('a picture needs matplotlib: pip install "lipsync-lang[plot]"') from None
@@ -209,7 +211,7 @@ def _look(stage: Stage) -> tuple[str, str]:
 
 
 def _scales(axes: "Axes", view: View) -> None:
-    """Label bands and poses at the left; rule each row at 0 and 1; mark seconds below."""
+    """Label bands and poses at the left, draw lines at 0 and 1, and mark seconds below."""
     from matplotlib.ticker import AutoMinorLocator, FormatStrFormatter, MaxNLocator
 
     names = [(band.name, (band.top + band.bottom) / 2) for band in view.bands]
@@ -231,7 +233,7 @@ def _scales(axes: "Axes", view: View) -> None:
 
 
 def _grounds(axes: "Axes", view: View) -> None:
-    """Shade silence, and darker the time outside the schedule; rule the phoneme boundaries."""
+    """Shade silence and the time outside the schedule, and draw the phoneme boundaries."""
     schedule, track = view.animation.schedule, view.performance.track
     silent = np.flatnonzero(track.ids == view.performance.tables.silence)
     spans = [(track.bounds[i], track.bounds[i + 1], SILENT) for i in silent]
@@ -243,7 +245,7 @@ def _grounds(axes: "Axes", view: View) -> None:
 
 
 def _labels(axes: "Axes", view: View) -> None:
-    """Draw each label at the middle of its span, in the strip that holds it."""
+    """Draw each label at the middle of its span, in its strip."""
     low, high = axes.get_xlim()
     for band in view.bands:
         axes.axhline(band.bottom, **THIN)

@@ -1,4 +1,4 @@
-"""Fonts of matplotlib's figures: each letter is drawn by an installed font that has it.
+"""Fonts of matplotlib's figures: installed fonts that contain each letter.
 
 matplotlib draws a letter in the first font of a list that has it. The list is its usual font,
 followed by fonts for the letters that this one lacks. Fonts are searched only if it lacks some.
@@ -59,7 +59,7 @@ def fonts_for(letters: frozenset[str]) -> FoundFonts:
 
 
 def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
-    """Return those of some letters that a font file has; none if matplotlib cannot use it."""
+    """Return the letters that a font file contains; none if matplotlib cannot use it."""
     from matplotlib.ft2font import FT2Font
 
     try:
@@ -80,7 +80,7 @@ def _take(paths: tuple[Path, ...]) -> None:
 
 @cache
 def _family(path: Path) -> str:
-    """Return the family of a font file, which is made known to matplotlib."""
+    """Register a font file with matplotlib, and return its family."""
     from matplotlib import font_manager
 
     manager = font_manager.fontManager
@@ -96,7 +96,7 @@ def _texts(figure: "Figure") -> "list[Text]":
 
 
 def _strings(figure: "Figure") -> Iterator[str]:
-    """Yield the texts of a figure; those of ticks are set when they are asked for."""
+    """Yield the texts of a figure, with those of ticks, which matplotlib sets on request."""
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             yield from (label.get_text() for label in axis.get_ticklabels(which="both"))

@@ -36,10 +36,10 @@ space between a word and its time."""
 PAPER, INK, PALE = "#ffffff", "#222222", "#777777"
 
 FONTS = ("DejaVuSans.ttf", "NotoSans-Regular.ttf", "segoeui.ttf", "Arial Unicode.ttf", "arial.ttf")
-"""Usual fonts by preference; other installed fonts draw the letters that the first one lacks."""
+"""Default fonts by preference; other installed fonts draw the letters missing from them."""
 
 TRIED = 12
-"""Pixels: size at which a font is looked into."""
+"""Pixels: font size for the test of letters."""
 
 ABSENT = "\U0010fffe"
 """A character absent from every font."""
@@ -47,7 +47,7 @@ ABSENT = "\U0010fffe"
 
 @dataclass(frozen=True)
 class Still:
-    """A moment of a line, in seconds of its schedule, with the sound and the word there."""
+    """A moment of a line in seconds of its schedule, with its sound and its word."""
 
     seconds: float
     sound: str
@@ -77,7 +77,7 @@ def sheet(animation: Animation, out: BinaryIO) -> None:
 def moments(
     animation: Animation, seconds: Sequence[float], out: BinaryIO, *, close: bool = False
 ) -> None:
-    """Draw the faces of a line at given times, from one place for all lines of a model.
+    """Draw the faces of a line at given times, with the same camera for all lines of a model.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def _still(schedule: Schedule, seconds: float) -> Still:
 
 
 def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO) -> None:
-    """Write a sheet of stills, of an animation whose sound begins at `start` seconds."""
+    """Write a sheet of stills of an animation whose sound begins at `start` seconds."""
     image = pillow()
     from PIL import ImageDraw
 
@@ -161,7 +161,7 @@ def _plain(text: str, width: int) -> str:
 
 
 def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> int:  # noqa: PLR0913, PLR0917
-    """Draw a text, each part of it in a font that has its letters, and return its right edge."""
+    """Draw a text in fonts that contain its letters, and return its right edge."""
     baseline, x = top + _font(_usual(), size).getmetrics()[0], float(left)
     for part, file in _parts(text):
         font = _font(file, size)
@@ -171,7 +171,7 @@ def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> in
 
 
 def _parts(text: str) -> list[tuple[str, str]]:
-    """Divide a text by the font files that have its letters."""
+    """Split a text by the font files that contain its letters."""
     usual, letters = _usual(), letters_of([text])
     lacking = letters - _having(usual, letters)
     found = find_fonts(lacking, coverage) if lacking else FoundFonts((), lacking)
@@ -188,7 +188,7 @@ def _parts(text: str) -> list[tuple[str, str]]:
 
 
 def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
-    """Return those of some letters that a font file has; none if Pillow cannot use it."""
+    """Return the letters that a font file contains; none if Pillow cannot use it."""
     try:
         return _having(str(path), letters)
     except (OSError, ValueError):
@@ -196,7 +196,7 @@ def coverage(path: Path, letters: frozenset[str]) -> frozenset[str]:
 
 
 def _having(file: str, letters: frozenset[str]) -> frozenset[str]:
-    """Return the letters of a font file; a shape other than that of an absent character is one."""
+    """Return the letters of a font file, whose shape differs from that of a missing character."""
     font = _font(file, TRIED, simple=True)
     absent = bytes(font.getmask(ABSENT))
     characters = {character for letter in letters for character in letter}
@@ -206,7 +206,7 @@ def _having(file: str, letters: frozenset[str]) -> frozenset[str]:
 
 @cache
 def _usual() -> str:
-    """Return the usual font's file; empty for the one that Pillow brings."""
+    """Return the file of the default font; empty for the font of Pillow."""
     for name in FONTS:
         with suppress(OSError):
             _font(name, TRIED)
@@ -216,7 +216,7 @@ def _usual() -> str:
 
 @cache
 def _font(file: str, size: int, *, simple: bool = False) -> Any:
-    """Open a font file, without shaping of letters by their neighbours if `simple`."""
+    """Open a font file; `simple` turns off the shaping of letters by their neighbours."""
     from PIL import ImageFont
 
     if not file:

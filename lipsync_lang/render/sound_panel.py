@@ -1,4 +1,4 @@
-"""The sound of a line in its plot: waveform, spectrogram, boundaries, and words in doubt.
+"""Sound panel of a plot: waveform, spectrogram, boundaries, and doubtful words.
 
 The spectrogram is of the wide-band kind, which shows bursts and closures sharply: the boundary of a
 stop that an aligner has found can be judged by eye.
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Audio
 
 HIGHEST_HERTZ = 5_500.0
-"""Upper edge of the picture; lips and tongue show below it."""
+"""Highest frequency of the picture; lips and tongue show below it."""
 
 WINDOW_SECONDS = 0.008
 RANGE_DECIBELS = 55.0
@@ -36,7 +36,7 @@ WORD_EDGES: dict[str, Any] = EDGES | {"lw": 1.6}
 IN_DOUBT: dict[str, Any] = {
     "facecolor": "#fbe0d0", "edgecolor": "#e9a583", "hatch": "////", "lw": 0, "zorder": 0.4,
 }  # fmt: skip
-"""Ground of a word in doubt; the hatch tells it without colour, too."""
+"""Background of a doubtful word; the hatch shows it without colour, too."""
 
 DOUBT_INK = "#d55e00"
 
@@ -49,13 +49,13 @@ class Spectrogram(NamedTuple):
     start: float
     """Seconds at the left edge."""
     step: float
-    """Seconds of a column."""
+    """Duration of a column in seconds."""
     highest: float
     """Hertz at the upper edge."""
 
     @classmethod
     def of(cls, audio: "Audio", begin: float, end: float, columns_per_second: float) -> Self:
-        """Analyse a sound from `begin` to `end` seconds, or as much of that as it has."""
+        """Analyse a sound from `begin` to `end` seconds, or up to its end."""
         rate = audio.rate
         start, end = max(0.0, begin), min(end, audio.seconds)
         step = 1 / columns_per_second
@@ -118,7 +118,7 @@ def draw_spectrogram(axes: "Axes", view: "View") -> None:
 
 
 def draw_doubts(axes: "Axes", view: "View") -> None:
-    """Hatch the words in doubt, from the waveform down to their text."""
+    """Hatch the doubtful words, from the waveform down to their text."""
     band = view.bands[0]
     for start, end in view.doubts:
         axes.fill_between((start, end), band.top, band.bottom, **IN_DOUBT)

@@ -12,7 +12,7 @@ from lipsync_lang.render.model.scene import Scene
 
 
 def staged(animation: Animation) -> Scene:
-    """Build the scene of the animation's GLB, without any wait for an offset.
+    """Build the scene of the animation's GLB, without the silence of an offset.
 
     Raises
     ------

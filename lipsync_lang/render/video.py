@@ -112,8 +112,8 @@ def _ffmpeg() -> str:
         return str(get_ffmpeg_exe())
     except RuntimeError as error:
         raise OutputError(
-            f"no ffmpeg is to be found ({error}); name one in the environment variable "
-            "IMAGEIO_FFMPEG_EXE"
+            f"ffmpeg was not found ({error}); set the environment variable IMAGEIO_FFMPEG_EXE "
+            "to its path"
         ) from None
 
 

@@ -107,14 +107,14 @@ def _spectrogram(view: View) -> "Spectrogram | None":
 
 
 def _doubts(schedule: "Schedule") -> Iterator[tuple[float, float]]:
-    """Yield start and end of each word whose confidence is low."""
+    """Yield the start and end of each word with low confidence."""
     for word in schedule.words:
         if word.confidence is not None and word.confidence < DOUBTFUL:
             yield float(schedule.times[word.first]), float(schedule.times[word.stop])
 
 
 def _gates(view: View) -> Iterator[tuple[int, float, float, float, float]]:
-    """Yield the contact limits of poses: row, start and end (s), least and greatest weight."""
+    """Yield the contact limits of poses: row, start and end (s), minimum and maximum weight."""
     performance = view.performance
     if performance.motion.contacts != "hold":
         return

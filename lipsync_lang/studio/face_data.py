@@ -62,7 +62,7 @@ def face_data(animation: Animation, pack: ArrayPack) -> Face:
         told = str(error).replace(str(animation.model), animation.model.name)
         return {"unshown": [told]}  # nobody's folders are sent
     except FloatingPointError:
-        return {"unshown": [f"{animation.model.name}: a point moves out of sight"]}
+        return {"unshown": [f"{animation.model.name}: a point moves too far to be drawn"]}
 
 
 def _face(animation: Animation, pack: ArrayPack) -> Face:

@@ -31,7 +31,7 @@ class Lamp(NamedTuple):
     """Direction to the lamp: right, up, towards the eye."""
     colour: tuple[float, float, float]
     wrap: float
-    """Wrap of the light around an edge: 0 for a point source, 1 for a sky."""
+    """Spread of the light around an edge: 0 for a point source, 1 for a sky."""
     shine: float
     """Brightness of the specular reflection."""
 

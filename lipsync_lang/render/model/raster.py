@@ -151,7 +151,7 @@ def _whole(values: Floats, least: int, most: int) -> Ints:
 
 
 def _spread(counts: Ints) -> tuple[Ints, Ints]:
-    """Expand counts: for each item, its owner and its number there from 0."""
+    """Expand counts: the owner of each item, and its number within the owner from 0."""
     counts = np.maximum(counts, 0)
     owners = np.repeat(np.arange(len(counts)), counts)
     return owners, np.arange(len(owners)) - (np.cumsum(counts) - counts)[owners]

@@ -102,7 +102,7 @@ class Scene:
                 self._read()
                 for moment in (0.0, self.seconds):
                     if not np.isfinite(self.points(moment)).all():
-                        raise ValueError("a point moves out of sight")  # noqa: TRY301
+                        raise ValueError("a point moves too far to be drawn")  # noqa: TRY301
                 self._mirror()
         except (AttributeError, LookupError, TypeError, ValueError, ArithmeticError) as error:
             fail(name, f"its meshes cannot be read ({str(error)[:60]})")
@@ -148,13 +148,13 @@ class Scene:
         base = gltf.arrays[attributes["POSITION"]].astype(float)
         count, first = len(base), self.count
         if base.shape[1] != 3:  # noqa: PLR2004 of space
-            raise ValueError("POSITION is not a place")
+            raise ValueError("POSITION must have three values per point")
         if "indices" in primitive:
             corners = gltf.arrays[primitive["indices"]][:, 0].astype(np.intp)
         else:
             corners = np.arange(count)
         triangles = _triangles(corners, mode)
-        _check_below(triangles, count, "a triangle has a corner that is not there")
+        _check_below(triangles, count, "a triangle refers to a point that does not exist")
         weights = self._weights(number, node, mesh, primitive)
         active = np.flatnonzero(np.abs(weights.values).max(axis=0, initial=0.0) > 0)
         targets = [primitive["targets"][target] for target in active]
@@ -164,7 +164,7 @@ class Scene:
             if "POSITION" in target:
                 row[:] = gltf.arrays[target["POSITION"]]
         if not (np.isfinite(base).all() and np.isfinite(deltas).all()):
-            raise ValueError("a point is nowhere")
+            raise ValueError("a point has a position that is not a finite number")
         points = slice(first, first + count)
         skin = self._skin(node, attributes)
         self.parts.append(Part(number, points, base, deltas, active, weights, skin))
@@ -206,7 +206,7 @@ class Scene:
         sets = [one for one in range(8) if f"JOINTS_{one}" in attributes]
         bones = np.hstack([self._gltf.arrays[attributes[f"JOINTS_{one}"]] for one in sets])
         shares = np.hstack([self._gltf.arrays[attributes[f"WEIGHTS_{one}"]] for one in sets])
-        _check_below(bones, len(skin["joints"]), "a point hangs on a bone that is not there")
+        _check_below(bones, len(skin["joints"]), "a point is bound to a bone that does not exist")
         total = shares.sum(axis=1, keepdims=True)
         shares = shares / np.where(total > 0, total, 1.0)
         return Skin(np.array(skin["joints"]), inverse, bones.astype(np.intp), shares)
@@ -218,7 +218,7 @@ class Scene:
         arrays = {n: self._gltf.arrays[attributes[n]] for n in LOOKS if n in attributes}
         for name, values in arrays.items():
             if values.shape[0] != count or values.shape[1] not in LOOKS[name]:
-                raise ValueError(f"{name} is of other points")
+                raise ValueError(f"{name} does not match the points of its mesh")
         normals = arrays.get("NORMAL", np.full((count, 3), np.nan)).astype(float)
         colours = np.ones((count, 4))
         if "COLOR_0" in arrays:
