@@ -5,11 +5,12 @@ from pathlib import Path
 from lipsync_lang.build.script_faults import ScriptFaults
 from lipsync_lang.build.script_files import ScriptLanguage
 from lipsync_lang.errors import PackError
-from lipsync_lang.packs.answers import column_names, folded
+from lipsync_lang.packs.answers import column_names
 from lipsync_lang.packs.finding import POSESET, Finder
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, unique
+from lipsync_lang.phonology.language_names import folded_language
 
 
 def languages_of(
@@ -28,7 +29,7 @@ def languages_of(
             faults.add(FILE, f"languages: {own} and {same[0].word} are one language, {name}")
             continue
         also = [] if path is None else column_names(path)
-        answers = dict.fromkeys(map(folded, [word or own, own, *also]))
+        answers = dict.fromkeys(map(folded_language, [word or own, own, *also]))
         found[len(found)] = ScriptLanguage(name, word or own.replace(":", "-"), tuple(answers))
     return found
 

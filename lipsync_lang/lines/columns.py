@@ -9,9 +9,9 @@ import re
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from typing import TYPE_CHECKING
-from unicodedata import combining, normalize
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
     from lipsync_lang.lines.line_readers import LineFile
@@ -70,9 +70,9 @@ def language_column(head: Sequence[str], names: Sequence[str]) -> int:
     ----------
     names : of the language: its name, title, tag and aliases; the likeliest first
     """
-    wholes = [_folded(name) for name in head]
+    wholes = [folded_language(name) for name in head]
     forms = [_forms(whole) for whole in wholes]
-    asked = list(dict.fromkeys(_folded(name) for name in names if name))
+    asked = list(dict.fromkeys(folded_language(name) for name in names if name))
     for name in asked:
         if name in wholes and _is_free(head, wholes.index(name)):
             return wholes.index(name)
@@ -102,15 +102,13 @@ def _is_regional(form: str, name: str) -> bool:
     return form.startswith(name) and bool(_REGION.fullmatch(form[len(name) :]))
 
 
-def _folded(name: str) -> str:
-    """Return a name in small letters without accents, its words joined by hyphens."""
-    plain = "".join(c for c in normalize("NFKD", name.strip().casefold()) if not combining(c))
-    return re.sub(r"[\s_-]+", "-", normalize("NFC", plain))
-
-
 def _forms(whole: str) -> tuple[str, ...]:
-    """Return what else a column may be named after: its parts without brackets and text words."""
+    """Return what else a column may be named after: its parts without brackets and text words.
+
+    "Chinese (Simplified)" may be named after "Chinese", "Simplified" and "Chinese Simplified".
+    """
     bracketed = _BRACKETED.fullmatch(whole)
-    parts = [whole, *([part.strip("-") for part in bracketed.groups()] if bracketed else ())]
+    inner = [part.strip("-") for part in bracketed.groups()] if bracketed else []
+    parts = [whole, *inner, *(["-".join(inner)] if bracketed else [])]
     beside = [found for part in parts if (found := _BESIDE_TEXT.fullmatch(part))]
     return (*parts, *(one for found in beside for one in found.groups() if one))

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from lipsync_lang.errors import PackError
 from lipsync_lang.packs.yaml.source import read_bytes
+from lipsync_lang.phonology.language_names import folded_language
 
 _TAG = re.compile(rb"^tag:[ \t]*[\"']?([A-Za-z0-9-]+)", re.MULTILINE)
 _ALIASES = re.compile(
     rb"^aliases:[ \t]*(?P<listed>\[[^\]]*\]|(?:(?:[ \t]*#[^\n]*|[ \t\r]*)\n[ \t]*-[ \t][^\n]*)+)",
     re.MULTILINE,
 )
-_ALIAS = re.compile(rb"[A-Za-z0-9]+(?:-[A-Za-z0-9]+)*")
+_PARTING = re.compile(r"[\[\],]|^[ \t]*-[ \t]", re.MULTILINE)
 _TITLE = re.compile(rb"^title:[ \t]*[\"']?([^\"'#\r\n]+)", re.MULTILINE)
 _COMMENT = re.compile(rb"#[^\n]*")
 
@@ -29,9 +30,10 @@ def answers_of(path: Path) -> list[str]:
     except PackError:
         return []
     tag, aliases = _TAG.search(content), _ALIASES.search(content)
-    listed = _COMMENT.sub(b"", aliases["listed"]) if aliases else b""
-    found = [*([tag[1]] if tag else []), *_ALIAS.findall(listed)]
-    return list(dict.fromkeys(folded(name.decode("ascii")) for name in found))
+    listed = _COMMENT.sub(b"", aliases["listed"]).decode("utf-8", "ignore") if aliases else ""
+    stated = [item.strip(" \t\r\n\"'") for item in _PARTING.split(listed)]
+    found = [*([tag[1].decode("ascii")] if tag else []), *filter(None, stated)]
+    return list(dict.fromkeys(map(folded_language, found)))
 
 
 def column_names(path: Path) -> list[str]:
@@ -42,9 +44,4 @@ def column_names(path: Path) -> list[str]:
         title = None
     stated = title[1].decode("utf-8", "ignore").strip() if title else ""
     names = [path.stem, *([stated] if stated else []), *answers_of(path)]
-    return list(dict.fromkeys(map(folded, names)))
-
-
-def folded(name: str) -> str:
-    """Return a language's name or tag in the form used for comparison."""
-    return name.casefold().replace("_", "-")
+    return list(dict.fromkeys(map(folded_language, names)))

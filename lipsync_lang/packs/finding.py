@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
 from lipsync_lang.extensions import distribution, installed
-from lipsync_lang.packs.answers import answers_of, folded
+from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.yaml.source import read_bytes
+from lipsync_lang.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -184,8 +185,8 @@ class Finder:
         """Find the first pack of a name; if there is none, a face's in other letters."""
         found = [self._list(root.path, kind).get(name) for root in self.roots]
         if kind != "language" and not any(found):
-            spelled = {folded(one.name): one.name for one in reversed(self.names(kind))}
-            own = spelled.get(folded(name), name)
+            spelled = {folded_language(one.name): one.name for one in reversed(self.names(kind))}
+            own = spelled.get(folded_language(name), name)
             found = [self._list(root.path, kind).get(own) for root in self.roots]
         return next((path for path in found if path is not None), None)
 
@@ -209,14 +210,14 @@ class Finder:
         for root in self.roots:
             for own, path in self._list(root.path, "language").items():
                 if self._first("language", own) == path:
-                    names.setdefault(folded(own), path)
+                    names.setdefault(folded_language(own), path)
                     for answer in answers_of(path):
                         answers.setdefault(answer, path)
-        asked = folded(name)
+        asked = folded_language(name)
         if asked in names and asked not in answers:
             return names[asked]
         while asked and asked not in answers:
-            asked = asked.rpartition("-")[0]
+            asked = "" if " " in name else asked.rpartition("-")[0]
         return answers.get(asked)
 
     def _beneath(self, path: Path) -> Iterator[Path]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
 from lipsync_lang.errors import PackError, did_you_mean
-from lipsync_lang.packs.answers import answers_of, folded
+from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.checking import pack_checks as checks
 from lipsync_lang.packs.checking.ipa_checks import check_ipa
 from lipsync_lang.packs.checking.language_checks import check_claims
@@ -35,6 +35,7 @@ from lipsync_lang.packs.project import KIND as PROJECT
 from lipsync_lang.packs.project import find_project
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults, shown
 from lipsync_lang.packs.yaml.source import Loc, YamlSource
+from lipsync_lang.phonology.language_names import folded_language
 
 if TYPE_CHECKING:
     from lipsync_lang.packs import models
@@ -278,7 +279,7 @@ class _Validation:
     def _tags(self) -> None:
         """Warn of tags and aliases that two languages state."""
         found = [f for f in self.library.names("language") if f.shadowed_by is None]
-        first = {folded(one.name): one.name for one in found}
+        first = {folded_language(one.name): one.name for one in found}
         for one in found:
             for answer in answers_of(one.path):
                 if first.setdefault(answer, one.name) != one.name:
@@ -288,8 +289,12 @@ class _Validation:
         model, source, _ = self.library.inspect(found.path, "language", found.name)
         if not isinstance(model, Language):
             return
-        alias = next((a for a in model.aliases if folded(a) == answer), None)
-        loc: Loc = ("tag",) if alias is None or folded(model.tag) == answer else ("aliases", alias)
+        alias = next((a for a in model.aliases if folded_language(a) == answer), None)
+        loc: Loc = (
+            ("tag",)
+            if alias is None or folded_language(model.tag) == answer
+            else ("aliases", alias)
+        )
         field = "tag" if loc == ("tag",) else "alias"
         what = f"{field} '{answer}' already belongs to language '{other}'"
         fault = source.fault(loc, "W305", what, f"only '{other}' answers to it")

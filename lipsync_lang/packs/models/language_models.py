@@ -35,6 +35,9 @@ SoundClass = Literal[
 TAG_PATTERN = r"^[A-Za-z0-9]+(-[A-Za-z0-9]+)*$"
 """Pattern of a language's tag."""
 
+ALIAS_PATTERN = r"^[^\x00-/:-@\[-`{-\x7f\s]+([ -][^\x00-/:-@\[-`{-\x7f\s]+)*$"
+"""Pattern of an alias: letters and digits of any script, in words joined by spaces or hyphens."""
+
 SHARES_SLACK = 1e-3
 """Largest difference between the sum of shares and 1; 0.333 three times is accepted."""
 
@@ -341,8 +344,9 @@ class Language(PackModel):
     """The kind of pack."""
     tag: Annotated[str, Field(pattern=TAG_PATTERN)]
     """The language's BCP 47 tag."""
-    aliases: tuple[Annotated[str, Field(pattern=TAG_PATTERN)], ...] = ()
-    """Other tags and names of the language."""
+    aliases: tuple[Annotated[str, Field(pattern=ALIAS_PATTERN, max_length=60)], ...] = ()
+    """Other tags and names of the language, such as its name in its own writing. The likeliest name
+    of a column comes first."""
     adds: Annotated[dict[Common, Phoneme | None], OrNames] = Field(default={})
     """Phonemes beyond the base: names of common ones, or new ones in full."""
     extends: Parent | None = None

@@ -1,0 +1,171 @@
+"""Names of languages: tags, aliases, endonyms and the names that stores and engines use."""
+
+import pytest
+
+from lipsync_lang.errors import PackError
+from lipsync_lang.lines.columns import language_column
+from lipsync_lang.packs.answers import answers_of, column_names
+from lipsync_lang.packs.checking.validate import validate
+from lipsync_lang.packs.library import Library
+from lipsync_lang.phonology.language_names import folded_language
+
+LIBRARY = Library(project=None)
+PACKS = sorted(found.name for found in LIBRARY.names("language"))
+assert PACKS, "a sweep over nothing passes"
+
+STORE = {
+    "arabic": "العربية",
+    "bulgarian": "български език",
+    "schinese": "简体中文",
+    "tchinese": "繁體中文",
+    "czech": "čeština",
+    "danish": "Dansk",
+    "dutch": "Nederlands",
+    "english": "English",
+    "finnish": "Suomi",
+    "french": "Français",
+    "german": "Deutsch",
+    "greek": "Ελληνικά",
+    "hungarian": "Magyar",
+    "indonesian": "Bahasa Indonesia",
+    "italian": "Italiano",
+    "japanese": "日本語",
+    "koreana": "한국어",
+    "norwegian": "Norsk",
+    "polish": "Polski",
+    "portuguese": "Português",
+    "brazilian": "Português-Brasil",
+    "romanian": "Română",
+    "russian": "Русский",
+    "spanish": "Español-España",
+    "swedish": "Svenska",
+    "thai": "ไทย",
+    "turkish": "Türkçe",
+    "ukrainian": "Українська",
+    "vietnamese": "Tiếng Việt",
+}
+"""Steam's API language codes with the native names beside them, but Latin American Spanish."""
+
+CULTURES = (
+    "zh-Hans",
+    "zh-Hant-TW",
+    "pt-BR",
+    "pt-PT",
+    "es-ES",
+    "es-419",
+    "en-GB",
+    "de_AT",
+    "sr-Cyrl",
+)
+
+
+def owner(name):
+    return LIBRARY.language(name).path
+
+
+@pytest.mark.parametrize("name", PACKS)
+def test_a_look_up_knows_exactly_the_stated_names(name):
+    pack = LIBRARY.language(name)
+    stated = [pack.model.tag, *pack.model.aliases]
+    assert answers_of(pack.path) == list(dict.fromkeys(map(folded_language, stated)))
+
+
+def test_no_name_belongs_to_two_packs():
+    own = {}
+    for name in PACKS:
+        for answer in {name, *answers_of(LIBRARY.find("language", name))}:
+            assert own.setdefault(answer, name) == name, answer
+
+
+@pytest.mark.parametrize(("code", "native"), STORE.items())
+def test_codes_and_native_names_of_a_store_find_one_pack(code, native):
+    assert (
+        owner(code) == owner(native) == owner(native.upper()) == owner(native.replace("-", " - "))
+    )
+
+
+@pytest.mark.parametrize("code", CULTURES)
+def test_culture_codes_of_engines_find_a_pack(code):
+    assert owner(code)
+
+
+def test_accents_are_not_needed():
+    assert owner("francais") == owner("Français") == owner("franc\u0327ais")
+
+
+@pytest.mark.parametrize("name", ["my language", "no idea", "de facto", "zh/Hans", "en:US"])
+def test_words_that_begin_like_a_tag_find_nothing(name):
+    with pytest.raises(PackError):
+        LIBRARY.find("language", name)
+
+
+@pytest.mark.parametrize(
+    ("language", "heads"),
+    [
+        (
+            "mandarin",
+            ["Chinese (Simplified)", "简体中文", "schinese", "Chinese (Simplified)(zh-Hans)"],
+        ),
+        ("german", ["Deutsch", "DEUTSCH (DE)", "text_deutsch", "German(de)"]),
+        ("portuguese-br", ["brazilian", "Português (Brasil)", "Portuguese (Brazil)(pt-BR)"]),
+        ("spanish", ["Español", "espanol", "Español - España", "es-ES"]),
+    ],
+)
+def test_columns_are_found_by_every_name(language, heads):
+    names = column_names(LIBRARY.find("language", language))
+    for head in heads:
+        assert language_column(["id", "English", "Notes", head], names) == 3, head
+
+
+def test_the_first_alias_wins_over_a_later_one():
+    names = column_names(LIBRARY.find("language", "mandarin"))
+    assert language_column(["id", "tchinese", "schinese"], names) == 2
+    head = ["id", "Chinese (Traditional)", "Chinese (Simplified)"]
+    assert language_column(head, names) == 2
+
+
+PACK = """kind: language
+format: 1
+name: {name}
+tag: art-x-{name}
+aliases:{aliases}
+notations: {{ipa: {{a: aa}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("aliases", "found"),
+    [
+        (" [Örkisch, 'zwei Wörter']", ["orkisch", "zwei-worter"]),
+        ('  # names\n  - Örkisch  # its own\n  - "zwei Wörter"\n', ["orkisch", "zwei-worter"]),
+        (" [one,\n  # not two\n  three]", ["one", "three"]),
+        ("\n- a-b\n- c", ["a-b", "c"]),
+    ],
+)
+def test_aliases_may_be_written_in_every_form_of_a_list(aliases, found, tmp_path):
+    path = tmp_path / "languages/toy.yaml"
+    path.parent.mkdir()
+    path.write_text(PACK.format(name="toy", aliases=aliases), "utf-8")
+    assert answers_of(path) == ["art-x-toy", *found]
+    library = Library([tmp_path], project=None)
+    assert list(map(folded_language, library.language("toy").model.aliases)) == found
+    assert library.language(found[-1]).model.name == "toy"
+
+
+@pytest.mark.parametrize("alias", ["a,b", "a/b", "espeak:xx", " a", "a ", "a  b", "-a", "x" * 61])
+def test_an_alias_that_could_not_be_asked_for_is_a_fault(alias, tmp_path):
+    path = tmp_path / "languages/toy.yaml"
+    path.parent.mkdir()
+    path.write_text(PACK.format(name="toy", aliases=f" ['{alias}']"), "utf-8")
+    faults = validate(Library([tmp_path], project=None), paths=[path])
+    assert any("aliases" in str(fault) or "alias" in str(fault) for fault in faults), faults
+
+
+def test_an_alias_of_two_packs_is_told_at_the_second(tmp_path):
+    folder = tmp_path / "languages"
+    folder.mkdir()
+    for name, alias in (("one", "Öne"), ("two", "öne")):
+        text = PACK.format(name=name, aliases=f" [{alias}]")
+        (folder / f"{name}.yaml").write_text(text, "utf-8")
+    faults = [f for f in validate(Library([tmp_path], project=None)) if f.code == "W305"]
+    assert [(f.file.rpartition("/")[2], f.line) for f in faults] == [("two.yaml", 5)]
