@@ -331,6 +331,22 @@ def test_a_damaged_record_is_named(built):
     assert "move it away" in told.err
 
 
+@pytest.mark.parametrize("options", [(), ("--dry-run",)])
+def test_a_damaged_record_is_closed_so_that_it_can_be_moved(built, monkeypatch, options):
+    record = built.folder / ".lipsync_lang/build.sqlite"
+    with closing(sqlite3.connect(record)) as base:
+        base.execute("PRAGMA user_version = 99")
+    opened, connect = [], sqlite3.connect
+    monkeypatch.setattr(
+        sqlite3, "connect", lambda *a, **k: opened.append(connect(*a, **k)) or opened[-1]
+    )
+    assert "another version" in built.build(*options).err
+    assert opened
+    for connection in opened:
+        with pytest.raises(sqlite3.ProgrammingError, match="closed"):
+            connection.execute("SELECT 1")
+
+
 @pytest.mark.parametrize(
     ("column", "value"),
     swept([

@@ -8,7 +8,7 @@ import json
 import sqlite3
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, Self
@@ -104,21 +104,27 @@ class Records:
             The folder cannot be written, or the file is damaged.
         """
         path = folder / FOLDER / FILE
-        try:
-            connection = _connected(path, write=write)
-        except sqlite3.DatabaseError as error:
-            raise _damaged(path, error) from None
-        except OSError as error:
-            raise LipsyncError(
-                f"{path}: cannot be written: {error.strerror or error}; a build keeps its record "
-                "there, so make the folder writable"
-            ) from None
-        try:
-            yield cls(path, connection)
-        except sqlite3.DatabaseError as error:
-            raise _damaged(path, error) from None
-        finally:
-            connection.close()
+        with ExitStack() as stack:
+            try:
+                if write:
+                    _make_folder(path.parent)
+                connection = sqlite3.connect(path if write else ":memory:", timeout=60)
+                stack.enter_context(closing(connection))
+                if write:
+                    _prepare(path, connection)
+                else:
+                    _copy(path, connection)
+            except sqlite3.DatabaseError as error:
+                raise _damaged(path, error) from None
+            except OSError as error:
+                raise LipsyncError(
+                    f"{path}: cannot be written: {error.strerror or error}; a build keeps its "
+                    "record there, so make the folder writable"
+                ) from None
+            try:
+                yield cls(path, connection)
+            except sqlite3.DatabaseError as error:
+                raise _damaged(path, error) from None
 
     def lines(self, *, figures: bool = True) -> dict[Key, LineRecord]:
         """Return every record; results of lines that are only counted are left out on request."""
@@ -230,33 +236,29 @@ def unusable(why: object = "it is damaged") -> LipsyncError:
     )
 
 
-def _connected(path: Path, *, write: bool) -> sqlite3.Connection:
-    if not write:
-        connection = sqlite3.connect(":memory:")
-        connection.executescript(TABLES)
-        if path.is_file():
-            stored = sqlite3.connect(path)
-            try:
-                stored.execute("PRAGMA query_only = ON")
-                _check_form(path, stored)
-                stored.backup(connection)
-            finally:
-                stored.close()
-        return connection
-    path.parent.mkdir(parents=True, exist_ok=True)
-    ignore = path.parent / ".gitignore"
+def _make_folder(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    ignore = folder / ".gitignore"
     if not ignore.exists():
         ignore.write_text("*\n", encoding="utf-8")
-    new = not path.exists()
-    connection = sqlite3.connect(path, timeout=60)
+
+
+def _prepare(path: Path, connection: sqlite3.Connection) -> None:
     connection.execute("PRAGMA journal_mode = WAL")
     connection.execute("PRAGMA synchronous = FULL")
-    if not new:
-        _check_form(path, connection)
+    _check_form(path, connection)
     connection.executescript(TABLES)
     connection.execute(f"PRAGMA user_version = {FORM}")
     connection.commit()
-    return connection
+
+
+def _copy(path: Path, connection: sqlite3.Connection) -> None:
+    connection.executescript(TABLES)
+    if path.is_file():
+        with closing(sqlite3.connect(path)) as stored:
+            stored.execute("PRAGMA query_only = ON")
+            _check_form(path, stored)
+            stored.backup(connection)
 
 
 def _check_form(path: Path, connection: sqlite3.Connection) -> None:
