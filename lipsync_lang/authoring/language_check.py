@@ -69,23 +69,26 @@ class LanguageCheck:
         yield from map(str, self.faults)
         if self.sounds is None:
             return
-        sounds = self.sounds
+        yield from self._mouth_table(self.sounds)
+        yield from _looks_needed(self.sounds)
+        yield self._told_tests()
+
+    def _mouth_table(self, sounds: Mapping[str, Any]) -> Iterator[str]:
         mouths = mouths_in(sounds)
         yield (
             f"{sounds['title']} ({sounds['tag']}): {sum(map(len, mouths.values()))} sounds, "
             f"{len(mouths)} mouths"
         )
         titles = {one["name"]: one["title"] for one in sounds["common"]}
-        rows = [("mouth", "sounds", "as in", "looks like", *([self.character] * bool(self.mouths)))]
+        rows = [["mouth", "sounds", "as in", "looks like", self.character]]
         for mouth, own in mouths.items():
             words = [*dict.fromkeys(word for row in own for word in row["words"][:1])]
             looks = " -> ".join(titles.get(name, "") for name in mouth)
             poses = " -> ".join(self.mouths.get(name, REST) for name in mouth)
-            told = (" ".join(mouth) or MUTE, _few(own), ", ".join(words[:MOST_WORDS]), looks)
-            rows.append((*told, *([poses] * bool(self.mouths))))
-        yield from (f"  {line}" for line in columns(rows, widest=64))
-        yield from _looks_needed(sounds)
-        yield self._told_tests()
+            told = [" ".join(mouth) or MUTE, _few(own), ", ".join(words[:MOST_WORDS]), looks]
+            rows.append([*told, poses])
+        shown = rows if self.mouths else [row[:-1] for row in rows]
+        yield from (f"  {line}" for line in columns(shown, widest=64))
 
     def _told_tests(self) -> str:
         if not self.tests:
@@ -164,6 +167,6 @@ def mouths_of(library: "Library", language: str, character: str) -> dict[str, st
     }
 
 
-def _described(weights: list[float], poses: "tuple[str, ...] | list[str]") -> str:
+def _described(weights: Sequence[float], poses: Sequence[str]) -> str:
     seen = sorted((-w, pose) for w, pose in zip(weights, poses, strict=True) if w >= FAINTEST)
     return ", ".join(f"{pose} {-weight:.2f}" for weight, pose in seen) or REST

@@ -68,10 +68,7 @@ class Cast:
         found = self._faces.of(speaker)
         if not found and speaker not in self._unknown and self._faces.stated:
             self._unknown.add(speaker)
-            who = f"'{speaker}'" if speaker else "no speaker"
-            self.faults.add(
-                where, f"no character for {who}; add the speaker or '{OTHERS}' to `cast`"
-            )
+            self.faults.add(where, self._faces.lacking(speaker))
         return found
 
     def unmet(self) -> list[str]:

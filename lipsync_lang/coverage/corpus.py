@@ -20,7 +20,7 @@ from lipsync_lang.coverage.script_changes import ScriptDigests
 from lipsync_lang.coverage.scripts import OtherScripts
 from lipsync_lang.coverage.tally_counter import TallyCounter
 from lipsync_lang.errors import LipsyncError
-from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces
+from lipsync_lang.packs.speaker_faces import SpeakerFaces
 from lipsync_lang.phonology.g2p.tokens import PAUSES, pieces
 from lipsync_lang.pipeline.track import trigrams_in
 
@@ -112,10 +112,7 @@ class CorpusTotals:
             self.dropped.add(what, line.place)
         if self.faces is not None and not self.faces.own(line.speaker):
             if not self.faces.of(line.speaker):
-                who = f"'{line.speaker}'" if line.speaker else "no speaker"
-                raise LipsyncError(
-                    f"{line.place}: no character for {who}; add the speaker or '{OTHERS}' to `cast`"
-                )
+                raise LipsyncError(f"{line.place}: {self.faces.lacking(line.speaker)}")
             if line.speaker:
                 self.others.add(line.speaker, line.place)
 

@@ -9,7 +9,7 @@ A piece weighs as much as it is heard: its share of what each language still lac
 the languages. Languages weigh the same unless weights are stated, as each player hears one.
 """
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -137,14 +137,14 @@ def _figures(
 def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> list[WorkItem]:
     """Rank the work that is left, the largest gain first."""
     worth = _worth(reports, weights)
-    gains: Counter[Piece] = Counter()
+    gains: defaultdict[Piece, float] = defaultdict(float)
     counts: Counter[Piece] = Counter()
     serves: dict[Piece, list[CoverageReport]] = {}
     for report in reports:
         for need in report.bigrams:
             if not need.authored:
                 piece, missing = piece_of(report, need), need.count - need.covered
-                gains[piece] += missing * worth[report.language]  # type: ignore[assignment]
+                gains[piece] += missing * worth[report.language]
                 counts[piece] += missing
                 serves.setdefault(piece, []).append(report)
     items: list[WorkItem] = []

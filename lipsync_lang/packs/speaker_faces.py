@@ -31,6 +31,12 @@ class SpeakerFaces:
         """Return the characters of a speaker, or those of all others."""
         return self.own(speaker) or self.stated.get(OTHERS, ())
 
+    @staticmethod
+    def lacking(speaker: str) -> str:
+        """Return the message for a speaker without characters."""
+        who = f"'{speaker}'" if speaker else "no speaker"
+        return f"no character for {who}; add the speaker or '{OTHERS}' to `cast`"
+
 
 def unique(names: Iterable[str]) -> tuple[str, ...]:
     """Return each name once, in order."""

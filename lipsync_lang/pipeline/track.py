@@ -108,33 +108,16 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
         silence put before them
     """
     start, end = float(times[0]), float(times[-1])
-    quiet = ids == tables.silence
-    again = quiet[1:] & quiet[:-1]
-    if again.any():
-        at = again.nonzero()[0] + 1
-        ids, source, quiet = (np.delete(a, at) for a in (ids, source, quiet))
-        times = np.delete(times, at)
     far = max(motion.silence_reach, 1e-9)
-    head, tail = not quiet[0], not quiet[-1]
-    bounds = np.empty(len(times) + 2)
-    bounds[0], bounds[1:-1], bounds[-1] = start - far, times, end + far
-    bounds = bounds[None if head else 1 : None if tail else -1]
-    if not head:
-        bounds[0] = min(bounds[0], bounds[1] - far)
-    if not tail:
-        bounds[-1] = max(bounds[-1], bounds[-2] + far)
-    around = np.array([tables.silence])
-    nowhere = np.array([-1])
-    ids = np.concatenate((around[:head], ids, around[:tail]))
-    source = np.concatenate((nowhere[:head], source, nowhere[:tail]))
-
+    first = 0 if opening or ids[0] == tables.silence else 1
+    ids, bounds, source = _surrounded(ids, times, source, tables.silence, far)
     length = bounds[1:] - bounds[:-1]
     quiet = ids == tables.silence
     moving = np.minimum(length, np.where(quiet, far, motion.sound_reach))
     reach = np.where(quiet, moving, length)
     rows, begun = tables.pairs[ids[:-1], ids[1:]], NO_TRIGRAMS
     if len(tables.trigrams):
-        begun = trigrams_in(ids, tables, first=0 if opening or not head else 1)
+        begun = trigrams_in(ids, tables, first)
         at = tables.trigrams.searchsorted(_codes(ids, tables)[begun])
         rows[begun], rows[begun + 1] = tables.trigram_rows[at].T
     even = None if motion.warp == "anchored" else moving[:-1] / (moving[:-1] + moving[1:])
@@ -145,6 +128,30 @@ def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of 
     waived[:-1] |= free
     waived[1:] |= free
     return Track(ids, bounds, reach, moving, rows, even, waived, source, start, end, begun)
+
+
+def _surrounded(
+    ids: Ints, times: Floats, source: Ints, silence: int, far: float
+) -> tuple[Ints, Floats, Ints]:
+    """Return phonemes with one silence of `far` seconds or more at each end, and none doubled."""
+    quiet = ids == silence
+    again = quiet[1:] & quiet[:-1]
+    if again.any():
+        at = again.nonzero()[0] + 1
+        ids, source, quiet = (np.delete(a, at) for a in (ids, source, quiet))
+        times = np.delete(times, at)
+    head, tail = not quiet[0], not quiet[-1]
+    bounds = np.empty(len(times) + 2)
+    bounds[0], bounds[1:-1], bounds[-1] = times[0] - far, times, times[-1] + far
+    bounds = bounds[None if head else 1 : None if tail else -1]
+    if not head:
+        bounds[0] = min(bounds[0], bounds[1] - far)
+    if not tail:
+        bounds[-1] = max(bounds[-1], bounds[-2] + far)
+    around = np.array([silence])
+    nowhere = np.array([-1])
+    ids = np.concatenate((around[:head], ids, around[:tail]))
+    return ids, bounds, np.concatenate((nowhere[:head], source, nowhere[:tail]))
 
 
 def trigrams_in(ids: Ints, tables: Tables, first: int = 0) -> Ints:

@@ -126,10 +126,12 @@ def _paste(stills: Sequence[Still], artist: Artist, start: float, out: BinaryIO)
         left, top = EDGE + column * (CELL + GAP), EDGE + row * (CELL + FOOT)
         picture = artist.draw(still.seconds + start)
         page.paste(image.fromarray(picture), (left, top))
-        _write(draw, left, top + CELL + 4, _plain(still.sound, 12), 20, INK)
+        caption = top + CELL
+        _write(draw, (left, caption + 4), _plain(still.sound, 12), 20, INK)
         word = _plain(still.word, 24)
-        after = _write(draw, left, top + CELL + 29, word, 14, PALE) + APART if word else left
-        _write(draw, after, top + CELL + 29, f"{still.seconds:.2f} s", 14, PALE)
+        if word:
+            left = _write(draw, (left, caption + 29), word, 14, PALE) + APART
+        _write(draw, (left, caption + 29), f"{still.seconds:.2f} s", 14, PALE)
     page.save(out, "PNG", optimize=True)
 
 
@@ -160,8 +162,9 @@ def _plain(text: str, width: int) -> str:
     return shorten(text, width, placeholder="…") or text[:width].strip()
 
 
-def _write(draw: Any, left: int, top: int, text: str, size: int, ink: str) -> int:  # noqa: PLR0913, PLR0917
+def _write(draw: Any, place: tuple[int, int], text: str, size: int, ink: str) -> int:
     """Draw a text in fonts that contain its letters, and return its right edge."""
+    left, top = place
     baseline, x = top + _font(_usual(), size).getmetrics()[0], float(left)
     for part, file in _parts(text):
         font = _font(file, size)

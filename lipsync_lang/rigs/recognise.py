@@ -25,9 +25,8 @@ if TYPE_CHECKING:
 SHOWN = 3
 """Number of lost poses that outweigh one shown pose."""
 
-
-ENOUGH = 4
-"""Reciprocal of the smallest share of shown poses for the automatic choice of a pose set."""
+LEAST_SHOWN = 0.25
+"""Smallest share of shown poses for the automatic choice of a pose set."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +66,7 @@ class Match:
     @property
     def enough(self) -> bool:
         """True if the match shows enough poses to be chosen unasked."""
-        return self.shown * ENOUGH >= len(self.poses)
+        return self.shown >= LEAST_SHOWN * len(self.poses)
 
     @property
     def complete(self) -> bool:

@@ -190,14 +190,7 @@ class Desk:
         locs = [(path, tuple(loc)) for path, loc, _ in edits]
         self._refuse_conflicts(locs, seen, tab)
         sheets = {path: self._sheet(path) for path in [*create, *(path for path, _ in locs)]}
-        texts = {path: sheet.text for path, sheet in sheets.items()}
-        for path, initial in create.items():
-            if not texts[path].parts:
-                texts[path] = SplicedText.read(path, initial.encode()).checked()
-        for path, changes in by_file(edits).items():
-            if not texts[path].parts:
-                raise PackError(f"{shown(path)}: no such file; it was deleted, or never made")
-            texts[path] = texts[path].changed(changes)
+        texts = _edited(sheets, edits, create)
         self._sheets |= sheets
         before = {path: sheets[path].text.parts for path in texts}
         after = {path: text.parts for path, text in texts.items()}
@@ -445,3 +438,18 @@ class Desk:
             self.redo()
         else:
             raise JournalError("has lines of a newer version")
+
+
+def _edited(
+    sheets: Mapping[Path, Sheet], edits: Sequence[Edit], create: Mapping[Path, str]
+) -> dict[Path, SplicedText]:
+    """Return the texts of files after edits."""
+    texts = {path: sheet.text for path, sheet in sheets.items()}
+    for path, initial in create.items():
+        if not texts[path].parts:
+            texts[path] = SplicedText.read(path, initial.encode()).checked()
+    for path, changes in by_file(edits).items():
+        if not texts[path].parts:
+            raise PackError(f"{shown(path)}: no such file; it was deleted, or never made")
+        texts[path] = texts[path].changed(changes)
+    return texts

@@ -65,7 +65,6 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
     model = ipa.model
     letters = {_plain(letter) for letter in model.letters}
     marks = {_plain(mark) for mark in model.marks}
-    hearing = model.hearing
     named: list[tuple[Loc, str]] = [
         *((("prefer", letter, "as"), p.letter) for letter, p in model.prefer.items()),
         *((("alone", mark), letter) for mark, letter in model.alone.items()),
@@ -75,10 +74,7 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
             for index, case in enumerate(cases)
             if case.then is not None
         ),
-        *(
-            (("hearing", "voiceless"), one)
-            for one in (hearing.voiceless.split() if hearing else ())
-        ),
+        *((("hearing", "voiceless"), letter) for letter in _voiceless(model)),
     ]
     for loc, letter in named:
         if _plain(letter) not in letters:
@@ -88,6 +84,12 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
         if _plain(mark) not in marks:
             what = f"unknown mark '{mark}'"
             yield ipa.fault(("alone", mark), "P223", what, "put it under `marks`", key=True)
+    yield from _spelled(ipa, letters | marks)
+
+
+def _spelled(ipa: "Pack[Ipa]", known: Collection[str]) -> Iterator[Fault]:
+    """Check that every spelling means known letters and marks."""
+    model = ipa.model
     spelled: list[tuple[Loc, str]] = [
         *((("spellings", text), meant) for text, meant in model.spellings.items()),
         *(
@@ -97,12 +99,12 @@ def _letters(ipa: "Pack[Ipa]") -> Iterator[Fault]:
         ),
         *(
             (("hearing", "phones", phone), label)
-            for phone, labels in (hearing.phones.items() if hearing else ())
+            for phone, labels in (model.hearing.phones.items() if model.hearing else ())
             for label in labels
         ),
     ]
     for loc, meant in spelled:
-        rest = _unread(_plain(meant), letters | marks)
+        rest = _unread(_plain(meant), known)
         if rest:
             what = f"'{rest[0]}' is neither a letter nor a mark"
             yield ipa.fault(loc, "P223", what, "put it under `letters` or `marks`")

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from lipsync_lang.speech.sphinx.acoustic_model import STATES, Floats, Singles
+from lipsync_lang.speech.sphinx.acoustic_model import STATES, Floats, Ints, Singles
 
 START = -1
 """Predecessor of a phoneme at the start of the sound."""
@@ -47,10 +48,7 @@ def likeliest_way(
     left = np.log(-np.expm1(stay)).astype(np.float32)
     entered = np.zeros(phones, np.float32) if turns is None else turns.astype(np.float32)
     starts = [number for number, others in enumerate(before) if START in others]
-    follows = np.full((phones, max(map(len, before))), phones)
-    for number, others in enumerate(before):
-        real = [other for other in others if other != START]
-        follows[number, : len(real)] = real
+    follows = _predecessors(before)
     now = np.full((phones, STATES), NEVER, np.float32)
     now[starts, 0] = scores[0, starts, 0] + entered[starts]
     out = np.full(phones + 1, NEVER, np.float32)
@@ -75,9 +73,33 @@ def likeliest_way(
         phone, state = max(ends, key=lambda number: float(now[number, -1])), STATES - 1
     if now[phone, state] <= NEVER / 2:
         return None
+    return _traced(moved, came, phone, state)
+
+
+def _predecessors(before: Sequence[Sequence[int]]) -> Ints:
+    """Return the predecessors of each phoneme as rows, filled up with the number of phonemes."""
+    phones = len(before)
+    rows = np.full((phones, max(map(len, before))), phones)
+    for number, others in enumerate(before):
+        real = [other for other in others if other != START]
+        rows[number, : len(real)] = real
+    return rows
+
+
+def _traced(
+    moved: npt.NDArray[np.bool_], came: npt.NDArray[np.int32], phone: int, state: int
+) -> list[Run]:
+    """Return the path that ends in a state.
+
+    Parameters
+    ----------
+    moved : (T, P, `STATES`) True if a state was entered at a frame
+    came : (T, P) best predecessor of a phoneme that is entered at a frame
+    phone, state : of the last frame
+    """
     runs: list[Run] = []
-    stop = count
-    for frame in range(count - 1, 0, -1):
+    stop = len(moved)
+    for frame in range(stop - 1, 0, -1):
         if moved[frame, phone, state]:
             if state:
                 state -= 1
