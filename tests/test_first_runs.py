@@ -106,12 +106,13 @@ def test_a_new_project_opens_in_the_studio(cli, here, monkeypatch):
     pytest.importorskip("starlette", reason="the studio needs Starlette")
     from studio_calls import Caller
 
+    from lipsync_lang.studio.project_lines import ProjectLines
     from lipsync_lang.studio.workshop import Workshop
 
     assert cli("new", "my-game").code == 0
     monkeypatch.chdir(here / "my-game")
     stated = load_project(Path(FILE)).model
-    workshop = Workshop(Path.cwd(), engine="none")
+    workshop = Workshop(Path.cwd(), engine="none", script=ProjectLines(Path.cwd() / FILE))
     workshop.open_restored(stated.language, stated.character)
     caller = Caller(workshop)
     state = caller.api("state").json
@@ -119,8 +120,10 @@ def test_a_new_project_opens_in_the_studio(cli, here, monkeypatch):
     with Path("lines.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["text"] for row in rows] == list(starter().lines)
+    found = caller.api("script").json["lines"]
+    assert [(one["name"], one["text"]) for one in found] == [(r["id"], r["text"]) for r in rows]
     for row in rows:
-        assert caller.post("line", {"text": row["text"]}).status == 200
+        assert caller.post("script", {"name": row["id"]}).status == 200
 
 
 @pytest.mark.parametrize("language", swept(LANGUAGES, quick=["japanese", "arabic"]))

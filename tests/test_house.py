@@ -38,7 +38,8 @@ FLOORS = (
     {"coverage", "live", "quality", "render"},
     {"capture"},
     {"authoring"},
-    {"build", "studio", "study"},
+    {"build", "study"},
+    {"studio"},
     {"commands"},
     {"cli"},
 )

@@ -85,7 +85,7 @@ def _project_steps(path: Path) -> list[tuple[str, str]]:
     if project.language and project.character:
         steps += [
             ("make one line", f'lipsync-lang run "{starter().text}"'),
-            ("change curves in your browser", "lipsync-lang studio"),
+            ("hear and change lines in your browser", "lipsync-lang studio"),
         ]
     return [*steps, ("check this installation", "lipsync-lang doctor")]
 

@@ -43,13 +43,16 @@ def studio(options: Namespace) -> int:
             'the studio needs Starlette and uvicorn: pip install "lipsync-lang[studio]"'
         ) from None
     from lipsync_lang.commands.performing import motion_settings
+    from lipsync_lang.packs.project import find_project
     from lipsync_lang.studio.desk import Desk
+    from lipsync_lang.studio.project_lines import ProjectLines
     from lipsync_lang.studio.workshop import Workshop
 
     token = _token(options)
     workshop = Workshop(
         Path.cwd(), options.path, Desk(_journal(Path.cwd())),
         motion=motion_settings(options.settings), engine=options.tts, cleaning=cleaning(options),
+        script=ProjectLines(find_project(), options.path),
     )  # fmt: skip
     workshop.settings.fps = options.fps
     if options.language and options.character:

@@ -35,6 +35,7 @@ _log = logging.getLogger(__name__)
 VIEWS = (
     "project_routes",
     "line_routes",
+    "script_routes",
     "sentence_routes",
     "bigram_routes",
     "character_routes",

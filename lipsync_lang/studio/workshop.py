@@ -26,11 +26,13 @@ from lipsync_lang.studio.bigram_home import bigram_home
 from lipsync_lang.studio.desk import Desk
 from lipsync_lang.studio.edited_pair import EditedPair
 from lipsync_lang.studio.merging import Choices
+from lipsync_lang.studio.project_lines import ProjectLines
 from lipsync_lang.studio.sheets import Edit
 from lipsync_lang.studio.spoken_line import MAX_FRAMES, SpokenLine
 
 if TYPE_CHECKING:
     from lipsync_lang.animations.animation import Animation
+    from lipsync_lang.build.planned_line import PlannedLine
     from lipsync_lang.resolver.compiled import Compiled
     from lipsync_lang.schedules.schedule import Schedule
 
@@ -77,6 +79,7 @@ class Workshop:
     motion : changed settings of motion, or a preset
     engine : speech engine instead of the language's
     cleaning : values of placeholders, and what texts hold that is not spoken
+    script : lines of the project; None for none
     """
 
     def __init__(  # noqa: PLR0913 a folder, packs, and how their lines are said
@@ -88,6 +91,7 @@ class Workshop:
         motion: Mapping[str, object] | str | None = None,
         engine: str | None = None,
         cleaning: Cleaning = AS_WRITTEN,
+        script: ProjectLines | None = None,
     ) -> None:
         self.project, self.paths = project.absolute(), tuple(paths)
         self.desk = Desk(None) if desk is None else desk
@@ -96,6 +100,9 @@ class Workshop:
         self.settings = LineSettings()
         self.line: SpokenLine | None = None
         self.text = ""
+        self.script = ProjectLines() if script is None else script
+        self.script_line: PlannedLine | None = None
+        """The line of the script that is open."""
         self._library: tuple[int, Library] | None = None
         self._pair: EditedPair | None = None
         self.homes: dict[str, Path] = {}
@@ -340,8 +347,28 @@ class Workshop:
 
     def take_up(self, schedule: "Schedule", text: str) -> None:
         """Open a line; levels over the seconds of the line before end with it."""
-        self.line, self.text = SpokenLine(schedule), text
+        self.line, self.text, self.script_line = SpokenLine(schedule), text, None
         self.settings = self.settings.steady()
+
+    def open_script_line(self, name: str) -> None:
+        """Time a line of the script in the open language; it becomes the line.
+
+        Edits that the character has for a line of this name are performed, as in a build.
+        """
+        performer = self.performer
+        line = self.script.line(performer.compiled.language, name, performer.compiled.character)
+        schedule = self.script.schedule(line, performer.speaker, self.engine)
+        performer.common_phonemes(schedule)  # refuses labels of no notation
+        self.take_up(schedule, line.text or " ".join(word.text for word in schedule.words))
+        self.script_line = line
+        self.settings.line = name if name in performer.compiled.line_edits else None
+
+    def opened_pair(self) -> tuple[str, str]:
+        """Return the names of the open language and character; empty if none is open."""
+        if not self.language:
+            return "", ""
+        compiled = self.performer.compiled
+        return compiled.language, compiled.character
 
     @property
     def spoken(self) -> SpokenLine:

@@ -354,6 +354,47 @@ const stories = {
     return { frames: count };
   },
 
+  /** The lines of a script: the first is opened, others by keys and from the list, also in another language. */
+  async script() {
+    const page = await show();
+    const opened = async (name) => {
+      await page.waitForFunction((told) => document.querySelector("#all-lines").textContent.startsWith(`${told} ·`) && !document.body.classList.contains("busy"), name, { timeout: 60000 });
+      return [await text(page, "#all-lines"), await page.inputValue("#text"), await page.inputValue("#of-character")];
+    };
+    const rows = () => page.$$eval("#script-list li b", (all) => all.map((one) => one.textContent));
+    const result = { first: await opened("line_0001") };
+    await page.keyboard.press("Alt+ArrowDown");
+    result.second = await opened("line_0002");
+    await page.click("#line-before");
+    await opened("line_0001");
+    result.ends = [await page.isDisabled("#line-before"), await page.isDisabled("#line-after")];
+    await page.keyboard.press("o");
+    await page.waitForSelector("#script-list li");
+    result.listed = (await rows()).length;
+    await page.click("#script-list p button");
+    await page.waitForFunction((shown) => document.querySelectorAll("#script-list li").length > shown, result.listed);
+    result.more = (await rows()).length;
+    await picture(page, "script");
+    await page.fill("#script-list input", "BOB 0987");
+    await page.waitForFunction(() => document.querySelectorAll("#script-list li").length === 1);
+    result.found = await rows();
+    await page.setViewportSize({ width: 390, height: 844 });
+    await picture(page, "script-390");
+    result.wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+    await page.setViewportSize({ width: 1366, height: 768 });
+    await page.click("#script-list li button");
+    result.chosen = await opened("line_0987");
+    await page.reload();
+    await page.waitForSelector("html[data-ready]");
+    result.again = await opened("line_0987");
+    await page.selectOption("#of-language", "finnish");
+    await page.waitForFunction(() => document.querySelector("#text").value.startsWith("Rivi"), null, { timeout: 60000 });
+    result.other = await opened("line_0987");
+    await speak(page, "Hei");
+    result.typed = await text(page, "#all-lines");
+    return result;
+  },
+
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];

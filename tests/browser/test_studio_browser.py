@@ -183,6 +183,34 @@ def test_every_view_fits_every_screen(studio):
     assert telling(studio, "views")["overflow"] == []
 
 
+def script(folder):
+    """Write a project of a thousand lines in two languages, for two faces."""
+    rows = [f"line_{n:04},{'Bob' if n % 2 else 'Eve'},Line {n}.,Rivi {n}." for n in range(1, 1001)]
+    table = "\n".join(["id,speaker,english,finnish", *rows])
+    (folder / "lines.csv").write_text(table, "utf-8")
+    (folder / "lipsync.yaml").write_text(
+        "kind: project\nformat: 1\nlanguages: [english, finnish]\nlines: lines.csv\n"
+        'cast: {Bob: crab, "*": facefx}\noutputs: "takes/{language}/{character}/{id}.csv"\n'
+    )
+
+
+@pytest.mark.parametrize("studio", [("--tts", "none")], indirect=True)
+def test_the_lines_of_a_script_are_opened_one_by_one(studio):
+    script(studio.folder)
+    studio.kill()
+    studio.start()
+    told = telling(studio, "script")
+    assert told["first"] == ["line_0001 · 1 of 1000", "Line 1.", "crab"]
+    assert told["second"] == ["line_0002 · 2 of 1000", "Line 2.", "facefx"]
+    assert told["ends"] == [True, False]
+    assert (told["listed"], told["more"], told["found"]) == (100, 200, ["line_0987"])
+    assert told["chosen"] == ["line_0987 · 987 of 1000", "Line 987.", "crab"]
+    assert told["again"] == told["chosen"]
+    assert told["other"] == ["line_0987 · 987 of 1000", "Rivi 987.", "crab"]
+    assert told["typed"] == "Lines (1000)"
+    assert told["wide"] <= 0
+
+
 def test_ctrl_c_closes_the_studio(studio):
     process = studio.process
     with urllib.request.urlopen(studio.address) as answer:  # noqa: S310 it listens to signals now

@@ -131,6 +131,7 @@ def whole(workshop: Workshop) -> Packed:
         "unread": unread,
         "text": workshop.text,
         "settings": asdict(workshop.settings),
+        "script": workshop.script.place(workshop.script_line, workshop.opened_pair()[1]),
     }
     return Packed(packed.document | told, packed.arrays)
 

@@ -49,11 +49,13 @@ def part(workshop: Workshop, asked: Wish) -> Packed:
 
 
 def written(workshop: Workshop, asked: Wish) -> Json:
-    """Return the timings of the whole line as a file."""
+    """Return the timings of the whole line as a file, named like its line in the script."""
     suffix = asked.name
     if suffix not in TIMING_WRITERS:
         raise LipsyncError(f"no timings '{suffix}'; {did_you_mean(suffix, TIMING_WRITERS)}")
-    return {"name": f"line.{suffix}", "content": TIMING_WRITERS[suffix](workshop.spoken.whole)}
+    line = workshop.script_line
+    name = "line" if line is None else line.name
+    return {"name": f"{name}.{suffix}", "content": TIMING_WRITERS[suffix](workshop.spoken.whole)}
 
 
 def _number(asked: Wish) -> int:

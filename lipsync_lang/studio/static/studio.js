@@ -10,6 +10,7 @@ import { Edits } from "./studio_edits.js";
 import { Player } from "./player.js";
 import { Portrait } from "./portrait.js";
 import { clock } from "./scales.js";
+import { ScriptLines } from "./script_lines.js";
 import { SentenceView } from "./sentence_view.js";
 import { showHelp, shellKeys } from "./studio_keys.js";
 import { Take } from "./take.js";
@@ -91,6 +92,7 @@ export class Studio {
     /** @type {number | undefined} */
     this.asked = undefined;
     this.edits = new Edits(this);
+    this.script = new ScriptLines(this);
     this.performing = false;
     /** Wishes for another take: the newest of each path. @type {Map<string, any>} */
     this.wishes = new Map();
@@ -108,27 +110,30 @@ export class Studio {
     if (this.state.restored) this.tell(`${this.state.restored} unsaved edits of the last time are here again`);
     for (const one of this.state.notes ?? []) this.tell(one, "fault");
     if (this.state.language) await this.#opened(await face);
-    else this.#choose();
+    await this.script.start();
+    if (!this.state.language) this.#choose();
     document.documentElement.dataset.ready = "";
     setTimeout(() => this.api.post("warm").catch(() => {}), WARM_LATER);
   }
 
   // The pair
 
-  /** @param {string} language @param {string} character */
-  async open(language, character) {
+  /** @param {string} language @param {string} character @param {boolean} [scripted] a line of the script is opened if the pair leaves none */
+  async open(language, character, scripted = true) {
     await this.attempt(async () => {
       this.state = await this.api.post("open", { language, character });
       fill(the("of-language"), this.project.languages, this.state.language);
       fill(the("of-character"), this.project.characters, this.state.character);
       await this.#opened();
     });
+    if (scripted) await this.script.start();
   }
 
   /** Show the face and the line of the pair. @param {any} [face] that was asked for already */
   async #opened(face) {
     the("main").querySelector(".empty")?.remove();
     this.take = this.other = null;
+    this.script.opened(null);
     this.settings = this.state.settings ?? {};
     await this.loadFace(face);
     if (this.state.line) await this.attempt(async () => this.#heard(await this.api.packed("line")));
@@ -204,6 +209,8 @@ export class Studio {
     this.sound = told.sound;
     this.state.text = told.text;
     this.settings = told.settings;
+    this.state.line = true;
+    this.script.opened(told.script);
     /** @type {HTMLInputElement} */ (the("text")).value = told.text;
     this.#taken(told);
     const { rate } = this.player;

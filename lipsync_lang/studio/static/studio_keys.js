@@ -9,6 +9,7 @@ const KEYS = {
   "Ctrl Z, Ctrl Shift Z": "undo and redo",
   "Ctrl S": "save",
   "/": "type a line",
+  "Alt ↑, Alt ↓, o": "the line of the script before and after, and the list of all",
   "Alt 1 … Alt 6": "the views, from left to right",
   "l": "loop the word at the playhead",
   "b": "the bigram at the playhead",
@@ -67,6 +68,11 @@ export function shellKeys(studio, event) {
     if (tab) { event.preventDefault(); tab.click(); }
     return;
   }
+  if (event.altKey && (key === "ArrowUp" || key === "ArrowDown")) {
+    event.preventDefault();
+    studio.script.go(key === "ArrowUp" ? -1 : 1);
+    return;
+  }
   if (within) {
     if (key === "Escape") /** @type {HTMLElement} */ (event.target).blur();
     return;
@@ -85,6 +91,7 @@ export function shellKeys(studio, event) {
     "ArrowLeft": () => studio.step(-frames), "ArrowRight": () => studio.step(frames),
     ",": () => phoneme(studio, -1), ".": () => phoneme(studio, 1),
     "/": () => the("text").focus(),
+    "o": () => studio.script.choose(),
     "l": () => studio.toggleLoop(),
     "b": () => bigram(studio),
     "f": () => studio.viewFrom("front"), "h": () => studio.viewFrom("half"),

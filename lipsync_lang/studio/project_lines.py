@@ -1,0 +1,161 @@
+"""Lines of the project's script, as the studio lists and opens them.
+
+A list holds the lines of the open language. A line opens on the open character if the script gives
+the line to it, and otherwise on the first character of the line. A character that the script gives
+no line to stays open: somebody chose it.
+"""
+
+from collections.abc import Iterable
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.build.planned_line import PlannedLine
+from lipsync_lang.build.script import read_script
+from lipsync_lang.build.timing import schedules
+from lipsync_lang.errors import LipsyncError, did_you_mean
+from lipsync_lang.packs.project import load_project
+from lipsync_lang.rigs.container import Json
+
+if TYPE_CHECKING:
+    from lipsync_lang.schedules.schedule import Schedule
+    from lipsync_lang.speech.speaking import Speaker
+
+MAX_LISTED = 100
+"""Lines in one answer."""
+
+MAX_READ_AGAIN = 10_000
+"""Lines of a script that is read again for each line that is opened."""
+
+ByCharacter = dict[str, PlannedLine]
+"""A line in one language, on each of its characters."""
+
+
+class ProjectLines:
+    """Lines of the script that a project states, read when they are first asked for.
+
+    Parameters
+    ----------
+    file : the project file; None for no project
+    paths : folders of packs to search first
+    """
+
+    def __init__(self, file: Path | None = None, paths: Iterable[Path] = ()) -> None:
+        self._file, self._paths = file, tuple(paths)
+        self._lines: dict[str, dict[str, ByCharacter]] = {}
+        """By language and name, in the order of the script."""
+        self._characters: set[str] = set()
+
+    def read(self) -> None:
+        """Read the script again.
+
+        Raises
+        ------
+        LipsyncError
+            The project or its script is faulty.
+        """
+        self._lines, self._characters = {}, set()
+        if self._file is None:
+            return
+        project = load_project(self._file).model
+        if not project.lines:
+            return
+        for line in read_script(project, self._file.parent, paths=self._paths):
+            own = self._lines.setdefault(line.language, {}).setdefault(line.name, {})
+            own[line.character] = line
+            self._characters.add(line.character)
+
+    def listed(self, language: str, character: str, sought: str = "", first: int = 0) -> Json:
+        """Return some lines of a language as JSON data; of the first language for an empty one.
+
+        Parameters
+        ----------
+        character : the open character
+        sought : words that the name, the speaker or the text of a line has
+        first : number of the first line to return, among those found
+        """
+        language = language or next(iter(self._lines), "")
+        words = sought.casefold().split()
+        own = self._lines.get(language, {})
+        found = [(n, by) for n, by in enumerate(own.values(), 1) if _has(by, words)]
+        return {
+            "language": language,
+            "count": len(own),
+            "found": len(found),
+            "several": len(self._characters) > 1,
+            "lines": [
+                self._row(number, by, character)
+                for number, by in islice(found, first, first + MAX_LISTED)
+            ],
+        }
+
+    def place(self, line: PlannedLine | None, character: str) -> Json | None:
+        """Return the place of a line in the script, and its neighbours; None if it has none."""
+        own = {} if line is None else self._lines.get(line.language, {})
+        if line is None or line.name not in own:
+            return None
+        names = list(own)
+        number = names.index(line.name) + 1
+        beside = [
+            self._row(n, own[names[n - 1]], character) if 0 < n <= len(names) else None
+            for n in (number - 1, number + 1)
+        ]
+        return {"name": line.name, "number": number, "count": len(own), "beside": beside}
+
+    def line(self, language: str, name: str, character: str) -> PlannedLine:
+        """Return a line, with the recording and the timings that it has now.
+
+        Raises
+        ------
+        LipsyncError
+            There is no such line, or the script is faulty.
+        """
+        if sum(map(len, self._lines.values())) <= MAX_READ_AGAIN:
+            self.read()
+        own = self._lines.get(language, {})
+        if name not in own:
+            raise LipsyncError(
+                f"the script has no line '{name}' in {language}; {did_you_mean(name, own)}"
+            )
+        return self._on(own[name], character)
+
+    def schedule(
+        self, line: PlannedLine, speaker: "Speaker", engine: str | None = None
+    ) -> "Schedule":
+        """Time the phonemes of a line, as a build does.
+
+        Raises
+        ------
+        LipsyncError
+            The line cannot be timed.
+        """
+        assert self._file is not None  # noqa: S101 a line is of a project
+        (timed,) = schedules(self._file.parent, [line], speaker, engine)
+        if isinstance(timed, LipsyncError):
+            raise LipsyncError(f"{line.place}: {timed}") from None
+        if isinstance(timed, Exception):
+            raise timed
+        return timed
+
+    def _on(self, by: ByCharacter, character: str) -> PlannedLine:
+        return by.get(character) or next(iter(by.values()))
+
+    def _row(self, number: int, by: ByCharacter, character: str) -> Json:
+        line = self._on(by, character)
+        unused = character not in {"", *self._characters}
+        return {
+            "number": number,
+            "name": line.name,
+            "language": line.language,
+            "character": character if unused else line.character,
+            "speaker": line.speaker,
+            "text": line.text,
+            "recording": line.audio is not None,
+            "timings": line.timings is not None,
+        }
+
+
+def _has(by: ByCharacter, words: Iterable[str]) -> bool:
+    line = next(iter(by.values()))
+    text = f"{line.name} {line.speaker} {line.text}".casefold()
+    return all(word in text for word in words)
