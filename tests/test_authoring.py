@@ -79,7 +79,11 @@ def test_phoibles_table_is_read_by_number_code_and_name(folder):
     [
         (PHOIBLE.encode(), None, r"holds 3 inventories; name one by number"),
         (PHOIBLE.encode(), "tset", r"has no inventory 'tset'; did you mean 'tst'"),
-        (PHOIBLE.encode(), "oth", r"several inventories are of 'oth'; name one: 8 \(1 segments\)"),
+        (
+            PHOIBLE.encode(),
+            "oth",
+            r"several inventories match 'oth'; name one: 8 \(1 segments\)",
+        ),
         (b"", None, r"has no segments; write them with spaces"),
         (b"\xff", None, r"is not UTF-8 text \(byte 0\)"),
         (b"\x1f\x8bbroken", None, r"is a broken gzip file"),
@@ -104,11 +108,11 @@ def test_a_draft_of_an_inventory_runs_and_names_its_doubts(folder, cli):
     assert ended.code == 0, ended.err
     assert "wrote languages/testish.yaml: 6 labels, " in ended.err
     text = (folder / "languages" / "testish.yaml").read_text("utf-8")
-    assert text.index("# Doubtful") < text.index("# Common phonemes name these")
+    assert text.index("# Doubtful") < text.index("# Listed by common phonemes")
     pack = Library().language("testish").model
     assert pack.tag == "tst"
     assert [*pack.adds] == ["yu"]
-    assert pack.inventory.absent == {"˥": "nothing of it is seen"}
+    assert pack.inventory.absent == {"˥": "it is not visible"}
     assert pack.notations["ipa"]["k͡p"].to == ("bmp",)
     assert cli("validate", "languages/testish.yaml").code == 0
     ended = cli("run", "papa kp", "-l", "testish", "-c", "facefx", "-o", "out.csv")
@@ -157,7 +161,7 @@ def test_a_draft_of_a_code_reads_by_it(folder, cli):
     [
         ([], "name the new language"),
         (["../evil", "--inventory", "i.txt"], "cannot be a pack's name"),
-        (["new"], "made from something"),
+        (["new"], "needs a source"),
         (["taken", "--inventory", "i.txt"], "already exists"),
         (["new", "--inventory", "none.txt"], "cannot be read"),
         (["new", "--epitran", "xho-Latn"], "give sample lines"),
@@ -189,7 +193,7 @@ def test_tests_that_fail_are_faults_at_their_place(folder, cli):
     assert ended.code == 1
     assert ended.out.splitlines() == [
         "languages/toy.yaml:13:5: P221 'ce' becomes kg eh, not kg ah",
-        "  hint: it was read as k e; correct the map or the test",
+        "  hint: the engine read k e; correct the map or the test",
     ]
     assert cli("validate", str(path), "--no-tests").code == 0
 
@@ -229,8 +233,9 @@ def test_languages_are_found_in_files_folders_and_everywhere(folder):
 def test_mappings_that_fight_the_features_of_their_sounds_are_warned_of(folder, cli):
     path = put(folder, "toy", PACK.replace("p: bmp", "p: h").replace("bmp, ah]", "h, ah]"))
     ended = cli("validate", str(path))
+    told = "W309 warning: 'p' becomes h, which contradicts its features: closure"
     assert ended.out.splitlines() == [
-        "languages/toy.yaml:6:40: W309 warning: 'p' becomes h, which is otherwise by closure",
+        f"languages/toy.yaml:6:40: {told}",
         "  hint: correct it, or give the reason under `reasons`",
     ]
     put(folder, "toy", path.read_text("utf-8").replace("reasons: {", "reasons: {p: whispered, "))
@@ -245,8 +250,8 @@ def test_a_language_is_shown_as_table_1(folder, cli):
     shown = cli("languages", "show", "toy").out
     assert shown.splitlines()[:3] == [
         "toy (qaa), languages/toy.yaml",
-        "reads text by rules, 2 rules",
-        "beware: It reads no numbers.",
+        "reads text with rules, 2 rules",
+        "note: It reads no numbers.",
     ]
     assert "  k        kg      kep" in shown
     assert "  s        s       sap      teeth together" in shown

@@ -104,7 +104,7 @@ def test_a_text_export_says_the_same(folder):
     script, _ = read(folder, HEAD + FAH)
     export, remarks = read(folder, EXPORT, "bank.txt")
     assert export[""] == script["default"]
-    assert remarks == ["1 Map lines are passed over: here languages map their sounds"]
+    assert remarks == ["1 Map lines are skipped: languages map their own sounds"]
 
 
 @pytest.mark.parametrize(
@@ -129,15 +129,15 @@ def test_calls_in_any_of_their_forms(form, folder):
 @pytest.mark.parametrize(
     ("text", "line", "message"),
     [
-        ('print "Loading lip sync data set..."', 1, "not understood and passed over: `print"),
-        ("x = 1\nimport os", 2, "not understood and passed over: `import os`"),
-        ("for p in 'ab':\n    d = m.createDiphone(p, p, 'x')", 1, "passed over with all in it"),
-        ("def f():\n    pass\n", 1, "passed over with all in it"),
-        ("m.createDiphone('f', who(), 'x')", 1, "createDiphone is passed over: it is understood"),
-        ("m.createDiphone('f', 'ah')", 1, "createDiphone is passed over"),
-        ("d.addKey('FV', 0, 1)", 1, "addKey is passed over: no createDiphone made"),
-        ("m.createDiphone('f','ah','x').addKey('FV', 0, '1')", 1, "addKey is passed over: it is"),
-        ("m.createDiphone('f','ah','x').addKey('FV', 0, True)", 1, "addKey is passed over: it"),
+        ('print "Loading lip sync data set..."', 1, "not understood and skipped: `print"),
+        ("x = 1\nimport os", 2, "not understood and skipped: `import os`"),
+        ("for p in 'ab':\n    d = m.createDiphone(p, p, 'x')", 1, "block skipped"),
+        ("def f():\n    pass\n", 1, "block skipped"),
+        ("m.createDiphone('f', who(), 'x')", 1, "createDiphone is skipped: its arguments must be"),
+        ("m.createDiphone('f', 'ah')", 1, "createDiphone is skipped"),
+        ("d.addKey('FV', 0, 1)", 1, "addKey is skipped: no createDiphone made"),
+        ("m.createDiphone('f','ah','x').addKey('FV', 0, '1')", 1, "addKey is skipped: its"),
+        ("m.createDiphone('f','ah','x').addKey('FV', 0, True)", 1, "addKey is skipped: its"),
         ("m.createDiphone('f','ah','x').addKey('FV', 0, 1e999)", 1, "not finite"),
         ("m.createDiphone('f','ah','x').addKey('FV', 0, 1" + "0" * 400 + ")", 1, "not finite"),
         ("x = 1\n  y = 2\n z = 3", 3, "cannot be read beyond this line"),
@@ -185,7 +185,7 @@ def test_the_bank_that_is_written(folder, library):
         "      FV:   [[0.0105, 0], [0.2487, 0.7031], [0.7562, 0]]\n"
     )
     assert validate(library, [made.path]) == []
-    assert told(made, "stray") == ["f-ah: 2 keys outside 0 to 1 drawn in, the farthest by 0.0062"]
+    assert told(made, "stray") == ["f-ah: 2 keys outside 0 to 1 clipped, by at most 0.0062"]
     assert made.reach == 1
 
 
@@ -205,7 +205,7 @@ def test_of_two_spellings_of_a_bigram_our_own_stays(folder, library):
     )
     bigrams, made = brought(folder, library, text)
     assert plain(bigrams["f-ow"]["curves"]) == {"W": [[0, 0], [1, 1]]}
-    assert told(made, "twice") == ["f-oh is f-ow too; that of f-ow stays"]
+    assert told(made, "twice") == ["f-oh is skipped: f-ow already gives f-ow"]
 
 
 def test_everything_that_gives_way_is_told(folder, library):
@@ -224,16 +224,16 @@ def test_everything_that_gives_way_is_told(folder, library):
     assert plain(bigrams["l-ah"]["curves"]) == {"W": [[0.2, 0], [0.5, 1], [1, 0]]}
     told_of = "\n".join(remark.text for remark in made.remarks.kept)
     for words in (
-        "th-w has no keys",
-        "_-_ is passed over",
-        "ah-- is passed over: the curve of one phoneme alone",
-        "unknown phoneme 'xx', 1 bigram passed over",
+        "th-w is skipped: it has no keys",
+        "_-_ is skipped",
+        "ah-- is skipped: the curve of a single phoneme",
+        "unknown phoneme 'xx', 1 bigram skipped",
         "unknown pose 'opne', 1 bigram without it; did you mean 'open'? (--map opne=OURS)",
-        "l-ah: one key of 'wide' is not a curve",
-        "l-ah: the times of 'W' fall",
-        "l-ah: 'W' has keys twice; 3 are left",
-        "l-ah: 1 key outside 0 to 1 drawn in, the farthest by 8",
-        "l-l is passed over: none of its shapes is a pose here",
+        "l-ah: 'wide' is skipped: a curve needs more than one key",
+        "l-ah: the times of 'W' do not rise",
+        "l-ah: 'W' has repeated keys; 3 are kept",
+        "l-ah: 1 key outside 0 to 1 clipped, by at most 8",
+        "l-l is skipped: none of its shapes is a pose of the pose set",
     ):
         assert words in told_of
 
@@ -250,14 +250,14 @@ def test_what_the_caller_maps_comes_first(folder, library):
 
 def test_a_bank_of_another_pose_set_is_refused(folder, library):
     text = FAH.replace("FV", "stickyLips").replace("open", "lowerLipDown")
-    with pytest.raises(LipsyncError, match=r"of another pose set.*stickyLips, lowerLipDown"):
+    with pytest.raises(LipsyncError, match=r"is a pose of facefx.*stickyLips, lowerLipDown"):
         brought(folder, library, text)
     assert not (folder / "posesets").exists()
 
 
 def test_styles(folder, library):
     both = FAH + FAH.replace("default", "angry").replace('"f"', '"l"')
-    with pytest.raises(LipsyncError, match="2 sets are there: default, angry; take one"):
+    with pytest.raises(LipsyncError, match="the bank has 2 sets: default, angry; select one"):
         brought(folder, library, both)
     bigrams, made = brought(folder, library, both, style="angry")
     assert (list(bigrams), made.style, made.set) == (["l-ah"], "angry", "angry")
@@ -298,7 +298,7 @@ def test_several_files_become_one_bank_and_the_first_stays(folder, library):
     bigrams = read_yaml(made.path).data["bigrams"]
     assert list(bigrams) == ["f-ah", "l-ah"]
     assert plain(bigrams["f-ah"]["curves"]) == FITTED
-    assert told(made, "twice") == [f"f-ah is in {folder / 'a.py'} too, which stays"]
+    assert told(made, "twice") == [f"f-ah is already in {folder / 'a.py'}, which is kept"]
 
 
 # What is written comes back
@@ -393,9 +393,9 @@ def test_a_hostile_script_hurts_nobody(text, folder):
     ("content", "message"),
     [
         (b"\x89PNG\r\n\x1a\n\0\0", "byte 0 is not UTF-8"),
-        (b"d = 1\n\0", "it holds a zero byte"),
-        (b"", "nothing can be imported"),
-        (b"print(1)", "nothing can be imported: no bigram of ours is in there\n  bank.py:1: not"),
+        (b"d = 1\n\0", "it has a zero byte"),
+        (b"", "no bigram can be imported"),
+        (b"print(1)", "no bigram can be imported from these files\n  bank.py:1: not"),
         (b"\xff\xfeM\0a\0p\0", "is not UTF-8"),
     ],
 )
@@ -440,7 +440,7 @@ def test_too_many_keys_are_nobodys_work(folder, library):
     text = FAH + "d = m.createDiphone('l', 'ah', 'default')\n" + keys
     _, made = brought(folder, library, text)
     assert made.new == ("f-ah",)
-    assert told(made, "keys") == ["l-ah is passed over: it has a curve of more than 200 keys"]
+    assert told(made, "keys") == ["l-ah is skipped: it has a curve of more than 200 keys"]
 
 
 @full
@@ -516,7 +516,7 @@ def test_the_command_prints_what_it_did(cli, folder):
     (folder / "small.py").write_text(HEAD + "print 'x'\n" * 12 + FAH)
     ended = cli("bank", "import", "small.py", "-c", "facefx")
     assert (ended.code, ended.out) == (0, "")
-    assert ended.err.count("not understood and passed over") == 8
+    assert ended.err.count("not understood and skipped") == 8
     assert "... and 4 more like these (--json lists them)" in ended.err
     assert "1 imported bigram put into posesets/facefx/banks/small.yaml" in ended.err
     assert "smooth" not in ended.err
@@ -542,8 +542,8 @@ def test_smooth_curves_are_told_to_stay_low(cli, folder):
         (["--map", "xx"], "--map xx: write THEIRS=OURS"),
         (["--map", "=s"], "write THEIRS=OURS"),
         (["--map", "a=b"], "'b' is neither a phoneme nor a pose"),
-        (["--to", "bank.json"], "is not a name for a bank; end it in .yaml"),
-        (["--to", "my bank.yaml"], "a bank is called by letters, digits"),
+        (["--to", "bank.json"], "is not a name for a bank; use a name that ends in .yaml"),
+        (["--to", "my bank.yaml"], "the name of a bank may have only letters, digits"),
     ],
 )
 def test_what_is_typed_wrong_is_told(arguments, message, cli, folder):
@@ -578,4 +578,4 @@ def test_a_script_is_read_up_to_a_line_that_no_bank_needs(folder):
     sets, remarks = read(folder, FAH + "x = " + "<" * 10_000 + "\n" + FAH)
     assert list(sets) == ["default"]
     assert len(remarks) == 1
-    assert "it has 10,004 characters, and 10,000 are the most; write one call" in str(remarks[0])
+    assert "it has 10,004 characters; the limit is 10,000; write one call" in str(remarks[0])

@@ -109,7 +109,7 @@ def test_a_model_elsewhere_is_copied_and_a_copy_is_used_again(cli, folder, tmp_p
     glb(model, *SETS["crab"].poses)
     ended = cli("characters", "new", "cleo", "--model", model)
     assert ended.code == 2
-    assert "face.glb: already exists; name that one, or move it" in ended.err
+    assert "face.glb: already exists and differs; use that model, or move it" in ended.err
     assert not (folder / "characters/cleo.yaml").exists()
 
 
@@ -145,7 +145,7 @@ def test_only_some_shapes(cli, folder):
     said, made = new(cli, "anna", "--model", "face.glb", "--poseset", "arkit")
     assert (made.poseset, made.rig) == ("arkit", "anna")
     assert "4 of 17 poses of arkit" in said
-    assert "left alone: Blink\n" in said
+    assert "not used: Blink\n" in said
     rig = Library().rigs("arkit")[0].model
     assert channels_of(rig)["Jaw_Open"].gains == {"jawOpen": 1}
     assert len(rig.channels) == 4
@@ -162,7 +162,7 @@ def test_pairs_that_are_one_shape(cli, folder):
     glb(folder / "face.glb", *shapes)
     said, made = new(cli, "anna", "--model", "face.glb")
     assert made.rig == "anna"
-    assert "about right: mouthPressLeft and mouthPressRight are one shape, mouthPress\n" in said
+    assert "approximate: mouthPressLeft and mouthPressRight share one shape, mouthPress\n" in said
     channels = channels_of(Library().rigs("arkit")[0].model)
     assert channels["mouthPress"].gains == {"mouthPressLeft": 0.5, "mouthPressRight": 0.5}
     assert set(channels) == set(shapes)
@@ -185,7 +185,7 @@ def test_a_rig_in_part_keeps_its_gains_limits_and_reasons(cli, folder):
     glb(folder / "face.glb", *shapes)
     said, made = new(cli, "anna", "--model", "face.glb", "--poseset", "facefx")
     assert made.rig == "anna"
-    assert "which the model lacks: tongueOut\n" in said
+    assert "that the model lacks: tongueOut\n" in said
     text = Path("posesets/facefx/rigs/anna.yaml").read_text("utf-8")
     assert '"head_mouthPress{Left,Right}": ' in text
     rig = next(rig.model for rig in Library().rigs("facefx") if rig.model.name == "anna")
@@ -220,7 +220,7 @@ def test_bones_of_a_rig_are_found_by_their_nodes(cli, folder):
     glb(folder / "face.glb", "Round", bones=["Jaw", "Neck"])
     said, made = new(cli, "anna", "--model", "face.glb", "--rig", "bony")
     assert made.rig == "anna"
-    assert "which the model lacks: gone\n" in said
+    assert "that the model lacks: gone\n" in said
     made = next(r.model for r in Library().rigs("crab") if r.model.name == "anna")
     assert made.channels["jaw"].node == "Jaw"
     assert made.channels["jaw"].gains == {"mouthOpen": 12}
@@ -363,8 +363,8 @@ def test_a_rig_is_not_written_where_it_is_not_looked_for(cli, folder):
         "characters", "new", "zoe", "--model", "face.glb", "--poseset", "face", "--path", "packs"
     )
     assert ended.code == 2
-    assert "belongs beside pose set 'face'" in ended.err
-    assert "go to packs first" in ended.err
+    assert "must be beside pose set 'face'" in ended.err
+    assert "change to packs first" in ended.err
     assert not (folder / "characters").exists()
 
 

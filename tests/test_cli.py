@@ -633,14 +633,14 @@ def test_drafts_are_written_once_and_then_used(cli, folder):
     assert after["shared"]["drafted"] >= before.get("shared", {}).get("drafted", 0) + 1
     ended = cli("bank", "draft", *PAIR, "l-ow", "--write")
     assert "0 drafted bigrams put into" in ended.err
-    assert "1 was there already and stays as it is" in ended.err
+    assert "1 was already there and is unchanged" in ended.err
     assert bank.read_bytes() == text
 
 
 @pytest.mark.parametrize(
     ("target", "message"),
     [
-        ("bank.json", "bank.json: is not a name for a bank; end it in .yaml"),
+        ("bank.json", "bank.json: is not a name for a bank; use a name that ends in .yaml"),
         ("line.json/bank.yaml", "line.json: cannot be made: (File exists|Not a dir)"),
         ("english.yaml", "english.yaml: is not a bank of facefx; name another file"),
         ("list.yaml", "list.yaml"),

@@ -90,8 +90,8 @@ def test_poses_nobody_knows_move_at_once(count, cli):
     said, model = new(cli, "thing", *names, "--guess")
     kept = names[:21]
     assert [*model.poses] == kept
-    assert f"{len(kept)} pose{'s' * (len(kept) > 1)}, a first guess" in said
-    assert ("not moved yet, in a comment: 19" in said) == (count == 40)
+    assert f"{len(kept)} pose{'s' * (len(kept) > 1)}, with guessed targets" in said
+    assert ("19 unused, in a comment" in said) == (count == 40)
     moved = {p for (t,) in model.targets.values() for p, weight in t.weights.items() if weight}
     assert moved == set(kept)
     assert_it_speaks(cli, "thing")
@@ -100,7 +100,7 @@ def test_poses_nobody_knows_move_at_once(count, cli):
 @pytest.mark.usefixtures("folder")
 def test_poses_nobody_knows_rest_unless_a_guess_is_asked_for(cli):
     said, model = new(cli, "thing", "zza", "zzb")
-    assert "2 poses, all at rest until you give them targets (or use --guess)" in said
+    assert "2 poses, all at rest until you give them targets, or use --guess" in said
     assert not any(target.weights for (target,) in model.targets.values())
     ended = cli("validate", "posesets/thing")
     assert ended.code == 0
@@ -181,7 +181,7 @@ def test_known_poses_move_as_they_do_elsewhere_under_their_new_names(folder, cli
     put(folder, "posesets/face/poseset.yaml", face)
     names = ["Robo_OPEN", "Robo_pbm", "Robo_GrinLeft", "Robo_GrinRight", "Robo_antenna"]
     said, model = new(cli, "robo", *names, "--like", "face")
-    assert "4 poses, moving as in face; not moved yet, in a comment: 1" in said
+    assert "4 poses, with the targets of face; 1 unused, in a comment" in said
     assert [*model.poses] == names[:4]
     assert model.poses["Robo_OPEN"] == Pose(title="jaw open", region="jaw")
     first, second = model.targets["aa"]
@@ -218,7 +218,7 @@ def test_the_pose_set_that_knows_most_is_asked(folder):
 def test_a_models_shapes_are_the_poses_and_it_comes_along(cli, tmp_path_factory):
     far = glb(tmp_path_factory.mktemp("far") / "robo face.glb", "zza", "zzb")
     said, model = new(cli, "robo", "--model", far, "--guess")
-    assert "2 poses, a first guess" in said
+    assert "2 poses, with guessed targets" in said
     assert "wrote posesets/robo/robo face.glb, a copy" in said
     assert Path("posesets/robo/robo face.glb").read_bytes() == far.read_bytes()
     assert ([*model.poses], model.model) == (["zza", "zzb"], "robo face.glb")
@@ -244,7 +244,7 @@ def test_a_model_among_the_packs_stays_where_it_is(folder, cli):
     [
         ([], "name the new pose set"),
         (["../evil", "zz"], "cannot be a pack's name"),
-        (["thing"], "made from something"),
+        (["thing"], "needs a source"),
         (["taken", "zz"], "already exists"),
         (["thing", " zz"], "cannot be the name of a pose"),
         (["thing", "zz", ""], "cannot be the name of a pose"),

@@ -305,7 +305,7 @@ def test_what_is_mapped_automatically_says_what_it_loses(ruled):
     }
     lines = transcript_table(told).splitlines()
     assert lines[-2:] == [
-        "2 labels mapped automatically, not exactly these:",
+        "2 labels mapped automatically; these are not exact:",
         "  tʼ  d  loses ejection",
     ]
 

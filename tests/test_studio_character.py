@@ -145,7 +145,7 @@ def test_a_copy_that_would_not_be_used_is_refused(tmp_path):
     shutil.copytree(shipped("crab"), tmp_path / "first/posesets/crab")
     workshop = Workshop(tmp_path / "project", [tmp_path / "first"], engine="none")
     workshop.open("english", "crab")
-    assert "searched before the project" in Caller(workshop).post("own").json["error"]
+    assert "takes precedence over the project" in Caller(workshop).post("own").json["error"]
     assert not (tmp_path / "project").exists()
 
 

@@ -1,4 +1,4 @@
-"""Acceptance of a fit: items of a proposal go into the file of a character, and out again.
+"""Acceptance of fitted values: add items of a proposal to a character's file, or remove them.
 
 Only the lines that change are rewritten, in one atomic write; comments and order stay.
 """
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 MAX_SHOWN_FOLDS = 8
-"""Folds that a refusal lists."""
+"""Maximum number of folds in a message."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ def accept_fit(  # noqa: PLR0913 what is accepted, for whom, and how freely
     anyway: bool = False,
     write: bool = True,
 ) -> Acceptance:
-    """Accept items of a fit for a character; without any, only review them.
+    """Accept items of a fit for a character; without a selection, only review them.
 
     Parameters
     ----------
     wanted : names of items, accepted however low their confidence
     every : accept all items whose confidence is high enough
-    confidence : least confidence of items that are accepted unnamed
+    confidence : minimum confidence of items that are not named
     anyway : accept items of a fit that does not generalise
     write : False changes no file
 
@@ -109,8 +109,8 @@ def _refusal(proposal: "FitProposal") -> str:
     folds += [f"\n  and {more} more"] * (more > 0)
     why = f": {verdict.why}" if verdict.why else ""
     return (
-        f"the fit does not hold on lines that it has not seen{why}{''.join(folds)}\n"
-        "  capture more, or accept it all the same with --anyway"
+        f"the fit does not generalise to other lines{why}{''.join(folds)}\n"
+        "  capture more lines, or accept the fit with --anyway"
     )
 
 
@@ -121,12 +121,12 @@ def remove_fit(
     *,
     write: bool = True,
 ) -> Acceptance:
-    """Take accepted items out of a character again; without any named, all of them.
+    """Remove accepted items from a character; all of them by default.
 
     Raises
     ------
     LipsyncError
-        The character is not a file of the project, or a wanted item is none that a fit wrote.
+        The character is not a file of the project, or a wanted item was not written by a fit.
     """
     pack = own_character(library, character)
     there = list(fitted_items(pack.model))

@@ -78,8 +78,8 @@ class Imported:
             return said
         return (
             f"{said}\n"
-            f"half of these smooth curves reach {self.reach:.0%} of their highest key or less, "
-            "where SmartBody's reach it; without --interpolation bspline they do"
+            f"half of these smooth curves reach at most {self.reach:.0%} of their highest key; to "
+            "keep the peaks of SmartBody, import without --interpolation bspline"
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -189,7 +189,9 @@ def _merged(files: Sequence[Sets], remarks: Remarks) -> Sets:
             there = merged.setdefault(name, {})
             for pair, diphone in pairs.items():
                 if pair in there:
-                    what = f"{visible('-'.join(pair))} is in {there[pair].file} too, which stays"
+                    what = (
+                        f"{visible('-'.join(pair))} is already in {there[pair].file}, which is kept"
+                    )
                     remarks.add("twice", diphone.file, diphone.line, what)
                 there.setdefault(pair, diphone)
     return {name: pairs for name, pairs in merged.items() if pairs}
@@ -203,8 +205,8 @@ def _chosen(sets: Sets, style: str | None, remarks: Remarks) -> str:
         return next(iter(sets))
     fit = [name for name in sets if name == style or (style == NEUTRAL and name in USUAL)]
     if len(fit) != 1:
-        listed = ", ".join(visible(name) or "one without a name" for name in [*sets][:FEW])
-        raise LipsyncError(f"{len(sets)} sets are there: {listed}; take one of them with --style")
+        listed = ", ".join(visible(name) or "a set without a name" for name in [*sets][:FEW])
+        raise LipsyncError(f"the bank has {len(sets)} sets: {listed}; select one with --style")
     return fit[0]
 
 
@@ -215,16 +217,16 @@ def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: 
         listed = ", ".join(visible(shape) for shape in [*shapes][:FEW])
         more = ", ..." if len(shapes) > FEW else ""
         raise LipsyncError(
-            f"no shape of this bank is a pose of {poseset.name}: is it of another pose set? "
-            f"Its shapes are {listed}{more}; those of {poseset.name} are "
-            f"{', '.join(poseset.poses)}. Say which is which with --map THEIRS=OURS"
+            f"no shape of this bank is a pose of {poseset.name}; select its pose set, or map its "
+            f"shapes with --map THEIRS=OURS. Its shapes: {listed}{more}. The poses of "
+            f"{poseset.name}: {', '.join(poseset.poses)}"
         )
 
 
 def _nothing(remarks: Remarks) -> str:
     """Return the message for an empty import, with the first remarks."""
     why = [f"\n  {remark}" for remark in remarks.kept[:FEW]]
-    return f"nothing can be imported: no bigram of ours is in there{''.join(why)}"
+    return f"no bigram can be imported from these files{''.join(why)}"
 
 
 def _usual_path(poseset: str, file: Path) -> Path:
@@ -246,7 +248,7 @@ def _write(library: "Library", path: Path, made: Made, header: str) -> list[str]
     if path.exists():
         return add_bigrams(library, path, made)
     if not NAME.fullmatch(path.stem):
-        raise OutputError(f"{path}: a bank is called by letters, digits, '-' and '_' only")
+        raise OutputError(f"{path}: the name of a bank may have only letters, digits, '-' and '_'")
     with atomic(path, durable=True) as stream:
         stream.write(f"{header}{bank_yaml(made, path.stem)}".encode())
     return list(made.bigrams)

@@ -80,10 +80,10 @@ class CharacterDraft:
         yield from (f"wrote {path}: {self.said[path]}" for path in self.outputs)
         yield from (f"doubtful: {doubt}" for doubt in self.match.found.doubts)
         for shape, channels in self.match.found.shared.items():
-            yield f"about right: {' and '.join(channels)} are one shape, {shape}"
+            yield f"approximate: {' and '.join(channels)} share one shape, {shape}"
         yield from _lost(self.match)
         if self.match.left:
-            yield f"left alone: {some(self.match.left)}"
+            yield f"not used: {some(self.match.left)}"
         yield "next:"
         yield f"  {_running(self.path.stem, self.model.path)}"
         yield "  lipsync-lang validate"
@@ -106,7 +106,7 @@ def _lost(match: Match) -> Iterator[str]:
         yield f"not shown: {', '.join(absent)}"
     yield from (f"lost: {loss}" for loss in match.losses if loss.pose not in absent)
     if match.missing and match.rig:
-        yield f"rig {match.rig} would move these too, which the model lacks: {some(match.missing)}"
+        yield f"shapes of rig {match.rig} that the model lacks: {some(match.missing)}"
 
 
 def draft(library: "Library", wanted: CharacterWish, folder: Path = Path()) -> CharacterDraft:
@@ -178,7 +178,7 @@ def _chosen(
     near = f"; the nearest is {fitting[0]} ({_asking(fitting[0])})" if fitting else ""
     raise ModelError(
         f"{wanted.model}: {who} its shapes{near}. It has "
-        f"{some(shapes)}. Make them poses of their own: lipsync-lang posesets new "
+        f"{some(shapes)}. Draft a pose set from them: lipsync-lang posesets new "
         f"{wanted.name} --model {wanted.model}"
     )
 
@@ -226,7 +226,7 @@ def _add_rig(library: "Library", made: CharacterDraft, title: str, folder: Path)
         base = cast("RigPack", library.load(known[match.rig], "rig", match.rig).model)
     rig = drafted(name, title, match, poseset, base)
     count = sum(len(places) for places in match.found.places.values())
-    said = f"{count} channel{'s' * (count != 1)} of the model's own"
+    said = f"{count} channel{'s' * (count != 1)} for the model"
     _add(made, path, laid_out(rig, made.model, match, poseset), said)
 
 
@@ -237,8 +237,8 @@ def _refuse_hidden(library: "Library", poseset: str, folder: Path) -> None:
     here = folder.resolve()
     if here not in roots or roots.index(home.resolve()) < roots.index(here):
         raise LipsyncError(
-            f"the rig of a new character belongs beside pose set '{poseset}', which is in "
-            f"{shown(home / FOLDERS['poseset'] / poseset / POSESET)}; go to {shown(home)} first"
+            f"the rig of a new character must be beside pose set '{poseset}', which is in "
+            f"{shown(home / FOLDERS['poseset'] / poseset / POSESET)}; change to {shown(home)} first"
         )
 
 
@@ -255,6 +255,6 @@ def _lines(made: CharacterDraft, title: str, model: str) -> Iterator[str]:
         yield f"rig: {made.rig}"
     yield f"model: {scalar(model)}"
     yield ""
-    yield "# What else may be its own: how it moves, and bigrams, words and lines"
+    yield "# Optional settings of this character; it can also have bigrams, words and lines"
     yield "# motion: {speed_limit: 8}      # weight per second"
-    yield "# dials: {REGION: 0.8}          # a region that moves less, or more"
+    yield "# dials: {REGION: 0.8}          # scale of a region's movement"

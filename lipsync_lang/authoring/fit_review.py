@@ -1,7 +1,8 @@
 """Review of a fit: for each item, whether a character may take it, or why not.
 
-What a person wrote stays. A target is a person's unless it says `status: fitted`; a bigram if any
-layer has it edited or approved; a number if it is stated and differs from that in `fitted`.
+Values that a person wrote are kept. A target is a person's unless it has `status: fitted`; a bigram
+is a person's if any layer has it edited or approved; a number is a person's if it is stated and
+differs from that in `fitted`.
 """
 
 from collections.abc import Iterator, Sequence
@@ -87,7 +88,7 @@ def _reviewed(shelf: PairPacks, item: FitItem, confidence: float) -> ReviewedIte
         return ReviewedItem(item, "stays", owner)
     data = shelf.character.source.data
     if all(get(data, loc) == plain(value) for loc, value in settings(item, data)):
-        return ReviewedItem(item, "same", "it is accepted already")
+        return ReviewedItem(item, "same", "already accepted")
     if item.confidence < confidence:
         told = f"confidence {item.confidence:.2f} is below {confidence:g}; name it to accept it"
         return ReviewedItem(item, "doubtful", told)
@@ -98,7 +99,7 @@ def _reviewed(shelf: PairPacks, item: FitItem, confidence: float) -> ReviewedIte
 
 
 def _unknown(shelf: PairPacks, item: FitItem) -> Iterator[str]:
-    """Yield names of an item that its character does not know."""
+    """Yield a message for each name of an item that its character does not know."""
     known = {"phoneme": shelf.known, "pose": shelf.poses}
     regions = {pose.region for pose in shelf.poseset.model.poses.values() if pose.region}
     for what, name in _names(item):
@@ -108,7 +109,7 @@ def _unknown(shelf: PairPacks, item: FitItem) -> Iterator[str]:
 
 
 def _names(item: FitItem) -> Iterator[tuple[str, str]]:
-    """Yield what an item names: phonemes, poses and regions."""
+    """Yield the names in an item: phonemes, poses and regions."""
     if item.kind == "targets":
         yield "phoneme", item.name
         for step in item.typed:
@@ -137,7 +138,7 @@ def _owner(shelf: PairPacks, item: FitItem) -> str:
 
 
 def _drawn(shelf: PairPacks, key: str) -> BigramRow | None:
-    """Return the row of a bigram that a person drew, in any layer; None if nobody did."""
+    """Return the row of a bigram that a person drew, in any layer; None without one."""
     first, second = key.split("-")
     files = (file.rows.get((first, second)) for file in shelf.drawn if file.style == NEUTRAL)
     found = next((row for row in files if row is not None and _by_person(row)), None)

@@ -1,4 +1,4 @@
-"""Fitted values in a character's file: the changes that set them, and that take them out."""
+"""Fitted values in a character's file: changes that set or remove them."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ Data = Any
 
 
 def fitted_items(model: "Character") -> Iterator[str]:
-    """Yield the names of the values that a fit wrote and nobody has changed since."""
+    """Yield the names of fitted values that have not been changed since."""
     for label, steps in model.targets.items():
         if any(step.status == FITTED for step in steps):
             yield f"targets.{label}"
@@ -49,9 +49,9 @@ def settings(item: FitItem, data: Data) -> list[Change]:
 
 
 def together(changes: Sequence[Change], data: Data) -> list[Change]:
-    """Return changes in which a field that the file lacks is set as a whole.
+    """Merge the changes of each missing field into one change of the whole field.
 
-    A whole field is written with an entry on each line if one line would be too long for it.
+    A field that is too long for one line is written with one entry per line.
     """
     made: list[Change] = []
     fields: dict[str | int, dict[str | int, Data]] = {}
@@ -64,9 +64,9 @@ def together(changes: Sequence[Change], data: Data) -> list[Change]:
 
 
 def removals(items: Sequence[str], data: Data) -> list[Change]:
-    """Return the changes that take items out of a character's file with some data.
+    """Return the changes that remove items from a character's file with some data.
 
-    A field that would be left empty goes with its last entry.
+    A field is removed together with its last entry.
     """
     made: list[Change] = []
     for loc in (loc for item in items for loc in (place_of(item), ("fitted", item))):

@@ -73,7 +73,7 @@ def _text(path: Path) -> str:
     try:
         return (_unpacked(path, raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
     except (EOFError, OSError, zlib.error):
-        raise LipsyncError(f"{path}: is a broken gzip file; get it again") from None
+        raise LipsyncError(f"{path}: is a broken gzip file; download it again") from None
     except UnicodeDecodeError as error:
         raise LipsyncError(
             f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8"
@@ -125,6 +125,6 @@ def _chosen(path: Path, found: Mapping[str, Inventory], which: str) -> Inventory
         return next(iter(fits.values()))
     if fits:
         listed = ", ".join(f"{n} ({len(i.segments)} segments)" for n, i in [*fits.items()][:SHOWN])
-        raise LipsyncError(f"{path}: several inventories are of '{which}'; name one: {listed}")
+        raise LipsyncError(f"{path}: several inventories match '{which}'; name one: {listed}")
     names = {n for i in found.values() for n in (i.language, i.code) if n}
     raise LipsyncError(f"{path}: has no inventory '{which}'; {did_you_mean(which, names)}")

@@ -1,7 +1,7 @@
-"""Comparison of languages: how each symbol of the IPA is mapped by all packs, and why some differ.
+"""Comparison of languages: the mappings of each IPA symbol, and the reasons for differences.
 
-The usual mapping of a symbol is that of most packs. A pack that maps it otherwise says why: in its
-own `reasons`, in a decision that languages share, or by mapping it as its letters.
+The usual mapping of a symbol is that of most packs. A pack with another mapping gives a reason: in
+its own `reasons`, in a decision that languages share, or because it maps the symbol as its letters.
 """
 
 from collections import Counter
@@ -16,28 +16,28 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 MAX_PIECES = 4
-"""Letters of a symbol that may each explain a part of its mapping."""
+"""Maximum number of letters of a symbol in a search for the parts of its mapping."""
 
 Mapped = tuple[str, ...]
 """The common phonemes of a symbol, in sequence; empty if it is silent."""
 
 
 class UnusualMapping(NamedTuple):
-    """A mapping of a symbol that is not the usual one, with the packs that share it."""
+    """An unusual mapping of a symbol, with the packs that share it."""
 
     to: Mapped
     reason: str
-    """Why; empty if nothing says so."""
+    """The reason; empty if none is stated."""
     languages: tuple[str, ...]
 
 
 class SymbolMappings(NamedTuple):
-    """A symbol of the IPA as all languages map it."""
+    """A symbol of the IPA with its mappings in all languages."""
 
     symbol: str
     usual: Mapped
     languages: tuple[str, ...]
-    """Names of the packs that map it so."""
+    """Names of the packs with this mapping."""
     unusual: tuple[UnusualMapping, ...]
 
     def unexplained(self) -> tuple[str, ...]:
@@ -46,7 +46,7 @@ class SymbolMappings(NamedTuple):
 
 
 def compare(library: "Library") -> list[SymbolMappings]:
-    """Compare the mappings of all languages found, the symbols of most languages first."""
+    """Compare the mappings of all languages found, the most widespread symbols first."""
     packs = [library.language(found.name).model for found in library.names("language")]
     return compare_models(packs, library.ipa().model.decided)
 
@@ -96,7 +96,7 @@ def _row(
     }
 
     def rank(to: Mapped) -> tuple[int, int]:
-        """Return the place of a mapping; of equals, the one that explains itself least."""
+        """Return the number of packs with a mapping, and of those without a reason."""
         return len(found[to]), sum(not reasons[name] for name in found[to])
 
     usual = max(found, key=rank)
@@ -110,9 +110,9 @@ def _row(
 
 
 def _as_letters(label: str, table: Mapping[str, Mapped]) -> str:
-    """Return the labels of a table that a mapping follows from; empty without any.
+    """Return a phrase on the labels that explain a mapping; empty if none do.
 
-    These are a shorter label of the same mapping, or letters whose mappings in sequence are it.
+    These are a shorter label with the same mapping, or letters with this mapping in sequence.
     """
     shorter = (label[:end] for end in range(len(label) - 1, 0, -1))
     one = next((part for part in shorter if table.get(part) == table[label]), "")
@@ -124,7 +124,7 @@ def _as_letters(label: str, table: Mapping[str, Mapped]) -> str:
 
 
 def _cuts(label: str, table: Mapping[str, Mapped]) -> Iterator[tuple[str, ...]]:
-    """Yield the cuts of a label into labels of a table that together have its mapping."""
+    """Yield the divisions of a label into other labels that together have its mapping."""
     wanted = _sequence(table[label])
 
     def cut(rest: str, parts: tuple[str, ...]) -> Iterator[tuple[str, ...]]:

@@ -35,7 +35,7 @@ class LanguageCheck:
     sounds: Mapping[str, Any] | None
     """The table of sounds (`SoundTable.told`); None if a fault keeps the pack from being read."""
     mouths: Mapping[str, str] = field(default_factory=dict)
-    """Poses of each common phoneme on a character, such as ``open 0.60, wide 0.20``."""
+    """Description of each common phoneme on a character, such as ``open 0.60, wide 0.20``."""
     character: str = ""
     tests: int = 0
     """Tests that the pack itself states."""
@@ -92,13 +92,13 @@ class LanguageCheck:
 
     def _told_tests(self) -> str:
         if not self.tests:
-            return "no tests yet: give words with their phonemes under `tests`"
+            return "no tests yet: add words with their phonemes under `tests`"
         unread = f"; texts were not read: {self.refusal}" if self.refusal else ""
         return f"{self.tests - self.failed} of {self.tests} tests pass{unread}"
 
 
 def _looks_needed(sounds: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the mappings that need a look, the most urgent first."""
+    """Yield the mappings to check, the most urgent first."""
     needed = [row for row in sounds["rows"] if row["need"] in {"unmapped", "doubtful"}]
     if needed:
         yield "look at:"
@@ -106,7 +106,7 @@ def _looks_needed(sounds: Mapping[str, Any]) -> Iterator[str]:
 
 
 def mouths_in(sounds: Mapping[str, Any]) -> dict[tuple[str, ...], list[dict[str, Any]]]:
-    """Return the sounds of each mouth, those that words show first.
+    """Return the sounds of each mouth, those with example words first.
 
     A mouth is the common phonemes that a label becomes. Labels are of the notation that people
     read: IPA, or else the first of the language.

@@ -38,7 +38,7 @@ def describe(library: "Library", pack: "Pack[models.Language]") -> dict[str, Any
         "automatic": model.automatic,
         "adds": list(model.adds),
         "reads": _reads(model),
-        "speaks": f"{model.tts.engine}, voice {model.tts.voice or 'as it comes'}"
+        "speaks": f"{model.tts.engine}, voice {model.tts.voice or '(default)'}"
         if model.tts
         else "",
         "caveats": list(model.caveats),
@@ -114,7 +114,7 @@ def _untested(trial: Trial, common: "models.Phonemes") -> dict[str, list[str]]:
 
 
 def _disagreements(rows: list[Disagreement]) -> list[dict[str, str]]:
-    """Return the labels with a map entry different from the automatic one."""
+    """Return the labels whose map entry differs from the automatic one."""
     return [
         {
             "label": row.label,

@@ -98,7 +98,7 @@ class LanguageDraft:
         wrote = "\n".join(f"wrote {path}" for path in made)
         return (
             f"{wrote}: {self.labels} labels, {self.doubtful} of them doubtful\n"
-            f"next: look at the doubtful ones, which stand first, then\n"
+            f"next: check the doubtful labels, at the top of the map, and then run\n"
             f"  lipsync-lang languages show {name}\n"
             f"  lipsync-lang validate {self.path}"
         )
@@ -151,14 +151,14 @@ def _refuse(wanted: LanguageWish, path: Path) -> None:
         raise PackError(f"{path}: already exists; choose another name, or delete it first")
     if not any((wanted.voice, wanted.epitran, wanted.lexicon, wanted.inventory)):
         raise LipsyncError(
-            "a new language is made from something: --voice, --epitran, --lexicon or --inventory"
+            "a new language needs a source: --voice, --epitran, --lexicon or --inventory"
         )
     if wanted.epitran and not wanted.texts:
         raise LipsyncError(
-            "Epitran shows its sounds by what it reads; give sample lines: --text FILE"
+            "Epitran has no list of its sounds; give sample lines for it to read: --text FILE"
         )
     if sum(map(bool, (wanted.epitran, wanted.lexicon))) > 1:
-        raise LipsyncError("--epitran and --lexicon both read text; give one of them")
+        raise LipsyncError("--epitran and --lexicon both read text; give only one of them")
 
 
 def _readers(wanted: LanguageWish) -> Iterator[tuple[Settings, str]]:
@@ -182,19 +182,19 @@ def _doubtful(near: "Nearest") -> bool:
 
 def _head(wanted: LanguageWish, inventory: Inventory | None, added: Sequence[str]) -> Iterator[str]:
     title = wanted.title or wanted.name.replace("-", " ").replace("_", " ").title()
-    yield f"# {title}: a draft. It runs as it is, and is as good as its first lines are right."
+    yield f"# {title}: a draft. It runs as it is, but its doubtful labels may be wrong."
     yield "#"
-    yield "# 1. Go through the doubtful labels, which stand first: is that the mouth you see?"
+    yield "# 1. Check the doubtful labels, at the top: does each have the mouth that you see?"
     yield "# 2. Write tests: words with the phonemes that a dictionary or a grammar gives them."
-    yield f"# 3. lipsync-lang languages show {wanted.name}    says what is untested,"
-    yield f"#    lipsync-lang validate languages/{wanted.name}.yaml    what is wrong."
-    yield "# 4. Take `automatic` out when every label that you meet is below."
+    yield f"# 3. lipsync-lang languages show {wanted.name}    lists what is untested,"
+    yield f"#    lipsync-lang validate languages/{wanted.name}.yaml    lists the faults."
+    yield "# 4. Remove `automatic` when the map has every label that you need."
     yield "kind: language"
     yield "format: 1"
     yield f"name: {wanted.name}"
     tag = wanted.tag or (wanted.voice or "").partition("+")[0] or (wanted.epitran or "")[:3]
     tag = tag or (inventory.code if inventory else "")
-    yield f"tag: {tag}" if tag else "tag: und            # say which language, as BCP 47 writes it"
+    yield (f"tag: {tag}" if tag else "tag: und            # write the BCP 47 tag of the language")
     yield f"title: {_scalar(title)}"
     if added:
         yield f"adds: [{', '.join(added)}]"
@@ -212,7 +212,7 @@ def _reading(wanted: LanguageWish) -> Iterator[str]:
     elif wanted.voice:
         yield f"g2p: {{engine: espeak, voice: {_scalar(wanted.voice)}, notation: {IPA}}}"
     else:
-        yield "# It reads text that is written in the labels below; rules make it read spelling:"
+        yield "# It reads text in the labels below; add rules to make it read the usual spelling:"
         yield "#   rules: [{from: ch, to: tʃ}, {from: c, to: s, before: '[ei]'}, {from: c, to: k}]"
         yield f"g2p: {{engine: rules, notation: {IPA}}}"
     if wanted.voice:
@@ -235,16 +235,16 @@ def _body(
     yield "notations:"
     yield f"  {IPA}:"
     if doubtful:
-        yield "    # Doubtful: no common phoneme names these, and the nearest was taken"
+        yield "    # Doubtful: no common phoneme lists these labels; each has the nearest one"
         yield from (_entry(label, found[label]) for label in doubtful)
         yield ""
     if sure:
-        yield "    # Common phonemes name these"
+        yield "    # Listed by common phonemes"
         yield from (_entry(label, found[label]) for label in sure)
     examples = {label: word for label, word in sounds.words.items() if word}
     if examples:
         yield ""
-        yield "# A word for each label, as it came; choose better ones"
+        yield "# The first word found for each label; choose better ones"
         yield "examples:"
         shown = (label for label in (*doubtful, *sure) if label in examples)
         yield from (f"  {_scalar(label)}: {_scalar(examples[label])}" for label in shown)
@@ -278,12 +278,12 @@ def _inventory(inventory: Inventory | None, found: Mapping[str, "Nearest"]) -> I
     toned = [segment for segment in inventory.segments if normalise(segment) in mute]
     if toned:
         yield "  absent:"
-        yield from (f"    {_scalar(segment)}: nothing of it is seen" for segment in toned)
+        yield from (f"    {_scalar(segment)}: it is not visible" for segment in toned)
 
 
 def _tests() -> Iterator[str]:
     yield ""
-    yield "# What a dictionary or a grammar says of a word, and the mouths it should become:"
+    yield "# Words with the IPA of a dictionary or a grammar, and the expected common phonemes:"
     yield '#  - {text: WORD, ipa: "its segments", phonemes: [its, common, phonemes], source: WHO}'
     yield "tests: []"
 

@@ -46,12 +46,12 @@ def place_model(model: Path, pack: Path) -> Placed:
     # Other formats may refer to buffers and textures outside the file, which a copy would lose.
     if model.suffix.lower() != ".glb":
         raise LipsyncError(
-            f"{model}: has parts in other files, perhaps; export it as GLB, or put all of it into "
-            f"{pack.parent} first"
+            f"{model}: may refer to other files; export it as GLB, or move it with these files "
+            f"into {pack.parent} first"
         )
     copy = pack.with_name(model.name)
     if copy.is_file() and cmp(model, copy, shallow=False):
         return Placed(model.name, None)
     if copy.exists():
-        raise PackError(f"{copy}: already exists; name that one, or move it")
+        raise PackError(f"{copy}: already exists and differs; use that model, or move it")
     return Placed(model.name, model)

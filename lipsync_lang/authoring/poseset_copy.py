@@ -1,6 +1,6 @@
-"""A copy of a pose set in the project: poses, model, banks and rigs, to be changed there.
+"""Copies of pose sets in a project, for local changes: poses, model, banks and rigs.
 
-The copy is found in place of the original and performs as it does, bit for bit.
+A copy takes precedence over its original, and its animations are identical, bit for bit.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 MAX_COPY_BYTES = 256 * 2**20
-"""Size limit of a copy in bytes; a larger folder holds more than a pose set."""
+"""Maximum size of a copy in bytes; a larger folder has other files than a pose set."""
 
 
 def copy_poseset(library: "Library", name: str, folder: Path) -> list[Path]:
-    """Copy a pose set into a project, all of it or nothing; no file is overwritten.
+    """Copy a pose set into a project, completely or not at all; no file is overwritten.
 
-    Banks and rigs of the project for this pose set stay, and come first as before.
+    Banks and rigs of the project for this pose set are kept, and keep their precedence.
 
     Parameters
     ----------
@@ -76,8 +76,8 @@ def _refuse(library: "Library", source: Path, target: Path) -> None:
     project = target.parents[2].resolve()
     if project not in searched or searched.index(origin.resolve()) < searched.index(project):
         raise PackError(
-            f"{shown(source)}: is searched before the project, so a copy would not be used; "
-            "change this one"
+            f"{shown(source)}: takes precedence over the project, so a copy would have no effect; "
+            "edit this file"
         )
 
 
@@ -86,7 +86,9 @@ def _whole(library: "Library", source: Path) -> Iterator[Path]:
     home = source.parent
     files = [path for path in sorted(home.rglob("*")) if path.is_file()]
     if sum(path.stat().st_size for path in files) > MAX_COPY_BYTES:
-        raise PackError(f"{shown(home)}: holds more than {MAX_COPY_BYTES >> 20} MB")
+        raise PackError(
+            f"{shown(home)}: is larger than {MAX_COPY_BYTES >> 20} MB; move other files out of it"
+        )
     yield from files
     stated = library.load(source, "poseset", home.name).source.data.get("model")
     model = beside(source, stated) if isinstance(stated, str) else None
@@ -98,11 +100,11 @@ def _refuse_others(outputs: dict[Path, bytes]) -> None:
     """Refuse to overwrite a file, unless it has the same content."""
     for target, content in outputs.items():
         if target.exists() and not (target.is_file() and target.read_bytes() == content):
-            raise PackError(f"{shown(target)}: already exists; move it")
+            raise PackError(f"{shown(target)}: already exists and differs; move or delete it")
 
 
 def _behind(known: Collection[str], stem: str) -> str:
-    """Return a name for a bank that comes after those of the project, as the original does."""
+    """Return a name for a bank that sorts after the banks of the project, which keep precedence."""
     last = max(known, default="")
     names = (stem, *(f"{'z' * number}-{stem}" for number in range(1, len(last) + 2)))
     return next(name for name in names if f"{name}.yaml" > last)

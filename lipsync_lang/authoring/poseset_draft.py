@@ -130,7 +130,7 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
         made, why = at_rest(names, common), {}
         why[""] = (
             "No pose set knows these poses, so every target is at rest. Give each sound its poses, "
-            "such as {NAME: 0.8}, or draft again with --guess, which deals the sounds out."
+            "such as {NAME: 0.8}, or draft again with --guess to distribute the sounds."
         )
     else:
         made, why = guessed(names[: len(common.base)], _shutting(sets, common), common), {}
@@ -146,7 +146,7 @@ def draft(library: "Library", wanted: PoseSetWish, folder: Path = Path()) -> Pos
     said = [
         f"{len(made.poses)} pose{'s' * (len(made.poses) != 1)}, "
         + _manner(known.name if called else None, guess=wanted.guess),
-        *([f"not moved yet, in a comment: {len(left)}"] if left else ()),
+        *([f"{len(left)} unused, in a comment"] if left else ()),
         *([f"the model has no shape called {', '.join(absent)}"] if absent else ()),
     ]
     return PoseSetDraft(path, laid_out(made, common, why, left), "; ".join(said), placed)
@@ -161,7 +161,7 @@ def _refuse(wanted: PoseSetWish, path: Path) -> None:
         raise PackError(f"{path}: already exists; choose another name, or delete it first")
     if not wanted.poses and wanted.model is None and wanted.like is None:
         raise LipsyncError(
-            "a new pose set is made from something: the names of its poses, --model or --like"
+            "a new pose set needs a source: the names of its poses, --model or --like"
         )
 
 
@@ -195,7 +195,7 @@ def _names(stated: Iterable[str]) -> list[str]:
     for name in names:
         fits = name == name.strip() and name.isprintable() and 0 < len(name) <= LONGEST
         if not fits or name in RESERVED:
-            raise LipsyncError(f"{name!r} cannot be the name of a pose; call it otherwise")
+            raise LipsyncError(f"{name!r} cannot be the name of a pose; choose another name")
     return names
 
 
@@ -297,8 +297,12 @@ def _constraints(known: Constraints, new: Mapping[str, Sequence[str]]) -> Constr
 def _manner(known: str | None, *, guess: bool) -> str:
     """Return a phrase on the origin of the targets."""
     if known is not None:
-        return f"moving as in {known}"
-    return "a first guess" if guess else "all at rest until you give them targets (or use --guess)"
+        return f"with the targets of {known}"
+    return (
+        "with guessed targets"
+        if guess
+        else "all at rest until you give them targets, or use --guess"
+    )
 
 
 def at_rest(poses: Sequence[str], common: "Phonemes") -> PoseSet:

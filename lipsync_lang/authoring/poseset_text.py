@@ -70,23 +70,23 @@ def _lines(
     yield ""
     yield from _poses(model, why, packed=packed)
     if left:
-        yield "# not moved yet; what is to speak goes above, and into the targets:"
+        yield "# Unused shapes. To use a shape, add it to `poses` and to `targets`:"
         yield from _wrapped("#   ", map(scalar, left), "")
     yield ""
     yield from _constraints(model, packed=packed)
     yield ""
-    yield "# What must be seen, at any speed: poses that rise to a floor, or stay below a ceiling"
+    yield "# Contacts, visible at any speed: poses that rise to a floor, or stay below a ceiling"
     yield from _contacts(model.contacts)
     yield ""
-    yield "# Weight per second that no pose passes, and other settings of how things move"
+    yield "# Settings of the motion; speed_limit is the highest weight per second of a pose"
     yield f"motion: {_flow(model.motion.model_dump(exclude_none=True))}"
     yield ""
-    yield "# How each pose stands at each sound, from 0 to 1. A pose that is not named rests."
+    yield "# Weight of each pose at each sound, from 0 to 1. A pose that is not named is at rest."
     yield "targets:"
     yield from _targets(model, common, packed=packed)
     if model.measures:
         yield ""
-        yield "# Read-outs for quality reports: sums of gain times pose"
+        yield "# Measures for quality reports: sums of gain times pose"
         yield "measures:"
         yield from (f"  {scalar(k)}: {_flow(gains)}" for k, gains in model.measures.items())
 
@@ -117,7 +117,7 @@ def _constraints(model: PoseSet, *, packed: bool) -> Iterator[str]:
     stated = model.constraints
     pairs = [_flow(pair.model_dump(exclude_none=True)) for pair in stated.pairs]
     binds = stated.default < NO_THRESHOLD
-    yield "# Two poses that must not be seen together: at most so much of both; who yields, first"
+    yield "# Pairs of poses with the highest sum of their weights; `priority` has the weakest first"
     if not pairs and not binds:
         some = [*model.poses, *model.poses][:2]
         yield f"# constraints: {{pairs: [{{between: {_list(some)}, threshold: 1}}]}}"

@@ -28,7 +28,7 @@ def transcript_table(told: dict[str, Any]) -> str:
     if told["automatic"]:
         count = len(told["automatic"])
         lines.append(
-            f"{count} labels mapped automatically" + (", not exactly these:" * bool(table))
+            f"{count} labels mapped automatically" + ("; these are not exact:" * bool(table))
         )
         lines += [f"  {line}" for line in columns(table)]
     return "\n".join(lines)
@@ -54,7 +54,7 @@ def language_table(told: dict[str, Any]) -> str:
             lines += _grouped(rows)
     lines += _inventory(told["inventory"]) if told["inventory"] else []
     if told["disagreements"]:
-        lines.append("\nother than by its features alone:")
+        lines.append("\nlabels that differ from the automatic mapping:")
         table = [("phoneme", "here", "by features", "why")]
         table += [
             (d["label"], d["common"], d["automatic"], d["reason"] or "(no reason given)")
@@ -67,13 +67,13 @@ def language_table(told: dict[str, Any]) -> str:
 def _facts(told: dict[str, Any]) -> Iterator[str]:
     for what in ("reads", "speaks"):
         if told[what]:
-            yield f"{what} text by {told[what]}"
+            yield f"{what} text with {told[what]}"
     if told["extends"]:
         yield f"states only what differs from {told['extends']}"
     if told["automatic"]:
-        yield "automatic: IPA that it does not map goes to the nearest common phonemes"
+        yield "automatic: unmapped IPA goes to the nearest common phonemes"
     for caveat in told["caveats"]:
-        yield f"beware: {caveat}"
+        yield f"note: {caveat}"
 
 
 def _rows(rows: Sequence[dict[str, str]]) -> Iterator[str]:

@@ -118,7 +118,7 @@ def laid_out(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> 
 
 def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> Iterator[str]:
     yield f"# The poses of {rig.poseset} on {model.path.name}: a draft. It runs as it is."
-    yield "# A gain is how much of a shape a pose moves; a shape may have several, below zero too."
+    yield "# A gain is shape weight per pose weight; a shape may have several, also negative ones."
     yield "kind: rig"
     yield "format: 1"
     yield f"name: {scalar(rig.name)}"
@@ -127,12 +127,12 @@ def _lines(rig: RigPack, model: "Model", match: "Match", poseset: PoseSet) -> It
     yield "channels:"
     yield from (f"  {scalar(name)}: {_channel(one)}" for name, one in rig.channels.items())
     if rig.lost:
-        yield "# Give each of these to a shape above that looks a little like it, or leave it lost"
+        yield "# Add each of these poses to a shape above that looks similar, or leave it lost"
         yield "lost:"
         yield from (f"  {scalar(pose)}: {scalar(why)}" for pose, why in rig.lost.items())
     yield from _bones(rig, model, poseset)
     if match.left:
-        yield "# Shapes that nothing moves:"
+        yield "# Unused shapes:"
         yield from (f"#   {line}" for line in wrap(", ".join(match.left), WIDTH - 4))
 
 
@@ -162,6 +162,6 @@ def _bones(rig: RigPack, model: "Model", poseset: PoseSet) -> Iterator[str]:
         node = next((node for node in _free(model) if region and region in folded(node)), None)
         if node is not None:
             turned = RigChannel(gains={pose: TURN}, node=node, rotation=(1, 0, 0))
-            yield f"# '{pose}' may be a bone. Degrees, about x; try which axis and sign are right:"
+            yield f"# A bone may show '{pose}'. Degrees, about x; try other axes and signs:"
             yield f"#   {scalar(node)}: {_channel(turned)}"
             return

@@ -1,6 +1,6 @@
-"""Table of the sounds of a language: what each label looks like, and which mappings need a look.
+"""Table of the sounds of a language: the mouth of each label, and the mappings to check.
 
-Rows come in the order of their need: labels that nothing maps, mappings that their features
+Rows are in order of urgency: unmapped labels, mappings that their features
 contradict, mappings that lose much of the sound, and the rest.
 """
 
@@ -32,15 +32,15 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library, Pack
 
 NEEDS = ("unmapped", "doubtful", "automatic", "loses", "")
-"""Needs of rows, the most urgent first."""
+"""Reasons to check a row, the most urgent first."""
 
 MAX_WORDS = 3
-"""Words that a row names for its label."""
+"""Maximum number of example words in a row."""
 
 
 @dataclass
 class SoundMemory:
-    """Results that edits of a table leave as they are; one serves the tables of one user.
+    """Results that stay valid after edits of a table; each user needs one instance.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class SoundMemory:
 
 @dataclass(frozen=True)
 class SoundTable:
-    """A language with everything that its table of sounds needs.
+    """The table of sounds of a language, with its sources.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ class SoundTable:
         return self.memory.near[1]
 
     def _judged(self, near: NearestPhonemes) -> dict[str, dict[str, Any]]:
-        """Return what the features say of each mapping of the IPA."""
+        """Return the reason of each IPA mapping, and any contradiction with its features."""
         model, decided = self.pack.model, self.library.ipa().model.decided
         against = dict(fights(model, near))
         other = {row.label: row for row in disagreements(model, near, decided)}
@@ -199,12 +199,15 @@ class SoundTable:
             }
             row = other.get(label)
             if label in against:
-                one |= {"need": "doubtful", "says": f"otherwise by {', '.join(against[label])}"}
+                one |= {
+                    "need": "doubtful",
+                    "says": f"contradicts its features: {', '.join(against[label])}",
+                }
             elif row is not None and not row.reason:
                 by = " ".join(name for name, _ in row.automatic) or "nothing"
                 one |= {
                     "need": "doubtful",
-                    "says": f"its features say {by}, and no reason is given",
+                    "says": f"the nearest by its features is {by}, and no reason is given",
                 }
             elif row is None and found.losses and one["distance"] > SMALL_MARK:
                 one |= {"need": "loses", "says": f"not shown: {', '.join(found.losses)}"}
@@ -212,7 +215,7 @@ class SoundTable:
         return judged
 
     def _unmapped(self, trial: Trial) -> Iterator[dict[str, Any]]:
-        """Yield rows for labels that are spoken or in the inventory, and mapped nowhere."""
+        """Yield rows for unmapped labels that are spoken or in the inventory."""
         model = self.pack.model
         name = written(model)
         found: dict[tuple[str, str], list[str]] = {}
@@ -229,9 +232,13 @@ class SoundTable:
                 if segment not in inventory.absent and mapped.find(segment) is None:
                     found.setdefault((IPA, segment), [])
         for (where, label), words in found.items():
-            says = f"'{words[0]}' is read with it" if words else "the inventory has it"
+            says = f"'{words[0]}' has this label" if words else "the inventory has it"
             row = self._row(where, label, [], [])
-            yield row | {"need": "unmapped", "says": f"{says}; nothing maps it", "words": words}
+            yield row | {
+                "need": "unmapped",
+                "says": f"not mapped: {says}",
+                "words": words,
+            }
 
     def _automatic(self, trial: Trial, near: NearestPhonemes | None) -> Iterator[dict[str, Any]]:
         """Yield rows for labels that an automatic language maps by features alone."""
@@ -280,7 +287,7 @@ class SoundTable:
     # What rows refer to
 
     def _common(self) -> list[dict[str, Any]]:
-        """Return the common phonemes of the language, with their shades behind them."""
+        """Return the common phonemes of the language, followed by their shades."""
         common, model = self.library.common().model, self.pack.model
         names = candidates(model, common)
         told = []
@@ -291,7 +298,7 @@ class SoundTable:
         return told
 
     def _tests(self, trial: Trial) -> list[dict[str, Any]]:
-        """Return each test with what the pack makes of it."""
+        """Return each test with its result."""
         common = self.library.common().model
         notation = notation_of(self.pack.model, IPA)
         rows = []
@@ -319,7 +326,7 @@ class SoundTable:
 
 
 def _described(name: str, stated: "models.SoundFields", like: str) -> dict[str, Any]:
-    """Return a common phoneme or a shade in words."""
+    """Return the description of a common phoneme or a shade."""
     return {
         "name": name,
         "title": stated.title,

@@ -55,13 +55,13 @@ class Trial:
             said = [name for name in heard.phonemes if name != silence]
             loc: Loc = ("tests", index)
             if heard.unmapped:
-                what = f"'{test.text}' has {_listed(heard.unmapped)}, which nothing maps"
+                what = f"'{test.text}' has {_listed(heard.unmapped)}, which the pack does not map"
                 hint = f"map it under `notations: {heard.notation}`"
                 yield self.pack.fault(loc, "P221", what, hint)
             elif not test.accepts_read(said, self.shades):
                 wanted = " ".join(test.read or test.phonemes)
                 what = f"'{test.text}' becomes {' '.join(said)}, not {wanted}"
-                hint = f"it was read as {' '.join(heard.labels)}; correct the map or the test"
+                hint = f"the engine read {' '.join(heard.labels)}; correct the map or the test"
                 yield self.pack.fault(loc, "P221", what, hint)
 
     @property
@@ -112,7 +112,7 @@ def doubts(library: Library, pack: "Pack[models.Language]") -> Iterator[Fault]:
     """Yield a warning per mapping that contradicts the features and has no stated reason."""
     for label, features in fights(pack.model, among(library, pack)):
         becomes = " ".join(pack.model.notations[IPA][label].to) or "(mute)"
-        what = f"'{label}' becomes {becomes}, which is otherwise by {', '.join(features)}"
+        what = f"'{label}' becomes {becomes}, which contradicts its features: {', '.join(features)}"
         hint = "correct it, or give the reason under `reasons`"
         yield pack.warning(("notations", IPA, label), "W309", what, hint, key=True)
 

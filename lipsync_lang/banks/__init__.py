@@ -1,1 +1,1 @@
-"""Banks: curves for phone bigrams, drafted and written."""
+"""Banks: drafts, conversion and files of phone bigrams."""

@@ -1,4 +1,4 @@
-"""Convert bigrams of another program to our phonemes and poses, and report the losses.
+"""Conversion of another program's bigrams to common phonemes and poses, with remarks on losses.
 
 Times and weights are clipped to [0, 1], times sorted, both rounded to `DECIMALS`.
 """
@@ -12,26 +12,26 @@ from lipsync_lang.banks.write import Points
 from lipsync_lang.errors import did_you_mean
 
 DECIMALS = 4
-"""Decimals of a time or weight; finer than a pixel of any curve editor."""
+"""Decimals of a time or weight; the step is smaller than a pixel of any curve editor."""
 
 MOST_KEYS = 200
-"""Most keys of a curve. Longer curves are sampled by a program, not drawn by a person."""
+"""Maximum number of keys of a curve. Longer curves are sampled by programs, not drawn."""
 
 FEWEST_KEYS = 2
-"""Fewest keys of a curve."""
+"""Minimum number of keys of a curve."""
 
 LONGEST, HINTS = 40, 100
-"""Characters of a name that a remark repeats, and how many unknown names get a hint."""
+"""Maximum length of a name in a remark, and maximum number of unknown names with a hint."""
 
 Curves = dict[str, Points]
 
 
 @dataclass(frozen=True)
 class BankNames:
-    """Our names for the labels and shapes of another program."""
+    """Phonemes and poses for the labels and shapes of another program."""
 
     sounds: Mapping[str, str]
-    """Common phonemes by label, in small letters."""
+    """Common phonemes by label in lower case."""
     poses: Mapping[str, str]
     """Poses by shape, in the order of the pose set."""
     silence: str
@@ -65,7 +65,7 @@ class Conversion:
         taken: dict[str, Pair] = {}
         for pair, key in known:
             if key in taken:
-                what = f"{_shown(pair)} is {key} too; that of {_shown(taken[key])} stays"
+                what = f"{_shown(pair)} is skipped: {_shown(taken[key])} already gives {key}"
                 self._tell("twice", pairs[pair], what)
                 continue
             curves = self._curves(key, pairs[pair])
@@ -81,9 +81,9 @@ class Conversion:
         self.remarks.add(kind, diphone.file, diphone.line, text)
 
     def _pair(self, pair: Pair, diphone: Diphone) -> str:
-        """Map a pair to a bigram key; empty if it has none."""
+        """Map a pair to a bigram key; empty without a key."""
         if ALONE in pair and ALONE not in self.names.sounds:
-            what = f"{_shown(pair)} is passed over: the curve of one phoneme alone is not a bigram"
+            what = f"{_shown(pair)} is skipped: the curve of a single phoneme is not a bigram"
             self._tell("alone", diphone, what)
             return ""
         missing = [label for label in dict.fromkeys(pair) if label not in self.names.sounds]
@@ -93,7 +93,7 @@ class Conversion:
             return ""
         first, second = (self.names.sounds[label] for label in pair)
         if first == second == self.names.silence:
-            what = f"{_shown(pair)} is passed over: silence is at rest by itself"
+            what = f"{_shown(pair)} is skipped: silence has no curves"
             self._tell("alone", diphone, what)
             return ""
         return f"{first}-{second}"
@@ -102,17 +102,17 @@ class Conversion:
         """Return a bigram's curves in the order of our poses; None if no curve is left."""
         shapes = {shape: points for shape, points in diphone.shapes.items() if points}
         if not shapes:
-            self._tell("empty", diphone, f"{key} has no keys and is passed over: it stays drafted")
+            self._tell("empty", diphone, f"{key} is skipped: it has no keys, so its draft is used")
             return None
         known = {shape: points for shape, points in shapes.items() if shape in self.names.poses}
         for shape in shapes.keys() - known.keys():
             self.unknown.setdefault(("pose", shape), []).append(diphone)
         if not known:
-            what = f"{key} is passed over: none of its shapes is a pose here"
+            what = f"{key} is skipped: none of its shapes is a pose of the pose set"
             self._tell("empty", diphone, what)
             return None
         if max(map(len, known.values())) > MOST_KEYS:
-            what = f"{key} is passed over: it has a curve of more than {MOST_KEYS} keys"
+            what = f"{key} is skipped: it has a curve of more than {MOST_KEYS} keys"
             self._tell("keys", diphone, what)
             return None
         return self._drawn(key, diphone, known)
@@ -124,10 +124,10 @@ class Conversion:
             pose = self.names.poses[shape]
             points = self._points(key, diphone, shape, known[shape])
             if len(points) < FEWEST_KEYS:
-                what = f"{key}: one key of '{visible(shape)}' is not a curve, and is passed over"
+                what = f"{key}: '{visible(shape)}' is skipped: a curve needs more than one key"
                 self._tell("empty", diphone, what)
             elif pose in curves:
-                what = f"{key}: '{visible(shape)}' is {pose} too, and is passed over"
+                what = f"{key}: '{visible(shape)}' is skipped: another shape is already {pose}"
                 self._tell("twice", diphone, what)
             else:
                 curves[pose] = points
@@ -139,13 +139,13 @@ class Conversion:
     def _points(self, key: str, diphone: Diphone, shape: str, points: list[Point]) -> Points:
         """Sort keys by time, clip them to the unit square, and merge duplicates."""
         if any(after < before for (before, _), (after, _) in pairwise(points)):
-            what = f"{key}: the times of '{visible(shape)}' fall; they are put in order"
+            what = f"{key}: the times of '{visible(shape)}' do not rise; the keys are sorted"
             self._tell("order", diphone, what)
             points = sorted(points, key=lambda point: point[0])
         unit = [[_unit(time), _unit(weight)] for time, weight in points]
         merged = [unit[0], *(here for before, here in pairwise(unit) if here != before)]
         if len(merged) < len(unit):
-            what = f"{key}: '{visible(shape)}' has keys twice; {len(merged)} are left"
+            what = f"{key}: '{visible(shape)}' has repeated keys; {len(merged)} are kept"
             self._tell("repeat", diphone, what)
         return merged
 
@@ -158,14 +158,14 @@ class Conversion:
     def _tell_strays(self) -> None:
         for stray in sorted(self.strays, key=lambda one: -one.farthest):
             keys = "key" if stray.count == 1 else "keys"
-            what = f"{stray.key}: {stray.count} {keys} outside 0 to 1 drawn in, "
-            self._tell("stray", stray.diphone, f"{what}the farthest by {stray.farthest:.3g}")
+            what = f"{stray.key}: {stray.count} {keys} outside 0 to 1 clipped, "
+            self._tell("stray", stray.diphone, f"{what}by at most {stray.farthest:.3g}")
 
     def _tell_unknown(self) -> None:
         for (kind, name), diphones in self.unknown.items():
             ours = self.names.sounds if kind == "phoneme" else self.names.poses
             count = "1 bigram" if len(diphones) == 1 else f"{len(diphones)} bigrams"
-            lost = "passed over" if kind == "phoneme" else "without it"
+            lost = "skipped" if kind == "phoneme" else "without it"
             label = visible(name[:LONGEST])
             near = self.remarks.counts[kind] < HINTS
             hint = f"; {did_you_mean(label, set(ours.values()))}" if near else ""

@@ -1,18 +1,18 @@
-"""Draft bigrams from targets: a complete bank at once, to be improved where it matters.
+"""Drafts of bigrams from targets: a complete bank, which a person can improve.
 
-The paper's animators draw every bigram by hand (3.1.2, 5.2). A pose set that says how each pose
-should stand at each common phoneme, and how strongly, has them all drawn for it. Where two
-phonemes meet, their targets are weighed by dominance (Cohen and Massaro 1993)::
+The paper's animators draw every bigram by hand (3.1.2, 5.2). Here all bigrams are drafted from the
+pose set, which states the weight and the dominance of each pose at each common phoneme. Between
+two phonemes, their targets are averaged by dominance (Cohen and Massaro 1993)::
 
     f(x) = sum_i D_i(x) T_i(x) / sum_i D_i(x),   D_i(x) = dominance_i exp(-SHARPNESS |x - m_i|)
 
-over the bigram's normalised time x, with the two phonemes' middles m at 1/4 and 3/4. A strong
-target so begins within its neighbour: rounding starts before a rounded vowel, and a "p" pushes
-the jaw up while the vowel still sounds.
+over the bigram's normalised time x, with the two phonemes' middles m at 1/4 and 3/4. A
+dominant target therefore starts within its neighbour: rounding starts before a rounded vowel, and
+a "p" raises the jaw during the vowel before it.
 
-Outside the two middles f fades to rest, because there the neighbouring bigrams know better: where
-they overlap, the larger curve wins, and what is left is each bigram's passage from the middle of
-its first phoneme to the middle of its second.
+Outside the two middles f fades to rest, because the neighbouring bigrams cover these parts: if two
+bigrams overlap, the larger curve wins. Each bigram therefore determines the transition from the
+middle of its first phoneme to the middle of its second.
 """
 
 from dataclasses import dataclass
@@ -24,23 +24,22 @@ from lipsync_lang.pipeline.arrays import Floats
 from lipsync_lang.pipeline.curve import bspline
 
 TIMES: Floats = np.array([0, 0.15, 0.35, 0.5, 0.65, 0.85, 1])
-"""(n,) control times of a drafted curve: few and round, closest where one phoneme passes into the
-other."""
+"""(n,) control times of a drafted curve: few, round, and densest between the phonemes."""
 
 SHARPNESS = 10.0
-"""Decay of a phoneme's dominance away from its middle, per unit of normalised time."""
+"""Decay of a phoneme's dominance with the distance from its middle, per unit of normalised time."""
 
 PASSIVE = 0.01
 """Dominance of a pose that a phoneme does not mention; the neighbour's target spreads into it."""
 
 STIFFNESS = 0.03
-"""Weight of an even control polygon, which is easy to edit, against a closer fit."""
+"""Weight of an even control polygon, which is easy to edit, relative to the error of the fit."""
 
 DECIMALS = 2
-"""Decimals of drafted values: as many as a bank keeps, so that writing loses nothing."""
+"""Decimals of drafted values, the same as in a bank file, so that writing is lossless."""
 
 FAINT = 0.015
-"""Control values below this count as rest."""
+"""Smaller control values are set to rest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +47,9 @@ class Target:
     """Pose weights at one phoneme."""
 
     weights: Floats
-    """(m, P) in [0, 1]; more than one row where the phoneme moves, as a diphthong does."""
+    """(m, P) in [0, 1]; several rows for a phoneme that moves, such as a diphthong."""
     dominance: Floats
-    """(P,) positive: how strongly each pose keeps its weight against the neighbour's."""
+    """(P,) positive; poses with a higher dominance give way less to the neighbour's target."""
 
 
 def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> Floats:
@@ -59,12 +58,12 @@ def draft(first: list[Target], second: list[Target], *, exact: bool = False) -> 
     Parameters
     ----------
     first, second : B targets each; bigram b passes from ``first[b]`` to ``second[b]``
-    exact : True for values that are not rounded, and follow small changes of a target
+    exact : True for values without rounding, which follow small changes of a target
 
     Returns
     -------
-    (B, P, n) control values in [0, 1] at `TIMES`, such that the smooth curve they control, not the
-    control points, is as near to f as it can be
+    (B, P, n) control values in [0, 1] at `TIMES`; the smooth curve approximates f, although its
+    control points may not
     """
     at, solve, curves = _fit()
     each = list(dict.fromkeys([*first, *second]))  # few distinct targets in many pairs

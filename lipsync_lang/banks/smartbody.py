@@ -127,8 +127,8 @@ def read_smartbody(path: Path, remarks: Remarks) -> Sets:
     lines = text.split("\n")
     for number, line in enumerate(lines, 1):
         if len(line) > MAX_LINE_CHARS:
-            what = f"cannot be read from this line on: it has {len(line):,} characters, and "
-            what += f"{MAX_LINE_CHARS:,} are the most; write one call a line"
+            what = f"cannot be read from this line on: it has {len(line):,} characters; the limit "
+            what += f"is {MAX_LINE_CHARS:,}; write one call per line"
             remarks.add("statement", name, number, what)
             text = "\n".join(lines[: number - 1])
             break
@@ -161,7 +161,7 @@ def _text(path: Path) -> str:
     except UnicodeDecodeError as error:
         text, why = "\0", f"byte {error.start} is not UTF-8"
     else:
-        why = "it holds a zero byte"
+        why = "it has a zero byte"
     if "\0" in text or len(content) > MAX_SCRIPT_BYTES:
         raise PackError(f"{shown}: is not a script or text of SmartBody: {why}")
     return text.replace("\r\n", "\n").replace("\r", "\n")
@@ -213,18 +213,18 @@ class _Script:
         shown = visible(statement.text.strip().split("\n")[0][:KEPT])
         if statement.bound is not None:
             self._forget(statement.bound)
-            self._tell(f"passed over with all in it: `{shown}`; write its calls out one by one")
+            self._tell(f"block skipped: `{shown}`; write its calls one by one")
             return
         try:
             body = ast.parse(statement.text).body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
-            self._tell(f"not understood and passed over: `{shown}`")
+            self._tell(f"not understood and skipped: `{shown}`")
             return
         for node in body:
             if not self._node(node):
                 inner = (n for n in ast.walk(node) if isinstance(n, ast.Name))
                 self._forget({n.id for n in inner if isinstance(n.ctx, ast.Store)})
-                self._tell(f"not understood and passed over: `{shown}`")
+                self._tell(f"not understood and skipped: `{shown}`")
 
     def _forget(self, names: Iterable[str]) -> None:
         """Discard the values of names with a possible new binding."""
@@ -290,7 +290,7 @@ class _Script:
         if not fit or call.keywords:
             name = _called(call)
             needs = ", ".join("a text" if form is str else "a number" for form in forms)
-            self._tell(f"{name} is passed over: it is understood with {needs}, written out")
+            self._tell(f"{name} is skipped: its arguments must be {needs}, as literals")
             return None
         return [value for value in values if value is not None]
 
@@ -322,9 +322,9 @@ class _Script:
         name = value.id if isinstance(value, ast.Name) else LAST
         if (value is None or name) and name in self.made:
             if self.made[name] is None:
-                self._tell("addKey is passed over with the createDiphone before it")
+                self._tell("addKey is skipped, because the createDiphone before it was skipped")
             return self.made[name]
-        self._tell("addKey is passed over: no createDiphone made what it adds to")
+        self._tell("addKey is skipped: no createDiphone made its diphone")
         return None
 
     def _delete(self, call: ast.Call) -> None:
@@ -353,7 +353,7 @@ def _key(  # noqa: PLR0913, PLR0917 what a key is, and where it stands
     if math.isfinite(time) and math.isfinite(weight):
         diphone.shapes.setdefault(shape, []).append((time, weight))
     else:
-        remarks.add("number", diphone.file, line, "a key that is not finite is passed over")
+        remarks.add("number", diphone.file, line, "a key that is not finite is skipped")
 
 
 SPACE = {tokenize.NL, tokenize.COMMENT}
@@ -446,7 +446,7 @@ class _Export:
                 case _:
                     self._tell(number, f"not understood: `{visible(line.strip()[:KEPT])}`")
         if self.mapped:
-            what = f"{self.mapped} Map lines are passed over: here languages map their sounds"
+            what = f"{self.mapped} Map lines are skipped: languages map their own sounds"
             self.remarks.add("map", self.file, 1, what)
         return {"": self.pairs} if self.pairs else {}
 
@@ -456,7 +456,7 @@ class _Export:
     def _pair(self, line: int, pair: Pair) -> None:
         self.now = Diphone(self.file, line)
         if pair in self.pairs:
-            what = f"{visible('-'.join(pair))} stands here again, of another set; the first stays"
+            what = f"{visible('-'.join(pair))} is repeated, from another set; the first is kept"
             self.remarks.add("twice", self.file, line, what)
         self.pairs.setdefault(pair, self.now)
 

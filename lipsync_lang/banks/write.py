@@ -1,4 +1,4 @@
-"""Write bigrams as YAML into bank files that a person can edit."""
+"""Writers of bigrams as YAML, into bank files that a person can edit."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,12 +26,12 @@ class Drafts:
     bigrams: dict[str, dict[str, Points]]
     """For each bigram, such as `l-ow`, control points by pose."""
     character: str = ""
-    """The character whose own targets the drafts are made from; empty for those of the pose set."""
+    """Character whose own targets were drafted; empty for the targets of the pose set."""
 
 
 @dataclass(frozen=True)
 class Made:
-    """Bigrams of one pose set from any source, with the fields of their bank."""
+    """Bigrams of one pose set from any source, with the style and curve type of their bank."""
 
     poseset: str
     bigrams: Mapping[str, Mapping[str, Points]]
@@ -67,18 +67,18 @@ def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -
 
     Parameters
     ----------
-    library : the packs that the drafts are made from; a bank among them is not scanned again
-    path : the bank; None is `common.yaml` of the pose set in the project's own folder
+    library : packs of the drafts; a bank that it has loaded is not read again
+    path : bank file; None for `common.yaml` of the pose set in the project
 
     Returns
     -------
-    What was done, in a line
+    A sentence on the changes
     """
     if path is None and drafts.character:
         raise LipsyncError(
-            f"'{drafts.character}' has targets of its own, and the usual bank is for every face of "
-            f"{drafts.poseset}; name another file for the bigrams, and state it under `banks` of "
-            f"'{drafts.character}'"
+            f"'{drafts.character}' has its own targets, but the default bank is for all "
+            f"characters of {drafts.poseset}; name another file for the bigrams, and state it "
+            f"under `banks` of '{drafts.character}'"
         )
     path = path or Path("posesets") / drafts.poseset / "banks" / "common.yaml"
     make_room(path)
@@ -87,9 +87,9 @@ def write_drafts(library: "Library", drafts: Drafts, path: Path | None = None) -
 
 
 def make_room(path: Path) -> None:
-    """Make the folder of a bank, or raise `OutputError` for a path that cannot be one."""
+    """Make the folder of a bank; raise `OutputError` for an impossible path."""
     if path.suffix != ".yaml":
-        raise OutputError(f"{path}: is not a name for a bank; end it in .yaml")
+        raise OutputError(f"{path}: is not a name for a bank; use a name that ends in .yaml")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -98,7 +98,7 @@ def make_room(path: Path) -> None:
 
 
 def add_bigrams(library: "Library", path: Path, made: Made) -> list[str]:
-    """Add bigrams to a bank file, made if missing, and return the new ones."""
+    """Add bigrams to a bank file, which is made if missing, and return the new ones."""
     from lipsync_lang.packs.editing import write_edited
     from lipsync_lang.packs.splicing import spliced
     from lipsync_lang.packs.yaml.source import read_bytes
@@ -125,9 +125,9 @@ def _stated(bank: Mapping[str, Any], made: Made) -> dict[str, str]:
 
 def done(path: Path, new: int, kept: int, what: str) -> str:
     """Return a sentence that counts the new and the kept bigrams of a bank."""
-    stay = "was there already and stays as it is"
+    stay = "was already there and is unchanged"
     if kept > 1:
-        stay = "were there already and stay as they are"
+        stay = "were already there and are unchanged"
     there = f"; {kept} {stay}" if kept else ""
     return f"{new} {what} bigram{'' if new == 1 else 's'} put into {path}{there}"
 
@@ -140,7 +140,7 @@ def _refuse_other(path: Path, bank: object, made: Made) -> None:
             f"{path}: is not a bank of {made.poseset}; name another file for the bigrams"
         )
     if not isinstance(stated.get("bigrams") or {}, dict):
-        raise PackError(f"{path}: its bigrams are not a mapping; write `bigrams: {{}}` there")
+        raise PackError(f"{path}: `bigrams` is not a mapping; write `bigrams: {{}}`")
     style = stated.get("style", NEUTRAL)
     if made.style not in {None, style}:
         what = f"is a bank of style '{style}', not '{made.style}'"
@@ -148,7 +148,7 @@ def _refuse_other(path: Path, bank: object, made: Made) -> None:
 
 
 def empty_bank(poseset: str, path: Path) -> str:
-    """Return the text of a new bank for the bigrams of a person."""
+    """Return the text of a new bank for manual bigrams."""
     comment = (
         "# Bigrams that a person edited or approved; all others are drafted from the targets.\n"
     )
