@@ -19,13 +19,13 @@ help: ## list the targets
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -e 's/:.*##/\t/' | expand -t 16
 
 # The pip at hand fetches the newest one, which is quicker and smaller than the pip that venv unpacks.
-# Where that fails (no pip, or one before 22.3), venv unpacks its own.
+# If that fails (no pip, or one before 22.3), venv unpacks its own.
 $(BIN)/python:
 	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed: make PYTHON=python3.12") if sys.version_info < (3, 11) else 0'
 	$(PYTHON) -m venv --without-pip $(VENV)
 	@$(PYTHON) -m pip --quiet --python $@ install --no-compile pip 2> /dev/null || $(PYTHON) -m venv $(VENV)
 
-# Where a C compiler is, an editable install builds the compiled kernel in place.
+# If there is a C compiler, an editable install builds the compiled kernel in place.
 KERNEL := hatch_build.py lipsync_lang/pipeline/kernel.c
 
 # Bytecode of 2,000 modules, most of which the demo never imports, takes 10 s and 40 MB.
@@ -59,7 +59,7 @@ demo: $(VENV)/demo ## speak a sentence and draw how its curves were made
 test: $(VENV)/ready ## run the quick tests
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not full"
 
-# What `test` leaves out, and every property once more with five times the examples
+# All tests that `test` leaves out, and every property once more with five times the examples
 test-rest: $(VENV)/ready
 	$(BIN)/python -m pytest -n auto --dist loadgroup -m "full or hypothesis" --hypothesis-profile=full
 
@@ -88,7 +88,7 @@ lint: $(VENV)/ready ## check style
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-prose: $(VENV)/ready ## check the words of documents, help and messages: make prose FILES=README.md
+prose: $(VENV)/ready ## check the words of pages, messages, scripts and packs: make prose FILES=README.md
 	$(BIN)/python tests/prose/lint.py $(FILES)
 
 types: $(VENV)/ready ## check types
@@ -106,10 +106,10 @@ motion: $(VENV)/ready ## print how curves move, beside captures: make motion REC
 languages: $(VENV)/ready ## print how every language reads: make languages TEXTS=folder
 	$(BIN)/python benchmarks/languages.py $(TEXTS)
 
-dictionaries: $(VENV)/ready ## count what is read otherwise: make dictionaries DICTIONARIES=folder
+dictionaries: $(VENV)/ready ## count readings that differ from dictionaries: make dictionaries DICTIONARIES=folder
 	$(BIN)/python benchmarks/dictionaries.py $(DICTIONARIES)
 
-figures: $(VENV)/ready ## measure "How good is it?" anew: make figures DATA=folder DICTIONARIES=folder
+figures: $(VENV)/ready ## measure "How good is it?" again: make figures DATA=folder DICTIONARIES=folder
 	$(BIN)/python docs/measure.py $(DATA) --dictionaries $(DICTIONARIES)
 	$(BIN)/python docs/how_good.py
 

@@ -1,4 +1,4 @@
-"""What all tests share: where things are, a cache of their own, and the command line."""
+"""Shared by all tests: places of things, a cache of their own, and the command line."""
 
 import gc
 import os

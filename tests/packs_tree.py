@@ -141,7 +141,7 @@ TREE = {
 
 
 def plant(root: Path, *without: str) -> Path:
-    """Write the sound packs below a folder, but for some files."""
+    """Write the sound packs below a folder, except some files."""
     for name, text in TREE.items():
         if name not in without:
             put(root, name, text)

@@ -47,7 +47,7 @@ def english():
 
 @pytest.fixture(scope="module")
 def spoken(english):
-    """What the language's voice says, and when: by text."""
+    """Sound of the language's voice, and its times: by text."""
     return {text: english.speak(text) for text in TEXTS}
 
 
@@ -380,7 +380,7 @@ def test_a_frame_of_features_comes_every_hundredth_of_a_second():
 @full
 @given(st.integers(1, 4), st.integers(0, 20), st.integers(0, 2**32 - 1))
 def test_the_likeliest_way_is_the_best_of_all_ways(phones, more, seed):
-    """Of a chain, by trying out every way there is to cut the frames."""
+    """Best path of a chain, by trying every way to cut the frames."""
     random = np.random.default_rng(seed)
     frames = 3 * phones + min(more, 3)
     scores = random.normal(size=(frames, phones, 3)).astype(np.float32)

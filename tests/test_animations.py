@@ -76,7 +76,7 @@ def performed(character, fps, folder):
 
 @pytest.fixture
 def suited(writer, folder, monkeypatch):
-    """What a writer of the sweep is given; videos are small."""
+    """Settings for a writer of the sweep; videos are small."""
     for package in NEEDS.get(writer.name, ()):
         pytest.importorskip(package, reason=f"{writer.name} needs {package}, which is an extra")
     monkeypatch.setattr("lipsync_lang.render.video.SIZE", 64)

@@ -29,7 +29,7 @@ def path(tmp_path):
 
 
 def content(path):
-    """What another reader finds, each member checked."""
+    """Members that another reader finds, each of them checked."""
     with zipfile.ZipFile(path) as archive:
         assert archive.testzip() is None
         return {name: archive.read(name) for name in archive.namelist()}

@@ -1,4 +1,4 @@
-"""What people get wrong: every message says what it is, where it stands and how to mend it."""
+"""Common mistakes: every message names the problem, its place and the cure."""
 
 import json
 import re

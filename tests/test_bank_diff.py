@@ -1,4 +1,4 @@
-"""What a layer changes: figures that can be checked by hand, and a picture of them."""
+"""Changes by a layer: figures that can be checked by hand, and a picture of them."""
 
 import json
 import re
@@ -47,7 +47,7 @@ drawn = pytest.mark.skipif(
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in a folder with a character and a bank of its pose set."""
+    """Change to a folder with a character and a bank of its pose set."""
     monkeypatch.chdir(tmp_path)
     banks = tmp_path / "posesets" / "facefx" / "banks"
     banks.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""Many schedules at once are what each is alone."""
+"""Many schedules at once give the same curves as each alone."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Where the curves of a bigram come from: their pack, the layers beneath, and the targets."""
+"""Sources of the curves of a bigram: their pack, the layers beneath, and the targets."""
 
 from dataclasses import replace
 

@@ -675,7 +675,7 @@ ARGUMENTS = st.lists(
 
 
 def ends_well(arguments, capsys):
-    """Run a command and return its exit code; whatever is wrong must be told in words."""
+    """Run a command and return its exit code; every problem must be reported in words."""
     try:
         code = main(arguments)
     except SystemExit as exit_:

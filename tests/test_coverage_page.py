@@ -252,7 +252,7 @@ def parsed(text):
 
 
 class Shown:
-    """What the page shows of a report, as its script puts it together."""
+    """Text of the page for a report, as its script puts it together."""
 
     def __init__(self, root, number):
         picker = root.one("select", id="picker")

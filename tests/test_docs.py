@@ -1,4 +1,4 @@
-"""What the documentation says is so: pages, links, packs, commands and Python."""
+"""The documentation is true: pages, links, packs, commands and Python."""
 
 import ast
 import importlib.util
@@ -26,7 +26,7 @@ FENCE = re.compile(r"^```(\w*)[ ]*([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTAL
 """A fenced block: its language, what else its first line says, and its text."""
 
 TOLD = re.compile(r'(title|edits|shows)="([^"]+)"')
-"""What a block is to a file: all of it, entries to put into it, or lines that stand in it."""
+"""Relation of a block to a file: all of it, entries to put into it, or lines from it."""
 
 NOT_RUN = {
     "make": "sets up an environment of its own",

@@ -20,7 +20,7 @@ from lipsync_lang.resolver.layers import PairPacks
 
 AT = np.linspace(0, 1, RESOLUTION + 1)
 HALF, FIRST, SECOND = RESOLUTION // 2, RESOLUTION // 4, 3 * RESOLUTION // 4
-"""Where a bigram's phonemes meet, and where the middles of the two are."""
+"""Boundary of a bigram's phonemes, and the middles of the two."""
 
 
 def target(weight, dominance=1.0):

@@ -1,4 +1,4 @@
-"""The pair that the studio performs: equal to the files compiled anew, after any edit."""
+"""The pair that the studio performs: equal to the files compiled again, after any edit."""
 
 import os
 
@@ -36,7 +36,7 @@ def compiled_anew(workshop):
 
 
 def assert_current(workshop):
-    """Compare what is performed with the same packs compiled anew."""
+    """Compare the performed curves with those of the same packs compiled again."""
     mine, fresh = workshop.performer.compiled, compiled_anew(workshop)
     np.testing.assert_array_equal(mine.tables.curves, fresh.tables.curves)
     np.testing.assert_array_equal(mine.tables.pairs, fresh.tables.pairs)

@@ -112,7 +112,7 @@ def from_unity(content, animation):
 
 
 def take_of(content):
-    """What a script for Blender holds."""
+    """Content of a script for Blender."""
     text = content.decode("ascii")
     compile(text, "line.py", "exec")
     return json.loads(text.split('json.loads(r"""\n')[1].split('\n"""')[0])
@@ -170,7 +170,7 @@ READERS = {
     "unity": (from_unity, SPARSE),
     "unreal": (from_unreal, DENSE),
 }
-"""What reads a writer's file, and how far it may stray."""
+"""Reader of a writer's file, and the largest deviation it may show."""
 
 every_engine = pytest.mark.parametrize("name", READERS)
 

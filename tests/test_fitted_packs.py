@@ -1,4 +1,4 @@
-"""What a fit may write into packs: own targets and seconds of a character, and fitted bigrams."""
+"""Packs that a fit writes: own targets and seconds of a character, and fitted bigrams."""
 
 import json
 import re

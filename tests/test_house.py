@@ -1,4 +1,4 @@
-"""The house: who may know whom, and that what is data stays data."""
+"""The house: a room imports only from floors below, and data stays out of code."""
 
 import ast
 import re

@@ -60,7 +60,7 @@ BASE, ROUND = near(), near("yu")
 
 
 def shown(label, nearest=ROUND):
-    """What a label becomes, without shares."""
+    """Phonemes of a label, without shares."""
     return " ".join(name for name, _ in nearest.nearest(label).value)
 
 
@@ -749,7 +749,7 @@ def language(root, name, tag, more=""):
 
 @pytest.fixture
 def finder(tmp_path):
-    """Languages with tags and aliases, alone in the world but for the built-in ones."""
+    """Languages with tags and aliases, beside only the built-in ones."""
     language(tmp_path, "alpha", "qab", "aliases: [qab-AA, Alfa]\n")
     language(tmp_path, "beta", "qac-Latn", "aliases:  # several\n  - qac\n  - 'beta-one'  # old\n")
     language(tmp_path, "gamma", "qad-Hant", "aliases: [\n  qad-TW,\n  third]\n")

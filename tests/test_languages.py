@@ -19,7 +19,7 @@ NEEDS = {"espeak": ["phonemizer"], "pypinyin": ["pypinyin", "opencc"], "epitran"
          "thaiphon": ["thaiphon", "pythainlp"],
          "g2p2": ["g2p2"],
          "kana": ["pyopenjtalk"]}  # fmt: skip
-"""What an engine, or a respeller, needs to be installed."""
+"""Packages that an engine or a respeller needs."""
 
 SILENCE = LIBRARY.common().model.silence
 SHADES = LIBRARY.common().model.shades

@@ -26,7 +26,7 @@ def read(*paths, **options) -> list[Line]:
 
 
 def refusal(path: Path) -> str:
-    """What is wrong with a file; `nothing` where it can be read."""
+    """Fault of a file; `nothing` where it can be read."""
     try:
         read(path, remark=lambda _: None)
     except LipsyncError as error:

@@ -1,4 +1,4 @@
-"""The Montreal Forced Aligner, played by a stand-in: what it is given, and what comes of it."""
+"""The Montreal Forced Aligner, played by a stand-in: its input, and the results."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Whatever slip of the hand befalls a shipped pack: located faults or a sound pack, never a crash.
+"""Slips of the hand in a shipped pack: located faults or a sound pack, never a crash.
 
 Edits are seeded by their number, so that one that fails can be run again.
 """

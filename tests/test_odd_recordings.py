@@ -1,4 +1,4 @@
-"""Recordings as people have them: in any file the same boundaries, and what fits nothing is told.
+"""Recordings as people have them: the same boundaries in any file, and a remark if nothing fits.
 
 All of it is aligned by each aligner that needs nothing but this program.
 """
@@ -32,7 +32,7 @@ def english():
 
 @pytest.fixture(scope="module")
 def voice(english):
-    """What the language's voice says, at the rate of the models."""
+    """Sound of the language's voice, at the rate of the models."""
     return resampled(english.speak(TEXT).audio, RATE).samples
 
 

@@ -42,7 +42,7 @@ ODD = (
     "Mündchen 口 \U0001f600",
     "nul \x00 and bell \x07",
 )
-"""What may stand in the name of a shape, a word or a file."""
+"""Characters that the name of a shape, a word or a file may have."""
 
 NO_NAMES = {
     "audacity": "labels of phonemes alone",
@@ -170,7 +170,7 @@ NAMES = {
     "usd": lambda content, animation: list(from_usda(content, animation)),
     "vtt": lambda content, animation: list(map(unescape, cues("vtt")(content, animation))),
 }
-"""What reads a file as strictly as its programs do, and returns the names that stand in it."""
+"""Reader as strict as the programs of a file; it returns the names in the file."""
 
 ONE_LINE = [" ".join(name.split()) for name in ODD]
 
@@ -203,7 +203,7 @@ CHANGED = {
     "srt": [name.replace("-->", "→") for name in ONE_LINE],
     "vtt": ONE_LINE,
 }
-"""Formats that cannot hold some letters, and what stands there for them."""
+"""Formats that cannot hold some letters, and their replacements."""
 
 
 def test_every_writer_is_swept():

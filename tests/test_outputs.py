@@ -25,7 +25,7 @@ from lipsync_lang.files.writing import atomic, write_all
 ROWS = [("HH", 0, 0.08), ("AH0", 0.08, 0.15), ("L", 0.15, 0.25), ("OW1", 0.25, 0.5)]
 SCHEDULE = json.dumps({"phonemes": [{"label": p, "start": a, "end": b} for p, a, b in ROWS]})
 OURS = {**os.environ, "PYTHONPATH": str(Path(writing.__file__).parents[2])}
-"""Whatever is installed, a process of our own runs this program."""
+"""A process of our own runs this program, independent of the installed one."""
 
 PROGRAM = (sys.executable, "-m", "lipsync_lang")
 RUN = ("run", "-l", "english", "-c", "facefx")
@@ -34,7 +34,7 @@ as_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root makes devices"
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in a folder with a schedule."""
+    """Change to a folder with a schedule."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "line.json").write_text(SCHEDULE, "utf-8")
     return tmp_path

@@ -25,7 +25,7 @@ def slow(path, content):
 
 
 def marks(mark, data):
-    """Return every place, but for those of empty values: ruamel.yaml puts some behind comments."""
+    """Return every place except those of empty values: ruamel.yaml puts some behind comments."""
     place = None if data is None or data == "" else mark[:2]
     if isinstance(mark.inner, dict):
         inner = [(key, at, marks(one, data[key])) for key, (at, one) in mark.inner.items()]

@@ -28,7 +28,7 @@ ANNA = "characters/anna.yaml"
 
 @dataclass(frozen=True)
 class Bad:
-    """A change to a sound pack: what to replace by what, and every fault that must come of it.
+    """A change to a sound pack: the old and the new text, and every fault that must result.
 
     A fault is (code, line, place) in the changed file, the place being a column or the text that
     starts there; `old` None adds or replaces the whole file.

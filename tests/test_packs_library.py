@@ -1,4 +1,4 @@
-"""Where packs are found, and what a library says of them."""
+"""Places of packs, and what a library says of them."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Chinese text in pinyin: readings, what stands among hanzi, and what cannot be read."""
+"""Chinese text in pinyin: readings, other text among hanzi, and text that cannot be read."""
 
 import csv
 from collections import Counter
@@ -38,7 +38,7 @@ def heard(read):
 
 @pytest.fixture(scope="module")
 def voiced(read):
-    """What the voice is given for a text."""
+    """Input of the voice for a text."""
     return lambda text: " ".join(word.respelled for word in read(text) if word.labels)
 
 

@@ -33,7 +33,7 @@ every_pair = pytest.mark.parametrize(
 """Every language on every pose set; each pose set once in the quick lane."""
 
 READERS = ("phonemizer", "pypinyin", "opencc", "pyopenjtalk", "thaiphon", "pythainlp")
-"""What reads the writing of some language, and has to be installed."""
+"""Engines that read the writing of some language, and have to be installed."""
 
 
 @cache

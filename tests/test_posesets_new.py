@@ -327,7 +327,7 @@ def test_a_name_is_known_however_it_is_spelled(name, pose):
 
 
 def told(ended):
-    """What a pack says; what its rigs lose comes after it."""
+    """Content of a pack; losses of its rigs come after it."""
     pack, _, losses = ended.out.partition("\n\n")
     assert losses.startswith("not shown by model\n")
     return pack.splitlines()

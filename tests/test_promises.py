@@ -1,4 +1,4 @@
-"""What every animation keeps, whatever its packs, its schedule and its settings."""
+"""Promises of every animation, for any packs, schedule and settings."""
 
 from dataclasses import replace
 from importlib import import_module

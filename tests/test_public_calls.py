@@ -1,4 +1,4 @@
-"""What the public functions take: one or several of a thing, files for names, and choices."""
+"""Arguments of the public functions: one or several of a thing, files for names, and choices."""
 
 from dataclasses import replace
 from pathlib import Path

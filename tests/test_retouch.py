@@ -1,4 +1,4 @@
-"""Bigrams changed in a compiled pair, against the same files compiled anew."""
+"""Bigrams changed in a compiled pair, against the same files compiled again."""
 
 import gc
 import weakref
@@ -56,7 +56,7 @@ def placeless(value):
 
 
 def assert_equal(one, other):
-    """Compare two compiled pairs to the last bit, but for the places of origins."""
+    """Compare two compiled pairs to the last bit, except the places of origins."""
     mine, yours = placeless(one), placeless(other)
     assert mine.keys() == yours.keys()
     assert not [name for name in mine if mine[name] != yours[name]]

@@ -316,7 +316,7 @@ def test_every_rig_drives_a_line_and_keeps_its_promises(rig):
 
 
 NEAR = 0.06
-"""What is left of a ceiling that a set of its own would keep to the letter."""
+"""Remainder of a ceiling that a set of its own would keep exactly."""
 
 
 @pytest.mark.parametrize("fps", [24, 60])

@@ -202,7 +202,7 @@ def test_many_costly_rules_for_one_letter_are_refused_together():
 
 
 def calls_of_reading(word, rules):
-    """How many functions are called, and compiled expressions tried, while a word is read."""
+    """Count the functions called, and the compiled expressions tried, while a word is read."""
     rewriter, count = Rewriter(rules, "a"), 0
 
     def counted(_frame, event, _argument):

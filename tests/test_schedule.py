@@ -502,7 +502,7 @@ SHAPES = {
     "bml": ("H", "Ah", "L", "Ow"),
     "moho": ("etc", "E", "L", "O"),
 }
-"""What the line's labels are in formats of mouth shapes."""
+"""The line's labels in formats of mouth shapes."""
 
 WORDLESS = {
     "audacity": "a label track holds one kind of label",

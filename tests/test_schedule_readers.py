@@ -15,11 +15,11 @@ every_reader = pytest.mark.parametrize("name", EXAMPLES)
 ENCODINGS = ("utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32", "cp037", "cp1252")
 
 VALUES = ("NaN", "-Infinity", "1e999", "-1", "9" * 5000, '"0.1"', "null", "[]", "{}", "true")
-"""What stands where a number stood."""
+"""Replacements for a number."""
 
 
 def outcome(path, content, **options):
-    """Read a file; nothing but timings or a refusal in words may come of it."""
+    """Read a file; the result may only be timings or a refusal in words."""
     path.write_bytes(content)
     try:
         return read_timings(path, **options)

@@ -104,7 +104,7 @@ def test_frames_are_those_of_the_whole_however_it_comes(language, character, dat
 
 @dataclass
 class Standing:
-    """What stream frames ask of a performer, over tables of any kind."""
+    """The part of a performer that stream frames use, over tables of any kind."""
 
     made: object
     motion: object
@@ -181,7 +181,7 @@ def test_evenly_stretched_bigrams_wait_for_the_length_of_the_next_sound(first):
 
 
 def test_words_keep_their_curves_emphasis_and_pronunciations(performer):
-    """Of a part that has them whole."""
+    """Frames of a part that has them whole."""
     times = np.arange(0, 1.3, 0.1)
     labels = ("_", *["h", "ə", "l", "oʊ"], "_", *["w", "ɜː", "l", "d"], "m", "_")
     said = (ll.Word("hello", 1, 5), ll.Word("world", 6, 10, emphasis=1.5))

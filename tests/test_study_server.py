@@ -220,7 +220,7 @@ def test_connections_beyond_the_most_are_dropped(folder, monkeypatch):
 
 
 def gives_the_page(port):
-    """Tell whether a server has a place, and wait a moment where it has none."""
+    """Tell whether a server has a place, and wait a moment if it is full."""
     try:
         return ask(port)[0] == 200
     except (OSError, http.client.HTTPException):

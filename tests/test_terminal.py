@@ -1,4 +1,4 @@
-"""What files say reaches a terminal as text, whoever prints it, and spreadsheets as text too."""
+"""Words of files reach a terminal as text, whichever command prints them, and spreadsheets too."""
 
 import csv
 import io
@@ -26,7 +26,7 @@ def harmless(*texts):
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in a folder with a schedule whose names command."""
+    """Change to a folder with a schedule whose names hold commands."""
     monkeypatch.chdir(tmp_path)
     rows = [("HH", 0, 0.08), ("AH0", 0.08, 0.25)]
     phonemes = [{"label": label, "start": a, "end": b} for label, a, b in rows]

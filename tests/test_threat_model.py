@@ -139,7 +139,7 @@ def test_the_slowest_speed_keeps_the_lead_in_short(project, cli):
 
 
 def calls(work, *arguments):
-    """How many functions are called while something is done."""
+    """Count the functions that are called by an action."""
     count = 0
 
     def counted(_frame, event, _argument):

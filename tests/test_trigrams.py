@@ -303,7 +303,7 @@ def test_a_frame_waits_for_the_third_sound_only_where_a_trigram_may_begin(drawn)
 
 
 def test_silence_that_is_not_there_begins_no_trigram(tmp_path):
-    """A window of a stream begins amid the sounds, and silence is put before it."""
+    """A window of a stream begins in the middle of the sounds, and silence is put before it."""
     character(tmp_path, "trigrams:\n" + trigram("_-s-d", "PBM") + trigram("s-d-r"))
     labels = ("IY", "S", "T", "R") * 6
     times = np.arange(len(labels) + 1.0)

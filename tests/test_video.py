@@ -1,4 +1,4 @@
-"""Video and stills: triangles are filled exactly, and what is seen is what was performed."""
+"""Video and stills: triangles are filled exactly, and the picture shows the performed frame."""
 
 import json
 import struct

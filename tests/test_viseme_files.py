@@ -32,7 +32,7 @@ def spoken(schedule):
 
 
 def guessed(schedule):
-    """What is said of an end that the file does not have."""
+    """Remark about an end that the file does not have."""
     return [told for told in schedule.remarks if "it is given 0.08 s" in told]
 
 

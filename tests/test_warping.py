@@ -41,7 +41,7 @@ def speakers():
 
 @pytest.fixture(scope="module")
 def recording():
-    """Another voice, slower: its own times are what is to be found."""
+    """Another voice, slower: the test must find its own times."""
     return speak(TEXT, "en-us+f3", words_per_minute=130)
 
 

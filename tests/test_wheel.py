@@ -29,7 +29,7 @@ UNREACHABLE = (
     "Read timed out",
     "ProxyError",
 )
-"""What pip says where it has no index."""
+"""Message of pip if it has no index."""
 
 pytestmark = [full, pytest.mark.xdist_group("wheel")]
 
@@ -88,7 +88,7 @@ def hatch_build():
 
 
 def members(archive):
-    """List the files of a wheel or a source archive, without the folder around the latter."""
+    """List the files of a wheel or a source archive, without the outer folder of an archive."""
     if archive.suffix == ".whl":
         return set(zipfile.ZipFile(archive).namelist())
     with tarfile.open(archive) as tar:

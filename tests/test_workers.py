@@ -27,7 +27,7 @@ HEAVY = [{"name": name, "weight": b"x" * 100_000} for name in "abc"]
 
 
 def heavy(batch):
-    """What a batch of `named` shares with its neighbours."""
+    """The part that a batch of `named` shares with its neighbours."""
     return HEAVY[batch // 20]
 
 

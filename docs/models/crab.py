@@ -124,7 +124,7 @@ def rim(mouth: Mouth) -> Points:
 
 
 def jaw(mouth: Mouth, face: Points, lip: Points) -> Points:
-    """How far (..., 3) the lower shell takes points with it: `lip` says how much of a lip they are.
+    """Displacement (..., 3) of points by the lower shell: `lip` says how much of a lip they are.
 
     `lip` is the share of the column's own side, the lower lip moving and the upper one staying.
     """
@@ -246,7 +246,7 @@ def jaw_shift(mouth: Mouth) -> Points:
 JAW = jaw_shift(Mouth(open=1)) * [0, 0.86, 1] - [0, 0, 0.07]
 UPPER_BACK, LOWER_BACK = np.array([0, 0.05, -0.1]), np.array([0, -0.19, -0.1])
 LOWER_UP = np.array([0, 0.06, 0])
-"""Where the teeth go: out of the way of a ring, or up from behind the lower lip."""
+"""Movement of the teeth: out of the way of a ring, or up from behind the lower lip."""
 
 
 def teeth() -> Part:

@@ -105,7 +105,7 @@ CENTRE = np.array([0.0, -5.0, 0.0])  # rays from here meet the skin once
 
 
 def on_skin(directions: Points, centre: Points = CENTRE) -> Points:
-    """Where rays from the centre leave the head."""
+    """Points where rays from the centre leave the head."""
     unit = directions / norm(directions)[..., None]
     steps = np.linspace(3.0, 15.0, 97)
     inside = np.stack([head_solid(centre + unit * step) < 0 for step in steps])
@@ -233,7 +233,7 @@ JAW_TURN, JAW_SLIDE = 0.17, np.array([0.0, -0.9, 0.4])
 
 
 def jaw_shift(p: Points) -> Points:
-    """How far a point that is fixed to the jaw moves when the mouth opens in full."""
+    """Displacement of a point that is fixed to the jaw when the mouth opens in full."""
     turned = (p - HINGE) @ mesh.rotation((1, 0, 0), JAW_TURN).T + HINGE
     return turned - p + JAW_SLIDE
 
@@ -310,7 +310,7 @@ def loop_shift(lips: Lips, square: float, sin: Points, cos: Points) -> Points:
 
 
 def from_mouth(flat: Points) -> Points:
-    """How far each rolled-out point is from the line between the lips."""
+    """Distance of each rolled-out point from the line between the lips."""
     beyond = np.maximum(np.abs(flat[..., 0]) - MOUTH, 0)
     return np.hypot(beyond, flat[..., 1])
 

@@ -1,4 +1,4 @@
-"""What others make of our GLB: the Khronos validator, and three.js in a browser."""
+"""Our GLB in other programs: the Khronos validator, and three.js in a browser."""
 
 import json
 import os

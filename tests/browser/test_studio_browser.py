@@ -64,7 +64,7 @@ def studio(tmp_path, request):
 
 
 class Story:
-    """A story that is told in the browser; the test may act between its parts."""
+    """A story that runs in the browser; the test may act between its parts."""
 
     def __init__(self, studio, name):
         node, modules = found("playwright-core")

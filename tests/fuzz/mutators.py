@@ -221,7 +221,7 @@ def dumped(tree: object) -> bytes:
 
 
 def parsed(content: bytes) -> object:
-    """Return the JSON that a content is; None where it is none."""
+    """Parse a content as JSON; return None if it is not JSON."""
     try:
         tree = json.loads(content)
     except (ValueError, RecursionError):

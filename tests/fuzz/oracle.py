@@ -21,7 +21,7 @@ BYTES, BYTES_PER_BYTE = 64 * 2**20, 1_000
 """Memory that reading may take, whatever the input, and for each byte of it."""
 
 MOST_CHARS = 5_000
-"""Of a message."""
+"""Longest message."""
 
 HANG_SECONDS = 300
 """After which an input is given up; a guard, not a measure."""

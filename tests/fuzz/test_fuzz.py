@@ -1,4 +1,4 @@
-"""Whatever a reader is handed: a result, or an error in words, within a budget of work.
+"""Readers give a result or an error in words for any input, within a budget of work.
 
 `LIPSYNC_LANG_FUZZ_SEED` repeats a run of the full lane; the seed is in the name of its tests.
 `CONTRIBUTING.md` says how to add an input that failed.

@@ -13,6 +13,9 @@ from pathlib import Path
 import yaml
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from prose.markup import sentences_of_markup
+from prose.remarks import sentences_of_comments, sentences_of_pack
+from prose.scripts import sentences_of_script
 from prose.texts import PLACEHOLDER, ROOT, Sentence, sentences_of_module, sentences_of_page
 
 LONGEST_WORDS = 30
@@ -37,7 +40,7 @@ class Rule:
     def finds(self, sentence: Sentence) -> re.Match[str] | None:
         """Search a sentence for the pattern."""
         if (self.running and not sentence.running) or (
-            self.pages and sentence.path.suffix == ".py"
+            self.pages and sentence.path.suffix != ".md"
         ):
             return None
         return self.pattern.search(sentence.text)
@@ -77,20 +80,53 @@ def rules() -> list[Rule]:
 
 def documents() -> list[Path]:
     """List all pages."""
-    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")]
-    return sorted(page for page in pages if page.name != "CHANGELOG.md")
+    return [page for page in _listed("*.md", "docs/**/*.md") if page.name != "CHANGELOG.md"]
 
 
 def modules() -> list[Path]:
-    """List all modules of the package."""
-    return sorted(ROOT.glob("lipsync_lang/**/*.py"))
+    """List all modules, of the package, its tests, its benchmarks and its documentation."""
+    folders = ("lipsync_lang", "tests", "benchmarks", "docs")
+    return _listed("*.py", *(f"{folder}/**/*.py" for folder in folders))
+
+
+def other_files() -> list[Path]:
+    """List scripts, templates, packs and settings."""
+    package = [f"lipsync_lang/**/*.{kind}" for kind in ("js", "html", "jinja")]
+    packs = [f"{folder}/**/*.yaml" for folder in ("languages", "posesets", "docs", "benchmarks")]
+    settings = ["*.yml", "*.toml", "Makefile", ".pre-commit-config.yaml", ".github/**/*.yml"]
+    return _listed(*package, *packs, *settings, "docs/**/*.html", "docs/**/*.mjs")
+
+
+def everything() -> list[Path]:
+    """List all files with prose."""
+    return [*documents(), *modules(), *other_files()]
+
+
+def _listed(*patterns: str) -> list[Path]:
+    return sorted({path for pattern in patterns for path in ROOT.glob(pattern)})
+
+
+def sentences(path: Path) -> Iterator[Sentence]:
+    """Read a file by its kind."""
+    match path.name.removesuffix(".jinja").rpartition(".")[2]:
+        case "md":
+            return sentences_of_page(path)
+        case "py":
+            return sentences_of_module(path, messages=not path.is_relative_to(ROOT / "tests"))
+        case "js" | "mjs":
+            return sentences_of_script(path)
+        case "html":
+            return sentences_of_markup(path)
+        case "yaml" | "yml" if path.suffix != ".jinja":
+            return sentences_of_pack(path)
+        case _:
+            return sentences_of_comments(path)
 
 
 def findings(paths: Iterable[Path], vocabulary: list[Rule]) -> Iterator[Finding]:
     """Check the prose of files."""
     for path in paths:
-        read = sentences_of_module if path.suffix == ".py" else sentences_of_page
-        for sentence in read(path):
+        for sentence in sentences(path):
             yield from faults(sentence, vocabulary)
 
 
@@ -106,7 +142,7 @@ def faults(sentence: Sentence, vocabulary: list[Rule]) -> Iterator[Finding]:
 
 def main(arguments: list[str]) -> int:
     """Print the findings of files, and count them."""
-    paths = [Path(argument).resolve() for argument in arguments] or [*documents(), *modules()]
+    paths = [Path(argument).resolve() for argument in arguments] or everything()
     found = list(findings(paths, rules()))
     for finding in found:
         print(finding)

@@ -13,18 +13,21 @@ _HIDDEN = re.compile(
     r"|^(?P<fence> *(`{3,}|~{3,}))[^\n]*\n.*?\n *\2[ \t]*$"  # code blocks
     r"|<!-- lint: off -->.*?<!-- lint: on -->"  # examples of what not to write
     r"|!\[[^\]]*\](?=\()"  # descriptions of pictures, which may be long
-    r"|<!--.*?-->|<[a-zA-Z/][^>\n]*>"  # comments and tags
+    r"|<!--.*?-->|<[a-zA-Z/][^>\n]*>|\{%.*?%\}"  # comments, tags and statements of templates
     r"|^\[[^\]]+\]: .*?$"  # targets of links
     r"|^ *\|?[-:| ]{3,}\|[-:| ]*$",  # rules below the head of a table
     re.MULTILINE | re.DOTALL,
 )
-_CODE = re.compile(r"(`+)(?!`).+?(?<!`)\1(?!`)", re.DOTALL)
+CODE = re.compile(r"(`+)(?!`).+?(?<!`)\1(?!`)", re.DOTALL)
 _TARGET = re.compile(r"(?<=\])\([^()\s]*(?:\([^()]*\))?[^()\s]*\)")
 _BLOCK = re.compile(r"^\s*(?:[-*+] |\d+\. |#+ |> ?|!!! \w+ ?|:   )")
 _STOP = re.compile(r"[.!?][\"')\]*_]*\s+(?=[\"'(\[*_]*[\w\x00])")
 _SHORTENED = re.compile(r"(?:\b(?:e\.g|i\.e|etc|vs|al|ca|cf|No|Dr|Fig|pp?))\.$")
 PLACEHOLDER = "\x00"
 """Stands for code and for the values of an f-string: one word, and never a part of a pattern."""
+
+
+_WORDS = re.compile(rf"[a-z][,:;]? +[\"'(]?[a-z{PLACEHOLDER}]|{PLACEHOLDER}[,:;]? +[\"'(]?[a-z]")
 
 
 @dataclass(frozen=True)
@@ -40,18 +43,18 @@ class Sentence:
 
 def sentences_of_page(path: Path) -> Iterator[Sentence]:
     """Read the sentences of a Markdown page; code is one placeholder a span."""
-    text = _HIDDEN.sub(_blank, path.read_text(encoding="utf-8"))
-    text = _TARGET.sub(_blank, _CODE.sub(_mark, text))
+    text = _HIDDEN.sub(blank, path.read_text(encoding="utf-8"))
+    text = _TARGET.sub(blank, CODE.sub(mark, text))
     for line, block in _blocks(text.splitlines()):
         if block.lstrip().startswith("|"):
             for cell in block.strip().strip("|").split("|"):
-                yield from _split(path, line, cell, running=False)
+                yield from split(path, line, cell, running=False)
         else:
             running = not block.lstrip().startswith("#")
-            yield from _split(path, line, block, running=running)
+            yield from split(path, line, block, running=running)
 
 
-def sentences_of_module(path: Path) -> Iterator[Sentence]:
+def sentences_of_module(path: Path, *, messages: bool = True) -> Iterator[Sentence]:
     """Read the summaries of docstrings, and every text of two words or more, of a module."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     documented = {id(node.value) for node in ast.walk(tree) if _is_text(node)}
@@ -70,9 +73,14 @@ def sentences_of_module(path: Path) -> Iterator[Sentence]:
             text = "".join(_said(part) for part in node.values)
         else:
             continue
-        if re.search(r"[a-z] +[a-z]", text):
-            text = _CODE.sub(_mark, text)
-            yield from _split(path, node.lineno, text, running=id(node) in documented)
+        if is_prose(text) and (messages or id(node) in documented):
+            text = CODE.sub(mark, text)
+            yield from split(path, node.lineno, text, running=id(node) in documented)
+
+
+def is_prose(text: str) -> bool:
+    """Tell whether a text has two words or more."""
+    return _WORDS.search(text) is not None
 
 
 def _is_text(node: ast.AST) -> bool:
@@ -83,12 +91,13 @@ def _said(part: ast.expr) -> str:
     return part.value if isinstance(part, ast.Constant) else PLACEHOLDER
 
 
-def _blank(match: re.Match[str]) -> str:
+def blank(match: re.Match[str]) -> str:
     """Replace a passage by its line breaks alone, so that lines keep their numbers."""
     return re.sub(r"[^\n]", "", match[0])
 
 
-def _mark(match: re.Match[str]) -> str:
+def mark(match: re.Match[str]) -> str:
+    """Replace a passage by a placeholder, behind its line breaks."""
     return "\n" * match[0].count("\n") + PLACEHOLDER
 
 
@@ -110,7 +119,7 @@ def _blocks(lines: list[str]) -> Iterator[tuple[int, str]]:
             yield first, held.pop()
 
 
-def _split(path: Path, line: int, text: str, *, running: bool) -> Iterator[Sentence]:
+def split(path: Path, line: int, text: str, *, running: bool) -> Iterator[Sentence]:
     """Split a block into sentences."""
     start = 0
     ends = [

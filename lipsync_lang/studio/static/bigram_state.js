@@ -1,4 +1,4 @@
-/** What is known of a bigram, and the edits of its file that lead from one state to another. */
+/** State of a bigram, and the edits of its file that lead from one state to another. */
 
 /** @typedef {import("./curve_points.js").Curves} Curves */
 /**

@@ -7,7 +7,7 @@ import { press } from "./curve_hands.js";
 import { made } from "./elements.js";
 import { tellKeys } from "./studio_keys.js";
 
-/** Milliseconds after a change of the packs, before they are asked for anew. */
+/** Milliseconds after a change of the packs, before they are requested again. */
 const SETTLE = 120;
 const STATUSES = ["drafted", "edited", "approved"];
 /** Statuses that no person gave: a change makes the bigram an edited one. */
@@ -32,13 +32,13 @@ export class BigramView {
   constructor(studio, place) {
     this.studio = studio;
     this.pair = "";
-    /** What the server told of the bigram. @type {any} */
+    /** The server's answer about the bigram. @type {any} */
     this.told = null;
     /** @type {BigramState} */
     this.now = { curves: {}, boundary: 0.5, interpolation: "", contact: "hold", status: "edited", word: "", why: "" };
-    /** What the file is known to say, and what it was last asked to say. @type {[BigramState | null, BigramState | null]} */
+    /** The known content of the file, and the content that was last requested. @type {[BigramState | null, BigramState | null]} */
     this.known = [null, null];
-    /** The word of the line that has the bigram, for a bigram that is drawn anew. */
+    /** The word of the line that has the bigram, for a new drawing of a bigram. */
     this.said = "";
     this.sending = 0;
     this.revision = -1;
@@ -54,7 +54,7 @@ export class BigramView {
     this.why = this.#input("Note", "why");
     this.kind = this.#select("Kind of curve", [["", "curve: as the bank"], ["bspline", "curve: smooth"], ["linear", "curve: straight"]], "interpolation");
     this.contact = this.#select("Contacts", [["hold", "contacts held"], ["free", "contacts free"]], "contact");
-    /** Where edits go: to the bank, or to the character alone. */
+    /** Target of edits: the bank, or the character alone. */
     this.into = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Edits are for" }, made("option", { value: "bank" }, "for every face"), made("option", { value: "character" }, "for this character")));
     this.into.addEventListener("change", () => this.#base());
     this.origin = made("p", { class: "origin" });

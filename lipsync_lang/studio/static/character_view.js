@@ -23,7 +23,7 @@ export class CharacterView {
     this.studio = studio;
     this.place = place;
     place.classList.add("character-view");
-    /** What the server tells of the character. @type {any} */
+    /** The server's answer about the character. @type {any} */
     this.told = null;
     /** @type {Mix} */
     this.mix = {};

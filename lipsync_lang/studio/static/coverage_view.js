@@ -19,7 +19,7 @@ export class CoverageView {
     this.studio = studio;
     this.place = place;
     place.classList.add("coverage");
-    /** What the server told. @type {any} */
+    /** The server's answer. @type {any} */
     this.told = null;
     this.visible = false;
     this.asking = 0;
@@ -166,13 +166,13 @@ export class CoverageView {
     const percent = (/** @type {number} */ one) => `${one.toLocaleString(undefined, { maximumFractionDigits: 1 })} %`;
     const shown = /** @type {(keyof STATUSES)[]} */ (Object.keys(STATUSES)).filter((one) => status[one]);
     const bars = shown.map((one) => {
-      const bar = made("i", { class: one, title: `${STATUSES[one]}: ${percent((100 * status[one][1]) / occurrences)} of what is said` });
+      const bar = made("i", { class: one, title: `${STATUSES[one]}: ${percent((100 * status[one][1]) / occurrences)} of the speech` });
       bar.style.flexGrow = String(status[one][1]);
       return bar;
     });
     const fact = (/** @type {string} */ number, /** @type {string} */ words) => made("li", {}, made("b", {}, number), words);
     this.covered.replaceChildren(
-      made("ul", { class: "facts" }, fact(percent(authored.percent), "of what is said is drawn"), fact(`${authored.bigrams} of ${kinds}`, "bigrams"),
+      made("ul", { class: "facts" }, fact(percent(authored.percent), "of the speech is drawn"), fact(`${authored.bigrams} of ${kinds}`, "bigrams"),
         fact(`${left.hours.toLocaleString(undefined, { maximumFractionDigits: 1 })} h`, "left"),
         ...(next_hour.bigrams ? [fact(`+${percent(next_hour.percent)}`, `by the next hour, ${next_hour.bigrams} bigrams`)] : [])),
       made("div", { class: "shares", role: "img", "aria-label": shown.map((one) => `${STATUSES[one]} ${percent((100 * status[one][1]) / occurrences)}`).join(", ") }, ...bars),

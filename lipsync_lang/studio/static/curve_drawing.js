@@ -7,7 +7,7 @@ import { ticks } from "./scales.js";
 const NS = "http://www.w3.org/2000/svg";
 /** Pixels around the plot: left, top, right, bottom. */
 const MARGIN = [34, 26, 12, 22];
-/** What can be seen at most: times, then values; and the closest that a zoom goes. */
+/** Widest view: times, then values; and the closest zoom. */
 const WHOLE = [-0.02, 1.02, -0.04, 1.06], CLOSEST = 0.05;
 const SAMPLES = 160, COLOURS = 8;
 const DASHES = ["", "9 4", "2.5 3.5", "10 3.5 2 3.5"];

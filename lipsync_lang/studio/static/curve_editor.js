@@ -29,7 +29,7 @@ const NEW = [0, 0.25, 0.5, 0.75, 1];
  *   selected?: (info: {pose: string, points: number}) => void, seek?: (time: number) => void, tell?: (text: string) => void}} Does
  */
 
-/** What was copied last, in this or another editor of the page. */
+/** Curves that were copied last, in this or another editor of the page. */
 const clipboard = { text: "" };
 /** Steps so far: each has a name of its own. */
 let steps = 0;

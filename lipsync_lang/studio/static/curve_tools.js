@@ -75,7 +75,7 @@ export class CurveTools {
     /** @type {HTMLButtonElement} */ (this.delete).disabled = !points.length;
   }
 
-  /** Show the ghosts that there are. */
+  /** Show the available ghosts. */
   ghosts() {
     const { editor } = this;
     this.haunts.replaceChildren(...editor.ghosts.map(({ name, kind }) => {

@@ -7,7 +7,7 @@ import { made } from "./elements.js";
  * @property {number} min
  * @property {number} max
  * @property {number} step
- * @property {string} [usual] value where none is stated
+ * @property {string} [usual] value if none is stated
  * @property {string} [unit]
  * @property {boolean} [disabled]
  */

@@ -13,8 +13,8 @@ const MOST = 400;
 
 /** Needs of rows, with the headings of their parts of the table. */
 const NEEDS = {
-  unmapped: "Unmapped: nothing says what these look like",
-  doubtful: "Doubtful: the sound's features say otherwise, and no reason is given",
+  unmapped: "Unmapped: these have no mouth yet",
+  doubtful: "Doubtful: the features of the sound disagree, and no reason is given",
   automatic: "Mapped by features alone: nobody has checked these",
   loses: "Much is not shown: the nearest mouth differs",
   "": "Settled",
@@ -67,7 +67,7 @@ export class LanguageView {
     this.word.addEventListener("keydown", (event) => event.key === "Enter" && this.word.value.trim() && studio.speak(this.word.value.trim()));
     speak.addEventListener("click", () => this.word.value.trim() && studio.speak(this.word.value.trim()));
     keep.addEventListener("click", () => this.#keep());
-    /** What the word became. @type {any} */
+    /** Phonemes of the word. @type {any} */
     this.transcript = null;
     this.list.addEventListener("focusin", (event) => { this.standing = keyOf(event.target) ?? this.standing; });
   }

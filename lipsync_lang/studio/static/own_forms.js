@@ -46,7 +46,7 @@ export class OwnForms {
     return [field, made("p", { class: "note" }, `Known here: ${told.phonemes.join(" ")}`), made("p", { class: "row" }, speak)];
   }
 
-  /** @param {string} word that is spoken anew, within its line if it has one */
+  /** @param {string} word that is spoken again, within its line if it has one */
   async #heard(word) {
     const { text = "" } = this.studio.state;
     await this.studio.speak(text.toLocaleLowerCase().includes(word) ? text : word);

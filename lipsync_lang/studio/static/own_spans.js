@@ -1,4 +1,4 @@
-/** Where a line says what a character's own curves are for, and the edits that change such curves. */
+/** Places in a line to which a character's own curves apply, and the edits that change such curves. */
 
 /** @typedef {import("./curve_points.js").Curves} Curves */
 /** @typedef {{from: number, to: number, query: string, sounds: {seconds: number, label: string}[]}} Span seconds; `query` names it to the server */

@@ -28,7 +28,7 @@ const KEYS = {
   "c": "close-up of the mouth",
   "o": "turn the face: front and side",
   "a": "A or B: the other take comes to the front",
-  "n": "the next limit that is missed; where none is, the next remark",
+  "n": "the next missed limit, or else the next remark",
   "+ − 0": "show less time, more time, all",
   "?": "these keys",
 };

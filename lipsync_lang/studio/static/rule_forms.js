@@ -21,7 +21,7 @@ import { actButton, choiceField, numberField, sliderField } from "./form_fields.
 
 const FREE = 2;
 
-/** What the settings of motion do. @type {[string, string, string][]} name, words and unit */
+/** Effects of the settings of motion. @type {[string, string, string][]} name, words and unit */
 const MOTION = [
   ["speed_limit", "Speed limit: weight per second that no pose exceeds", "per s"],
   ["softness", "Softness: factor of the seconds that round poses off", "×"],
@@ -34,7 +34,7 @@ const MOTION = [
 /** Largest values of sliders; numbers may be larger. @type {Record<string, number>} */
 const FAR = { speed_limit: 40, silence_reach: 1, sound_reach: 1 };
 
-/** The forms, drawn anew when what is stated changes. */
+/** The forms, drawn again when the stated values change. */
 export class RuleForms {
   /** @param {HTMLElement} place @param {RuleHands} hands */
   constructor(place, hands) {
@@ -52,7 +52,7 @@ export class RuleForms {
     const held = focusKey(this.place);
     this.place.replaceChildren(
       part("Constraints", "Two poses that may not add up to more than a threshold; or one that is never above another. The lower in rank makes way.", this.#constraints()),
-      part("Ranks", "Who makes way for whom: the first yields to all below it. Poses that are not listed never yield. Move them by dragging, or by the arrow keys.", this.#priority()),
+      part("Ranks", "If two poses conflict, the one that is higher in this list yields. Poses that are not listed never yield. Drag a pose to move it, or use the arrow keys.", this.#priority()),
       part("Contacts", "Weights that certain sounds reach at any speed: lips that touch, teeth that show.", this.#contacts()),
       part("Softness and anticipation", "Seconds over which a pose is rounded off, by region or its own; and by which it begins before its sound.", this.#softness()),
       part("Speed", "Settings of the pose set; a character may change them.", this.#motion()));

@@ -217,7 +217,7 @@ export class SentenceView {
     this.values.draw(take.frameAt(seconds), player.playing);
   }
 
-  /** Give the poses the room that there is. */
+  /** Give the poses the available room. */
   #stretch() {
     const { timeline, at } = this, room = /** @type {HTMLElement} */ (at.canvas.parentElement);
     if (timeline.narrow || getComputedStyle(room).overflowY !== "auto") {

@@ -57,7 +57,7 @@ const AGAINST = [["", "alone"], ["saved", "A/B: as saved"], ["keyframes", "A/B: 
 export class Studio {
   constructor() {
     this.api = api;
-    /** What the server knows: the pair, its poses and phonemes, unsaved edits. @type {any} */
+    /** The server's state: the pair, its poses and phonemes, unsaved edits. @type {any} */
     this.state = {};
     /** Languages and characters to choose from. @type {any} */
     this.project = {};
@@ -143,7 +143,7 @@ export class Studio {
     this.wake();
   }
 
-  /** Draw the model anew, after it was opened or replaced. @param {any} [face] that was asked for already */
+  /** Draw the model again after it was opened or replaced. @param {any} [face] that was asked for already */
   async loadFace(face) {
     this.model = face?.face ? face : await this.api.packed("face");
     this.posed = null;
@@ -167,7 +167,7 @@ export class Studio {
     this.notify("face");
   }
 
-  /** Ask for a pair where none is open. */
+  /** Ask for a pair if no pair is open. */
   #choose() {
     const start = made("button", { type: "button", class: "main" }, "Open");
     start.addEventListener("click", () => this.open(chosen("of-language"), chosen("of-character")));
@@ -299,7 +299,7 @@ export class Studio {
     this.notify("state");
   }
 
-  /** Ask for the state, and perform anew if another tab changed it. */
+  /** Request the state, and perform again if another tab changed it. */
   async look() {
     await this.attempt(async () => {
       const state = await this.api.get("state");

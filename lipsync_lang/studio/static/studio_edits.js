@@ -51,7 +51,7 @@ export class Edits {
     this.sending = false;
   }
 
-  /** @param {unknown} error of an edit: the state is asked for anew, so that views show what is true */
+  /** @param {unknown} error of an edit: the state is requested again, so that views show the truth */
   async #refused(error) {
     const faults = error instanceof Refusal ? error.told.faults ?? [] : [];
     const told = faults.map((/** @type {any} */ one) => `${one.what}${one.hint ? `: ${one.hint}` : ""}`);

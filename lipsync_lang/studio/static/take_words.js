@@ -6,7 +6,7 @@ import { clock } from "./scales.js";
 
 /** Findings of a figure that are listed. */
 const FINDINGS = 20;
-/** Pixels around a finding in which its words are told. */
+/** Pixels around a finding in which its words are shown. */
 const NEAR = 6;
 
 /** @typedef {{seconds: number, row: number, x: number, y: number}} Pointed a place on a timeline */

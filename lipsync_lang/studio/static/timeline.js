@@ -20,7 +20,7 @@ const FULL = 65535;
  *   sound: import("./player.js").Sound | null, rows: string[]}} Line
  */
 /**
- * What a timeline does: seek, tell of a place under the pointer, pick a row, and say that its view moved. Where they are given:
+ * Actions of a timeline: seek, describe a place under the pointer, pick a row, and report that its view moved. Optional:
  * `drag` moves a boundary between phonemes (`done` at the end), `word` chooses a word, `open` is a double click.
  * @typedef {{seek: (seconds: number) => void, hover: (at: {seconds: number, row: number, x: number, y: number} | null) => void,
  *   pick: (row: number) => void, moved: () => void, drag?: (boundary: number, seconds: number, done: boolean) => void,
@@ -55,7 +55,7 @@ export class Timeline {
     this.height = 0;
     /** Height of a row in pixels of the page; 0 for the usual. */
     this.tall = 0;
-    /** Width of the canvas in pixels of the page; asking the page for it at every point would lay it out anew each time. */
+    /** Width of the canvas in pixels of the page; asking the page for it at every point would lay it out again each time. */
     this.wide = canvas.clientWidth;
     this.loudest = 0;
     this.font = "sans-serif";

@@ -7,7 +7,7 @@ import { OwnForms } from "./own_forms.js";
 import { curveEdits, spanOf } from "./own_spans.js";
 import { tellKeys } from "./studio_keys.js";
 
-/** Milliseconds after a change of the packs, before they are asked for anew. */
+/** Milliseconds after a change of the packs, before they are requested again. */
 const SETTLE = 120;
 
 tellKeys({ "n": "words: curves of the word at the playhead", "j": "words: go to this one in the line, or speak it" });
@@ -27,7 +27,7 @@ export class WordsView {
     place.classList.add("words");
     /** @type {Told | null} */
     this.told = null;
-    /** What is open: a kind, a name, and for edits of lines a number. @type {string[]} */
+    /** The open item: a kind, a name, and for edits of lines a number. @type {string[]} */
     this.open = [];
     /** Curves that the file is known to have, and was last asked to have. @type {Curves} */
     this.known = {};
@@ -298,7 +298,7 @@ export class WordsView {
     });
   }
 
-  /** Speak the line anew: pronunciations matter when a text is read. */
+  /** Speak the line again: pronunciations matter when a text is read. */
   async #respoken() {
     if (this.studio.state.text) await this.studio.speak(this.studio.state.text);
   }
