@@ -11,6 +11,7 @@ from small_models import glb
 
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models.rig_channels import channels_of
+from lipsync_lang.performing.resolving import resolve
 from lipsync_lang.rigs.model import read_model
 from lipsync_lang.rigs.recognise import find, recognise
 
@@ -273,10 +274,18 @@ def test_a_model_is_performed_as_the_character_that_is_drafted_from_it(cli, fold
     assert {None} < rigs, "models that need a rig, and models that need none"
 
 
+def test_a_model_names_its_character_and_is_what_is_drawn(folder):
+    path = glb(folder / "FACE.GLB", *SETS["crab"].poses)
+    performer = resolve("english", path)
+    assert (performer.character, performer.compiled.poseset) == ("FACE", "crab")
+    assert performer.model == path.resolve()
+
+
 @pytest.mark.parametrize(
     ("command", "said"),
     [
         (("run", "Hello", "-c", "odd.glb"), "odd.glb: no pose set knows its shapes (alpha, beta)"),
+        (("run", "Hello", "-c", "few.glb"), "few.glb: no pose set knows its shapes (tongueOut"),
         (("run", "Hello", "-c", "none.glb"), "none.glb: cannot be read: No such file"),
         (
             ("bank", "draft", "-c", "face.glb"),
@@ -286,6 +295,7 @@ def test_a_model_is_performed_as_the_character_that_is_drafted_from_it(cli, fold
 )
 def test_a_model_that_cannot_be_performed(command, said, cli, folder):
     glb(folder / "odd.glb", "alpha", "beta")
+    glb(folder / "few.glb", "tongueOut", "alpha", "beta", "gamma")
     glb(folder / "face.glb", *SETS["crab"].poses)
     ended = cli(*command, "-l", "english")
     assert (ended.code, ended.out) == (2, "")

@@ -4,8 +4,11 @@ import csv
 import importlib.util
 import json
 import re
+import sys
 import tomllib
+import webbrowser
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import pytest
 from lanes import full, swept
@@ -14,10 +17,16 @@ from shipped import LANGUAGES, LIBRARY, POSESETS
 from lipsync_lang import extras
 from lipsync_lang.build.project_folder import project_files, starter
 from lipsync_lang.commands import doctor, starting
+from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
+from lipsync_lang.render import plot_fonts
+from lipsync_lang.render.fonts import FoundFonts
+from lipsync_lang.resolver.cache import CACHE_VARIABLE
 
 FILES = {"README.md", FILE, "lines.csv", "characters/hero.yaml", ".gitignore"}
+
+STAGE = "kind: language\nformat: 1\nname: stage\ntag: en-x-stage\nextends: english\n"
 
 COMMENTED = re.compile(r"^# (\w+): (.+)$", re.MULTILINE)
 """A field of the project file that is off."""
@@ -132,6 +141,9 @@ def test_a_project_of_any_language_has_lines_to_read(language, tmp_path):
     rows = list(csv.DictReader(made["lines.csv"].splitlines()))
     assert 1 <= len(rows) <= 3
     assert all(row["text"] for row in rows)
+    known = {test.text for test in LIBRARY.language(language).model.tests}
+    assert {row["text"] for row in rows} <= known | set(starter().lines)
+    assert rows[0]["text"] in (starter().lines if language == starter().language else known)
     (tmp_path / FILE).write_text(made[FILE], encoding="utf-8")
     assert load_project(tmp_path / FILE).model.language == language
 
@@ -145,13 +157,22 @@ def test_a_project_of_any_pose_set_is_built(cli, here, monkeypatch, poseset):
     assert ended.code == 0, ended.err
 
 
+def test_lines_are_the_longest_examples_and_a_command_shows_a_plain_one(tmp_path):
+    (tmp_path / "languages").mkdir()
+    texts = ["yes", '"no" to all of it', "yes and no", "all of `it` now", '"no" to all of it']
+    tests = "".join(f"  - {{text: {json.dumps(text)}, phonemes: [l]}}\n" for text in texts)
+    (tmp_path / "languages/stage.yaml").write_text(f"{STAGE}tests:\n{tests}")
+    made = project_files("game", Library(tmp_path, project=None), "stage", None)
+    rows = list(csv.DictReader(made["lines.csv"].splitlines()))
+    assert [row["text"] for row in rows] == texts[1:4]
+    assert 'lipsync-lang run "yes and no"' in made["README.md"]
+
+
 @full
 def test_an_installed_character_needs_no_file(tmp_path):
     folder = tmp_path / "characters"
     folder.mkdir()
     (folder / "bob.yaml").write_text("kind: character\nformat: 1\nname: bob\nposeset: crab\n")
-    from lipsync_lang.packs.library import Library
-
     made = project_files("game", Library(tmp_path, project=None), None, "bob")
     assert set(made) == FILES - {"characters/hero.yaml"}
     assert "character: bob" in made[FILE]
@@ -175,6 +196,7 @@ def test_every_field_of_a_project_is_in_the_new_one_and_sound_when_it_is_on(tmp_
     [
         (["taken"], "taken: is there already; choose another name"),
         (["file.txt"], "file.txt: is there already; choose another name"),
+        (["link"], "link: is there already; choose another name"),
         (["../out"], "has a '/'"),
         ([".."], "begins with a dot"),
         (["/out"], "has a '/'"),
@@ -187,10 +209,11 @@ def test_every_field_of_a_project_is_in_the_new_one_and_sound_when_it_is_on(tmp_
 def test_a_project_that_cannot_be_made_is_refused_and_nothing_is_left(cli, here, arguments, told):
     (here / "taken").mkdir()
     (here / "file.txt").write_text("mine")
+    (here / "link").symlink_to("nowhere")
     ended = cli("new", *arguments)
     assert ended.code != 0
     assert told in ended.err
-    assert sorted(path.name for path in here.iterdir()) == ["file.txt", "taken"]
+    assert sorted(path.name for path in here.iterdir()) == ["file.txt", "link", "taken"]
     assert not list((here / "taken").iterdir())
 
 
@@ -246,6 +269,22 @@ def test_the_installer_of_the_environment_is_named(tmp_path, monkeypatch, file, 
     monkeypatch.setenv("VIRTUAL_ENV", str(tmp_path))
     if "pip install" in line and "uv" not in line:
         assert extras.install_line("plot") == 'pip install "lipsync-lang[plot]"'
+    monkeypatch.setenv("VIRTUAL_ENV", str(tmp_path / "another"))
+    assert extras.install_line("plot") == told
+
+
+def test_the_line_runs_in_this_folder_and_with_spaces(here, monkeypatch):
+    monkeypatch.setattr(extras.sys, "prefix", str(here))
+    monkeypatch.delenv("VIRTUAL_ENV", raising=False)
+    monkeypatch.setattr(extras.sys, "executable", str(here / ".venv/bin/python"))
+    assert extras.install_line("plot").startswith(f"{Path('.venv/bin/python')} -m pip")
+    monkeypatch.setattr(extras.sys, "executable", "/my programs/python")
+    assert extras.install_line("plot").startswith('"/my programs/python" -m pip')
+
+
+def test_a_module_without_a_specification_counts_as_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "half_made", ModuleType("half_made"))
+    assert extras.Extra("x", "", "", ("half_made", "json")).missing() == ["half_made"]
 
 
 def test_extras_that_are_there_are_kept_by_an_installer_that_starts_anew(tmp_path, monkeypatch):
@@ -326,3 +365,87 @@ def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor, "IMPORT_SECONDS", 0.3)
     extra = extras.Extra("tables", "reads", "build", ("hanging_module",))
     assert doctor._extra(extra).state == "broken"  # noqa: SLF001
+
+
+def one(check):
+    """The only part that a check finds."""
+    (found,) = check()
+    return found.state, found.told
+
+
+def test_a_faulty_pack_is_a_broken_part(here, monkeypatch):
+    assert one(doctor._packs)[0] == "ok"  # noqa: SLF001
+    monkeypatch.setattr(Library, "faults", ["a fault"], raising=False)
+    monkeypatch.setattr(Library, "__init__", lambda _: None)
+    monkeypatch.setattr(Library, "names", lambda *_: [])
+    assert one(doctor._packs) == ("broken", "a fault")  # noqa: SLF001
+    assert not list(here.iterdir())
+
+
+@pytest.mark.usefixtures("here")
+def test_the_voices_are_those_of_the_project(monkeypatch):
+    pytest.importorskip("espeakng_loader", reason="a voice is an extra")
+    Path("languages").mkdir()
+    Path("languages/stage.yaml").write_text(f"{STAGE}g2p: {{engine: espeak, voice: nowhere}}\n")
+    assert [found.part for found in doctor._voices()] == [  # noqa: SLF001
+        f"voice of {starter().language}"
+    ]
+    Path(FILE).write_text("kind: project\nformat: 1\nlanguages: {finnish: fi}\nlanguage: stage\n")
+    found = {one.part: one for one in doctor._voices()}  # noqa: SLF001
+    assert {part: one.state for part, one in found.items()} == {
+        "voice of finnish": "ok",
+        "voice of stage": "broken",
+    }
+    assert "no voice 'nowhere'" in found["voice of stage"].told
+    without(monkeypatch, "espeakng_loader")
+    assert not list(doctor._voices())  # noqa: SLF001
+
+
+def test_programs_of_others_are_found_or_named(monkeypatch):
+    monkeypatch.setattr(doctor.shutil, "which", {"mfa": "/bin/mfa"}.get)
+    monkeypatch.setattr(webbrowser, "get", lambda: None)
+    found = {part.part: part for part in doctor._programs()}  # noqa: SLF001
+    assert found["mfa"][1:] == ("ok", "/bin/mfa")
+    assert found["festival"][1:] == ("missing", doctor.PROGRAMS["festival"])
+    assert found["browser"].state == "ok"
+
+    def none():
+        raise webbrowser.Error
+
+    monkeypatch.setattr(webbrowser, "get", none)
+    assert [part.state for part in doctor._programs()][-1] == "missing"  # noqa: SLF001
+
+
+def test_fonts_to_install_are_named(monkeypatch):
+    pytest.importorskip("matplotlib", reason="plots are an extra")
+    for missing, state, told in (("", "ok", "ʃ"), ("क", "missing", "Noto Sans Devanagari: ")):
+        found = FoundFonts((), frozenset(missing))
+        monkeypatch.setattr(plot_fonts, "fonts_for", lambda _, found=found: found)
+        assert one(doctor._fonts)[0] == state  # noqa: SLF001
+        assert told in one(doctor._fonts)[1]  # noqa: SLF001
+    without(monkeypatch, "matplotlib")
+    assert not list(doctor._fonts())  # noqa: SLF001
+
+
+def test_the_cache_can_be_written_and_has_room(here, monkeypatch):
+    (here / "file").touch()
+    for named, state, told in (
+        ("new/cache", "ok", "GB free"),
+        ("off", "missing", "is off by"),
+        ("file", "broken", f"cannot be written; name another folder in {CACHE_VARIABLE}"),
+    ):
+        monkeypatch.setenv(CACHE_VARIABLE, named)
+        assert one(doctor._cache)[0] == state  # noqa: SLF001
+        assert told in one(doctor._cache)[1]  # noqa: SLF001
+    monkeypatch.setenv(CACHE_VARIABLE, "new/cache")
+    few = SimpleNamespace(free=doctor.LEAST_FREE_BYTES - 1)
+    monkeypatch.setattr(doctor.shutil, "disk_usage", lambda _: few)
+    assert one(doctor._cache)[0] == "broken"  # noqa: SLF001
+    assert "has 200 MB left" in one(doctor._cache)[1]  # noqa: SLF001
+
+
+@pytest.mark.parametrize(("encoding", "state"), [("utf-8", "ok"), ("cp1252", "missing")])
+def test_a_terminal_without_unicode_is_told(monkeypatch, encoding, state):
+    monkeypatch.setattr(doctor.sys, "stdout", SimpleNamespace(encoding=encoding))
+    found = one(doctor._terminal)  # noqa: SLF001
+    assert (found[0], "PYTHONUTF8=1" in found[1]) == (state, state == "missing")

@@ -2,6 +2,7 @@
 
 import importlib.util
 import logging
+import re
 from io import BytesIO
 from pathlib import Path
 
@@ -131,7 +132,27 @@ def test_letters_that_no_font_has_become_an_ellipsis():
     assert legible("plain", {"क"}) == "plain"
 
 
+def test_a_remark_names_a_few_letters():
+    told = font_remark([chr(0x1780 + number) for number in range(30)])
+    (shown,) = re.findall("the letters (.+):", told.partition(" the picture")[0])
+    assert shown.split() == [*(chr(0x1780 + number) for number in range(12)), "..."]
+
+
 # Which fonts
+
+
+def test_folders_of_fonts_may_be_those_of_a_user(tmp_path, monkeypatch):
+    monkeypatch.setattr(fonts, "FOLDERS", {"linux": ("~/one", "$FONTS/two")})
+    monkeypatch.setattr(fonts.sys, "platform", "an unknown system")
+    for name in ("HOME", "USERPROFILE", "FONTS"):
+        monkeypatch.setenv(name, str(tmp_path))
+    wanted = {tmp_path / "one/A.ttf", tmp_path / "two/b.OTF"}
+    for path in (*wanted, tmp_path / "one/readme.txt"):
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+    forget()
+    assert set(font_files()) == wanted
+    forget()
 
 
 def test_without_a_font_the_letters_are_left_out_and_the_font_is_named(installed, caplog):

@@ -1,13 +1,25 @@
 """`languages check`: what the author of a language sees, without writing code."""
 
 import json
+from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lanes import swept
 from shipped import LANGUAGES, LIBRARY
 
-from lipsync_lang.authoring.language_check import check_language, mouths_in, mouths_of
+from lipsync_lang.authoring.language_check import (
+    FAINTEST,
+    MOST_SOUNDS,
+    REST,
+    check_language,
+    mouths_in,
+    mouths_of,
+)
+from lipsync_lang.authoring.mouth_sheet import draw_mouths
+from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.performing.resolving import resolve
 
 PACK = """kind: language
 format: 1
@@ -86,7 +98,72 @@ def test_json_says_the_same(cli):
     assert told["faults"] == []
     assert told["character"] == "facefx"
     assert told["mouths"]["bmp"].startswith("PBM 1.00")
+    for mouth in told["mouths"].values():
+        weights = [float(pose.split()[-1]) for pose in mouth.split(", ") if pose != REST]
+        assert weights == sorted(weights, reverse=True)
+        assert all(weight >= FAINTEST for weight in weights)
     assert {row["label"] for row in told["sounds"]["rows"]} >= {"ŋ", "NG"}
+
+
+def test_rows_are_short_and_begin_with_sounds_that_words_show():
+    mouths = mouths_in(english_sounds())
+    assert max(map(len, mouths.values())) > MOST_SOUNDS
+    for own in mouths.values():
+        shown = [bool(row["words"]) for row in own]
+        assert shown == sorted(shown, reverse=True)
+    rows = str(check_language(LIBRARY, LIBRARY.find("language", "english"))).split("\n")
+    (row,) = (row for row in rows if row.startswith("  bmp "))
+    assert f" + {len(mouths['bmp',]) - MOST_SOUNDS} " in row
+    assert len(row.split(" + ")[0].split()) == 1 + MOST_SOUNDS
+
+
+def test_a_mapping_against_its_features_needs_a_look(cli):
+    path = Path("languages/stage-english.yaml")
+    path.write_text(PACK.replace("ŋ: kg", "m͡ɲ: ih"), "utf-8")
+    ended = cli("languages", "check", path)
+    assert ended.code == 0
+    assert "stage-english.yaml:7" in ended.out
+    assert "look at:\n  m͡ɲ: otherwise by closure" in ended.out
+    assert "0 faults, 1 warning" in ended.err
+
+
+def test_texts_that_nothing_reads_are_told(cli):
+    path = Path("languages/mute.yaml")
+    tests = "tests:\n  - {text: oh, phonemes: [ow]}\n"
+    path.write_text(PACK.replace("stage-english", "mute") + tests, "utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lipsync_lang.authoring.trial.Speaker", refusing)
+        ended = cli("languages", "check", path)
+    assert "1 of 1 tests pass; texts were not read: no voice here" in ended.out
+
+
+def refusing(*_, **__):
+    raise LipsyncError("no voice here")
+
+
+def test_each_still_shows_its_own_mouth(monkeypatch):
+    drawn = []
+
+    def moments(animation, seconds, _, **options):
+        drawn.append((animation.schedule, seconds, options))
+
+    monkeypatch.setattr("lipsync_lang.render.sheet.moments", moments)
+    sounds = english_sounds()
+    draw_mouths(resolve("english", "facefx"), sounds, BytesIO())
+    ((schedule, seconds, options),) = drawn
+    assert options == {"close": True}
+    alone = [own[0] for mouth, own in mouths_in(sounds).items() if len(mouth) == 1]
+    for row, at in zip(alone, seconds, strict=True):
+        number = int(np.searchsorted(schedule.times, at)) - 1
+        assert schedule.labels[number] == row["label"]
+        assert at == pytest.approx(schedule.times[number : number + 2].mean())
+        assert schedule.word_at(number).text == next(iter(row["words"]), row["label"])
+
+
+def test_a_language_without_sounds_has_no_picture():
+    sounds = english_sounds()
+    with pytest.raises(OutputError, match="maps no sounds"):
+        draw_mouths(resolve("english", "facefx"), {**sounds, "rows": []}, BytesIO())
 
 
 def test_the_mouths_are_drawn(cli):

@@ -29,7 +29,7 @@ TEMPLATES = "project_templates"
 SHOWN_LINES = 3
 """Lines of a new script."""
 
-UNQUOTED = re.compile(r'["$`\\\\]')
+UNQUOTED = re.compile(r'["$`\\]')
 """Characters that mean something to a shell within double quotes."""
 
 
@@ -135,8 +135,9 @@ def line_id(number: int) -> str:
 
 def _samples(texts: list[str]) -> list[str]:
     """Return the longest texts, in their order."""
-    longest = sorted(texts, key=len, reverse=True)[:SHOWN_LINES]
-    return [text for text in dict.fromkeys(texts) if text in longest][:SHOWN_LINES]
+    different = list(dict.fromkeys(texts))
+    longest = sorted(different, key=len, reverse=True)[:SHOWN_LINES]
+    return [text for text in different if text in longest]
 
 
 def _table(lines: tuple[str, ...], speaker: str) -> str:
