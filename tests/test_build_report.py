@@ -158,7 +158,8 @@ def test_junit_holds_any_text(report):
     odd = "\x00\x1b[31m<&>\"'\ud800\uffff ]]> ü"
     lines = [made(0, name=odd, language=odd), made(1, failed=True, place=odd + ":3")]
     lines.append(replace(made(2, lips=1.0), line=made(2, character=odd).line))
-    ET.fromstring(report(lines, ".xml", replace(HEADING, project=odd)))  # noqa: S314 our own
+    root = ET.fromstring(report(lines, ".xml", replace(HEADING, project=odd)))  # noqa: S314 our own
+    assert len([*root.iter("testcase")]) == len(lines)
 
 
 # JSON

@@ -70,8 +70,8 @@ def test_what_cannot_be_performed_is_refused(labels, times, message):
 
 
 def test_a_long_pause_is_no_mistake():
-    ll.Schedule(("A", SILENCE, "B"), (0, 0.1, 3600, 3600.1))
-    ll.Schedule((SILENCE,), (0, 3600))
+    for labels, times in (("A", SILENCE, "B"), (0, 0.1, 3600, 3600.1)), ((SILENCE,), (0, 3600)):
+        assert ll.Schedule(labels, times).labels == labels
 
 
 @pytest.mark.parametrize(

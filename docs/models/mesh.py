@@ -310,55 +310,6 @@ def _tint(part: Part) -> Points:
     return np.ones_like(part.positions) if part.colors is None else part.colors
 
 
-def subdivided(part: Part) -> Part:
-    """One step of Loop's subdivision: four triangles for each, rounder. Borders stay borders."""
-    count = len(part.positions)
-    edges = np.sort(part.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    unique, which, uses = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    which = which.reshape(-1, 3)
-    opposite = part.triangles[:, [2, 0, 1]]
-    border = uses == 1
-
-    def smooth(values: Points) -> Points:
-        """The values at the new vertices: the old ones moved, then one for each edge."""
-        ends = values[unique]
-        across = np.zeros((len(unique), values.shape[1]))
-        np.add.at(across, which.ravel(), values[opposite.ravel()])
-        middle = np.where(border[:, None], ends.mean(1), ends.sum(1) * 3 / 8 + across / 8)
-        return np.concatenate([_loop_vertices(values, unique, border), middle])
-
-    a, b, c = part.triangles.T
-    ab, bc, ca = (which + count).T
-    triangles = np.stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca], 1).reshape(-1, 3)
-    return replace(
-        part,
-        positions=smooth(part.positions),
-        triangles=triangles,
-        targets={key: smooth(value) for key, value in part.targets.items()},
-        colors=None if part.colors is None else np.clip(smooth(part.colors), 0, 1),
-        normals=None,
-        target_normals=None,
-    )
-
-
-def _loop_vertices(values: Points, edges: Faces, border: NDArray[np.bool_]) -> Points:
-    """The old vertices, each drawn towards its neighbours; on a border only along the border."""
-
-    def neighbours(chosen: Faces) -> tuple[Points, Points]:
-        total, valence = np.zeros_like(values), np.zeros(len(values))
-        for here, there in ((0, 1), (1, 0)):
-            np.add.at(total, chosen[:, here], values[chosen[:, there]])
-            np.add.at(valence, chosen[:, here], 1.0)
-        return total, valence[:, None]
-
-    total, valence = neighbours(edges)
-    n = np.maximum(valence, 3.0)
-    beta = (5 / 8 - (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2) / n
-    inside = values * (1 - valence * beta) + total * beta
-    along, on_border = neighbours(edges[border])
-    return np.where(on_border > 0, values * 0.75 + along / 8, inside)
-
-
 # --- binary glTF
 
 

@@ -251,12 +251,6 @@ def joined(text: bytes, rest: bytes) -> bytes:
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
-def glb_of(tree: object, binary: bytes) -> bytes:
-    """Return a GLB of a document and its binary data."""
-    binary += b"\0" * (-len(binary) % 4)
-    return joined(dumped(tree), struct.pack("<2I", len(binary), GLB_BINARY) + binary)
-
-
 def _is_glb(content: bytes) -> bool:
     if content[:4] != b"glTF" or len(content) < 20:
         return False
