@@ -77,7 +77,7 @@ def test_a_study_is_read_as_it_is_written(tmp_path):
     ({"study": "xyz"}, "study: String should match"),
     ({"methods": ["ours"]}, "methods: Tuple should have at least 2"),
     ({"methods": ["ours", "held"]}, "pairs.0: unknown method 'keyframes'"),
-    ({"pairs": [STUDY["pairs"][0]] * 2}, "pairs.1: 'p001' names two pairs"),
+    ({"pairs": [STUDY["pairs"][0]] * 2}, "pairs.1: two pairs have the name 'p001'"),
     (
         {"pairs": [STUDY["pairs"][0] | {"right": STUDY["pairs"][0]["left"], "check": None}]},
         "pairs.0: 'ours' is on both sides, but is not an attention check",
@@ -139,8 +139,8 @@ def test_answers_out_of_form_are_refused(field, value):
     ({}, None),
     ({"study": "0" * 16}, "the answers are for study 0000000000000000"),
     ({"answers": [ANSWER | {"pair": "p009"}]}, "answers.0: the study has no pair 'p009'"),
-    ({"answers": [ANSWER, ANSWER]}, "answers.1: p001 has two answers on accuracy"),
-    ({"asked": {"name": "Anna"}}, "asked.name: the study does not ask for it"),
+    ({"answers": [ANSWER, ANSWER]}, "answers.1: p001 has two answers about accuracy"),
+    ({"asked": {"name": "Anna"}}, "asked.name: the study does not ask this question"),
 ])  # fmt: skip
 def test_answers_are_compared_with_their_study(changed, told):
     faults = faults_against(_submission(**changed), _study())
@@ -150,7 +150,7 @@ def test_answers_are_compared_with_their_study(changed, told):
 def test_an_unasked_question_is_a_fault():
     study = _study(questions=["accuracy"])
     assert faults_against(_submission(), study) == (
-        "answers.1: the study does not ask for naturalness",
+        "answers.1: the study does not ask about naturalness",
     )
 
 

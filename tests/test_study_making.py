@@ -210,9 +210,9 @@ def test_a_bank_takes_part(tmp_path):
 
 
 @pytest.mark.parametrize(("content", "told"), [
-    ("time_s,open\n0,0\n5,1\n9,0\n", "ends at 9.0 s, and the line at 0.6 s"),
+    ("time_s,open\n0,0\n5,1\n9,0\n", "ends at 9.0 s, but the line ends at 0.6 s"),
     ("time_s,nose\n0,0\n0.3,1\n0.6,0\n", "has nothing of"),
-    ("word,start,end\nmap,0.1,0.5\n", "times words alone"),
+    ("word,start,end\nmap,0.1,0.5\n", "only times of words"),
 ])  # fmt: skip
 def test_a_file_of_another_line_or_face_is_left_out_by_name(tmp_path, drawn, content, told):
     (tmp_path / "files").mkdir()
@@ -266,17 +266,19 @@ def test_lines_are_named_by_their_id_or_their_place():
 
 def test_lines_without_a_recording_are_left_out_by_name(tmp_path):
     found, told = [Line("Hello", "s.csv:2", "a"), Line("World", "s.csv:3", "b")], []
-    with pytest.raises(ll.LipsyncError, match="no recording that is called like a line"):
+    with pytest.raises(ll.LipsyncError, match="no recording with the name of a line"):
         study_lines(found, (), tmp_path)
     (tmp_path / "a.wav").write_bytes(b"")
     (line,) = study_lines(found, ["Bye"], tmp_path, told.append)
     assert (line.name, line.recording) == ("a", tmp_path / "a.wav")
-    assert told == [f"{tmp_path}: has no recording called b, text_1; left out"]
+    assert told == [
+        f"{tmp_path}: has no recordings with the names b, text_1; these lines are left out"
+    ]
 
 
 @pytest.mark.parametrize(("found", "told"), [
     ([], "there is no line"),
-    ([Line("a", "s:1", "x"), Line("b", "s:2", "x")], "2 lines are called 'x'"),
+    ([Line("a", "s:1", "x"), Line("b", "s:2", "x")], "2 lines have the name 'x'"),
 ])  # fmt: skip
 def test_lines_without_a_name_of_their_own_are_refused(found, told):
     with pytest.raises(ll.LipsyncError, match=told):
@@ -330,7 +332,7 @@ def test_the_key_is_read_and_its_digest_follows_the_clips(tmp_path, drawn, monke
     assert all(pair.seconds == pytest.approx(1.0, abs=0.3) for pair in study.study.pairs)
     assert drawn
     monkeypatch.setattr(study_clips, "CLIP_FORM", "clip 0")
-    with pytest.raises(ll.LipsyncError, match="holds another study"):
+    with pytest.raises(ll.LipsyncError, match="contains another study"):
         made(tmp_path)
 
 
@@ -360,7 +362,9 @@ def test_a_folder_with_another_study_is_never_touched(tmp_path, drawn):
     study = made(tmp_path)
     files = {path: path.read_bytes() for path in study.folder.rglob("*") if path.is_file()}
     (study.folder / "answers.jsonl").write_text("kept\n")
-    with pytest.raises(ll.LipsyncError, match=r"holds another study, 'Which face speaks better\?'"):
+    with pytest.raises(
+        ll.LipsyncError, match=r"contains another study, 'Which face speaks better\?'"
+    ):
         made(tmp_path, seed=2)
     for path, content in files.items():
         assert path.read_bytes() == content
@@ -397,10 +401,10 @@ def test_texts_of_a_study_are_data(tmp_path, drawn):
 
 
 @pytest.mark.parametrize(("texts", "told"), [
-    (PageTexts(" \n"), "consent text is empty"),
-    (PageTexts("x" * 20_001), "consent text is empty or longer"),
-    (PageTexts(asked=(parse_asked("Age"), parse_asked("age:"))), "each question once"),
-    (PageTexts(post="ftp://x"), "write an address such as"),
+    (PageTexts(" \n"), "consent text must have"),
+    (PageTexts("x" * 20_001), "between 1 and 20000 characters"),
+    (PageTexts(asked=(parse_asked("Age"), parse_asked("age:"))), "each only once"),
+    (PageTexts(post="ftp://x"), "is not a web address; give one such as"),
 ])  # fmt: skip
 def test_texts_that_a_page_cannot_have_are_refused(tmp_path, texts, told):
     with pytest.raises(ll.LipsyncError, match=told):
@@ -412,7 +416,7 @@ def test_texts_that_a_page_cannot_have_are_refused(tmp_path, texts, told):
     "http://[", "https://a b/",
 ])  # fmt: skip
 def test_an_address_that_would_change_the_policy_is_refused(address):
-    with pytest.raises(ll.LipsyncError, match="write an address"):
+    with pytest.raises(ll.LipsyncError, match="is not a web address"):
         origin_of(address)
 
 

@@ -297,7 +297,7 @@ def test_a_file_that_is_missing_is_named_and_a_folder_without_answers_refused(tm
     found = sort_answers([tmp_path / "gone.json", tmp_path / "answers.jsonl"], model(SOUND))
     assert accounted(found) == {"unreadable": (1, 0)}
     (tmp_path / "empty").mkdir()
-    with pytest.raises(LipsyncError, match=r"holds no \.json or \.jsonl file"):
+    with pytest.raises(LipsyncError, match=r"contains no \.json or \.jsonl file"):
         report_study(tmp_path, [tmp_path / "empty"])
 
 
@@ -498,7 +498,7 @@ class Page(HTMLParser):
 def test_few_raters_are_told_what_they_can_never_show(tmp_path):
     placed(tmp_path, SOUND, [changed(SOUND, n) for n in range(5)])
     notes = " ".join(report_study(tmp_path).notes)
-    assert "with 5 raters or lines, p is never below 0.062" in notes
+    assert "with 5 raters or lines, p cannot be below 0.062" in notes
     placed(tmp_path, SOUND, [changed(SOUND, n) for n in range(6)])
     assert "never below" not in " ".join(report_study(tmp_path).notes)
 

@@ -265,7 +265,7 @@ def test_a_folder_without_a_whole_study_is_refused(folder, spoil, told):
 @pytest.mark.parametrize(("host", "port", "origins", "told"), [
     ("127.0.0.1", 99999, (), "give a number from 1 to 65535"),
     ("no such host", 0, (), "cannot be used"),
-    ("127.0.0.1", 0, ("example.org",), "write an address"),
+    ("127.0.0.1", 0, ("example.org",), "is not a web address"),
 ])  # fmt: skip
 def test_an_address_that_cannot_be_served_is_refused(folder, host, port, origins, told):
     with pytest.raises(LipsyncError, match=told):

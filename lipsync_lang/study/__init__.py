@@ -1,1 +1,1 @@
-"""Studies: paired clips that people choose between, and statistics of their choices."""
+"""Studies: pairs of clips that raters choose between, and statistics of the choices."""

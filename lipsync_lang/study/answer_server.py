@@ -1,4 +1,4 @@
-"""Server of a study: gives its page, takes answers, and does nothing else.
+"""Server of a study: serves only its page, and stores answers.
 
 Answers are checked, appended to one file and never changed. Every request has a deadline and a
 size, and requests of other sites are refused.
@@ -34,25 +34,25 @@ from lipsync_lang.study.study_maker import KEY, PAGE
 from lipsync_lang.study.study_page import UNPOSTED, origin_of
 
 ANSWERS = "answers.jsonl"
-"""Name of the file that answers are appended to."""
+"""Name of the file of answers."""
 
 POST_PATH = "/answers"
-"""Path that answers are posted to."""
+"""Path to which pages post answers."""
 
 REQUEST_SECONDS = 30.0
-"""Seconds in which a request has to arrive."""
+"""Time limit for the arrival of a request."""
 
 SEND_SECONDS = 60.0
-"""Seconds that a client may take no byte of an answer."""
+"""Time limit for a client that takes no byte of a response."""
 
 MAX_CONNECTIONS = 64
-"""Connections that are served at once."""
+"""Maximum number of simultaneous connections."""
 
 MAX_PER_MINUTE = 60
-"""Submissions that one address may send in a minute; a laboratory shares one address."""
+"""Maximum number of submissions per minute and address; a laboratory shares one address."""
 
 MAX_MAP = 10_000
-"""Addresses that are remembered."""
+"""Maximum number of addresses in memory."""
 
 MAX_PORT = 65535
 
@@ -63,15 +63,15 @@ HEADERS = {
     "Content-Security-Policy": "frame-ancestors 'none'",
     "Cache-Control": "no-store",
 }
-"""Headers of every answer; the page has a stricter policy of its own."""
+"""Headers of every response; the page itself states a stricter policy."""
 
 
 MAX_WAITING = 128
-"""Connections that wait to be accepted; the system resets those beyond, as when a class begins."""
+"""Queue of new connections, such as those of a class; the system resets those beyond."""
 
 
 class AnswerLog:
-    """The file of answers, which only grows."""
+    """File of answers, to which submissions are appended."""
 
     def __init__(self, path: Path, study: Study) -> None:
         self.path = path
@@ -80,7 +80,7 @@ class AnswerLog:
         self._known = self._lines()
 
     def _lines(self) -> set[bytes]:
-        """Return the digests of the lines that are there."""
+        """Return the digests of the lines in the file."""
         try:
             content = self.path.read_bytes()
         except FileNotFoundError:
@@ -90,9 +90,9 @@ class AnswerLog:
         return {_digest(line) for line in content.split(b"\n") if line}
 
     def add(self, content: bytes) -> tuple[HTTPStatus, str]:
-        """Append a submission; return the HTTP status and the error message.
+        """Append a submission, and return the HTTP status and an error message.
 
-        A submission that is there already counts as taken: a browser may send it twice.
+        A submission already in the file counts as stored, since a browser may send it twice.
         """
         try:
             submission = parsed(Submission, content, "answers")
@@ -153,7 +153,7 @@ class AnswerServer(ThreadingHTTPServer):
 
     @property
     def answers(self) -> Path:
-        """The file that answers are appended to."""
+        """File of answers."""
         return self.log.path
 
     def process_request(self, request: Any, client_address: Any) -> None:
@@ -164,17 +164,17 @@ class AnswerServer(ThreadingHTTPServer):
         super().process_request(request, client_address)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
-        """Serve a connection, and give its place back."""
+        """Serve a connection, and free its place."""
         try:
             super().process_request_thread(request, client_address)
         finally:
             self._room.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Pass over connections that broke."""
+        """Ignore broken connections."""
 
     def hurried(self, address: str) -> bool:
-        """Return True if an address has sent too much in the last minute."""
+        """Return True if an address has sent too many submissions in the last minute."""
         now = time.monotonic()
         with self._lock:
             if len(self._recent) > MAX_MAP:
@@ -207,7 +207,7 @@ class _Handler(BaseHTTPRequestHandler):
         super().finish()
 
     def _hang_up(self) -> None:
-        """End a request that takes too long to arrive."""
+        """End a request that arrives too slowly."""
         try:
             self.connection.shutdown(SHUT_RD)
         except OSError:
@@ -217,7 +217,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Keep addresses of raters out of every log."""
 
     def do_GET(self) -> None:
-        """Give the page."""
+        """Send the page."""
         if self._refused() is None and self.path in {"/", f"/{PAGE}"}:
             self._answer(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         else:
@@ -226,14 +226,14 @@ class _Handler(BaseHTTPRequestHandler):
     do_HEAD = do_GET  # noqa: N815 named by http.server
 
     def do_OPTIONS(self) -> None:
-        """Tell a page of an allowed origin that it may post."""
+        """Allow a page of a permitted origin to post."""
         if self._refused() is None and self.path == POST_PATH:
             self._answer(HTTPStatus.NO_CONTENT, b"", "text/plain")
         else:
-            self._tell(HTTPStatus.FORBIDDEN, "requests of other sites are refused")
+            self._tell(HTTPStatus.FORBIDDEN, "requests from other sites are refused")
 
     def do_POST(self) -> None:
-        """Take answers."""
+        """Store answers."""
         refused = self._refused() or self._unfit()
         if refused is not None:
             self._tell(*refused)
@@ -254,27 +254,27 @@ class _Handler(BaseHTTPRequestHandler):
             self._tell(HTTPStatus.INSUFFICIENT_STORAGE, "the answers cannot be stored")
 
     def _refused(self) -> tuple[HTTPStatus, str] | None:
-        """Return why a request is of another site; None for others."""
+        """Return the refusal of a request from another site; None for other requests."""
         host = self.headers.get("Host", "")
         origin = self.headers.get("Origin")
         hosts = {urlsplit(one).netloc for one in self.server.origins} - {""}
         if not (_is_numeric(host) or host in hosts):
-            return HTTPStatus.MISDIRECTED_REQUEST, "this address is not the study's"
+            return HTTPStatus.MISDIRECTED_REQUEST, "this address is not that of the study"
         own = {f"http://{host}", *self.server.origins}
         if origin is not None and origin not in own:
-            return HTTPStatus.FORBIDDEN, "requests of other sites are refused"
+            return HTTPStatus.FORBIDDEN, "requests from other sites are refused"
         return None
 
     def _unfit(self) -> tuple[HTTPStatus, str] | None:
-        """Return why a post cannot be answers; None if it may be."""
+        """Return the refusal of a post that cannot be a submission; None for other posts."""
         length = self.headers.get("Content-Length", "")
         kind = self.headers.get_content_type()
         if self.path != POST_PATH:
             return HTTPStatus.NOT_FOUND, "there is no such page"
         if kind != "application/json":
-            return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "answers are sent as application/json"
+            return HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "send the answers as application/json"
         if not (length.isascii() and length.isdecimal()):
-            return HTTPStatus.LENGTH_REQUIRED, "the length of the answers is missing"
+            return HTTPStatus.LENGTH_REQUIRED, "the header Content-Length is missing"
         if len(length) > len(str(MAX_SUBMISSION_BYTES)) or int(length) > MAX_SUBMISSION_BYTES:
             return HTTPStatus.REQUEST_ENTITY_TOO_LARGE, "the answers are too long"
         return None
@@ -301,7 +301,7 @@ class _Handler(BaseHTTPRequestHandler):
 
 
 def _is_numeric(host: str) -> bool:
-    """Return True for addresses that no foreign name can stand for."""
+    """Return True for numeric addresses and localhost, which no other site can take over."""
     try:
         name = urlsplit(f"//{host}").hostname or ""
         return name == "localhost" or bool(ip_address(name))
@@ -316,7 +316,7 @@ def answer_server(
 
     Parameters
     ----------
-    host, port : the address to listen at; port 0 for a free one
+    host, port : address of the server; port 0 for a free port
     origins : further addresses of the page, such as ``https://example.org``; ``null`` for pages
         that are opened from files
 
@@ -329,12 +329,13 @@ def answer_server(
     allowed = frozenset(one if one == "null" else origin_of(one) for one in origins)
     log = AnswerLog(folder / ANSWERS, study)
     if not 0 <= port <= MAX_PORT:
-        raise LipsyncError(f"port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free one")
+        raise LipsyncError(f"port {port}: give a number from 1 to {MAX_PORT}, or 0 for a free port")
     try:
         return AnswerServer((host, port), _page(folder / PAGE, study), log, allowed)
     except OSError as error:
         raise LipsyncError(
-            f"{host}, port {port}: cannot be used: {error}; port 0 takes a free one"
+            f"{host}, port {port}: cannot be used: {error}; "
+            "choose another port, or 0 for a free port"
         ) from None
 
 
@@ -343,8 +344,10 @@ def _page(path: Path, study: Study) -> bytes:
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise LipsyncError(f"{path}: cannot be read: {error.strerror}; make it again") from None
+        raise LipsyncError(
+            f"{path}: cannot be read: {error.strerror}; make the study again"
+        ) from None
     if study.study.encode() not in content:
-        raise LipsyncError(f"{path}: is the page of another study; make it again")
+        raise LipsyncError(f"{path}: is the page of another study; make the study again")
     posted = json.dumps(POST_PATH.lstrip("/")).encode()
     return content.replace(UNPOSTED, UNPOSTED.replace(b"null", posted), 1)

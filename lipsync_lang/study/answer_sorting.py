@@ -1,4 +1,4 @@
-"""Answers of raters, sorted into those that count and those that are set aside with a reason.
+"""Sorting of answers: those that count, and those that are set aside with a reason.
 
 Every submission and every answer is counted exactly once: as counted, as an answer to an
 attention check, or as set aside.
@@ -23,43 +23,43 @@ from lipsync_lang.study.study_file import (
 )
 
 MIN_COPIED_ANSWERS = 5
-"""Fewest answers that can be a copy of another rater's, seconds included."""
+"""Minimum number of answers for a copy of another rater's, seconds included."""
 
 MIN_ALIKE_ANSWERS = 10
-"""Fewest answers that are suspicious if two raters give all the same, at other speeds."""
+"""Minimum number of equal answers of two raters, at different speeds, that is suspicious."""
 
 UNKNOWN_CLIP_SECONDS = 1.0
-"""Least time for a pair of clips of unknown length."""
+"""Minimum time for a pair of clips of unknown length."""
 
 MAX_RATER_CHARS = 64
-"""Longest number of a rater that is believed."""
+"""Maximum length of a rater's number."""
 
 
 @dataclass(frozen=True)
 class SortingRules:
-    """Rules by which raters and answers are set aside."""
+    """Rules for raters and answers to set aside."""
 
     failed_checks: int = 0
-    """Attention checks that a rater may fail."""
+    """Number of attention checks that a rater may fail."""
     keep_unfinished: bool = False
     """True if raters who stopped early count."""
     least_seconds: float | None = None
-    """Least time for a pair; None for the length of its longer clip, or `UNKNOWN_CLIP_SECONDS`."""
+    """Minimum time for a pair; None for its longer clip's length, or `UNKNOWN_CLIP_SECONDS`."""
     one_side: int = 10
-    """Pairs from which on a rater who always takes one side is set aside; 0 for never."""
+    """Number of pairs from which a rater who always takes one side is set aside; 0 for never."""
 
     @property
     def words(self) -> dict[str, str]:
-        """The rule behind each reason, as a sentence without its full stop."""
+        """Rule behind each reason, without a full stop."""
         least = f"the length of the clip ({UNKNOWN_CLIP_SECONDS:g} s if unknown)"
         if self.least_seconds is not None:
             least = f"{self.least_seconds:g} s"
         return {
-            "unreadable": "text that is cut off, damaged, or no JSON",
+            "unreadable": "text that is cut off, damaged, or not JSON",
             "no answers": "a file or line of another kind or form",
             "other study": "answers to another study",
             "no consent": "consent is not stated",
-            "repeated": "the first complete submission of a rater counts, no other",
+            "repeated": "only the first complete submission of a rater counts",
             "unfinished": "the rater stopped early",
             "copied": f"at least {MIN_COPIED_ANSWERS} answers with the choices, strengths and "
             "seconds of an earlier rater",
@@ -67,7 +67,7 @@ class SortingRules:
             "fast rater": f"more than half of the rater's pairs were answered within {least}",
             "one side": f"one side in every answer to at least {self.one_side} pairs",
             "out of range": "a damaged answer: choice, strength, seconds or plays out of range",
-            "nothing left": "none of the rater's choices counts",
+            "nothing left": "the rater has no choice that counts",
             "unknown pair": "a pair or question that the study does not have",
             "answered twice": "the first answer to a question of a pair counts",
             "too fast": f"an answer within {least}",
@@ -80,7 +80,7 @@ class Uncounted(NamedTuple):
     reason: str
     """Key of `SortingRules.words`."""
     place: str
-    """File, and line where it has several."""
+    """File, with the line if it has several."""
     rater: str
     """Number of the rater; empty if unknown."""
     submissions: int
@@ -91,29 +91,29 @@ class Uncounted(NamedTuple):
 
 @dataclass
 class SortedAnswers:
-    """Choices that count, and all that was set aside."""
+    """Choices that count, and submissions and answers that were set aside."""
 
     choices: list[Choice] = field(default_factory=list)
     submissions: int = 0
-    """Submissions that were read, set aside or not; damaged lines and foreign files included."""
+    """Number of submissions, including those set aside, damaged lines and unrelated files."""
     answers: int = 0
-    """Answers that were read, set aside or not."""
+    """Number of answers, including those set aside."""
     raters: int = 0
-    """Raters that count."""
+    """Number of raters that count."""
     unfinished: int = 0
-    """Unfinished raters that count."""
+    """Number of unfinished raters that count."""
     checks: int = 0
-    """Answers of these raters to attention checks."""
+    """Number of answers of these raters to attention checks."""
     unchecked: int = 0
-    """Raters that count and answered no attention check, if the study has any."""
+    """Number of raters that count without an attention check, if the study has checks."""
     set_aside: list[Uncounted] = field(default_factory=list)
     suspicious: list[str] = field(default_factory=list)
-    """Sentences on raters that count, but want a look."""
+    """Sentences on raters that count, but look suspicious."""
 
 
 @dataclass
 class _Rater:
-    """A submission of the study, with its sound answers."""
+    """A submission of the study, with its valid answers."""
 
     place: str
     rater: str
@@ -153,7 +153,7 @@ def sort_answers(
 
 
 class _Sorting:
-    """Steps of sorting; each step sets some answers aside and passes on the rest."""
+    """Steps of sorting; each step sets some answers aside and returns the rest."""
 
     def __init__(self, study: Study, rules: SortingRules, told: SortedAnswers) -> None:
         self._study, self._rules, self._told = study, rules, told
@@ -184,21 +184,21 @@ class _Sorting:
         return found
 
     def _header(self, data: Any) -> tuple[str, str]:
-        """Return why a document is not a submission to this study, and the words for it."""
+        """Return the reason why a document is not a submission to this study, and its words."""
         if not isinstance(data, dict) or data.get("kind") != "answers":
             return "no answers", "its kind is not 'answers'"
         if data.get("format") != 1 or "finished" not in data:
-            return "no answers", "its form is not that of answers in format 1"
+            return "no answers", "its format is not 1, or it has no time of finishing"
         if data.get("study") != self._study.study:
-            return "other study", f"its study is {_shown(data.get('study'))}"
+            return "other study", f"it belongs to study {_shown(data.get('study'))}"
         if data.get("consent") is not True:
-            return "no consent", "consent is not true"
+            return "no consent", "its consent is not true"
         if not isinstance(data.get("answers"), list) or len(data["answers"]) > 2 * MAX_PAIRS:
             return "no answers", "its answers are not a list, or too many"
         return "", ""
 
     def _read_answers(self, one: _Rater) -> None:
-        """Check each answer by itself and against the study."""
+        """Check the form of each answer, and compare it with the study."""
         seen: set[tuple[str, str]] = set()
         for number, raw in enumerate(one.given):
             where = f"answers.{number}"
@@ -214,17 +214,17 @@ class _Sorting:
                 words = f"{where}: the study has no pair {_shown(answer.pair)}"
                 one.dropped.append(("unknown pair", words))
             elif answer.question not in self._study.questions:
-                words = f"{where}: the study does not ask for {answer.question}"
+                words = f"{where}: the study does not ask about {answer.question}"
                 one.dropped.append(("unknown pair", words))
             elif key in seen:
-                words = f"{where}: {answer.pair} has an earlier answer on {answer.question}"
+                words = f"{where}: {answer.pair} has an earlier answer about {answer.question}"
                 one.dropped.append(("answered twice", words))
             else:
                 seen.add(key)
                 one.answers.append(answer)
 
     def of_rater(self, given: Sequence[_Rater]) -> _Rater | None:
-        """Return the submission of a rater that counts, if there is one."""
+        """Return the submission that counts for a rater, if there is one."""
         complete = [one for one in given if self._complete(one)]
         chosen = complete[0] if complete else None
         if chosen is None and self._rules.keep_unfinished:
@@ -240,14 +240,14 @@ class _Sorting:
         return chosen
 
     def _expected(self) -> int:
-        """Return the fewest pairs that a complete submission answers."""
+        """Return the minimum number of pairs in a complete submission."""
         return min(self._study.raters_see or len(self._pairs), len(self._pairs))
 
     def _complete(self, one: _Rater) -> bool:
         return one.finished and self._answered(one) >= self._expected()
 
     def _answered(self, one: _Rater) -> int:
-        """Return the number of pairs with an answer, sound or not."""
+        """Return the number of pairs with an answer, valid or not."""
         return len(self._pairs.keys() & {raw_pair(raw) for raw in one.given})
 
     def _missing(self, one: _Rater) -> str:
@@ -255,7 +255,7 @@ class _Sorting:
         return f"{stopped}{self._answered(one)} of {self._expected()} pairs are answered"
 
     def without_copies(self, raters: Sequence[_Rater]) -> list[_Rater]:
-        """Return the raters whose answers are their own; name those that are suspiciously alike."""
+        """Return the raters without copied answers, and name suspiciously similar raters."""
         kept: list[_Rater] = []
         exact: dict[tuple[Any, ...], _Rater] = {}
         alike: dict[tuple[Any, ...], list[_Rater]] = defaultdict(list)
@@ -263,14 +263,14 @@ class _Sorting:
             timed = _pattern(one, timed=True)
             first = exact.setdefault(timed, one)
             if first is not one and len(timed) >= MIN_COPIED_ANSWERS:
-                self._aside("copied", one, f"the answers are those of rater {first.rater}")
+                self._aside("copied", one, f"the answers equal those of rater {first.rater}")
                 continue
             kept.append(one)
             untimed = _pattern(one, timed=False)
             if len(untimed) >= MIN_ALIKE_ANSWERS:
                 alike[untimed].append(one)
         self._told.suspicious += [
-            f"{len(same)} raters gave the same {len(pattern)} choices and strengths at other "
+            f"{len(same)} raters gave the same {len(pattern)} choices and strengths at different "
             f"speeds: {_named(one.rater for one in same)}"
             for pattern, same in alike.items()
             if len(same) > 1
@@ -285,7 +285,7 @@ class _Sorting:
             return
         self._drop_fast(one)
         if all(self._pairs[answer.pair].check for answer in one.kept):
-            first = one.dropped[0][1] if one.dropped else "the rater gave no answer"
+            first = one.dropped[0][1] if one.dropped else "the rater gave no answers"
             self._aside("nothing left", one, first)
             return
         told = self._told
@@ -315,11 +315,11 @@ class _Sorting:
             return "fast rater", one, f"{len(fast)} of {len(pairs)} pairs were too fast"
         sides = {a.choice for a in one.answers}
         if len(sides) == 1 and 0 < self._rules.one_side <= len(pairs):
-            return "one side", one, f"always the {sides.pop()} side, in {len(pairs)} pairs"
+            return "one side", one, f"chose the {sides.pop()} side in all of {len(pairs)} pairs"
         return None
 
     def _fast(self, one: _Rater) -> dict[str, float]:
-        """Return the pairs that were answered faster than one can see a clip, with their time."""
+        """Return the pairs that were answered faster than their clips play, with the times."""
         spent: dict[str, float] = {}
         for answer in one.answers:  # seconds run from the first sight of the pair
             spent[answer.pair] = max(spent.get(answer.pair, 0.0), answer.seconds)
@@ -341,7 +341,7 @@ class _Sorting:
 
 
 def raw_pair(raw: Any) -> str:
-    """Return the pair that an answer names, as text, sound or not."""
+    """Return the name of the pair in an answer, valid or not."""
     return str(raw.get("pair")) if isinstance(raw, dict) else ""
 
 
@@ -388,7 +388,7 @@ def _shown(value: Any, most: int = 40) -> str:
 
 
 def reasons(set_aside: Iterable[Uncounted]) -> dict[str, tuple[int, int]]:
-    """Return the submissions and answers that each reason sets aside."""
+    """Count the submissions and answers that each reason sets aside."""
     submissions: Counter[str] = Counter()
     answers: Counter[str] = Counter()
     for one in set_aside:

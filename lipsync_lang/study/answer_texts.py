@@ -1,4 +1,4 @@
-"""Files of answers: where they are, and the texts of the submissions in them."""
+"""Files of answers: finds them, and reads the texts of their submissions."""
 
 import json
 from collections.abc import Iterable, Iterator
@@ -11,10 +11,10 @@ from lipsync_lang.study.study_file import MAX_ANSWERS_BYTES, MAX_SUBMISSION_BYTE
 
 STUDY_NAME = "study.json"
 REPORT_FORMAT = "lipsync-lang study report 1"
-"""Format of reports, which may lie beside answers."""
+"""Format of reports, which may be in the same folder as answers."""
 
 REPORT_HEAD_BYTES = 80
-"""Bytes of a report within which its format stands."""
+"""Number of bytes at the start of a report that contain its format."""
 
 
 def answer_files(places: Iterable[Path]) -> list[Path]:
@@ -25,7 +25,7 @@ def answer_files(places: Iterable[Path]) -> list[Path]:
     Raises
     ------
     LipsyncError
-        A folder cannot be read, or holds no such file.
+        A folder cannot be read, or contains no such file.
     """
     found: dict[Path, None] = {}
     for place in places:
@@ -41,16 +41,18 @@ def answer_files(places: Iterable[Path]) -> list[Path]:
             and not _is_report(path)
         )
         if not inside:
-            raise LipsyncError(f"{place}: holds no .json or .jsonl file of answers")
+            raise LipsyncError(
+                f"{place}: contains no .json or .jsonl file of answers; name another folder"
+            )
         found |= dict.fromkeys(inside)
     return list(found)
 
 
 def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]]:
-    """Yield the place and text of each submission, or why a file is not read."""
+    """Yield the place and text of each submission, or the error of an unreadable file."""
     for path in paths:
         try:
-            content = read_input(path, MAX_ANSWERS_BYTES, mend="give it in parts")
+            content = read_input(path, MAX_ANSWERS_BYTES, mend="split the file")
         except LipsyncError as error:
             yield str(path), error
             continue
@@ -65,13 +67,13 @@ def texts_of(paths: Iterable[Path]) -> Iterator[tuple[str, bytes | LipsyncError]
 
 
 def _is_document(text: bytes) -> bool:
-    """Tell whether a line is a document by itself, as in JSON lines."""
+    """Return True if a line is a complete document, as in JSON lines."""
     found = parse_document(text)[2]
     return isinstance(found, dict) and "kind" in found
 
 
 def _is_report(path: Path) -> bool:
-    """Tell whether a file is a report that was written into a folder of answers."""
+    """Return True if a file is a report in a folder of answers."""
     try:
         with path.open("rb") as stream:
             start = stream.read(REPORT_HEAD_BYTES)
@@ -81,13 +83,13 @@ def _is_report(path: Path) -> bool:
 
 
 def parse_document(text: bytes | LipsyncError) -> tuple[str, str, Any]:
-    """Return the document, behind the reason and the words if the text is not JSON."""
+    """Return the document after a reason and its words, which are empty if the text is JSON."""
     if isinstance(text, LipsyncError):
         return "unreadable", str(text), None
     if len(text) > MAX_SUBMISSION_BYTES:
-        return "unreadable", "is larger than a rater's answers can be", None
+        return "unreadable", "is larger than the answers of a rater can be", None
     try:
         return "", "", json.loads(text)
     except (ValueError, RecursionError) as error:
-        words = "is empty" if not text else f"is not JSON, or is cut off: {error}"
+        words = "is empty" if not text else f"is not JSON or is cut off: {error}"
         return "unreadable", words, None

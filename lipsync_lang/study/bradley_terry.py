@@ -1,4 +1,4 @@
-"""Bradley-Terry: strengths of more than two methods from choices between two of them.
+"""Bradley-Terry: strengths of more than two methods from choices between pairs of them.
 
 A method of strength s beats one of strength t with probability 1 / (1 + exp(t - s)). Strengths are
 natural logarithms of odds and add up to 0. There are no ties.
@@ -21,11 +21,11 @@ from lipsync_lang.study.distributions import (
 )
 
 FLIPS, FLIPS_AT_ONCE = 20_000, 1_000
-"""Random signs of the test over raters; their seed is fixed."""
+"""Number of random sign vectors in the test over raters; their seed is fixed."""
 
 MAX_STEPS = 200
 TOLERANCE = 1e-10
-"""Largest gradient, in choices, at which the fit ends, times the number of choices."""
+"""Gradient at which the fit ends, as a share of the number of choices."""
 
 
 class MethodStrength(NamedTuple):
@@ -33,35 +33,35 @@ class MethodStrength(NamedTuple):
 
     method: str
     wins: int
-    """Choices for the method."""
+    """Number of choices for the method."""
     choices: int
-    """Choices in which the method took part."""
+    """Number of choices that included the method."""
     strength: float
     interval: Interval | None
     """Interval by raters; None with fewer than two raters."""
     beats_others: float
-    """Mean probability of a choice for it, over all other methods."""
+    """Mean probability of a choice for the method against each other method."""
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """Strengths of several methods on one question, by one character or all of them."""
+    """Strengths of several methods on one question, for one or all characters."""
 
     character: str
     """Name of the character; empty for all characters together."""
     question: str
     methods: tuple[MethodStrength, ...]
-    """Strongest first; empty if there are no finite strengths."""
+    """Methods by strength, strongest first; empty if there are no finite strengths."""
     likelihood_ratio: float | None
     """Statistic against equal strengths of all methods."""
     freedom: int
     """Degrees of freedom of the statistic."""
     p_likelihood_ratio: float | None
-    """Probability, as if all choices were independent."""
+    """Probability of the statistic if all choices were independent."""
     p_raters: float | None
     """Sign-flip test of equal strengths over raters, with random signs."""
     problem: str = ""
-    """Sentence on why there are no strengths."""
+    """Sentence on the reason for missing strengths."""
 
 
 def ranked(choices: Sequence[Choice], methods: Sequence[str]) -> list[Ranking]:
@@ -103,7 +103,7 @@ def ranking(
 
 
 def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
-    """Return the probability that random signs of raters give a score as far from equal strengths.
+    """Return the probability of a score as far from equal strengths by random signs of raters.
 
     A rater's sign turns all choices of the rater round. The score statistic is g' H⁻ g, with the
     gradient g, a sum over raters, and the information H of equal strengths, which no sign changes.
@@ -141,7 +141,7 @@ def win_matrix(choices: Iterable[Choice], index: dict[str, int]) -> Floats:
 
 
 def fitted_strengths(wins: Floats) -> Floats:
-    """Return the strengths of greatest likelihood, by Newton's method with halved steps."""
+    """Return the maximum-likelihood strengths, by Newton's method with halved steps."""
     strengths = np.zeros(len(wins))
     for _ in range(MAX_STEPS):
         gradient = _gradient(wins, strengths)
@@ -221,7 +221,7 @@ def _standard_errors(
 
 
 def _problem(wins: Floats, methods: Sequence[str]) -> str:
-    """Return why the choices give no finite strengths; empty if they do (Ford 1957)."""
+    """Return the reason for infinite strengths; empty if all are finite (Ford 1957)."""
     reached = _reachable((wins + wins.T) > 0)
     if not reached.all():
         groups = dict.fromkeys(_named(methods, row) for row in reached)
@@ -238,7 +238,7 @@ def _named(methods: Sequence[str], among: Bools) -> str:
 
 
 def _reachable(edges: Bools) -> Bools:
-    """Return which nodes each node reaches along edges, itself included."""
+    """Return the nodes that each node reaches along edges, including itself."""
     reached: Bools = edges | np.eye(len(edges), dtype=bool)
     for middle in range(len(edges)):
         reached |= np.outer(reached[:, middle], reached[middle])

@@ -34,7 +34,7 @@ class Choice(NamedTuple):
     character: str
     question: str
     chosen: str
-    """The preferred method."""
+    """Preferred method."""
     other: str
     strength: int
     """Strength of the preference, 1 to 5."""
@@ -53,9 +53,9 @@ class Clustering(NamedTuple):
     """Dependence of choices that share a rater."""
 
     design_effect: float | None
-    """Variance of the share against that of independent choices; None if it cannot be computed."""
+    """Variance of the share relative to that of independent choices; None if not computable."""
     correlation: float | None
-    """Correlation of two choices of one rater that gives this effect."""
+    """Correlation of two choices of a rater that explains this effect."""
     interval: Interval | None
     """Interval of the share; None with fewer than two raters."""
 
@@ -64,7 +64,7 @@ class Agreement(NamedTuple):
     """Agreement of raters who saw the same pairs."""
 
     pairs: int
-    """Pairs that at least two raters judged."""
+    """Number of pairs with at least two raters."""
     percent: float
     """Percentage of agreeing judgements, over any two raters of a pair."""
     alpha: float | None
@@ -73,7 +73,7 @@ class Agreement(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """Choices between two methods on one question, by one character or all of them."""
+    """Choices between two methods on one question, for one or all characters."""
 
     character: str
     """Name of the character; empty for all characters together."""
@@ -82,22 +82,22 @@ class Comparison:
     second: str
     choices: int
     for_first: int
-    """Choices for the first method."""
+    """Number of choices for the first method."""
     share: float
     """Share of the choices for the first method."""
     interval: Interval
-    """Wilson's interval of the share, as if all choices were independent."""
+    """Wilson's interval of the share, if all choices were independent."""
     difference: float
     """Share of the first method less that of the second: the paper's "stronger preference"."""
     strength_of_first: MeanStrength | None
-    """Strength where the first method is preferred."""
+    """Strength of preferences for the first method."""
     strength_of_second: MeanStrength | None
-    """Strength where the second method is preferred."""
+    """Strength of preferences for the second method."""
     chi_square: float
     """Goodness of fit to an even split, 1 degree of freedom."""
     p_chi_square: float
     p_binomial: float
-    """Exact, as if all choices were independent."""
+    """Exact binomial test, if all choices were independent."""
     raters: int
     p_raters: float
     """Exact sign-flip test over raters."""
@@ -107,11 +107,11 @@ class Comparison:
     clustering: Clustering
     """Dependence of the choices of one rater."""
     agreement: Agreement | None
-    """Agreement of the raters; None if no pair has two of them."""
+    """Agreement of the raters; None if no pair has two raters."""
 
 
 def compared(choices: Sequence[Choice], methods: Sequence[str]) -> list[Comparison]:
-    """Compare each two methods, by question and character, and over all characters if several."""
+    """Compare each pair of methods by question and character, and over several characters."""
     cells: dict[tuple[str, str, str, str], list[Choice]] = defaultdict(list)
     characters = sorted({one.character for one in choices})
     rank = {method: number for number, method in enumerate(methods)}
@@ -171,7 +171,7 @@ def chi_square(counts: Sequence[int]) -> float:
 def _differences(
     choices: Iterable[Choice], first: str, cluster: Callable[[Choice], Hashable]
 ) -> list[int]:
-    """Return, for each cluster, its choices for the first method less those for the other."""
+    """Return the difference of choices for the first and the other method, by cluster."""
     found: Counter[Hashable] = Counter()
     for one in choices:
         found[cluster(one)] += 1 if one.chosen == first else -1
@@ -195,7 +195,7 @@ def mean_strength(choices: Iterable[Choice]) -> MeanStrength | None:
 
 
 def clustering(choices: Sequence[Choice], first: str) -> Clustering:
-    """Return how far the choices of one rater depend on each other.
+    """Return the dependence of choices of the same rater.
 
     The interval is Wilson's with n / design effect choices and t of raters - 1 degrees of freedom.
     A design effect below 1 counts as 1. Where all choices are the same, each rater counts once.
@@ -226,7 +226,7 @@ def _variance(residuals: Sequence[float], number: int) -> float:
 
 
 def agreement(choices: Iterable[Choice]) -> Agreement | None:
-    """Return the agreement of raters over the pairs that two of them judged.
+    """Return the agreement of raters over the pairs with at least two raters.
 
     Krippendorff's alpha for nominal data, with n_u judgements of pair u, n_uc of them for c::
 

@@ -1,4 +1,4 @@
-"""Distributions behind the tests and intervals of a study, in closed form.
+"""Distributions of the tests and intervals of a study, in closed form.
 
 Conventions: tests are two-sided; a tail includes the observed value; degrees of freedom are whole.
 """
@@ -25,7 +25,7 @@ BISECTIONS = 60
 
 
 class Interval(NamedTuple):
-    """Confidence interval of `CONFIDENCE`."""
+    """Interval at the level `CONFIDENCE`."""
 
     low: float
     high: float
@@ -72,7 +72,7 @@ def _t_within(angle: float, freedom: int) -> float:
 
 
 def wilson(successes: float, trials: float, quantile: float = NORMAL_QUANTILE) -> Interval:
-    """Return Wilson's score interval of a share; numbers need not be whole."""
+    """Return Wilson's score interval of a share; numbers may be fractions."""
     square = quantile**2
     middle = (successes + square / 2) / (trials + square)
     spread = successes * (trials - successes) / trials + square / 4
@@ -90,7 +90,7 @@ def binomial_masses(trials: int, share: float) -> Floats:
 
 
 def even_odds(successes: int, trials: int) -> float:
-    """Return the exact binomial probability of a split as uneven as this by coin flips."""
+    """Return the exact binomial probability that coin flips give a split at least as uneven."""
     most = max(successes, trials - successes)
     return float(min(1.0, 2 * binomial_masses(trials, 0.5)[most:].sum()))
 

@@ -1,4 +1,4 @@
-"""Methods of lip sync that a study compares, all on one face, schedule and set of frames."""
+"""Methods of lip sync in a study, all on the same face, schedule and frames."""
 
 import json
 from collections.abc import Callable
@@ -21,22 +21,22 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 OURS = "ours"
-"""The method of the performer itself."""
+"""Method of the performer itself."""
 
 NAMED = ("character", "bank", "motion")
-"""Words before the colon of a method that changes the performer."""
+"""Prefixes of methods that change the performer."""
 
 USUAL_MANNER = "keyframes"
-"""Plain method that animates timings of other programs: one key per shape, as most tables do."""
+"""Plain method for timings of other programs: one key per shape, as in most tables."""
 
 MAX_APART_SECONDS = 0.5
-"""Most seconds between the ends of a line and of a curve file that belong together."""
+"""Maximum difference between the ends of a line and of its curve file."""
 
 MAX_METHOD_CHARS = 100
-"""Characters of a method's name."""
+"""Maximum length of a method's name."""
 
 REST_FRAMES = 2
-"""Least frames in which a mouth opens from rest at the start of a clip."""
+"""Minimum number of frames in which a mouth opens from rest at the start of a clip."""
 
 MAX_BANK_BYTES = 64 * 2**20
 """Size limit in bytes of a bank."""
@@ -46,7 +46,7 @@ CHECK_SHIFT_SECONDS = 0.4
 
 
 class Method(NamedTuple):
-    """A method by name, and the source of its curves."""
+    """A named method, and the source of its curves."""
 
     name: str
     how: str
@@ -54,7 +54,7 @@ class Method(NamedTuple):
     what: str = ""
     """The character, bank, preset or folder."""
     manner: str = USUAL_MANNER
-    """Plain method for timings among the files."""
+    """Plain method for timings in the folder."""
 
 
 def parse_method(text: str) -> Method:
@@ -81,7 +81,7 @@ def parse_method(text: str) -> Method:
     manner, folder = (how, what) if colon and how in BASELINES else (USUAL_MANNER, source)
     if equals and Path(folder).is_dir():
         return Method(name, "files", folder, manner)
-    known = f"{', '.join(built_in)}; or NAME=FOLDER of files called like the lines, "
+    known = f"{', '.join(built_in)}; or NAME=FOLDER with a file for each line, "
     known += ", ".join(f"NAME={one}:..." for one in NAMED)
     hint = f"there is no folder '{folder}'" if equals else did_you_mean(source, built_in)
     raise LipsyncError(f"method '{text}': {hint}; give {known}")
@@ -93,13 +93,13 @@ def parse_methods(texts: list[str]) -> tuple[Method, ...]:
     Raises
     ------
     LipsyncError
-        There are fewer, two have one name, or one cannot be parsed.
+        There are fewer than two, a name occurs twice, or a method cannot be parsed.
     """
     methods = tuple(map(parse_method, texts))
     names = [method.name for method in methods]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
-        raise LipsyncError(f"method '{twice}' is given twice; name each NAME=SOURCE")
+        raise LipsyncError(f"method '{twice}' is given twice; give each a name (NAME=SOURCE)")
     if len(methods) < 2:  # noqa: PLR2004 a pair
         raise LipsyncError(
             "a study compares two methods or more; give `ours`, "
@@ -110,14 +110,14 @@ def parse_methods(texts: list[str]) -> tuple[Method, ...]:
 
 @dataclass(frozen=True, eq=False)
 class StudyCharacter:
-    """A character, and the methods that move it."""
+    """A character that the methods animate."""
 
     performer: "Performer"
-    """Performer of the character; its face and its frames are everyone's."""
+    """Performer of the character; all methods share its face and its frames."""
     model: Path
-    """The model that is drawn."""
+    """Model to draw."""
     other: Callable[[Method], "Performer"]
-    """Resolves the performer of a method that changes it."""
+    """Resolves the performer of a method with its own performer."""
     fps: float = 30
 
     @property
@@ -135,12 +135,12 @@ class StudyCharacter:
         Parameters
         ----------
         line : name of the line, by which files are found
-        own : what `frames` returns
+        own : result of `frames`
 
         Raises
         ------
         LipsyncError
-            The method has no curves for the line, or for another line or face.
+            The method has no curves for the line, or its curves are for another line or face.
         """
         if method.how == OURS:
             return own
@@ -153,7 +153,7 @@ class StudyCharacter:
         return _from_rest(_over(self.shown(made), own))
 
     def shown(self, animation: Animation) -> Animation:
-        """Return an animation on the model that is drawn."""
+        """Return an animation on the model to draw."""
         return replace(on_model(animation, self.performer), model=self.model, performer=None)
 
     def _by_other(self, method: Method, schedule: "Schedule") -> Animation:
@@ -165,8 +165,8 @@ class StudyCharacter:
         own = {channel.name for channel in self.shown(self.performer.perform(schedule)).columns}
         if not own & {channel.name for channel in made.columns}:
             raise LipsyncError(
-                f"method '{method.name}': {other.character} moves nothing of {self.name}; name a "
-                "character with the same pose set or rig"
+                f"method '{method.name}': {other.character} moves no pose or channel of "
+                f"{self.name}; name a character with the same pose set or rig"
             )
         return made
 
@@ -191,7 +191,7 @@ class StudyCharacter:
         except LipsyncError as error:
             raise (refused or error) from None
         if isinstance(timings, TimedWords):
-            raise LipsyncError(f"{path}: times words alone; export its phonemes or mouth shapes")
+            raise LipsyncError(f"{path}: has only times of words; export phonemes or mouth shapes")
         _refuse_apart(path, timings.end, schedule)
         made = BASELINES[method.manner](self.performer, timings, self.fps)
         return replace(made, schedule=schedule)
@@ -203,7 +203,7 @@ def with_bank(
     bank: Path,
     resolved: "Callable[[Path], Performer]",
 ) -> "Performer":
-    """Return the performer of a character with one more bank, which comes before its others.
+    """Return the performer of a character with another bank, which precedes its own banks.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def with_bank(
     Raises
     ------
     LipsyncError
-        The bank is missing or unsound, or of another pose set.
+        The bank is missing or invalid, or it is for another pose set.
     """
     from lipsync_lang.files import read_input
     from lipsync_lang.packs.library import Library
@@ -257,13 +257,13 @@ def _refuse_apart(path: Path, end: float, schedule: "Schedule") -> None:
     """Refuse curves that end long before or after the line."""
     if abs(end - schedule.end) > MAX_APART_SECONDS + 0.1 * schedule.end:
         raise LipsyncError(
-            f"{path}: ends at {end:.1f} s, and the line at {schedule.end:.1f} s; "
-            "is it of another line?"
+            f"{path}: ends at {end:.1f} s, but the line ends at {schedule.end:.1f} s; "
+            "check that the file is for this line"
         )
 
 
 def _over(made: Animation, own: Animation) -> Animation:
-    """Return an animation over the frames of another; the first and last frames hold."""
+    """Return an animation over the frames of another, and hold its first and last frames."""
     if np.array_equal(made.times, own.times):
         return made
     columns = [np.interp(own.times, made.times, column) for column in made.weights.T]
@@ -273,9 +273,9 @@ def _over(made: Animation, own: Animation) -> Animation:
 
 
 def _from_rest(animation: Animation) -> Animation:
-    """Return an animation that rises from rest before the line, and sinks to rest after it.
+    """Return an animation that starts from rest before the line, and returns to rest after it.
 
-    A first picture with an open mouth would tell the method; and models are lit by it.
+    An open mouth in the first picture would reveal the method, and change the light of the model.
     """
     times, step = animation.times, REST_FRAMES / animation.fps
     begin = max(0.0, times[0] + step)
@@ -289,7 +289,7 @@ def _from_rest(animation: Animation) -> Animation:
 
 
 def spoilt(own: Animation, number: int) -> Animation:
-    """Return a plainly wrong animation for an attention check: late, or still, by turns."""
+    """Return a deliberately wrong animation for an attention check: late and still in turn."""
     if number % 2:
         return replace(own, weights=np.zeros_like(own.weights))
     late = own.times - CHECK_SHIFT_SECONDS

@@ -1,4 +1,4 @@
-"""Power before a study: how many choices and raters show a preference of a given share.
+"""Power of a study: the choices and raters that can show a preference of a given share.
 
 The test is the exact binomial one. Choices of one rater are alike: with M choices each and an
 intraclass correlation r, N raters give N M / (1 + (M - 1) r) independent choices (Kish 1965).
@@ -16,17 +16,17 @@ from lipsync_lang.study.distributions import binomial_masses
 
 FORMAT = "lipsync-lang study power 1"
 MIN_CHANCE = 0.0001
-"""Least power and level; beyond it studies have no end."""
+"""Minimum power and level; smaller ones would need studies of any size."""
 
 MIN_DISTANCE = 0.005
-"""Least distance of a share from one half: 80 % power takes some 80,000 choices there."""
+"""Minimum distance of a share from one half; 80 % power there needs 80,000 choices."""
 
 MAX_CHOICES = 1_000_000
 SEARCHED_SHARE, SEARCHED_CHOICES = 0.15, 60
-"""Distance from the normal approximation within which the exact number is searched."""
+"""Search range for the exact number around the normal approximation."""
 
 PAIRS_SHOWN = (10, 20, 40)
-"""Pairs per rater that are shown if none are given."""
+"""Numbers of pairs per rater in a plan without given ones."""
 
 
 @dataclass(frozen=True)
@@ -34,25 +34,25 @@ class PowerRow:
     """A design and its power."""
 
     pairs: int
-    """Choices of each rater on one question."""
+    """Number of choices of each rater on one question."""
     raters: int
     choices: int
-    """Choices of all raters."""
+    """Number of choices of all raters."""
     effective: int
-    """Independent choices that these are worth."""
+    """Equivalent number of independent choices."""
     power: float
     """Probability of a significant result."""
 
 
 @dataclass(frozen=True)
 class PowerQuestion:
-    """Question how large a study must be, or how much power a design has."""
+    """Question about the size of a study, or the power of a design."""
 
     share: float
-    """Assumed share of the choices for the preferred method, 0 to 1, not one half."""
+    """Assumed share of the choices for the preferred method, 0 to 1 without one half."""
     raters: int | None = None
     pairs: int | None = None
-    """Pairs that each rater judges."""
+    """Number of pairs that each rater judges."""
     power: float = 0.8
     """Wanted probability of a significant result."""
     alpha: float = 0.05
@@ -67,12 +67,12 @@ class PowerPlan:
 
     question: PowerQuestion
     choices: int
-    """Independent choices needed: raters who judge one pair each."""
+    """Number of independent choices needed, from raters who judge one pair each."""
     rows: tuple[PowerRow, ...]
-    """The design asked about if both raters and pairs are given, else designs with the power."""
+    """The given design if it has raters and pairs, else designs with the wanted power."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the plan as JSON holds it."""
+        """Return the plan as JSON data."""
         return {"format": FORMAT, **asdict(self)}
 
 
@@ -114,9 +114,11 @@ def _check(question: PowerQuestion) -> None:
         raise LipsyncError(f"`correlation={question.correlation:g}`: give a number from 0 to 1")
     for name, number in (("raters", question.raters), ("pairs", question.pairs)):
         if number is not None and number < 1:
-            raise LipsyncError(f"`{name}={number}`: give a number from 1 on")
+            raise LipsyncError(f"`{name}={number}`: give a number of at least 1")
     if (question.raters or 1) * (question.pairs or 1) > MAX_CHOICES:
-        raise LipsyncError(f"more than {MAX_CHOICES:,} choices: give fewer raters or pairs")
+        raise LipsyncError(
+            f"more than {MAX_CHOICES:,} choices are too many; give fewer raters or pairs"
+        )
 
 
 def _row(question: PowerQuestion, pairs: int, raters: int) -> PowerRow:
@@ -126,33 +128,35 @@ def _row(question: PowerQuestion, pairs: int, raters: int) -> PowerRow:
 
 
 def effective_choices(raters: int, pairs: int, correlation: float) -> int:
-    """Return the independent choices that raters with so many pairs each are worth."""
+    """Return the number of independent choices equivalent to those of raters with several pairs."""
     return floor(raters * pairs / (1 + (pairs - 1) * correlation) + 1e-9)
 
 
 def raters_for(choices: int, pairs: int, correlation: float) -> int:
-    """Return the fewest raters with so many pairs each that are worth independent choices."""
+    """Return the minimum number of raters, with some pairs each, for independent choices."""
     return ceil(choices * (1 + (pairs - 1) * correlation) / pairs - 1e-9)
 
 
 def pairs_for(choices: int, raters: int, correlation: float) -> int:
-    """Return the fewest pairs for each of some raters that are worth independent choices.
+    """Return the minimum number of pairs for each rater for a number of independent choices.
 
     Raises
     ------
     LipsyncError
-        Any number of pairs is too few.
+        No number of pairs is enough.
     """
     room = raters - choices * correlation
     if room <= 0:
         least = floor(choices * correlation) + 1
         raise LipsyncError(
-            f"`raters={raters}`: any number of pairs is too few, as choices of one rater are "
-            f"alike (correlation {correlation:g}); take at least {least} raters"
+            f"`raters={raters}`: no number of pairs is enough, since choices of the same rater "
+            f"are alike (correlation {correlation:g}); take at least {least} raters"
         )
     pairs = max(1, ceil(choices * (1 - correlation) / room - 1e-9))
     if raters * pairs > MAX_CHOICES:
-        raise LipsyncError(f"`raters={raters}`: needs {pairs:,} pairs each; take more raters")
+        raise LipsyncError(
+            f"`raters={raters}`: each rater would need {pairs:,} pairs; take more raters"
+        )
     return pairs
 
 
@@ -170,10 +174,10 @@ def exact_power(choices: int, share: float, alpha: float) -> float:
 
 
 def choices_needed(share: float, power: float, alpha: float) -> int:
-    """Return the number of independent choices from which on the power is kept.
+    """Return the number of independent choices from which the power stays sufficient.
 
-    The power of an exact test falls a little between steps, so that the first number with enough
-    power may be followed by one without.
+    The power of an exact test falls a little between steps, so a number with enough power may
+    precede one with too little.
     """
     normal = NormalDist()
     z_alpha, z_power = normal.inv_cdf(1 - alpha / 2), normal.inv_cdf(power)
@@ -182,7 +186,7 @@ def choices_needed(share: float, power: float, alpha: float) -> int:
     low = max(1, floor(near * (1 - SEARCHED_SHARE)) - SEARCHED_CHOICES)
     high = ceil(near * (1 + SEARCHED_SHARE)) + SEARCHED_CHOICES
     if high > MAX_CHOICES:
-        raise LipsyncError(f"more than {MAX_CHOICES:,} choices are needed: ask for less power")
+        raise LipsyncError(f"more than {MAX_CHOICES:,} choices are needed; ask for less power")
     while high - low > 2 * SEARCHED_CHOICES:
         middle = (low + high) // 2
         window = range(middle, middle + SEARCHED_CHOICES)

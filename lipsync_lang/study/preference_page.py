@@ -1,4 +1,4 @@
-"""A study's report as one HTML page that needs nothing else, in the look of the coverage page.
+"""Report of a study as a self-contained HTML page, styled like the coverage page.
 
 Plots are SVG stretched to the width at hand, each with a name in words. The page has no script.
 """
@@ -23,10 +23,10 @@ from lipsync_lang.study.study_report import StudyReport
 from lipsync_lang.study.study_text import EVERYBODY
 
 WIDTH = 1000
-"""Width of a plot in its own units."""
+"""Width of a plot in units of the plot."""
 
 MAX_PAGE_NAMED = 200
-"""Rows of single faults that the page shows."""
+"""Maximum number of single faults on the page."""
 
 WEAKEST, STRONGEST = 1, 5
 """Ends of the scale of strength."""
@@ -45,7 +45,7 @@ class Dot(NamedTuple):
 
 @dataclass(frozen=True)
 class PlotRow:
-    """A row of a plot: a name, values with intervals, and the same in words."""
+    """A row of a plot: a name, values with intervals, and their text."""
 
     label: str
     words: str
@@ -60,9 +60,9 @@ class Plot:
     caption: str
     rows: tuple[PlotRow, ...]
     ticks: tuple[tuple[str, float], ...]
-    """Text, and its place in percent of the width."""
+    """Text and position of each mark, in percent of the width."""
     middle: float
-    """Place of the vertical line, in percent of the width."""
+    """Position of the vertical line, in percent of the width."""
 
 
 @dataclass(frozen=True)
@@ -125,8 +125,8 @@ def _shares(rows: Sequence[Comparison]) -> Plot:
     )
     return Plot(
         f"Choices for {first}",
-        f"Right of the line {first} is preferred, left of it {second}. Bars are 95{NBSP}% "
-        "intervals by raters.",
+        f"Values to the right of the line favour {first}, those to the left {second}. Bars are "
+        f"95{NBSP}% intervals by raters.",
         drawn,
         tuple((f"{part}{NBSP}%", float(part)) for part in (0, 25, 50, 75, 100)),
         50.0,
@@ -151,8 +151,8 @@ def _strengths(rows: Sequence[Comparison]) -> Plot:
 
     return Plot(
         "Mean strength",
-        f"Where {first} is preferred (filled) and where {second} is (open), from 1, weak, to 5, "
-        "strong.",
+        f"Strength of the preferences for {first} (filled) and for {second} (open), from 1 (weak) "
+        "to 5 (strong).",
         tuple(PlotRow(one.character or EVERYBODY, words(one), dots(one)) for one in rows),
         tuple((str(n), 100 * _part(n, WEAKEST, STRONGEST)) for n in range(WEAKEST, STRONGEST + 1)),
         50.0,

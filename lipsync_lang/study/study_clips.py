@@ -1,4 +1,4 @@
-"""Clips of a study: rendered in processes, alike, and kept by the digest of their makings.
+"""Clips of a study: rendered in parallel, and cached by the digest of their contents.
 
 A clip that is there is never rendered again, so a run that was killed goes on where it stopped.
 """
@@ -31,13 +31,13 @@ CLIP_CODEC = (
 """H.264 baseline with AAC, which every phone plays."""
 
 DIGEST_BYTES = 16
-"""Bytes of a clip's digest."""
+"""Length of a clip's digest in bytes."""
 
 FREE_BOX_BYTES = 8
-"""Bytes of the head of a box of MP4: its size and its kind."""
+"""Length of the header of an MP4 box in bytes: its size and its kind."""
 
 CLIP_FORM = "clip 1"
-"""Version of how clips are drawn; a new one renders all of them again."""
+"""Version of the drawing; with a new version, all clips are rendered again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +46,11 @@ class Clip:
 
     animation: "Animation"
     framing: "Animation"
-    """The animation that camera and light are set for; the same for both clips of a pair."""
+    """Animation for camera and light; the same for both clips of a pair."""
 
     @cached_property
     def digest(self) -> str:
-        """Digest of everything that the clip shows."""
+        """Digest of all contents of the clip."""
         whole = blake2b(digest_size=DIGEST_BYTES)
         model = self.animation.model
         for part in (CLIP_FORM, CLIP_SIDE, CLIP_CODEC, model and _content(model)):
@@ -65,7 +65,7 @@ class Clip:
 
     @property
     def seconds(self) -> float:
-        """Length of the clip: that of its motion, or of its sound if that is longer."""
+        """Length of the clip: the longer one of its motion and its sound."""
         times, audio = self.animation.times, self.animation.schedule.audio
         sound = audio.seconds - float(times[0]) if audio is not None else 0.0
         return max(float(times[-1] - times[0]), sound) + 1 / self.animation.fps
@@ -86,7 +86,7 @@ def render_clips(
     workers: int | None = None,
     told: Callable[[int, int], None] = lambda _done, _all: None,
 ) -> int:
-    """Render the clips that a folder lacks, and return their number.
+    """Render the clips that are missing from a folder, and return their number.
 
     Parameters
     ----------

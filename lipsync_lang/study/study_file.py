@@ -1,4 +1,4 @@
-"""Files of a study: `study.json`, which has the key to the sides, and the answers of raters.
+"""Files of a study: `study.json` with the key to the sides, and the answers of raters.
 
 A study stays with those who made it. Raters see a page without the key; their answers name pairs
 and sides only. Answers are a JSON file of one rater, or JSON lines with one submission each.
@@ -23,13 +23,13 @@ MAX_ANSWERS_BYTES = 256 * 2**20
 """Size limit in bytes of a file of answers."""
 
 MAX_PAIRS = 2_000
-"""Most pairs of a study."""
+"""Maximum number of pairs in a study."""
 
 MAX_SUBMISSION_BYTES = 2**20
 """Size limit in bytes of one rater's answers: `MAX_PAIRS` pairs, two questions each."""
 
 DIGEST_BYTES = 8
-"""Bytes of a study's digest and of a rater's number."""
+"""Length of a study's digest and of a rater's number in bytes."""
 
 QUESTIONS = ("accuracy", "naturalness")
 """The questions of the paper's study (section 4.1)."""
@@ -60,7 +60,7 @@ class StudyPair(Strict):
     right: Key
     """Method of the right clip."""
     check: Side | None = None
-    """The sound side of an attention check, whose other side is plainly wrong."""
+    """Correct side of an attention check; the other side is deliberately wrong."""
     seconds: Annotated[float, Field(gt=0, le=3600)] | None = None
     """Length of the longer clip; null if unknown."""
 
@@ -73,7 +73,7 @@ class Study(Strict):
     format: Literal[1]
     """Version of the form."""
     study: Hex
-    """Digest of the study and its clips; answers name it."""
+    """Digest of the study and its clips; answers contain it."""
     title: Words
     """Title that raters see."""
     seed: int
@@ -102,7 +102,7 @@ class PairAnswer(Strict):
     strength: Annotated[int, Field(ge=1, le=5)]
     """Strength of the preference, from 1 (weak) to 5 (strong)."""
     seconds: Annotated[float, Field(ge=0, le=1e6)]
-    """Time from the first sight of the pair to the choice."""
+    """Time from the first view of the pair to the choice, in seconds."""
     plays: Annotated[int, Field(ge=0, le=100_000)]
     """Times that the clips of the pair were played."""
 
@@ -119,7 +119,7 @@ class Submission(Strict):
     rater: Hex
     """Random number of the rater, made in the browser."""
     consent: Literal[True]
-    """True: nobody answers without consent."""
+    """True in all answers: raters consent first."""
     started: Moment
     """Time of consent, ISO 8601."""
     finished: Moment | None
@@ -127,16 +127,16 @@ class Submission(Strict):
     asked: Annotated[dict[Key, Words], Field(max_length=50)]
     """Answers to the questions about the rater, by key."""
     answers: Annotated[tuple[PairAnswer, ...], Field(max_length=2 * MAX_PAIRS)]
-    """The choices, in the order in which they were made."""
+    """Choices in the order of time."""
 
 
 class AnswerFiles(NamedTuple):
-    """Submissions that were read, and the faults of what could not be read."""
+    """Submissions of a file, and faults of unreadable lines."""
 
     submissions: tuple[Submission, ...]
-    """Well-formed submissions in the order of the files; of any study."""
+    """Well-formed submissions to any study, in the order of the file."""
     faults: tuple[str, ...]
-    """Located sentences on lines that are not a submission."""
+    """Located sentences on lines that are not submissions."""
 
 
 def read_study(path: Path) -> Study:
@@ -165,13 +165,13 @@ def _fault_of_study(study: Study) -> str:
         if pair.left == pair.right and pair.check is None:
             return f"pairs.{number}: '{pair.left}' is on both sides, but is not an attention check"
         if pair.pair in seen:
-            return f"pairs.{number}: '{pair.pair}' names two pairs"
+            return f"pairs.{number}: two pairs have the name '{pair.pair}'"
         seen.add(pair.pair)
     return ""
 
 
 def study_digest(contents: object) -> str:
-    """Return the digest of a study's contents, plain values that JSON can hold."""
+    """Return the digest of a study's contents, given as JSON data."""
     text = json.dumps(contents, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return blake2b(text.encode(), digest_size=DIGEST_BYTES).hexdigest()
 
@@ -183,12 +183,12 @@ def as_text(model: Study | Submission) -> str:
 
 
 def parsed(model: type[M], content: bytes, where: str) -> M:
-    """Return the model in a JSON text.
+    """Parse a model from a JSON text.
 
     Raises
     ------
     LipsyncError
-        The text is another one; the message names its first fault.
+        The text is not this model; the message names its first fault.
     """
     try:
         return model.model_validate_json(content)
@@ -198,29 +198,29 @@ def parsed(model: type[M], content: bytes, where: str) -> M:
         kind = "study" if model is Study else "answers"
         raise LipsyncError(
             f"{where}: {f'{place}: ' if place else ''}{first['msg']}; "
-            f"a file of kind '{kind}' in format 1 is wanted"
+            f"give a file of kind '{kind}' in format 1"
         ) from None
     except RecursionError:
-        raise LipsyncError(f"{where}: is nested too deeply to be answers") from None
+        raise LipsyncError(f"{where}: is nested too deeply; give a file of answers") from None
 
 
 def read_answers(path: Path) -> AnswerFiles:
     """Read answers: one submission as a JSON file, or JSON lines of many.
 
-    Faulty lines are named and left out.
+    Faulty lines are listed and left out.
 
     Raises
     ------
     LipsyncError
         The file cannot be read at all, or is empty.
     """
-    content = read_input(path, MAX_ANSWERS_BYTES, mend="give it in parts")
+    content = read_input(path, MAX_ANSWERS_BYTES, mend="split the file")
     if not content.strip():
         raise LipsyncError(f"{path}: is empty; name a file of answers")
     submissions, faults = [], []
     for where, text in _texts(path, content.removeprefix(b"\xef\xbb\xbf")):
         if len(text) > MAX_SUBMISSION_BYTES:
-            faults.append(f"{where}: is larger than a rater's answers can be")
+            faults.append(f"{where}: is larger than the answers of a rater can be")
             continue
         try:
             submissions.append(parsed(Submission, text, where))
@@ -251,7 +251,7 @@ def _is_json(content: bytes) -> bool:
 
 
 def faults_against(submission: Submission, study: Study) -> tuple[str, ...]:
-    """Return the contradictions of a submission with a study, as sentences; empty if none."""
+    """List contradictions between a submission and a study as sentences; empty if none."""
     if submission.study != study.study:
         return (f"the answers are for study {submission.study}, not {study.study}",)
     pairs = {pair.pair for pair in study.pairs}
@@ -261,10 +261,10 @@ def faults_against(submission: Submission, study: Study) -> tuple[str, ...]:
         if one.pair not in pairs:
             faults.append(f"answers.{number}: the study has no pair '{one.pair}'")
         elif one.question not in study.questions:
-            faults.append(f"answers.{number}: the study does not ask for {one.question}")
+            faults.append(f"answers.{number}: the study does not ask about {one.question}")
         elif key in seen:
-            faults.append(f"answers.{number}: {one.pair} has two answers on {one.question}")
+            faults.append(f"answers.{number}: {one.pair} has two answers about {one.question}")
         seen.add(key)
     unknown = sorted(submission.asked.keys() - set(study.asked))
-    faults += [f"asked.{key}: the study does not ask for it" for key in unknown]
+    faults += [f"asked.{key}: the study does not ask this question" for key in unknown]
     return tuple(faults)

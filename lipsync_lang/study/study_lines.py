@@ -14,27 +14,27 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 MAX_LINES = 10_000
-"""Most lines that a study is chosen from."""
+"""Maximum number of lines to choose from."""
 
 SHOWN_NAMES = 8
-"""Names that a remark lists."""
+"""Maximum number of names in a remark."""
 
 MAX_NAME_CHARS = 100
-"""Characters of a line's name."""
+"""Maximum length of a line's name."""
 
 
 @dataclass(frozen=True)
 class StudyLine:
-    """A line that clips show."""
+    """A line of the clips."""
 
     name: str
-    """Name of the line: its own in the file, or the file's with the number of its row."""
+    """Name of the line in the file, or the name of the file with the number of the row."""
     text: str
-    """The spoken text; may be empty with a schedule."""
+    """Spoken text; may be empty if there is a schedule."""
     schedule: "Schedule | None" = None
     """Timed phonemes from the file; None if a voice or an aligner times the text."""
     recording: Path | None = None
-    """The file of its sound; None if a voice speaks the text."""
+    """Recording of the line; None if a voice speaks the text."""
 
 
 def study_lines(
@@ -48,14 +48,14 @@ def study_lines(
     Parameters
     ----------
     found : lines of files
-    texts : more lines, called `text_1`, `text_2` and so on
-    recordings : folder with one sound per line, called by its name
-    remark : told which lines have no recording; they are left out
+    texts : more lines, with the names `text_1`, `text_2` and so on
+    recordings : folder with one recording per line, which has the name of the line
+    remark : receives the names of lines without a recording, which are left out
 
     Raises
     ------
     LipsyncError
-        There is no line, there are too many, or two have one name.
+        There are no lines or too many, or two lines have the same name.
     """
     lines = [StudyLine(_name(line), line.text, line.schedule) for line in found if _said(line)]
     lines += [StudyLine(f"text_{number}", text) for number, text in enumerate(texts, 1)]
@@ -65,22 +65,25 @@ def study_lines(
         raise LipsyncError(f"there are {len(lines)} lines; a study takes at most {MAX_LINES}")
     name, count = Counter(line.name for line in lines).most_common(1)[0]
     if count > 1:
-        raise LipsyncError(f"{count} lines are called '{name}'; give each a name of its own")
+        raise LipsyncError(f"{count} lines have the name '{name}'; give each line its own name")
     return tuple(lines) if recordings is None else _recorded(lines, recordings, remark)
 
 
 def _recorded(
     lines: list[StudyLine], folder: Path, remark: Callable[[str], None]
 ) -> tuple[StudyLine, ...]:
-    """Return the lines that have a recording, with it."""
+    """Return the lines with a recording, and add it to each."""
     files = files_by_stem(folder)
     without = [line.name for line in lines if line.name not in files]
     if without:
         some = ", ".join(without[:SHOWN_NAMES]) + (", ..." if len(without) > SHOWN_NAMES else "")
-        remark(f"{folder}: has no recording called {some}; left out")
+        remark(f"{folder}: has no recordings with the names {some}; these lines are left out")
     found = [line for line in lines if line.name in files]
     if not found:
-        raise LipsyncError(f"{folder}: has no recording that is called like a line")
+        raise LipsyncError(
+            f"{folder}: has no recording with the name of a line; "
+            "name each recording after its line"
+        )
     return tuple(replace(line, recording=only_file(files[line.name])) for line in found)
 
 
@@ -95,7 +98,7 @@ def _name(line: "Line") -> str:
 
 
 def files_by_stem(folder: Path) -> dict[str, list[Path]]:
-    """Return the visible files of a folder by their names without suffix, each list in order.
+    """List the visible files of a folder by name without suffix, each list in order.
 
     Raises
     ------
@@ -116,12 +119,12 @@ def files_by_stem(folder: Path) -> dict[str, list[Path]]:
 
 
 def only_file(files: list[Path]) -> Path:
-    """Return the only file of a line.
+    """Return the file of a line.
 
     Raises
     ------
     LipsyncError
-        There are several.
+        The line has several files.
     """
     if len(files) > 1:
         names = " and ".join(path.name for path in files[:2])

@@ -1,4 +1,4 @@
-"""Making of a study: lines, methods and characters become clips, a key and a page."""
+"""Making of a study: renders clips of lines by methods on characters, with a key and a page."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 KEY, PAGE, CLIPS = "study.json", "page.html", "clips"
-"""Names in the folder of a study: the key, the page for raters, and the rendered clips."""
+"""Names in the folder of a study: key, page for raters, and rendered clips."""
 
 Told = Callable[[str, int, int], None]
-"""Progress: what is done, how many of it are done, and of how many."""
+"""Progress: kind of work, number done, and total."""
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,11 @@ class StudyPlan:
     texts: PageTexts = field(default_factory=PageTexts)
     questions: tuple[str, ...] = QUESTIONS
     most: int | None = None
-    """Most pairs; None for all."""
+    """Maximum number of pairs; None for all."""
     checks: int | None = None
-    """Attention checks; None for one in ten pairs."""
+    """Number of attention checks; None for one in ten pairs."""
     raters_see: int | None = None
-    """Pairs that each rater sees; None for all."""
+    """Number of pairs that each rater sees; None for all."""
     seed: int = 1
     engine: str | None = None
     """Speech engine of lines without a recording; None for the language's."""
@@ -67,11 +67,11 @@ class MadeStudy:
     study: Study
     folder: Path
     rendered: int
-    """Number of clips that were rendered now."""
+    """Number of clips rendered in this run."""
     page_bytes: int
-    """Size of the page."""
+    """Size of the page in bytes."""
     remarks: tuple[str, ...] = ()
-    """Pairs that were left out, and why."""
+    """Sentences on pairs that were left out, with the reason."""
 
 
 def make_study(
@@ -79,7 +79,7 @@ def make_study(
 ) -> MadeStudy:
     """Render the clips of a study, and write its key and its page.
 
-    A run that was killed goes on with the clips that are left.
+    After an interruption, a new run renders only the remaining clips.
 
     Raises
     ------
@@ -127,7 +127,7 @@ class _Stage:
         self._made: dict[tuple[str, str, str], Animation | LipsyncError] = {}
 
     def chosen(self) -> list[ClipPair]:
-        """Return the pairs to show; those that cannot be made are left out with a remark."""
+        """Return the pairs to show; pairs that cannot be made are left out with a remark."""
         plan = self._plan
         pairs: list[ClipPair] = []
         for method in plan.methods:
@@ -135,7 +135,9 @@ class _Stage:
             if without:
                 some = ", ".join(without[:SHOWN_NAMES])
                 some += ", ..." if len(without) > SHOWN_NAMES else ""
-                self.remarks.append(f"method '{method.name}' has no file for {some}; left out")
+                self.remarks.append(
+                    f"method '{method.name}' has no file for {some}; these lines are left out"
+                )
         found = possible_pairs(
             list(self._lines), list(self._characters), list(self._methods),
             lambda method, line: lacks(self._methods[method], line),
@@ -195,7 +197,7 @@ class _Stage:
 
 
 def _study(plan: StudyPlan, pairs: tuple[StudyPair, ...], clips: dict[str, list[str]]) -> Study:
-    """Return a study with the digest of all that raters see, and of its key."""
+    """Return a study with the digest of its page, its clips and its key."""
     contents = {
         "kind": "study",
         "format": 1,
@@ -217,16 +219,18 @@ def _study(plan: StudyPlan, pairs: tuple[StudyPair, ...], clips: dict[str, list[
 
 
 def _refuse_another(folder: Path, study: Study) -> None:
-    """Refuse a folder with another study, and one that cannot be made."""
+    """Refuse a folder with another study, and a folder that cannot be made."""
     key = folder / KEY
     if key.exists():
         there = read_study(key)
         if there.study != study.study:
             raise LipsyncError(
-                f"{folder}: holds another study, '{there.title}' ({there.study}); "
+                f"{folder}: contains another study, '{there.title}' ({there.study}); "
                 "name another folder"
             )
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise LipsyncError(f"{folder}: cannot be made: {error.strerror}; name another") from None
+        raise LipsyncError(
+            f"{folder}: cannot be made: {error.strerror}; name another folder"
+        ) from None

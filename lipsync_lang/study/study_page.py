@@ -1,4 +1,4 @@
-"""The page of a study: one file with every clip, which asks, keeps and exports answers.
+"""Page of a study: a file with all clips, which asks for, keeps and exports answers.
 
 The page has no key: pairs have numbers, clips have sides, and no method is named. Text is data,
 never markup; the policy of the page allows its own script and style, by their hashes, and requests
@@ -19,16 +19,16 @@ from lipsync_lang.study.study_clips import of_one_size
 from lipsync_lang.study.study_file import QUESTIONS, Study
 
 UNPOSTED = b'{"post":null,'
-"""Start of the document of a page without an address for answers; a server puts its own there."""
+"""Start of the data of a page without an address for answers; a server adds its own."""
 
 MAX_CONSENT_CHARS = 20_000
-"""Characters of a consent text."""
+"""Maximum length of a consent text."""
 
 MAX_ASKED = 20
-"""Questions about the rater."""
+"""Maximum number of questions about the rater."""
 
 MAX_KEY_CHARS = 40
-"""Characters of a question's key."""
+"""Maximum length of a question's key."""
 
 DEFINITIONS = {
     "accuracy": {
@@ -46,11 +46,12 @@ DEFINITIONS = {
 CONSENT = (
     "You will see pairs of short clips in which a face speaks, and choose the better one of each. "
     "Please use headphones or a loudspeaker.\n\n"
-    "Taking part is voluntary, and you may stop at any time. Your choices, the time each one took "
-    "and a random number are recorded, and your answers to the questions on this page. Nothing "
-    "else about you or your device is. Answers stay in this browser until you send or save them."
+    "Taking part is voluntary, and you may stop at any time. The page records your choices, the "
+    "time of each choice, a random number, and your answers to the questions on this page. It "
+    "records nothing else about you or your device. Answers stay in this browser until you send or "
+    "save them."
 )
-"""Consent text unless the study brings its own."""
+"""Default consent text."""
 
 
 @dataclass(frozen=True)
@@ -84,29 +85,29 @@ def parse_asked(text: str) -> AskedQuestion:
 
 @dataclass(frozen=True)
 class PageTexts:
-    """Texts of a page beside its clips."""
+    """Texts of a page, and its address for answers."""
 
     consent: str = CONSENT
     asked: tuple[AskedQuestion, ...] = ()
     post: str | None = None
-    """Address that answers are posted to; None to save them as files."""
+    """Address for answers; None to save them as files."""
 
     def refuse_faults(self) -> None:
-        """Refuse a consent text, questions or an address that a page cannot have.
+        """Refuse an invalid consent text, question or address.
 
         Raises
         ------
         LipsyncError
-            The text is empty or too long, a question is asked twice, or the address is none of
-            the web.
+            The text is empty or too long, a question occurs twice, or the address is not a web
+            address.
         """
         if not self.consent.strip() or len(self.consent) > MAX_CONSENT_CHARS:
             raise LipsyncError(
-                f"the consent text is empty or longer than {MAX_CONSENT_CHARS} characters"
+                f"the consent text must have between 1 and {MAX_CONSENT_CHARS} characters"
             )
         keys = [one.key for one in self.asked]
         if len(set(keys)) < len(keys) or len(keys) > MAX_ASKED:
-            raise LipsyncError(f"ask each question once, and at most {MAX_ASKED} (`ask`)")
+            raise LipsyncError(f"ask at most {MAX_ASKED} questions, and each only once (`ask`)")
         if self.post is not None:
             origin_of(self.post)
 
@@ -117,7 +118,7 @@ def origin_of(address: str) -> str:
     Raises
     ------
     LipsyncError
-        The address is not an address of the web.
+        The address is not a web address.
     """
     try:
         parts = urlsplit(address)
@@ -127,7 +128,9 @@ def origin_of(address: str) -> str:
         parts, port, host = urlsplit(""), "", ""
     plain = host.isascii() and host.replace("-", "").replace(".", "").isalnum()
     if parts.scheme not in {"http", "https"} or not plain or parts.username is not None:
-        raise LipsyncError(f"{address}: write an address such as https://example.org/answers")
+        raise LipsyncError(
+            f"{address}: is not a web address; give one such as https://example.org/answers"
+        )
     return f"{parts.scheme}://{host}{port}"
 
 
@@ -138,7 +141,7 @@ def study_page(
 
     Parameters
     ----------
-    clips : returns the MP4 files of a pair, left and right, by its name
+    clips : returns the MP4 files of a pair by its name, left and right
     """
     texts.refuse_faults()
     script, style = _static("answering.js"), _static("answering.css")
@@ -188,7 +191,7 @@ def _document(study: Study, texts: PageTexts) -> dict[str, Any]:
 
 
 def _groups(study: Study) -> list[dict[str, Any]]:
-    """Return pairs in groups, of each of which a rater sees some.
+    """Return groups of pairs, of which each rater sees some.
 
     A rater who sees a part of the pairs sees every attention check.
     """

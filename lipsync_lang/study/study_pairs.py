@@ -1,4 +1,4 @@
-"""Choice of the pairs of a study: balanced, in random order and side, repeatable by a seed."""
+"""Pairs of a study: balanced, with random order and sides, repeatable by a seed."""
 
 import random
 from collections import Counter
@@ -10,7 +10,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.study.study_file import MAX_PAIRS, Side, StudyPair
 
 PAIRS_PER_CHECK = 10
-"""Pairs for each attention check, unless their number is given."""
+"""Number of pairs per attention check, unless the number of checks is given."""
 
 
 class ClipPair(NamedTuple):
@@ -41,7 +41,7 @@ def possible_pairs(
 
 
 def in_balanced_order(pairs: Iterable[ClipPair], seed: int) -> Iterator[ClipPair]:
-    """Yield the pairs so that the first N of them are balanced, for every N.
+    """Yield the pairs in an order whose first N are balanced, for every N.
 
     Each next pair is of the methods, then the character, then the line seen least so far; chance
     decides between equals.
@@ -83,8 +83,8 @@ def checks_for(count: int, stated: int | None) -> int:
 def laid_out(pairs: Sequence[ClipPair], checks: int, seed: int) -> tuple[StudyPair, ...]:
     """Return the pairs with sides, and attention checks among them, in random order.
 
-    Each method of a pair is left as often as right, up to one. Both
-    clips of a check are by one method.
+    Each method of a pair is on the left as often as on the right, give or take one. Both clips
+    of a check are by the same method.
 
     Raises
     ------

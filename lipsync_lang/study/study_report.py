@@ -1,4 +1,4 @@
-"""Reports of a study: counted raters and choices, what was set aside, and the statistics."""
+"""Reports of a study: counts of raters and choices, answers set aside, and statistics."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -19,10 +19,10 @@ from lipsync_lang.study.distributions import CONFIDENCE
 from lipsync_lang.study.study_file import Study, read_study
 
 LEVEL = 0.05
-"""Level of significance that notes speak of."""
+"""Level of significance in notes."""
 
 ANSWERS_FOLDER = "answers"
-"""Folder within a study in which answers may lie."""
+"""Folder of a study that may contain answers."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +38,10 @@ class StudyReport:
     rankings: tuple[Ranking, ...]
     """Strengths of more than two methods."""
     notes: tuple[str, ...]
-    """Sentences that a reader of the figures must know."""
+    """Sentences that limit the meaning of the figures."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the report as JSON holds it; `docs/reference/study-report.md` names its keys."""
+        """Return the report as JSON data; `docs/reference/study-report.md` names its keys."""
         answers, rules = self.answers, self.rules.words
         return {
             "format": REPORT_FORMAT,
@@ -73,7 +73,7 @@ class StudyReport:
 
 
 def _plain(value: Any) -> Any:
-    """Return named tuples as dictionaries, within anything that JSON holds."""
+    """Return JSON data with named tuples converted to dictionaries."""
     if hasattr(value, "_asdict"):
         return _plain(value._asdict())
     if isinstance(value, dict):
@@ -137,23 +137,23 @@ def _beside(study: Path) -> list[Path]:
 
 
 def _notes(study: Study, answers: SortedAnswers, comparisons: Sequence[Comparison]) -> list[str]:
-    """Return the sentences that limit what the figures say."""
+    """Return sentences that limit the meaning of the figures."""
     if not comparisons:
-        return ["no choice counts, so there is nothing to report"]
+        return ["no choice counts, so the report has no figures"]
     notes = [
-        "p (raters) allows for choices of one rater being alike; chi-square and binomial do not",
-        "p (lines) allows for choices about one line being alike, as if other lines had been drawn",
+        "p (raters) allows for similar choices of the same rater; chi-square and binomial do not",
+        "p (lines) allows for similar choices about the same line, and for other lines",
     ]
     fewest = min(min(one.raters, one.lines) for one in comparisons)
     if 2.0 ** (1 - fewest) >= LEVEL:
         notes.append(
-            f"with {fewest} raters or lines, p is never below {2.0 ** (1 - fewest):.2g}; more are "
-            "needed"
+            f"with {fewest} raters or lines, p cannot be below {2.0 ** (1 - fewest):.2g}; take "
+            "more raters and lines"
         )
     if len(comparisons) > 1:
         notes.append(
-            f"{len(comparisons)} comparisons are tested: by Bonferroni, each needs p below "
-            f"{LEVEL / len(comparisons):.2g}"
+            f"{len(comparisons)} comparisons are tested; with Bonferroni's correction, each needs "
+            f"p below {LEVEL / len(comparisons):.2g}"
         )
     if answers.unfinished:
         notes.append(f"{answers.unfinished} raters who stopped early are counted")

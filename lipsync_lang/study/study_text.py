@@ -1,4 +1,4 @@
-"""Text of a study's report and plan for a terminal."""
+"""Texts of a study's report and plan for a terminal."""
 
 from collections.abc import Iterator, Sequence
 
@@ -11,13 +11,13 @@ from lipsync_lang.study.study_report import StudyReport
 from lipsync_lang.text_table import columns
 
 MAX_NAMED = 20
-"""Rows that are named of all that is set aside."""
+"""Maximum number of listed submissions and answers that are set aside."""
 
 EVERYBODY = "all"
-"""Word for all characters together."""
+"""Name for all characters together."""
 
 SMALLEST_P = 1e-4
-"""Probability below which its digits say nothing."""
+"""Probability below which digits have no meaning."""
 
 
 def report_text(report: StudyReport) -> str:
@@ -59,7 +59,7 @@ def _set_aside(report: StudyReport) -> Iterator[str]:
             rater = f" rater {one.rater}" if one.rater else ""
             yield f"  {one.place}:{rater} {one.reason}: {one.words}"
         if len(found) > MAX_NAMED:
-            yield f"  ... and {len(found) - MAX_NAMED} more; JSON names all"
+            yield f"  ... and {len(found) - MAX_NAMED} more; the JSON report lists all"
     yield from (f"  suspicious, but counted: {one}" for one in report.answers.suspicious)
 
 
@@ -157,7 +157,7 @@ def plan_text(plan: PowerPlan) -> str:
     lines = [
         f"{percent(asked.share)} for one method against an even split, level {asked.alpha:g}:",
         f"  {plan.choices:,} independent choices give a power of {percent(asked.power)}",
-        f"choices of one rater are alike (correlation {asked.correlation:g}):",
+        f"designs, if choices of the same rater have a correlation of {asked.correlation:g}:",
     ]
     rows = [("pairs each", "raters", "choices", "worth", "power")]
     rows += [
@@ -187,7 +187,7 @@ def percents(interval: Interval | None) -> str:
 
 
 def probability(value: float) -> str:
-    """Write a probability: three decimals, more where it is small."""
+    """Write a probability with three decimals, or more if it is small."""
     if value < SMALLEST_P:
         return f"< {SMALLEST_P:.4f}"
     return f"{value:.4f}" if value < 0.01 else f"{value:.3f}"  # noqa: PLR2004 a second zero
