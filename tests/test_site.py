@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from collections import Counter
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -130,6 +131,25 @@ def test_meanings_of_parameters_are_no_types():
     )
 
 
+def test_a_sentence_about_the_result_is_no_type():
+    told = "Do.\n\nReturns\n-------\nA thing, or\nanother\n\nRaises\n------\nE\n    no\n"
+    assert DOCSTRINGS.rewritten(told) == (
+        "Do.\n\nReturns\n-------\n:\n    A thing, or\n    another\n\nRaises\n------\nE\n    no\n"
+    )
+
+
+def test_headings_of_columns_say_how_long_the_texts_are():
+    rows = [("<th>", "n", "name", "why"), ("<td>", "1", "w" * 21, f"<code>{'w' * 81}</code>")]
+    table = "".join(
+        f"<tr>{''.join(f'{tag}{text}{tag[0]}/{tag[1:]}' for text in texts)}</tr>"
+        for tag, *texts in rows
+    )
+    shown = HOOKS.TABLE.sub(lambda found: HOOKS._measured(found[0]), f"<table>{table}</table>")  # noqa: SLF001
+    found = re.findall(r"<th[^>]*>", shown)
+    assert found == ["<th>", '<th class="words">', '<th class="sentence">']
+    assert re.sub(r' class="\w+"', "", shown) == f"<table>{table}</table>"
+
+
 # The built site
 
 
@@ -220,6 +240,34 @@ def test_no_markup_is_left_in_the_text(pages):
     for path in pages:
         text = re.sub(r"<[^>]+>", "", code.sub("", path.read_text(encoding="utf-8")))
         assert not left.findall(text), path
+
+
+class Parts(HTMLParser):
+    """The headings, lists, tables and pictures of a page, counted."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.counted = Counter()
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        if re.fullmatch("h[1-6]|[ou]l|li|table|t[rd]|pre|img", tag):
+            first = dict(attrs).get("start", "1")
+            self.counted[tag if first == "1" else f"{tag} from {first}"] += 1
+
+
+@full
+@pytest.mark.xdist_group("site")
+def test_the_site_and_github_show_the_same_parts(site):
+    markdown_it = pytest.importorskip("markdown_it", reason="a second reader of Markdown")
+    reader = markdown_it.MarkdownIt("commonmark").enable("table")
+    for source in PAGES:
+        text = source.read_text(encoding="utf-8")
+        if not HOOKS.API.search(text):  # documentation of objects, which GitHub has in short
+            name = re.sub(r"(^|/)README\.md$", r"\1index.md", HOOKS.address(source))
+            page = (site / name).with_suffix(".html").read_text(encoding="utf-8")
+            article = page[page.index("<article") : page.rindex("</article>")]
+            assert Parts(article).counted == Parts(reader.render(text)).counted, source
 
 
 @full

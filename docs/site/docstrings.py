@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - loaded by mkdocstrings
-"""Read the docstrings of this project: they describe a parameter, and the code has its type."""
+"""Read the docstrings of this project: they describe a value, and the code has its type."""
 
 import re
 from typing import Any
@@ -10,7 +10,7 @@ UNDERLINE = re.compile(r"^(\w+)\n-{3,}\n", re.MULTILINE)
 
 
 class StatedTypes(Extension):
-    """Let `name : meaning` be the description of a parameter, whose type is its annotation."""
+    """Let the docstring describe parameters and results, whose types are their annotations."""
 
     def on_object(self, *, obj: Object, **_: Any) -> None:
         """Rewrite the sections of a docstring to the form that the parser reads."""
@@ -32,4 +32,9 @@ def _parameters(body: str) -> str:
     return re.sub(r"^(\w[\w, *]*?) : (.+)$", r"\1\n    \2", body, flags=re.MULTILINE)
 
 
-CHANGES = {"Parameters": _parameters, "Attributes": _parameters}
+def _returns(body: str) -> str:
+    """Mark a sentence as the description of the value, not as its type."""
+    return ":\n" + "".join(f"    {line}\n" for line in body.rstrip().splitlines()) + "\n"
+
+
+CHANGES = {"Parameters": _parameters, "Attributes": _parameters, "Returns": _returns}

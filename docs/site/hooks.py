@@ -7,6 +7,7 @@
   needs them, and lead to the right page here.
 - Scripts and data are left out. One that a page links to is copied as text.
 - Markdown between tags of HTML is Markdown, as on GitHub.
+- The headings of a table's columns say how long its texts are, for the widths in site.css.
 - Blocks that tests run state a file (`title`, `edits`, `shows`) and an exit code. Here they get a
   title.
 """
@@ -43,6 +44,11 @@ HOVER = re.compile(r"<!-- hover: ([^>]+) -->")
 
 API = re.compile(r"^<!-- api: ([\w.]+?(\w+)) -->\n.*?^<!-- end -->$", re.MULTILINE | re.DOTALL)
 """A summary of an object, which the object's whole documentation replaces here."""
+
+TABLE = re.compile(r"<table>.*?</table>", re.DOTALL)
+CELL = re.compile(r"<t([hd])\b[^>]*>(.*?)</t\1>", re.DOTALL)
+LENGTHS = {250: "passage", 80: "sentence", 20: "words"}
+"""Classes of columns by the characters that their longest cell exceeds, longest first."""
 
 TITLES = {"title": "{}", "edits": "Changes in {}", "shows": "From {}"}
 """The title of a block by its attribute."""
@@ -193,3 +199,26 @@ def _fence(block: re.Match[str]) -> str:
     text = "".join(deeper + line for line in block["text"].splitlines(keepends=True))
     ticks = indent + block["ticks"]
     return f"{ticks}{block['language'] or 'text'}{title}\n{text}{ticks}"
+
+
+# The page
+
+
+def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Tell the tables how long their texts are, and where the address of a test may break."""
+    del page, config, files
+    return TABLE.sub(lambda found: _measured(found[0].replace(".py::", ".py::<wbr>")), html)
+
+
+def _measured(table: str) -> str:
+    """Return a table whose headings have the class of their column's length."""
+    rows = [CELL.findall(row) for row in table.split("</tr>")]
+    texts = [[re.sub(r"<[^>]+>", "", text) for _, text in row] for row in rows if row]
+    columns = zip(*texts, strict=True)
+    classes = iter([_length(max(map(len, column))) for column in columns])
+    return re.sub(r"<th\b", lambda found: f"{found[0]}{next(classes)}", table)
+
+
+def _length(characters: int) -> str:
+    name = next((name for least, name in LENGTHS.items() if characters > least), "")
+    return f' class="{name}"' if name else ""
