@@ -130,6 +130,7 @@ def test_a_folder_is_no_recording(tmp_path):
         (b"\xff\xf1\x50\x80" + bytes(2000), "AAC.*; convert it"),
         (b"#!AMR\n" + bytes(2000), "AMR.*; convert it"),
     ],
+    ids=["empty", "text", "page", "riff", "zeros", "m4a", "webm", "wma", "aac", "amr"],
 )
 def test_what_is_no_sound_is_told(tmp_path, content, told):
     path = tmp_path / "a b.wav"
