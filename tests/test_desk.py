@@ -114,7 +114,7 @@ def test_two_tabs_do_not_overwrite_each_other(bank):
     desk = Desk(None)
     desk.change("Mine", [(bank, STATUS, "edited")], seen=0, tab="a")
     desk.change("Yours", [(bank, BOUNDARY, 0.3)], seen=0, tab="b")
-    with pytest.raises(EditConflict, match=r"another tab changed p-yu of .*common\.yaml"):
+    with pytest.raises(EditConflict, match=r"another tab has changed p-yu of .*common\.yaml"):
         desk.change("Yours", [(bank, ("bigrams", "p-yu"), ABSENT)], seen=0, tab="b")
     desk.change("Mine", [(bank, STATUS, "drafted")], seen=1, tab="a")
     with pytest.raises(EditConflict):
@@ -189,7 +189,7 @@ def test_a_torn_line_is_the_only_loss(bank, journal):
         (b"[" * 100_000 + b"\n", "is damaged"),
         ("edited", "is damaged"),
         ("unknown", "newer version"),
-        ("unopened", "before it names it"),
+        ("unopened", "precedes the text of its file"),
         ("faulty", "P104"),
     ],
 )
@@ -407,12 +407,14 @@ def test_no_file_is_written_unless_all_are(bank, home):
 
 def test_files_that_are_not_the_projects_are_refused(bank, home, tmp_path):
     desk = Desk(None, shipped=[home / "posesets"])
-    with pytest.raises(OutputError, match=r"is shipped .* copy it to face/banks/common\.yaml"):
+    with pytest.raises(
+        OutputError, match=r"belongs to an installed .* copy it to face/banks/common\.yaml"
+    ):
         desk.change("One", [(bank, BOUNDARY, 0.6)])
     desk = Desk(None)
-    with pytest.raises(OutputError, match=r"is not a pack's file"):
+    with pytest.raises(OutputError, match=r"is not the file of a pack"):
         desk.change("One", [(tmp_path / "passwd", BOUNDARY, 0.6)])
-    with pytest.raises(OutputError, match=r"is not a pack's file"):
+    with pytest.raises(OutputError, match=r"is not the file of a pack"):
         desk.change("One", [(Path("common.yaml"), BOUNDARY, 0.6)])
     bank.chmod(0o444)
     with pytest.raises(OutputError, match="is read-only"):
@@ -426,7 +428,7 @@ def test_a_link_is_edited_by_one_name_and_stays_a_link(bank):
     link.symlink_to(bank)
     desk = Desk(None)
     desk.change("One", [(bank, BOUNDARY, 0.6)])
-    with pytest.raises(OutputError, match=r"link\.yaml: is the file .*common\.yaml"):
+    with pytest.raises(OutputError, match=r"link\.yaml: is the same file as .*common\.yaml"):
         desk.change("Two", [(link, STATUS, "edited")])
     desk.save()
     assert bank.is_symlink()

@@ -243,7 +243,7 @@ def test_a_model_that_cannot_be_drawn_is_told(animation, tmp_path):
     assert list(face) == ["unshown"]
     assert face["unshown"][0].startswith("broken.glb: ")
     assert str(tmp_path) not in line_page(odd)
-    assert "draws a mouth" in next(iter(WRITERS["html"].remarks(odd)))
+    assert "draws a simple mouth" in next(iter(WRITERS["html"].remarks(odd)))
 
 
 # From the command line

@@ -81,8 +81,8 @@ def test_what_is_not_shown_of_a_model_is_told(tmp_path):
     )
     (face,) = data_of(line_page(animation))["faces"]
     (told,) = face["unshown"]
-    assert told.startswith("not shown of the model: ")
-    for what in ("normal maps", "glowing textures", "see-through surfaces"):
+    assert told.startswith("parts of the model that are not shown: ")
+    for what in ("normal maps", "glowing textures", "transparency"):
         assert what in told
 
 

@@ -191,7 +191,7 @@ def test_a_model_is_put_beside_the_character_and_never_over_another(tmp_path):
     assert caller.post("model", glb(bytes), {"name": "my crab.glb"}).status == 200
     other = glb(lambda text: text + b"  ")
     assert (
-        "another model of this name"
+        "another model with this name"
         in caller.post("model", other, {"name": "my crab.glb"}).json["error"]
     )
     assert "as GLB" in caller.post("model", b"{}", {"name": "my.gltf"}).json["error"]

@@ -87,11 +87,11 @@ def test_words_are_emphasised(caller, workshop):
 @pytest.mark.parametrize(
     ("path", "body", "told"),
     [("boundary/5", {"seconds": 1}, "boundary 5"), ("boundary/x", {"seconds": 1}, "'x'"),
-     ("boundary/²", {"seconds": 1}, "is not a number"), ("boundary/-1", {"seconds": 1}, "'-1'"),
+     ("boundary/²", {"seconds": 1}, "is not the number"), ("boundary/-1", {"seconds": 1}, "'-1'"),
      ("boundary/1", {"seconds": "1"}, "seconds"), ("boundary/1", {"seconds": 1e9}, "seconds"),
      ("emphasis/2", {"level": 1}, "word 2"), ("emphasis/0", {"level": 3}, "level"),
      ("emphasis/0", {}, "level"), ("part/1", {}, "1 parts"),
-     ("boundary/99999999999", {"seconds": 1}, "is not a number")],
+     ("boundary/99999999999", {"seconds": 1}, "is not the number")],
 )  # fmt: skip
 def test_a_change_that_cannot_be_is_told(caller, path, body, told):
     found = caller.post(path, body)

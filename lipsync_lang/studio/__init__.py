@@ -1,4 +1,4 @@
-"""The page of a line, and the browser modules that it shares with the editor.
+"""Studio: the editor in the browser, and the page of a line, which shares its modules.
 
 `static` holds plain ES modules without a build step. Python gathers the data of a line, packs its
 arrays and puts both into one HTML file that needs nothing else.

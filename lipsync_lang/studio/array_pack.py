@@ -15,7 +15,7 @@ KINDS = ("u1", "i1", "u2", "i2", "u4", "f4")
 """Types of numbers, little-endian."""
 
 LEVEL = 6
-"""Effort of the compression, from 1 to 9."""
+"""Level of the compression, from 1 to 9."""
 
 REFERENCE = "$array"
 """Key of an object that stands for an array."""
@@ -58,11 +58,11 @@ class ArrayPack:
         return {REFERENCE: len(self._rows) - 1}
 
     def add_bytes(self, content: bytes) -> dict[str, int]:
-        """Append a file as it is."""
+        """Append the content of a file."""
         return self.add(np.frombuffer(content, np.uint8), "u1")
 
     def layout(self) -> list[list[str | int]]:
-        """Return type and length of each array, for JSON."""
+        """Return the type and the length of each array as JSON data."""
         return [[kind, count] for kind, count in self._rows]
 
     def block(self) -> bytes:

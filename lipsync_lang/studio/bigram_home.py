@@ -1,4 +1,4 @@
-"""The file that an edit of a bigram goes to."""
+"""Target file for an edit of a bigram."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -11,13 +11,13 @@ from lipsync_lang.resolver.compiled import Pair
 from lipsync_lang.resolver.layers import NEUTRAL, PairPacks
 
 PROJECT_BANK = "common"
-"""Name of the bank for bigrams that no bank of the project has."""
+"""Name of the bank for bigrams that are in no bank of the project."""
 
 
 def bigram_home(
     shelf: PairPacks, pair: Pair, project: Path, own: Callable[[Path], bool]
 ) -> tuple[Path, bool]:
-    """Return the file that an edit of a bigram goes to, and whether that file states the bigram.
+    """Return the target file for an edit of a bigram, and True if that file has the bigram.
 
     The user's file with the bigram comes first, then the project's common bank, which may be new.
 
@@ -38,7 +38,7 @@ def bigram_home(
             return row.place.file, True
         if row.origin.layer != "shared":
             raise LipsyncError(
-                f"{shown(row.place.file)} is installed, and comes before the banks of this "
+                f"{shown(row.place.file)} is installed and precedes the banks of this "
                 "project; copy it into the project to change it"
             )
     poseset = shelf.poseset.model.name

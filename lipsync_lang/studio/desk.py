@@ -1,4 +1,4 @@
-"""Unsaved edits of pack files: made, undone, kept over a kill, merged with the disk and saved.
+"""Unsaved edits of pack files: undone, kept in a journal, merged with the disk, and saved.
 
 A desk knows files by absolute path, and reads one when it is first edited. Each edit sets, inserts
 or deletes a value at a location; every text in between is a sound pack. Texts share the parts that
@@ -48,11 +48,11 @@ from lipsync_lang.studio.sheets import (
     rebase,
 )
 
-RESTORED = "edits found again"
-"""Title of a step that a journal keeps as a whole text."""
+RESTORED = "restored edits"
+"""Title of a step that a journal stores as a whole text."""
 
 MAX_TOUCHED = 10_000
-"""Latest edits that are remembered to find conflicts between tabs."""
+"""Maximum number of edits in memory for conflicts between tabs."""
 
 
 class Desk:
@@ -95,8 +95,8 @@ class Desk:
             finalize(self, os.close, held)
         if journal is not None and held is None:
             self.notes.append(
-                "another studio of this project is running, and has its unsaved edits; edits made "
-                "here are lost if this one is killed before you save"
+                "another studio of this project is running and keeps the unsaved edits; save here "
+                "before you close this studio, or its edits are lost"
             )
         elif journal is not None:
             lines = self._restore(journal)
@@ -106,12 +106,12 @@ class Desk:
 
     @property
     def undo_title(self) -> str | None:
-        """Title of the step that `undo` takes back."""
+        """Title of the step that `undo` reverts."""
         return self._done[-1].title if self._done else None
 
     @property
     def redo_title(self) -> str | None:
-        """Title of the step that `redo` does again."""
+        """Title of the step that `redo` repeats."""
         return self._undone[-1].title if self._undone else None
 
     @property
@@ -120,17 +120,17 @@ class Desk:
         return {path: sheet.text.content for path, sheet in self._sheets.items() if sheet.edited}
 
     def content(self, path: Path) -> bytes | None:
-        """Return the text of a file with its edits; None if it is not on the desk."""
+        """Return the text of a file with its edits; None if the file has no edits."""
         sheet = self._sheets.get(path)
         return sheet.text.content if sheet is not None and sheet.text.parts else None
 
     def text(self, path: Path) -> SplicedText | None:
-        """Return a file on the desk in parts, with its edits; None if it is not on the desk."""
+        """Return the parts of a file with its edits; None if the file has no edits."""
         sheet = self._sheets.get(path)
         return sheet.text if sheet is not None and sheet.text.parts else None
 
     def unsaved(self) -> list[tuple[Path, Loc, str]]:
-        """List every entry that differs from the disk: file, location, and how it changed."""
+        """List every entry that differs from the disk: file, location, and kind of change."""
         return [
             (path, loc, told(get(sheet.saved.data, loc), value))
             for path, sheet in self._sheets.items()
@@ -152,7 +152,7 @@ class Desk:
     # Edits
 
     def read(self, path: Path) -> None:
-        """Put a file on the desk before its first edit, which is quicker then."""
+        """Load a file before its first edit, to make that edit faster."""
         self._sheets.setdefault(path, self._sheet(path))
 
     def change(  # noqa: PLR0913 each is a fact of one edit
@@ -166,7 +166,7 @@ class Desk:
         create: Mapping[Path, str] | None = None,
         check: Callable[[Mapping[Path, SplicedText]], None] | None = None,
     ) -> None:
-        """Set, insert or delete values; all of them or none.
+        """Set, insert or delete values, either all or none.
 
         Parameters
         ----------
@@ -213,7 +213,7 @@ class Desk:
         )
 
     def undo(self, *, tab: str = "") -> str:
-        """Take back the latest step, and return its title.
+        """Undo the latest step, and return its title.
 
         Raises
         ------
@@ -227,12 +227,12 @@ class Desk:
         return self._back_to(step, step.before, {"undo": step.title}, tab)
 
     def redo(self, *, tab: str = "") -> str:
-        """Do the step again that was undone last, and return its title.
+        """Redo the step that was undone last, and return its title.
 
         Raises
         ------
         LipsyncError
-            There is nothing to do again.
+            There is nothing to redo.
         """
         if not self._undone:
             raise LipsyncError("there is nothing to redo")
@@ -279,12 +279,12 @@ class Desk:
                 if path == own_path and overlap(loc, own):
                     where = "-".join(map(str, loc[1:2] or loc))
                     raise EditConflict(
-                        f"another tab changed {where} of {shown(path)} meanwhile; "
-                        "look at it, and edit once more"
+                        f"another tab has changed {where} of {shown(path)}; "
+                        "check the change, and edit again"
                     )
 
     def _sheet(self, path: Path) -> Sheet:
-        """Return a file of the desk, read now if it has no edits yet."""
+        """Return a file, which is read first if it has no edits yet."""
         sheet = self._sheets.get(path)
         if sheet is not None and sheet.edited:
             return sheet
@@ -292,7 +292,7 @@ class Desk:
             self._refuse(path)
         if self._replaying:
             if sheet is None:
-                raise JournalError("is damaged: it edits a file before it names it")
+                raise JournalError("is damaged: an edit precedes the text of its file")
             return sheet
         disk = on_disk(path)
         if sheet is not None and sheet.base == disk:
@@ -355,7 +355,7 @@ class Desk:
     def _rebase(
         self, sheet: Sheet, theirs: SplicedText, now: SplicedText, dropped: Sequence[Loc] = ()
     ) -> None:
-        """Put what changed on the disk into every text that undo and redo reach."""
+        """Merge changes on the disk into every text that undo and redo reach."""
         taken = differences(sheet.saved.data, theirs.data)
         if self._journal is not None:
             self._journal.stale = True
@@ -388,7 +388,7 @@ class Desk:
             step.journaled = False
 
     def _restore(self, journal: Path) -> int:
-        """Make the edits of a journal again, and count its lines; put a damaged one aside."""
+        """Restore the edits of a journal, and count its lines; a damaged journal is renamed."""
         lines: list[Line] = []
         try:
             lines = read_journal(journal)
@@ -413,7 +413,7 @@ class Desk:
         return len(lines)
 
     def _replay(self, line: Line) -> None:
-        """Make one line of a journal again."""
+        """Repeat one line of a journal."""
         if "base" in line:
             path, text = Path(line["base"]), line["text"]
             base = None if text is None else text.encode()
@@ -437,7 +437,7 @@ class Desk:
         elif "redo" in line:
             self.redo()
         else:
-            raise JournalError("has lines of a newer version")
+            raise JournalError("has lines from a newer version")
 
 
 def _edited(
@@ -450,6 +450,6 @@ def _edited(
             texts[path] = SplicedText.read(path, initial.encode()).checked()
     for path, changes in by_file(edits).items():
         if not texts[path].parts:
-            raise PackError(f"{shown(path)}: no such file; it was deleted, or never made")
+            raise PackError(f"{shown(path)}: no such file; open the pair again")
         texts[path] = texts[path].changed(changes)
     return texts

@@ -1,4 +1,4 @@
-"""A file that keeps unsaved edits, so that a killed server finds them again.
+"""Journal of unsaved edits, from which the studio restores them after a crash.
 
 Each line is JSON. A line is appended at each edit, so a kill loses at most the line being written.
 """
@@ -19,20 +19,20 @@ HEADER = {"journal": "lipsync-lang studio", "format": 1}
 """First line of a journal."""
 
 MAX_JOURNAL_BYTES = 64 * 2**20
-"""Largest journal that is read."""
+"""Maximum size of a journal."""
 
 MAX_JOURNAL_LINES = 250
-"""Lines after which a journal is rewritten with the texts alone; a line takes 10 ms to read."""
+"""Lines after which a journal is rewritten with texts only; a line takes 10 ms to read."""
 
 Line = dict[str, Any]
 
 
 class JournalError(LipsyncError):
-    """A journal is damaged, or another program's file."""
+    """A journal is damaged, or belongs to another program."""
 
 
 class JournalKeeper:
-    """A journal that edits are added to.
+    """A journal that is open for edits.
 
     Parameters
     ----------
@@ -54,11 +54,11 @@ class JournalKeeper:
 
     @property
     def full(self) -> bool:
-        """True if the next edit is better kept by writing the journal again."""
+        """True if the journal should be rewritten for the next edit."""
         return self.stale or self._lines >= MAX_JOURNAL_LINES
 
     def add(self, line: Line, sheets: Iterable[Sheet]) -> None:
-        """Append a line, after the content of files that the journal does not have yet."""
+        """Append a line, after the contents of files that are new to the journal."""
         new = [sheet for sheet in sheets if sheet.path not in self._opened]
         self._opened |= {sheet.path for sheet in new}
         again = self._last is not None and not new and _states_again(self._last[0], line)
@@ -67,7 +67,7 @@ class JournalKeeper:
         self._last = line, append(self.path, [*map(base_line, new), line], at)
 
     def rewrite(self, edited: Iterable[Sheet]) -> None:
-        """Write the journal again with the texts of files alone."""
+        """Rewrite the journal with only the texts of files."""
         kept = [*edited]
         write_journal(self.path, (line for sheet in kept for line in whole(sheet)))
         self._opened = {sheet.path for sheet in kept}
@@ -106,7 +106,7 @@ def read_journal(path: Path) -> list[Line]:
 
 
 def write_journal(path: Path, lines: Iterable[Line]) -> None:
-    """Write a journal again; raise `OutputError` if that fails."""
+    """Rewrite a journal; raise `OutputError` if that fails."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with atomic(path, durable=True) as stream:
         for line in (HEADER, *lines):
@@ -114,7 +114,7 @@ def write_journal(path: Path, lines: Iterable[Line]) -> None:
 
 
 def append(path: Path, lines: Iterable[Line], at: int | None = None) -> int:
-    """Append lines to a journal, and return where the last of them starts.
+    """Append lines to a journal, and return the position of the last one.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _row(line: Mapping[str, Any]) -> bytes:
 
 
 def _states_again(last: Line, line: Line) -> bool:
-    """Return True if a line makes the one before it needless: the next move of the same drag."""
+    """Return True if a line replaces the one before it, as the next move of the same drag."""
     drag = "merge" in line and line["merge"] and not last.get("create", True)
     keys = ("change", "merge", "tab")
     return bool(drag) and all(
@@ -165,12 +165,12 @@ def line_of(edit: Edit) -> Line:
 
 
 def edit_of(line: Line) -> Edit:
-    """Return the edit of a line."""
+    """Return the edit in a line."""
     return Path(line["file"]), tuple(line["at"]), line.get("value", ABSENT)
 
 
 def whole(sheet: Sheet) -> list[Line]:
-    """Return the lines that restore a file: its content as saved, and with its edits."""
+    """Return the lines that restore a file: its saved content, and its content with edits."""
     text = sheet.text.content.decode()
     return [
         base_line(sheet),
@@ -179,5 +179,5 @@ def whole(sheet: Sheet) -> list[Line]:
 
 
 def base_line(sheet: Sheet) -> Line:
-    """Return the line with a file's content as saved."""
+    """Return the line with the saved content of a file."""
     return {"base": str(sheet.path), "text": None if sheet.base is None else sheet.base.decode()}

@@ -1,4 +1,4 @@
-"""Files that the studio may edit, and writing them together."""
+"""Checks of files that the studio may edit, and writing of several files together."""
 
 import os
 from collections.abc import Iterable, Mapping
@@ -13,20 +13,22 @@ from lipsync_lang.packs.yaml.faults import shown
 
 
 def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
-    """Raise `OutputError` for a file that may not be edited.
+    """Raise `OutputError` for a file that must not be edited.
 
     Parameters
     ----------
     shipped : folders of distributions
-    others : files that are edited already; one file is edited by one name
+    others : files with edits; a file is edited under one name only
     """
     if not path.is_absolute() or path.suffix != ".yaml":
-        raise OutputError(f"{path}: is not a pack's file; name it in full, ending in .yaml")
+        raise OutputError(
+            f"{path}: is not the file of a pack; give an absolute path with the suffix .yaml"
+        )
     real = Path(os.path.realpath(path))
     folder = next((root for root in shipped if real.is_relative_to(root)), None)
     if folder is not None:
         raise OutputError(
-            f"{shown(path)}: is shipped with a distribution, and an update would undo edits; "
+            f"{shown(path)}: belongs to an installed distribution, whose updates undo edits; "
             f"copy it to {real.relative_to(folder)} in your project and edit it there"
         )
     try:
@@ -35,11 +37,11 @@ def refuse(path: Path, shipped: Iterable[Path], others: Iterable[Path]) -> None:
         raise OutputError(f"{shown(path)}: {error.strerror or error}") from None
     other = next((p for p in others if p != path and Path(os.path.realpath(p)) == real), None)
     if other is not None:
-        raise OutputError(f"{shown(path)}: is the file {shown(other)}; edit it by that name")
+        raise OutputError(f"{shown(path)}: is the same file as {shown(other)}; edit that one")
 
 
 def shipped_folders() -> tuple[Path, ...]:
-    """Return the folders of packs that come with distributions, the program's own among them."""
+    """Return the pack folders of installed distributions, including the built-in packs."""
     return tuple(
         root.path.resolve()
         for root in Finder().roots
@@ -48,7 +50,7 @@ def shipped_folders() -> tuple[Path, ...]:
 
 
 def write_together(contents: Mapping[Path, bytes]) -> None:
-    """Write files, all or none; folders that are missing are made."""
+    """Write all files or none, and create missing folders."""
 
     def writer(content: bytes) -> Any:
         return lambda stream: stream.write(content)

@@ -1,4 +1,4 @@
-"""The open pair as the desk has it, kept current in milliseconds while only bigrams change."""
+"""The open pair with unsaved edits, updated in milliseconds while only bigrams change."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,11 +29,11 @@ class EditedPair:
 
     @classmethod
     def of(cls, pair: OpenPair, desk: Desk) -> Self:
-        """Note what a pair that was just compiled depends on."""
+        """Note the files and texts on which a compiled pair depends."""
         return cls(pair, desk.revision, _beside(pair, desk.contents), _written(pair, desk.contents))
 
     def current(self, desk: Desk) -> Self | None:
-        """Return the pair as the desk has it now; None if it must be compiled again."""
+        """Return the pair with the current edits; None if it must be compiled again."""
         texts = {path: text for path in self.pair.data if (text := desk.text(path)) is not None}
         made = self.changed(desk.contents, texts)
         return None if made is None else type(self).of(made, desk)
@@ -66,7 +66,7 @@ def _beside(pair: OpenPair, contents: Mapping[Path, bytes]) -> dict[Path, bytes]
 
 
 def _written(pair: OpenPair, contents: Mapping[Path, bytes]) -> dict[Path, int | None]:
-    """Return when files without unsaved edits were written."""
+    """Return the modification times of files without unsaved edits."""
     files = {*map(Path, pair.shelf.library.files), *pair.data}
     return {path: _time(path) for path in files if path not in contents}
 

@@ -23,19 +23,19 @@ from lipsync_lang.rigs.container import Json
 from lipsync_lang.studio.array_pack import ArrayPack
 
 SHORT = 32767
-"""Steps of a coordinate on either side of the middle of its mesh."""
+"""Number of steps of a coordinate on each side of the middle of its mesh."""
 
 SMALLEST = 1e-5
-"""Share of a mesh's size; a shape that moves a point by less leaves it out."""
+"""Minimum movement of a point in a shape, as a share of the size of the mesh."""
 
 SMALL_MODEL = 2**16
-"""Points up to which a point's number takes two bytes."""
+"""Maximum number of points for point numbers of two bytes."""
 
 CLEAR = 1e-3
-"""Least opacity of a material; below it, nothing is seen."""
+"""Minimum visible opacity of a material."""
 
 MAX_IMAGE_BYTES = 4 * 2**20
-"""Size limit in bytes of a texture; a page with larger ones is too slow to send."""
+"""Size limit in bytes of a texture; larger ones make a page too slow to send."""
 
 BEYOND = {
     "normalTexture": "normal maps",
@@ -119,7 +119,7 @@ def _light() -> Json:
 
 
 def _nodes(scene: Scene, animation: Animation) -> list[Json]:
-    """Return the visible nodes, parents first: their place at rest, and the bones' channels."""
+    """Return the visible nodes, parents first: positions at rest, and channels of bones."""
     rank = {number: place for place, number in enumerate(scene.order)}
     moves: dict[str, list[Json]] = {}
     for column, channel in enumerate(animation.columns):
@@ -171,7 +171,7 @@ def _part(scene: Scene, part: Part, pack: ArrayPack, kind: str) -> Json:
 
 
 def _shapes(part: Part, reach: float, pack: ArrayPack, kind: str) -> Iterator[Json]:
-    """Yield the shapes that channels move, and those that are seen at rest."""
+    """Yield the shapes that channels move, and those that are visible at rest."""
     rest, moved = part.weights.values[0], part.weights.values[1:] - part.weights.values[0]
     for row, target in zip(part.deltas, part.active, strict=True):
         points = np.flatnonzero(np.abs(row).max(axis=1) > SMALLEST * reach)
@@ -220,13 +220,13 @@ def _image(material: Material, pack: ArrayPack) -> dict[str, int] | None:
 
 
 def _unshown(scene: Scene) -> Iterator[str]:
-    """Yield what of a model the page leaves out."""
+    """Yield a remark on parts of a model that the page leaves out."""
     rows = [row for row in scene.document.get("materials", ()) if isinstance(row, dict)]
     lost = [what for key, what in BEYOND.items() if any(key in row for row in rows)]
     if any("metallicRoughnessTexture" in row.get("pbrMetallicRoughness", {}) for row in rows):
-        lost.append("maps of roughness and metal")
+        lost.append("roughness and metal maps")
     if any(row.get("alphaMode") == "BLEND" for row in rows):
-        lost.append("see-through surfaces, which are solid here")
+        lost.append("transparency (surfaces are drawn solid)")
     if any(len(one.image or b"") > MAX_IMAGE_BYTES for one in scene.materials):
         lost.append(f"textures of more than {MAX_IMAGE_BYTES >> 20} MB")
     missing = any(
@@ -234,6 +234,6 @@ def _unshown(scene: Scene) -> Iterator[str]:
         for one, row in zip(scene.materials, rows, strict=False)
     )
     if missing:
-        lost.append("textures in files of their own")
+        lost.append("textures in separate files")
     if lost:
-        yield f"not shown of the model: {', '.join(lost)}"
+        yield f"parts of the model that are not shown: {', '.join(lost)}"

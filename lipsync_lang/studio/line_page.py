@@ -1,4 +1,4 @@
-"""HTML file of a line: its sound, its face, its curves and their reasons.
+"""HTML page of a line: its sound, its face, its curves and their explanations.
 
 Text of packs and schedules is data, never markup: it stands in a JSON element with every ``<``
 escaped, and the script shows it as text. The policy of the page allows its own script and style, by
@@ -34,7 +34,7 @@ def line_page(
     performer: "Performer | None" = None,
     qualities: Mapping[str, Quality] | None = None,
 ) -> str:
-    """Return an animation as a page that needs nothing else.
+    """Return an animation as a self-contained page.
 
     Animations in `against` are shown beside it.
 
@@ -103,7 +103,7 @@ def _document(
 
 
 def _posed(animation: Animation) -> Animation:
-    """Return the poses that a performer's rig made an animation of, or the animation itself."""
+    """Return the poses from which a rig made an animation, or the animation itself."""
     performer: Performer | None = animation.performer
     if performer is None or animation.poses[: len(performer.poses)] == performer.poses:
         return animation
@@ -115,7 +115,7 @@ def _posed(animation: Animation) -> Animation:
 
 
 def _judged(animation: Animation, performer: "Performer | None") -> Quality | None:
-    """Measure an animation; None where no measure fits."""
+    """Measure an animation; None if no measure applies."""
     if performer is None:
         return None
     try:

@@ -1,4 +1,4 @@
-"""Merge edits of a pack with what happened to its file meanwhile, entry by entry.
+"""Merge edits of a pack with changes of its file on the disk, entry by entry.
 
 An entry is a field of the pack, or a key of a field that is a mapping: one bigram, one target.
 """
@@ -16,15 +16,15 @@ from lipsync_lang.packs.yaml.source import Data, Loc
 Side = Literal["mine", "theirs"]
 
 Choices = Mapping[tuple[Path, Loc], Side]
-"""The side to keep where a file and its edits changed the same entry; () is the whole file."""
+"""Side to keep for an entry that edits and the disk both changed; () is the whole file."""
 
 WHOLE_FILE: Loc = ()
-"""Location of a conflict about a whole file: it was deleted, or is faulty."""
+"""Location of a conflict about a whole file, which was deleted or is faulty."""
 
 
 @dataclass(frozen=True)
 class MergeConflict:
-    """An entry that was edited here and changed on the disk; `ABSENT` where it is missing."""
+    """An entry that changed both here and on the disk; `ABSENT` for a missing value."""
 
     path: Path
     loc: Loc
@@ -39,23 +39,23 @@ class MergeConflict:
 
 
 class EditConflict(LipsyncError):  # noqa: N818 named as the answer that a page gets
-    """Another tab changed a location meanwhile."""
+    """Another tab has changed a location."""
 
 
 class SaveConflict(LipsyncError):  # noqa: N818 as above
-    """Files changed on the disk where they were edited here.
+    """Entries changed both here and on the disk.
 
     Parameters
     ----------
-    conflicts : every entry that both changed
+    conflicts : every entry that changed on both sides
     """
 
     def __init__(self, conflicts: Sequence[MergeConflict]) -> None:
         self.conflicts = tuple(conflicts)
         listed = "\n".join(f"  {conflict}" for conflict in conflicts)
         super().__init__(
-            f"changed on the disk as well as here, so nothing was saved:\n{listed}\n"
-            "choose for each which to keep: mine or theirs"
+            f"these entries changed on the disk as well as here, so nothing was saved:\n{listed}\n"
+            "choose the side to keep for each: mine or theirs"
         )
 
 
@@ -112,10 +112,10 @@ def merged(
 
 
 def overlap(one: Loc, other: Loc) -> bool:
-    """Return True if one location is the other, or lies within it."""
+    """Return True if two locations are equal, or one is within the other."""
     return all(a == b for a, b in zip(one, other, strict=False))
 
 
 def told(before: Any, after: Any) -> str:
-    """Return in a word how an entry changed."""
+    """Name the kind of change of an entry."""
     return "added" if before is ABSENT else "deleted" if after is ABSENT else "changed"

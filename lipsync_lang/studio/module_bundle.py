@@ -1,4 +1,4 @@
-"""Bundle of ES modules in one script, so that a page needs no other file.
+"""Bundle of ES modules in one script, for self-contained pages.
 
 Each module becomes a function of its own, so that names never clash. Only two forms are known:
 ``import { a, b } from "./other.js";`` and ``export`` before a function, a class or a constant.
@@ -20,7 +20,7 @@ def static(name: str) -> str:
 
 
 def bundle(entry: str) -> str:
-    """Return a script that runs a module of `static` and all that it imports.
+    """Return a script with a module of `static` and all modules that it imports.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def _collect(name: str, done: dict[str, str], path: tuple[str, ...]) -> None:
     text = _EXPORT.sub("", text)
     strange = _OTHER.search(text)
     if strange:
-        raise ValueError(f"{name}.js: '{strange[0].strip()}' is in a form that cannot be bundled")
+        raise ValueError(f"{name}.js: '{strange[0].strip()}' has a form that cannot be bundled")
     done[name] = f"{text}return {{ {', '.join(exported)} }};"
 
 

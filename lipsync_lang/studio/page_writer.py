@@ -1,4 +1,4 @@
-"""The output format of pages."""
+"""Output format `html`: the page of a line."""
 
 from collections.abc import Iterator
 from typing import TextIO
@@ -14,12 +14,12 @@ def doubts(animation: Animation) -> Iterator[str]:
     try:
         yield from unplaced(animation)
     except ModelError as error:
-        yield f"the page draws a mouth in place of the model: {error}"
+        yield f"the page draws a simple mouth instead of the model: {error}"
 
 
 @writer("html", suffix=".html", remarks=doubts, reasons=True)
 def write_html(animation: Animation, out: TextIO) -> None:
-    """A page to hear and see the line in a browser, with every curve and its reasons."""
+    """A page to hear and see the line in a browser, with every curve and its explanation."""
     from lipsync_lang.studio.line_page import line_page
 
     out.write(line_page(animation))

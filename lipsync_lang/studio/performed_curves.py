@@ -1,4 +1,4 @@
-"""Control points of curves that a character performs, as a start for curves of its own."""
+"""Control points of performed curves, as a start for curve edits."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,22 +14,22 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 POINTS_A_SOUND = 3
-"""Control points for each sound of a span."""
+"""Number of control points for each sound of a span."""
 
 MOST_POINTS, LEAST_POINTS = 32, 5
 """Bounds on the control points of a curve."""
 
 LEAST_WEIGHT = 0.02
-"""A pose that never weighs more is left out."""
+"""Minimum weight of a pose; a pose that stays below is left out."""
 
 ROUNDS = 6
-"""Corrections of the control points: a smooth curve stays below its polygon."""
+"""Number of corrections of the control points, since a curve stays below its polygon."""
 
 
 def performed_curves(
     performer: "Performer", schedule: "Schedule", first: int, stop: int, fps: float
 ) -> dict[str, list[list[float]]]:
-    """Return the curves that a character performs over some sounds, without its own edits.
+    """Return the curves of a character over some sounds, without its curve edits.
 
     Parameters
     ----------

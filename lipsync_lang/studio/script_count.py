@@ -1,4 +1,4 @@
-"""The script of a project: its bigrams, counted in a thread and kept until it changes.
+"""Script of a project: its bigrams, counted in a thread and cached until it changes.
 
 A count depends on the script and on how the language reads it; what the character has is looked up
 again each time, so that an edit of a bank needs no count.
@@ -33,22 +33,22 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 
 MAX_SCRIPTS = 200
-"""Files of a project that are offered as scripts."""
+"""Maximum number of files of a project to offer as scripts."""
 
 MAX_FOLDERS = 2000
-"""Folders of a project that are searched for scripts."""
+"""Maximum number of folders of a project to search for scripts."""
 
 JOIN_SECONDS = 600.0
-"""Time that `wait` waits at most."""
+"""Maximum waiting time of `wait`."""
 
 
 class _Dropped(Exception):  # noqa: N818 no error: another script took its place
-    """Nobody waits for this count any more."""
+    """The count is no longer needed."""
 
 
 @dataclass(eq=False)
 class _Run:
-    """A count under way, or its result."""
+    """A running count, or its result."""
 
     key: object
     performer: "Performer"
@@ -81,7 +81,9 @@ class _Run:
             self.fault = str(error).replace(f"{path.parent}{os.sep}", "")
         except Exception:  # noqa: BLE001 a thread has nobody else to tell
             _log.exception("counting %s failed", path)
-            self.fault = f"{path.name} could not be counted; the studio's terminal tells more"
+            self.fault = (
+                f"{path.name} could not be counted; see the terminal of the studio for details"
+            )
 
     def _seen(self, lines: "Iterable[Line]") -> "Iterator[Line]":
         for line in lines:
@@ -92,12 +94,12 @@ class _Run:
 
 
 class ScriptCount:
-    """The script that a workshop draws for.
+    """Script of a workshop.
 
     Attributes
     ----------
-    name : of the script as the user knows it; empty for none
-    column : of a table; None for the likeliest
+    name : name of the script for the user; empty without a script
+    column : column of a table; None for the most likely one
     sent : True for a script that the browser sent
     """
 
@@ -109,21 +111,23 @@ class ScriptCount:
         self._run: _Run | None = None
 
     def choose(self, workshop: Workshop, name: str, column: str | None) -> None:
-        """Take a file of the project as the script.
+        """Use a file of the project as the script.
 
         Raises
         ------
         LipsyncError
-            It is outside the project, missing, or of no known format.
+            The file is outside the project, missing, or of an unknown format.
         """
         project = workshop.project.resolve()
         path = Path(os.path.realpath(project / name)) if "\0" not in name else project
         if not path.is_relative_to(project) or path == project:
-            raise LipsyncError(f"'{name}' is outside the project's folder; drop the file here")
+            raise LipsyncError(
+                f"'{name}' is outside the project's folder; drop the file onto this page"
+            )
         self._take(path, path.relative_to(project).as_posix(), column)
 
     def receive(self, put: Callable[[Path], Path], column: str | None) -> None:
-        """Take a file that was sent as the script.
+        """Use a sent file as the script.
 
         Parameters
         ----------
@@ -144,12 +148,12 @@ class ScriptCount:
             raise LipsyncError(f"there is no file '{name}' in the project")
         if path.suffix.lower() not in by_suffix():
             known = ", ".join(sorted(by_suffix()))
-            raise LipsyncError(f"nothing reads lines from '{name}'; known: {known}")
+            raise LipsyncError(f"'{name}' has no known format of lines; known: {known}")
         self.clear()
         self._path, self.name, self.column = path, name, column
 
     def clear(self) -> None:
-        """Have no script."""
+        """Remove the script."""
         if self._run is not None:
             self._run.dropped = True
         if self._discard is not None:
@@ -160,7 +164,7 @@ class ScriptCount:
     # The count
 
     def update(self, workshop: Workshop) -> None:
-        """Begin to count unless the script is counted as the language now reads it."""
+        """Start a count unless there is one with the current settings of the language."""
         if self._path is None:
             return
         performer = workshop.performer
@@ -205,7 +209,7 @@ class ScriptCount:
     def report(
         self, workshop: Workshop, minutes: float, *, sentences: bool = False
     ) -> CoverageReport | None:
-        """Return what the script needs of the open character; None without a count."""
+        """Return the needs of the script from the open character; None without a count."""
         figures = None if self._run is None else self._run.figures
         if figures is None or figures.count.size != len(workshop.performer.compiled.counted):
             return None
@@ -221,7 +225,7 @@ def script_of(workshop: Workshop) -> ScriptCount:
 
 
 def script_needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
-    """Return how often the script needs each bigram, with a word that has it.
+    """Count each bigram in the script, with an example word.
 
     Empty without a script, and until it is counted.
     """
@@ -233,7 +237,7 @@ def script_needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
 
 
 def scripts_in(project: Path) -> list[str]:
-    """List files of a project that may be scripts, without its packs."""
+    """List possible scripts among the files of a project, without its packs."""
     packs = {*FOLDERS.values()}
     found: list[str] = []
     for number, (here, folders, files) in enumerate(os.walk(project)):

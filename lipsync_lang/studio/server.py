@@ -1,4 +1,4 @@
-"""The server of the studio: its address, its guard, its files and its routes.
+"""Server of the studio: its address, its guard, its files and its routes.
 
 The address holds a random token. A page of another site can neither guess it nor, as its `Host` or
 `Origin` is another, use it. Every answer forbids scripts, styles and requests of anywhere else.
@@ -43,10 +43,10 @@ VIEWS = (
     "coverage_routes",
     "words_routes",
 )
-"""Modules of `routes`."""
+"""Names of modules of `routes`."""
 
 MAX_REQUEST_BYTES = 64 * 2**20
-"""Bytes of a request: a recording of some minutes."""
+"""Maximum size of a request: a recording of some minutes."""
 
 SCRIPT = "studio.bundle.js"
 """Name of the script that `studio.html` loads."""
@@ -57,7 +57,7 @@ KINDS = {
     "css": "text/css; charset=utf-8",
     "json": "application/json",
 }
-"""Types of the files that are served, by suffix."""
+"""Media types of files, by suffix."""
 
 HEADERS = {
     "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
@@ -69,7 +69,7 @@ HEADERS = {
     "cross-origin-resource-policy": "same-origin",
     "cache-control": "no-store",
 }
-"""Headers of every answer."""
+"""Headers of every response."""
 
 
 def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
@@ -96,7 +96,7 @@ def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
 
 
 class Guard:
-    """Refuses requests without the token, of other sites, and of too many bytes."""
+    """Refuses requests without the token, from other sites, or of too many bytes."""
 
     def __init__(self, inner: ASGIApp, token: str, hosts: frozenset[str]) -> None:
         self.inner, self.token, self.hosts = inner, token, hosts
@@ -126,17 +126,22 @@ class Guard:
         await answer(scope, _limited(receive), guarded)
 
     def _refusal(self, path: str, headers: dict[str, str]) -> Response | None:
-        """Return the answer to a request that is refused; None for others."""
+        """Return the response to a refused request; None for other requests."""
         origin = headers.get("origin")
         if headers.get("host") not in self.hosts:
-            return _error(421, "this address is not the studio's; use the one that it printed")
+            return _error(
+                421,
+                "this address is not that of the studio; use the address that the studio printed",
+            )
         if origin is not None and urlsplit(origin).netloc not in self.hosts:
-            return _error(403, "requests of other sites are refused")
+            return _error(403, "requests from other sites are refused")
         if headers.get("sec-fetch-site", "none") not in {"none", "same-origin"}:
-            return _error(403, "requests of other sites are refused")
+            return _error(403, "requests from other sites are refused")
         token = path.split("/", 2)[1] if path.startswith("/") else ""
         if not compare_digest(token.encode(), self.token.encode()):
-            return _error(404, "nothing is here; use the whole address that the studio printed")
+            return _error(
+                404, "there is no such page; use the whole address that the studio printed"
+            )
         length = headers.get("content-length", "0")
         if not length.isdecimal() or int(length) > MAX_REQUEST_BYTES:
             return _error(413, f"the request is larger than {MAX_REQUEST_BYTES >> 20} MB")
@@ -144,7 +149,7 @@ class Guard:
 
 
 class _TooLargeError(Exception):
-    """A request without a stated length goes on beyond the limit."""
+    """A request without a stated length exceeds the limit."""
 
 
 def _limited(receive: Receive) -> Receive:
@@ -162,7 +167,7 @@ def _limited(receive: Receive) -> Receive:
 
 
 def _asking(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request], Any]:
-    """Return the endpoint of a route; one is answered at a time."""
+    """Return the endpoint of a route; requests are answered one at a time."""
 
     def call(asked: Wish) -> Answer:
         with lock:
@@ -179,7 +184,9 @@ def _asking(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request],
             return _told(error)
         except Exception:  # noqa: BLE001 no traceback reaches a user; the log has it
             _log.exception("%s failed", request.url.path)
-            return _error(500, "the studio failed here; its terminal tells more. Nothing is lost")
+            return _error(
+                500, "the studio has failed; see its terminal for details. No edits are lost"
+            )
         if isinstance(answer, Packed):
             return Response(answer.content(), media_type="application/octet-stream")
         return JSONResponse(answer)
@@ -188,7 +195,7 @@ def _asking(workshop: Workshop, route: Route, lock: Lock) -> Callable[[Request],
 
 
 def _told(error: LipsyncError) -> Response:
-    """Return a mendable error as JSON: its message, its faults, and what a conflict needs."""
+    """Return an error as JSON: its message, its faults, and the entries of a conflict."""
     told: dict[str, Any] = {"error": str(error)}
     if isinstance(error, PackFaults):
         told["faults"] = [
@@ -220,12 +227,12 @@ def _file(name: str) -> Callable[[Request], Any]:
 
 @cache
 def _script() -> bytes:
-    """Return the studio's modules in one script, compressed: one request, and a quarter of it."""
+    """Return the studio's modules as one compressed script, for a single small request."""
     return gzip.compress(bundle("studio").encode(), mtime=0)
 
 
 async def _named(request: Request) -> Response:
-    """Serve a file of `static`; names with folders never come here."""
+    """Serve a file of `static`; the route excludes names with folders."""
     name = request.path_params["name"]
     if name == SCRIPT:
         return Response(_script(), headers={"content-encoding": "gzip"}, media_type=KINDS["js"])

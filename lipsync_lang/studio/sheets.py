@@ -1,4 +1,4 @@
-"""Files with unsaved edits and the steps that made them, and how both follow a changed disk."""
+"""Files with unsaved edits and their steps, and the merge of both with a changed disk."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from lipsync_lang.studio.merging import (
 )
 
 Parts = tuple[TextPart, ...]
-"""A whole text; empty for a file that does not exist."""
+"""A text in parts; empty for a file that does not exist."""
 
 Edit = tuple[Path, Loc, Any]
 """File, location and new value (`ABSENT` deletes the entry)."""
@@ -26,19 +26,19 @@ Edit = tuple[Path, Loc, Any]
 
 @dataclass
 class Sheet:
-    """A file on the desk."""
+    """A file that can have unsaved edits."""
 
     path: Path
     base: bytes | None
     """Content of the file when it was last read or saved; None if it did not exist."""
     saved: SplicedText
-    """The same in parts."""
+    """Saved content in parts."""
     text: SplicedText
-    """The text with all edits."""
+    """Text with all edits."""
 
     @property
     def edited(self) -> bool:
-        """True if the text differs from the disk's."""
+        """True if the text differs from that on the disk."""
         return self.text.parts is not self.saved.parts and self.text.content != self.saved.content
 
 
@@ -53,16 +53,16 @@ class Step:
     before: dict[Path, Parts] = field(default_factory=dict)
     after: dict[Path, Parts] = field(default_factory=dict)
     journaled: bool = True
-    """False for a step that the journal has as part of a whole text."""
+    """False for a step that the journal contains only as part of a text."""
 
 
 @dataclass
 class Plan:
-    """The text that a file gets, and how it came about."""
+    """Text to write into a file, and its origin."""
 
     text: SplicedText
     theirs: SplicedText
-    """The text on the disk."""
+    """Text on the disk."""
     conflicts: Sequence[MergeConflict] = ()
     dropped: Sequence[Loc] = ()
 
@@ -93,7 +93,7 @@ def rebase(
     now: SplicedText,
     dropped: Sequence[Loc],
 ) -> None:
-    """Make steps again on the text of the disk, one after the other.
+    """Repeat steps in order on the text on the disk.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def on_disk(path: Path) -> bytes | None:
 
 
 def in_parts(path: Path, content: bytes | None) -> SplicedText:
-    """Cut the content of a file; a missing file has no parts."""
+    """Split the content of a file into parts; a missing file has none."""
     return SplicedText(path, ()) if content is None else SplicedText.read(path, content)
 
 

@@ -1,4 +1,4 @@
-"""The line of the studio: a schedule that is corrected, and the part of it that is shown.
+"""Line of the studio: a corrected schedule, and its shown part.
 
 Conventions: times are seconds; boundary b is the start of phoneme b, and the last one is the end.
 Numbers of boundaries and words count from the start of the shown part.
@@ -13,13 +13,13 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.schedules.schedule import MAX_EMPHASIS, SILENCE, Audio, Schedule
 
 LEAST_SECONDS = 0.005
-"""Shortest phoneme that a moved boundary leaves."""
+"""Minimum length of a phoneme beside a moved boundary."""
 
 MAX_FRAMES = 7200
-"""Frames of the part of a line that is shown: 2 minutes at 60 per second."""
+"""Maximum number of frames in the shown part: 2 minutes at 60 per second."""
 
 SEARCHED = 0.25
-"""Last share of a part in which a pause is looked for to end it."""
+"""Share at the end of a part in which a pause may end it."""
 
 
 class SpokenLine:
@@ -27,19 +27,19 @@ class SpokenLine:
 
     Parameters
     ----------
-    schedule : as it was read or spoken
+    schedule : schedule as read from a file or spoken
     """
 
     def __init__(self, schedule: Schedule) -> None:
         self.whole = schedule
         self.original = schedule.times
         self.at = schedule.start
-        """Seconds in the part that is shown."""
+        """A time within the shown part, in seconds."""
         self._cut: tuple[Schedule, float, list[int]] | None = None
         self._part: tuple[Schedule, int, int, Schedule] | None = None
 
     def cuts(self, seconds: float) -> list[int]:
-        """Return the boundaries at which parts of at most some seconds begin, and the last end."""
+        """Return the boundaries of parts of at most some seconds."""
         if self._cut is None or self._cut[0] is not self.whole or self._cut[1] != seconds:
             self._cut = self.whole, seconds, list(_cuts(self.whole, seconds))
         return self._cut[2]
@@ -57,7 +57,7 @@ class SpokenLine:
         self.at = float(self.whole.times[cuts[number]])
 
     def part(self, seconds: float) -> Schedule:
-        """Return the shown part, of at most some seconds; a shorter line is whole."""
+        """Return the shown part of at most some seconds, or a shorter line as a whole."""
         first, stop = self._span(seconds)
         if self._part is None or self._part[:3] != (self.whole, first, stop):
             self._part = self.whole, first, stop, _excerpt(self.whole, first, stop)
@@ -81,15 +81,15 @@ class SpokenLine:
         at, times = first + boundary, self.whole.times.copy()
         low = times[at - 1] + LEAST_SECONDS if at else min(0.0, times[0])
         high = times[at + 1] - LEAST_SECONDS if at + 1 < len(times) else self._latest()
-        if low <= high:  # phonemes shorter than the least stay as they are
+        if low <= high:  # phonemes below the minimum length keep it
             times[at] = min(max(to, low), high)
         cuts = self.cuts(seconds)
         self.whole = replace(self.whole, times=times)
-        self._cut = self.whole, seconds, cuts  # what is edited does not become another part
+        self._cut = self.whole, seconds, cuts  # an edit does not change the parts
         self.at = float(times[first])
 
     def _latest(self) -> float:
-        """Return the latest end of the line: that of its sound."""
+        """Return the latest possible end of the line, the end of its sound."""
         audio = self.whole.audio
         return max(self.whole.end, float("inf") if audio is None else audio.seconds)
 
@@ -99,7 +99,7 @@ class SpokenLine:
         Raises
         ------
         ScheduleError
-            The times run backwards, or are not as many as the boundaries.
+            The times are not in order, or their number differs from that of the boundaries.
         """
         first, stop = self._span(seconds)
         changed = np.concatenate((self.whole.times[:first], times, self.whole.times[stop + 1 :]))
@@ -109,7 +109,7 @@ class SpokenLine:
         self.at = float(changed[first])
 
     def restore(self) -> None:
-        """Put the times back as they were read or spoken."""
+        """Restore the original times."""
         number = int(self.whole.times.searchsorted(self.at, "right")) - 1
         self.whole = replace(self.whole, times=self.original)
         self.at = float(self.original[max(0, number)])
@@ -127,7 +127,7 @@ class SpokenLine:
         if not 0 <= word < len(words):
             raise LipsyncError(f"there is no word {word}; the line shows {len(words)} words")
         if not 0 <= level <= MAX_EMPHASIS:
-            raise LipsyncError(f"emphasis is a number from 0 to {MAX_EMPHASIS:g}")
+            raise LipsyncError(f"emphasis must be a number from 0 to {MAX_EMPHASIS:g}")
         changed = list(self.whole.words)
         changed[words[word]] = replace(changed[words[word]], emphasis=level)
         self.whole = replace(self.whole, words=tuple(changed))
@@ -138,7 +138,7 @@ class SpokenLine:
 
 
 def _cuts(schedule: Schedule, seconds: float) -> "list[int]":
-    """Cut a line into parts: in its longest pause late in a part, else at a word or a phoneme."""
+    """Split a line into parts, in the longest pause near the end, or at a word or phoneme."""
     times, last = schedule.times, len(schedule)
     starts = np.zeros(last + 1, bool)
     starts[[word.first for word in schedule.words]] = True
@@ -160,7 +160,7 @@ def _cuts(schedule: Schedule, seconds: float) -> "list[int]":
 
 
 def _excerpt(schedule: Schedule, first: int, stop: int) -> Schedule:
-    """Return a part of a line, at its own time."""
+    """Return a part of a line with unchanged times."""
     if (first, stop) == (0, len(schedule)):
         return schedule
     words = tuple(

@@ -1,4 +1,4 @@
-"""Take of a page: schedule, curves, stages and the reasons of every value, as JSON with arrays.
+"""Take of a page: schedule, curves, stages and explanations of values, as JSON with arrays.
 
 Conventions: T frames of the animation, P poses; stages are (P, T).
 """
@@ -32,13 +32,13 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Origin
 
 FULL = 65535
-"""Steps of a weight from 0 to 1."""
+"""Number of steps of a weight from 0 to 1."""
 
 ABSENT = FULL
-"""Place in a bigram, for a frame that it does not cover."""
+"""Position in a bigram for frames outside it."""
 
 SHOWN_FOLDERS = 2
-"""Parts of a path that a page shows: no one's home folder is sent with it."""
+"""Number of parts of a path that a page shows, which leaves out home folders."""
 
 
 def take_data(
@@ -72,7 +72,7 @@ def take_data(
 
 
 def curves_data(animation: Animation, pack: ArrayPack) -> Json:
-    """Return the names of an animation's columns, and their ranges with the values within."""
+    """Return the names of an animation's columns, their ranges, and their scaled values."""
     rows = []
     for number, curve in enumerate(animation.weights.T):
         low, high = min(0.0, float(curve.min())), max(1.0, float(curve.max()))
@@ -89,7 +89,7 @@ def curves_data(animation: Animation, pack: ArrayPack) -> Json:
 
 
 def schedule_data(schedule: Schedule) -> Json:
-    """Return phonemes and words with their seconds."""
+    """Return phonemes and words with their times in seconds."""
     return {
         "title": " ".join(word.text for word in schedule.words),
         "estimated": schedule.estimated,
@@ -132,7 +132,7 @@ class _Making:
 
     @classmethod
     def of(cls, animation: Animation) -> "_Making | None":
-        """Repeat the performance of an animation; None for one of another program."""
+        """Repeat the performance of an animation; None for an animation of another program."""
         performer = animation.performer
         if performer is None:
             return None
@@ -168,7 +168,7 @@ class _Making:
         }  # fmt: skip
 
     def _stages(self, moving: Any, pack: ArrayPack) -> Iterator[Json]:
-        """Yield each stage; curves are None for poses that it leaves as they were."""
+        """Yield each stage; curves are None for poses that it does not change."""
         before = np.zeros_like(self.stages[0].curves)
         for stage in self.stages:
             changed = np.abs(stage.curves - before) > VISIBLE
@@ -187,7 +187,7 @@ class _Making:
             before = stage.curves
 
     def _reasons(self, stage: Stage, pose: int, changed: Any) -> Iterator[tuple[int, int, str]]:
-        """Yield runs of frames with one reason: first frame, frame after the last, text."""
+        """Yield runs of frames with the same reason: first frame, frame after the last, text."""
         if stage.name not in {"hold", "constrain"}:
             return
         told, begin, end = "", -1, -1
@@ -206,7 +206,7 @@ class _Making:
             yield begin, end, told
 
     def _places(self, place: Any) -> tuple[Floats, Floats]:
-        """Return each frame's place in the bigram that ends, and in the one that begins."""
+        """Return each frame's position in the ending bigram and in the beginning one."""
         track = self._performance.track
         boundary = track.boundary(self._performer.compiled.tables.neutral)
         at, last = place.phoneme, len(track.rows)
@@ -256,5 +256,5 @@ def _short(place: str) -> str:
 
 
 def settings_told(asked: Mapping[str, Any]) -> list[str]:
-    """Return the options of a performance in words."""
+    """Return the options of a performance as text."""
     return [f"{name}: {value}" for name, value in asked.items() if value]

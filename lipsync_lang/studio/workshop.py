@@ -1,4 +1,4 @@
-"""The workshop: an open language-character pair with its unsaved edits, and the line it speaks.
+"""Workshop: an open language-character pair with its unsaved edits, and its line.
 
 The routes of the server call it; nothing here knows of the web. One workshop serves every tab of
 one user, one call at a time.
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 OWN = ("path", "project")
-"""Origins of folders whose packs are the user's."""
+"""Origins of folders with the user's packs."""
 
 
 @dataclass
@@ -106,14 +106,14 @@ class Workshop:
         self._library: tuple[int, Library] | None = None
         self._pair: EditedPair | None = None
         self.homes: dict[str, Path] = {}
-        """Files that edits of bigrams go to, as far as they were looked up."""
+        """Cached target files for edits of bigrams."""
         self._now: tuple[int, Performer] | None = None
         self._saved: Performer | None = None
 
     # Packs
 
     def library(self) -> Library:
-        """Return the packs with the unsaved edits; those that no edit touched are not read again.
+        """Return the packs with the unsaved edits; packs without edits are not read again.
 
         The disk is looked at again whenever a pair is opened.
         """
@@ -126,7 +126,7 @@ class Workshop:
         return self._library[1]
 
     def open(self, language: str, character: str) -> None:
-        """Open a pair; the workshop stays as it was if it cannot be resolved."""
+        """Open a pair; the workshop stays unchanged if the pair cannot be resolved."""
         before = self.language, self.character
         self.language, self.character = language, character
         self._library = self._now = self._saved = self._pair = None
@@ -142,9 +142,9 @@ class Workshop:
             self.settings = LineSettings(fps=self.settings.fps)
 
     def open_restored(self, language: str, character: str) -> None:
-        """Open a pair after a start; edits of the last time that no longer fit are undone.
+        """Open a pair after a start, and undo restored edits that no longer fit.
 
-        They can be done again: `Desk.notes` says so.
+        They can be redone; `Desk.notes` says so.
         """
         first = ""
         for undone in count():
@@ -158,8 +158,8 @@ class Workshop:
                 continue
             if undone:
                 self.desk.notes.append(
-                    f"{undone} unsaved steps of the last time were undone (redo brings them back), "
-                    f"because with them {language} cannot be performed on {character}: {first}"
+                    f"{undone} restored steps were undone (redo brings them back), because "
+                    f"{language} cannot be performed on {character} with them: {first}"
                 )
             return
 
@@ -174,14 +174,14 @@ class Workshop:
         return self._now[1]
 
     def pair(self) -> OpenPair:
-        """Return the open pair with its packs at hand and the unsaved edits."""
+        """Return the open pair with its packs and the unsaved edits."""
         if self._pair is None or self._pair.revision != self.desk.revision:
             known = None if self._pair is None else self._pair.current(self.desk)
             self._pair = known or EditedPair.of(self._open(self.desk.contents), self.desk)
         return self._pair.pair
 
     def _with(self, changed: Mapping[Path, SplicedText]) -> OpenPair:
-        """Return the open pair with some texts changed: bigrams retouched, or compiled again."""
+        """Return the open pair with changed texts: with new bigrams, or compiled again."""
         contents = {**self.desk.contents, **{path: text.content for path, text in changed.items()}}
         self.pair()
         made = None if self._pair is None else self._pair.changed(contents, changed)
@@ -192,19 +192,19 @@ class Workshop:
         return OpenPair.open(library, self.language, self.character)
 
     def _earlier(self) -> Library | None:
-        """Return the library that has read most: that of the open pair."""
+        """Return the library with the most packs in memory: that of the open pair."""
         if self._pair is not None:
             return self._pair.pair.shelf.library
         return None if self._library is None else self._library[1]
 
     def look_again(self) -> None:
-        """Forget what was read of the disk, which may have changed."""
+        """Forget all packs that were read, since the disk may have changed."""
         self.homes.clear()
         self._library = self._now = self._saved = self._pair = None
 
     @property
     def saved(self) -> Performer:
-        """Performer of the open pair as it was on the disk when it was opened or saved last."""
+        """Performer of the open pair as last opened or saved."""
         if not self.desk.contents:
             return self.performer
         if self._saved is None:
@@ -223,7 +223,7 @@ class Workshop:
         return written
 
     def _cached(self) -> Performer | None:
-        """Return the performer as the command line has it, which compiles a pair only once."""
+        """Return the performer from the cache of the command line, if there are no edits."""
         if self.desk.contents or self._pair is not None or self.project != Path.cwd():
             return None
         found = resolve(
@@ -237,7 +237,7 @@ class Workshop:
         return Performer(compiled, motion, "rest", self.paths, cleaning=self.cleaning)
 
     def edit(self, title: str, edits: Sequence[Edit], **more: Any) -> None:
-        """Change packs; an edit after which the pair cannot be performed is refused.
+        """Change packs; an edit that makes the pair unperformable is refused.
 
         Parameters
         ----------
@@ -255,13 +255,13 @@ class Workshop:
             self._pair = EditedPair.of(pair, self.desk)
 
     def own(self, path: Path) -> bool:
-        """Return True if a pack file is the user's, and so can be edited in place."""
+        """Return True if a pack file belongs to the user and can be edited in place."""
         roots = [root.path for root in self.library().roots if root.origin in OWN]
         homes = [root / folder for root in roots for folder in FOLDERS.values()]
         return path in roots or any(path.is_relative_to(home) for home in homes)
 
     def editable(self, name: str) -> tuple[Path, str | None]:
-        """Return the file that an edit of a pack goes to, and its first text if it is new.
+        """Return the target file for an edit of a pack, and its initial text if it is new.
 
         Parameters
         ----------
@@ -278,8 +278,8 @@ class Workshop:
             return path, None
         if name == "language" and path is None:
             raise LipsyncError(
-                f"{compiled.language} is not a pack; make one that states `extends: "
-                f"{compiled.language}` in {FOLDERS['language']}/NAME.yaml, and open NAME"
+                f"{compiled.language} has no pack to edit; create {FOLDERS['language']}/NAME.yaml "
+                f"with `extends: {compiled.language}`, and open NAME"
             )
         if name == "language":
             own = self.project / FOLDERS["language"] / f"{compiled.language}.yaml"
@@ -291,7 +291,7 @@ class Workshop:
             head = f"kind: character\nformat: 1\nname: {compiled.character}\n"
             return own, f"{head}poseset: {compiled.poseset}\n"
         if path is None:
-            raise LipsyncError(f"no pack '{name}' is open; it is one of {', '.join(files)}")
+            raise LipsyncError(f"no pack '{name}' is open; the open packs are {', '.join(files)}")
         raise LipsyncError(
             f"{self.shown(path)} belongs to the installed packs; copy it into the project first"
         )
@@ -301,9 +301,9 @@ class Workshop:
         return self.pair().shelf
 
     def bank_for(self, pair: str) -> tuple[Path, str | None]:
-        """Return the file that an edit of a bigram goes to, and its first text if it is new.
+        """Return the target file for an edit of a bigram, and its initial text if it is new.
 
-        The file is looked up once: edits of bigrams do not move it, and to look it up reads banks.
+        The file is cached, since the search for it reads banks, and edits do not change it.
         """
         from lipsync_lang.banks.write import empty_bank
 
@@ -316,7 +316,7 @@ class Workshop:
         return path, None if known else empty_bank(self.performer.compiled.poseset, path)
 
     def files(self) -> dict[str, Path]:
-        """Return the packs of the open pair by the identifiers that the browser names them by."""
+        """Return the packs of the open pair by their identifiers in the browser."""
         compiled, library = self.performer.compiled, self.library()
         found = {"poseset": library.find("poseset", compiled.poseset)}
         language = library.finder.lookup("language", compiled.language)
@@ -333,20 +333,20 @@ class Workshop:
 
     @property
     def part_seconds(self) -> float:
-        """Longest part of a line that is shown."""
+        """Maximum length of the shown part of a line, in seconds."""
         return MAX_FRAMES / max(self.settings.fps, 1.0)
 
     @property
     def schedule(self) -> "Schedule | None":
-        """The line, or the part of a long one that is shown."""
+        """The line, or the shown part of a long line."""
         return None if self.line is None else self.line.part(self.part_seconds)
 
     def speak(self, text: str) -> None:
-        """Speak a text; it becomes the line."""
+        """Speak a text as the line."""
         self.take_up(self.performer.speaker.speak(text, engine=self.engine), text)
 
     def take_up(self, schedule: "Schedule", text: str) -> None:
-        """Open a line; levels over the seconds of the line before end with it."""
+        """Open a line, and drop levels over the time of the line before it."""
         self.line, self.text, self.script_line = SpokenLine(schedule), text, None
         self.settings = self.settings.steady()
 
@@ -377,14 +377,14 @@ class Workshop:
         Raises
         ------
         LipsyncError
-            There is none.
+            There is no line.
         """
         if self.line is None:
             raise LipsyncError("there is no line; type one, or open timed phonemes")
         return self.line
 
     def perform(self, performer: Performer | None = None) -> "Animation":
-        """Perform the line, by another performer or the open one."""
+        """Perform the line with another performer or the open one."""
         one = performer or self.performer
         schedule = self.spoken.part(self.part_seconds)
         asked = self.settings.asked()
@@ -395,7 +395,7 @@ class Workshop:
     # State
 
     def state(self) -> Json:
-        """Return what every view needs to know, as JSON data."""
+        """Return the state for all views as JSON data."""
         desk = self.desk
         told: Json = {
             "revision": desk.revision,
@@ -441,7 +441,7 @@ class Workshop:
             yield {"file": self.shown(path), "at": [], "what": "added"}
 
     def shown(self, path: Path) -> str:
-        """Return a pack's file as the user knows it: relative to the project, or its last parts."""
+        """Return the path of a pack for the user: relative to the project, or its last parts."""
         if path.is_relative_to(self.project):
             return path.relative_to(self.project).as_posix()
         parts = path.parts[-3 if path.name == POSESET else -2 :]

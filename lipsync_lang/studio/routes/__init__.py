@@ -1,4 +1,4 @@
-"""Routes of the studio: what the browser may ask for, by view.
+"""Routes of the studio: the requests of the browser, by view.
 
 Each module has `ROUTES`: method and path to a function of a workshop and a request. A path ends in
 `{name}` where the rest of it is data.

@@ -1,4 +1,4 @@
-"""Requests and answers of the studio, without the web."""
+"""Requests and responses of the studio, independent of the web server."""
 
 import json
 import math
@@ -15,7 +15,7 @@ from lipsync_lang.studio.workshop import Workshop
 
 @dataclass(frozen=True)
 class Wish:
-    """A request: the data in its path, its query, and its content."""
+    """A request: data in its path, its query, and its content."""
 
     name: str = ""
     query: Mapping[str, str] = field(default_factory=dict)
@@ -23,26 +23,26 @@ class Wish:
 
     @property
     def body(self) -> Json:
-        """The content as a JSON object.
+        """Content as a JSON object.
 
         Raises
         ------
         LipsyncError
-            The content is none.
+            The content is not a JSON object.
         """
         try:
             found = json.loads(self.content or b"{}", parse_constant=_refuse)
         except (ValueError, RecursionError):
             found = None
         if not isinstance(found, dict):
-            raise LipsyncError("the request is not JSON object")
+            raise LipsyncError("the request is not a JSON object")
         return found
 
     def text(self, name: str) -> str:
-        """Return a text of the body."""
+        """Return a string of the body."""
         found = self.body.get(name)
         if not isinstance(found, str):
-            raise LipsyncError(f"the request needs a text '{name}'")
+            raise LipsyncError(f"the request needs a string '{name}'")
         return found
 
     def number(self, name: str, low: float, high: float) -> float:
@@ -51,7 +51,7 @@ class Wish:
         if isinstance(found, bool) or not isinstance(found, (int, float)):
             raise LipsyncError(f"the request needs a number '{name}'")
         if not (math.isfinite(found) and low <= found <= high):
-            raise LipsyncError(f"'{name}' is {found}; give {low:g} to {high:g}")
+            raise LipsyncError(f"'{name}' is {found}; give a number from {low:g} to {high:g}")
         return float(found)
 
 
@@ -60,11 +60,11 @@ def _refuse(word: str) -> None:
 
 
 class Refused(LipsyncError):  # noqa: N818 the answer to a request
-    """A request that the user has to settle first.
+    """A request with conflicts that the user must resolve first.
 
     Parameters
     ----------
-    conflict : what there is to choose from
+    conflict : entries to choose from
     """
 
     def __init__(self, message: str, conflict: list[Json]) -> None:
@@ -74,7 +74,7 @@ class Refused(LipsyncError):  # noqa: N818 the answer to a request
 
 @dataclass(frozen=True)
 class Packed:
-    """An answer with arrays, which goes to the browser as bytes."""
+    """A response with arrays, which goes to the browser as bytes."""
 
     document: Json
     arrays: ArrayPack
@@ -100,7 +100,7 @@ def listed(value: Any, what: str) -> list[Any]:
 
 
 def sent_file(wish: Wish, folder: Path) -> Path:
-    """Put a file that was sent into a folder, under the last part of its name."""
+    """Write a sent file into a folder, under the last part of its name."""
     name = PurePath(wish.query.get("name", "").replace("\\", "/")).name
     if not name or name in {".", ".."} or not name.isprintable():
         raise LipsyncError("the file has no name")

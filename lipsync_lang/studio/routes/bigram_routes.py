@@ -1,4 +1,4 @@
-"""Routes of the bigrams: the matrix of all, and one with its curves and what lies beneath it."""
+"""Routes of the bigrams: the matrix, and single bigrams with their curves and their layers."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -25,14 +25,14 @@ DIGITS = 4
 """Decimal places of times and values."""
 
 MAX_WANTED = 200
-"""Bigrams that are listed as wanted."""
+"""Maximum number of bigrams in the list of the next ones to draw."""
 
 MAX_NAME_CHARS = 40
-"""Characters of an unknown bigram's name in a message."""
+"""Maximum length of an unknown bigram's name in a message."""
 
 
 def matrix(workshop: Workshop, _: Wish) -> Json:
-    """Return the status of every bigram, how often it is needed, and the next ones to draw.
+    """Return the status and the need of every bigram, and the next ones to draw.
 
     The `source` of the need is the script that was counted last, or else the line.
     """
@@ -63,7 +63,7 @@ def matrix(workshop: Workshop, _: Wish) -> Json:
 
 
 def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
-    """Return how often the line says each bigram, with a word that has it."""
+    """Count each bigram in the line, with an example word."""
     schedule, performer = workshop.schedule, workshop.performer
     if schedule is None:
         return {}
@@ -82,7 +82,7 @@ def _needs(workshop: Workshop) -> dict[str, tuple[int, str]]:
 
 
 def bigram(workshop: Workshop, asked: Wish) -> Json:
-    """Return a bigram: its curves and fields, its file, and curves to compare it with.
+    """Return a bigram: its curves and fields, its file, and curves for comparison.
 
     The query may name the bigrams `before` and `after` it in the line.
     """
@@ -108,10 +108,10 @@ def bigram(workshop: Workshop, asked: Wish) -> Json:
 
 
 def _home(workshop: Workshop, shelf: PairPacks, pair: Pair) -> Json:
-    """Tell the file that edits go to; `locked` says why there is none.
+    """Return the target file for edits; `locked` is the reason if there is none.
 
-    `character` is the user's file of the character, where edits may go for this face alone, and
-    `bank_kind` the kind of curve of a bigram that names none there.
+    `character` is the user's file of the character, for edits of this face only, and `bank_kind`
+    is the default kind of curve in the target file.
     """
     who = workshop.files().get("character")
     own = {"character": workshop.shown(who) if who and workshop.own(who) else ""}
@@ -148,7 +148,7 @@ def _pair(shelf: PairPacks, name: str) -> Pair:
 
 
 def _written(workshop: Workshop, shelf: PairPacks, row: BigramRow) -> Json:
-    """Return the fields of a row as its file has them, with the unsaved edits."""
+    """Return the fields of a row as in its file, with the unsaved edits."""
     packs: tuple[Pack[Any], ...] = (shelf.character, *shelf.own_banks, *shelf.banks)
     data = {pack.path: pack.source.data for pack in packs}
     if row.place is None:
@@ -160,7 +160,7 @@ def _written(workshop: Workshop, shelf: PairPacks, row: BigramRow) -> Json:
 
 
 def _fields(row: BigramRow, own: Json) -> Json:
-    """Return the fields beside the curves; a bigram drawn as another has none of its own."""
+    """Return the fields other than the curves; a bigram that copies another has none."""
     return {
         "status": row.origin.status or "drafted",
         "word": row.origin.word or "",
@@ -184,7 +184,7 @@ def _curves(shelf: PairPacks, curves: Mapping[int, Floats]) -> Json:
 
 
 def _ghosts(shelf: PairPacks, row: BigramRow, pair: Pair) -> Iterator[Json]:
-    """Yield the draft, the layer beneath, and the targets, where they differ from the row."""
+    """Yield the draft, the layer below, and the targets, if they differ from the row."""
     draft = shelf.drafts([pair]).get(pair)
     if draft is not None:
         yield {"name": "draft", "kind": "draft"} | _drawn(shelf, draft)

@@ -1,4 +1,4 @@
-"""Routes of the character: its rules as they are stated, its face in a mix of poses, its model."""
+"""Routes of the character: its stated rules, its face in a mix of poses, and its model."""
 
 import re
 from collections.abc import Iterator
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from lipsync_lang.rigs.channel import Channel
 
 MAX_MIXES = 400
-"""Mixes of poses in one request: a picture of each pose."""
+"""Maximum number of mixes of poses in a request, such as one for each pose."""
 
 VISIBLE = 5e-4
-"""Least change of a weight that is shown, as in `performing.trace`."""
+"""Minimum change of a weight to show, as in `performing.trace`."""
 
 STATED = ("constraints", "priority", "contacts", "softness", "motion", "targets", "poses")
 """Fields of a pose set that the character view edits."""
@@ -43,7 +43,7 @@ _NOT_IN_A_NAME = re.compile(r"[^A-Za-z0-9_-]+")
 
 
 def character(workshop: Workshop, _: Wish) -> Json:
-    """Return the pose set as its file states it, and the values in force."""
+    """Return the pose set as in its file, and the values in effect."""
     performer, library = workshop.performer, workshop.library()
     compiled = performer.compiled
     poseset = library.poseset(compiled.poseset)
@@ -76,13 +76,13 @@ def character(workshop: Workshop, _: Wish) -> Json:
 
 
 def _phonemes(workshop: Workshop, targeted: list[str]) -> list[str]:
-    """Phonemes of the open language and their shades, then those of other languages."""
+    """List the phonemes of the open language with shades, then those of other languages."""
     compiled = workshop.performer.compiled
     return list(dict.fromkeys([*compiled.counted, *compiled.shades, *targeted]))
 
 
 def _plain(settings: Json) -> Json:
-    """Return settings that JSON can hold: an endless number is None."""
+    """Return settings as JSON data: an infinite number is None."""
     endless = {key for key, value in settings.items() if value == np.inf}
     return {key: None if key in endless else value for key, value in settings.items()}
 
@@ -91,7 +91,7 @@ def _plain(settings: Json) -> Json:
 
 
 def pose(workshop: Workshop, wish: Wish) -> Json:
-    """Turn mixes of poses into channels of the model, and tell the rules that act on them.
+    """Convert mixes of poses to channels of the model, and list the rules that apply to them.
 
     Each of `mixes` is an object of poses and weights; `within` keeps them within the constraints.
     """
@@ -119,11 +119,11 @@ def pose(workshop: Workshop, wish: Wish) -> Json:
 def _mix(performer: "Performer", mix: Any) -> Floats:
     """Read a mix of poses."""
     if not isinstance(mix, dict):
-        raise LipsyncError("a mix is an object of poses and weights")
+        raise LipsyncError("a mix must be an object of poses and weights")
     for name, weight in mix.items():
         number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
         if name not in performer.poses or not number or not 0 <= weight <= 1:
-            raise LipsyncError(f"'{name}' needs to be a pose of this face, from 0 to 1")
+            raise LipsyncError(f"'{name}' must be a pose of this face with a weight from 0 to 1")
     return np.array([mix.get(name, 0.0) for name in performer.poses], float)
 
 
@@ -149,20 +149,20 @@ def _acting(
 
 
 def own(workshop: Workshop, _: Wish) -> Json:
-    """Copy the pose set into the project, where it can be edited, and open the pair again."""
+    """Copy the pose set into the project for edits, and open the pair again."""
     from lipsync_lang.authoring.poseset_copy import copy_poseset
 
     name = workshop.performer.compiled.poseset
     home = workshop.project / FOLDERS["poseset"] / name
     if any(path.is_relative_to(home) for path in workshop.desk.contents):
-        raise LipsyncError("save the unsaved edits first; then the copy goes with them")
+        raise LipsyncError("save the unsaved edits first, so that the copy contains them")
     written = copy_poseset(workshop.library(), name, workshop.project)
     workshop.open(workshop.language, workshop.character)
     return {"wrote": [workshop.shown(path) for path in written], "state": workshop.state()}
 
 
 def model(workshop: Workshop, wish: Wish) -> Json:
-    """Put a model into the project, beside the character's pack, and tell how well it fits.
+    """Put a model beside the character's pack in the project, and measure its fit.
 
     The answer has `name`, the value of the character's `model`.
     """
@@ -210,10 +210,12 @@ def drafted(workshop: Workshop, wish: Wish) -> Json:
 
 
 def _glb(wish: Wish, folder: Path) -> Path:
-    """Put a model that was sent into a folder; only GLB has all of its parts in one file."""
+    """Write a sent model into a folder; only GLB has all parts in one file."""
     path = sent_file(wish, folder)
     if path.suffix.lower() != ".glb":
-        raise LipsyncError(f"{path.name}: export the model as GLB, which has all in one file")
+        raise LipsyncError(
+            f"{path.name}: export the model as GLB, which contains all parts in one file"
+        )
     stem = _NOT_IN_A_NAME.sub("-", path.stem).strip("-") or "model"
     return path.rename(path.with_name(f"{stem}.glb"))
 
@@ -228,7 +230,7 @@ def _told_without(folder: str) -> Iterator[None]:
 
 
 def _face_channels(performer: "Performer", path: Path) -> "tuple[Channel, ...]":
-    """Return the channels of a face on another model, which is drawn once as a trial."""
+    """Return the channels of a face on another model, after a test drawing."""
     rest = Schedule((performer.compiled.phonemes[0],), np.array([0, 0.1]))
     animation = replace(performer.rigged(performer.perform(rest)), model=path)
     _draw(animation)
@@ -250,7 +252,7 @@ def _draw(animation: "Animation") -> None:
     Raises
     ------
     ModelError
-        It cannot be drawn.
+        The model cannot be drawn.
     """
     told = face_data(animation, ArrayPack())
     if "parts" not in told:
@@ -258,11 +260,11 @@ def _draw(animation: "Animation") -> None:
 
 
 def _keep(path: Path, content: bytes) -> None:
-    """Write a model, and never over another one."""
+    """Write a model, but never replace another one."""
     if path.exists():
         if path.read_bytes() != content:
             raise LipsyncError(
-                f"{path.name}: the project has another model of this name; rename it"
+                f"{path.name}: the project has another model with this name; rename your file"
             )
         return
     path.parent.mkdir(parents=True, exist_ok=True)

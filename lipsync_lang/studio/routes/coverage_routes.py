@@ -11,16 +11,16 @@ from lipsync_lang.studio.script_count import script_of, scripts_in
 from lipsync_lang.studio.workshop import Workshop
 
 MINUTES = 5.0
-"""Minutes to author a bigram unless stated, as `coverage` has it."""
+"""Default minutes to author a bigram, as in `coverage`."""
 
 MAX_PLANNED = 300
-"""Bigrams of the plan."""
+"""Maximum number of bigrams in the plan."""
 
 MAX_TALLIES = 30
-"""Words that are named as unread or unmapped."""
+"""Maximum number of words listed as unread or unmapped."""
 
 MAX_SENTENCES = 60
-"""Lines of a script that together hold the bigrams nobody has drawn."""
+"""Maximum number of lines that together contain the bigrams left to draw."""
 
 
 def coverage(workshop: Workshop, wish: Wish) -> Json:
@@ -36,10 +36,10 @@ def coverage(workshop: Workshop, wish: Wish) -> Json:
 
 
 def choose(workshop: Workshop, wish: Wish) -> Json:
-    """Take a file of the project as the script; an empty name takes none."""
+    """Use a file of the project as the script; an empty name stands for no script."""
     name, column = wish.text("name"), wish.body.get("column")
     if column is not None and not isinstance(column, str):
-        raise LipsyncError("`column` is the name or the number of a column")
+        raise LipsyncError("`column` must be the name or the number of a column")
     if name:
         script_of(workshop).choose(workshop, name, column or None)
     else:
@@ -48,7 +48,7 @@ def choose(workshop: Workshop, wish: Wish) -> Json:
 
 
 def receive(workshop: Workshop, wish: Wish) -> Json:
-    """Take a file that was sent as the script."""
+    """Use a sent file as the script."""
     script = script_of(workshop)
     script.receive(lambda folder: sent_file(wish, folder), wish.query.get("column") or None)
     return coverage(workshop, wish)
@@ -58,7 +58,7 @@ def sentences(workshop: Workshop, wish: Wish) -> Json:
     """Return a short list of lines that together show every bigram that is not authored."""
     report = script_of(workshop).report(workshop, _minutes(wish), sentences=True)
     if report is None:
-        raise LipsyncError("no script is counted; choose one first")
+        raise LipsyncError("no script is counted; choose a script first")
     found = [
         {"text": one.text, "place": Path(one.place).name, "bigrams": list(one.bigrams)}
         for one in report.sentences
@@ -72,12 +72,12 @@ def _minutes(wish: Wish) -> float:
     except ValueError:
         minutes = 0.0
     if not 0 < minutes <= 600:  # noqa: PLR2004 ten hours for one bigram
-        raise LipsyncError("minutes for a bigram: give a number above 0, up to 600")
+        raise LipsyncError("minutes for a bigram: give a number above 0 and up to 600")
     return minutes
 
 
 def _told(report: CoverageReport) -> Json:
-    """Return a report as the view shows it."""
+    """Return a report as JSON data for the view."""
     missing = [row for row in report.bigrams if not row.authored]
     status: dict[str, list[int]] = {}
     for row in report.bigrams:

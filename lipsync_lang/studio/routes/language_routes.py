@@ -16,10 +16,10 @@ from lipsync_lang.studio.spoken_line import SpokenLine
 from lipsync_lang.studio.workshop import Workshop
 
 SOUND_SECONDS = (0.25, 0.4, 0.25)
-"""Silence, sound and silence of a sound on its own."""
+"""Durations of the silence, the sound and the silence of a single sound."""
 
 _memories: "WeakKeyDictionary[Workshop, SoundMemory]" = WeakKeyDictionary()
-"""Results of earlier tables by workshop."""
+"""Cached results of tables by workshop."""
 
 
 def language(workshop: Workshop, _: Wish) -> Json:
@@ -50,20 +50,22 @@ def transcript(workshop: Workshop, asked: Wish) -> Json:
     """Transcribe a text with the unsaved edits: labels, and their common phonemes."""
     text = asked.text("text").strip()
     if len(text) > MAX_TEXT_CHARS:
-        raise LipsyncError(f"the text is longer than {MAX_TEXT_CHARS} characters; try a word of it")
+        raise LipsyncError(
+            f"the text is longer than {MAX_TEXT_CHARS} characters; try a single word"
+        )
     if not text:
         raise LipsyncError("type a word to try")
     return _table(workshop).transcribed(text)
 
 
 def sound(workshop: Workshop, asked: Wish) -> Packed:
-    """Perform one sound between silences, without a voice; it becomes the line."""
+    """Perform one sound between silences without a voice, as the line."""
     notation, label = asked.text("notation"), asked.text("label")
     notations = workshop.performer.speaker.notations
     if notation not in notations:
-        raise LipsyncError(f"no notation '{notation}'; there are {', '.join(notations)}")
+        raise LipsyncError(f"unknown notation '{notation}'; choose one of {', '.join(notations)}")
     if notations[notation].find(label) is None:
-        raise LipsyncError(f"nothing maps '{label}' in {notation}; map it first")
+        raise LipsyncError(f"'{label}' has no mapping in {notation}; add one first")
     times = np.cumsum([0.0, *SOUND_SECONDS])
     schedule = Schedule((SILENCE, label, SILENCE), times, notation=notation)
     workshop.line, workshop.text = SpokenLine(schedule), label

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 AROUND_SECONDS = 1.0
-"""Seconds of sound that are sent before and after a line."""
+"""Seconds of sound to send before and after a line."""
 
 MAX_TEXT_CHARS = 2000
-"""Characters of a line that is typed."""
+"""Maximum length of a typed line."""
 
 SAVED = "saved"
-"""Name of the take with the packs as they are on the disk."""
+"""Name of the take with the packs on the disk."""
 
 
 def speak(workshop: Workshop, asked: Wish) -> Packed:
@@ -44,7 +44,7 @@ def speak(workshop: Workshop, asked: Wish) -> Packed:
 
 
 def timings(workshop: Workshop, asked: Wish) -> Packed:
-    """Read timed phonemes of a file; a sound that was opened before stays with them."""
+    """Read timed phonemes of a file, and keep the sound that was opened before."""
     from lipsync_lang.schedules.timed_words import TimedWords
     from lipsync_lang.schedules.timing_readers import read_timings
     from lipsync_lang.speech.filling import filled
@@ -60,7 +60,7 @@ def timings(workshop: Workshop, asked: Wish) -> Packed:
 
 
 def sound(workshop: Workshop, asked: Wish) -> Packed:
-    """Add the sound of the line; with a text, its phonemes are found in it."""
+    """Add the sound of the line; with a text, align its phonemes with the sound."""
     from lipsync_lang.speech.hearing import aligned
     from lipsync_lang.speech.sound import read_audio
 
@@ -71,17 +71,17 @@ def sound(workshop: Workshop, asked: Wish) -> Packed:
         elif workshop.line is not None:
             workshop.line.hear(read_audio(path))
         else:
-            raise LipsyncError("say the text of the recording, or open its timed phonemes first")
+            raise LipsyncError("type the text of the recording, or open its timed phonemes first")
     return whole(workshop)
 
 
 def line(workshop: Workshop, _: Wish) -> Packed:
-    """Return sound and take of the line that is open."""
+    """Return the sound and the take of the open line."""
     return whole(workshop)
 
 
 def take(workshop: Workshop, asked: Wish) -> Packed:
-    """Perform the line as it is asked for, and return the take, and those beside it."""
+    """Perform the line with the requested settings, and return the takes."""
     stated, before = asked.body.get("settings"), workshop.settings
     if stated is not None:
         workshop.settings = _settings(stated)
@@ -96,20 +96,22 @@ def _settings(stated: Any) -> LineSettings:
     """Read settings; names of styles and regions are checked when the line is performed."""
     known = {field.name for field in fields(LineSettings)}
     if not isinstance(stated, dict) or not known.issuperset(stated):
-        raise LipsyncError(f"settings are an object with any of {', '.join(sorted(known))}")
+        raise LipsyncError(
+            f"settings must be an object with fields among {', '.join(sorted(known))}"
+        )
     given = LineSettings(**{key: value for key, value in stated.items() if value is not None})
     numbers = [given.fps, *([] if given.intensity is None else [given.intensity])]
     levels = [given.styles, given.dials]
     for table in levels:
         if not isinstance(table, dict):
-            raise LipsyncError("`styles` and `dials` are objects of names and levels")
+            raise LipsyncError("`styles` and `dials` must be objects of names and levels")
         for level in table.values():
             points = level if isinstance(level, list) else [[level]]
             numbers += [number for point in points for number in listed(point, "numbers")]
     if not all(_real(number) for number in numbers):
-        raise LipsyncError("frame rate, intensity and levels are numbers")
+        raise LipsyncError("frame rate, intensity and levels must be numbers")
     if given.line is not None and not isinstance(given.line, str):
-        raise LipsyncError("`line` is the name of a line")
+        raise LipsyncError("`line` must be the name of a line")
     return given
 
 
@@ -118,7 +120,7 @@ def _real(value: Any) -> bool:
 
 
 def whole(workshop: Workshop) -> Packed:
-    """Return sound and take of the line, or of the part of it that is shown."""
+    """Return the sound and the take of the line, or of its shown part."""
     packed = takes(workshop, None)
     schedule = workshop.schedule
     sound = None if schedule is None else _sound(schedule, packed.arrays)
@@ -137,7 +139,7 @@ def whole(workshop: Workshop) -> Packed:
 
 
 def _sound(schedule: "Schedule", pack: ArrayPack) -> Json | None:
-    """Return the samples around a schedule, and the seconds at which they begin."""
+    """Return the samples around a schedule, and the time of the first one."""
     audio = schedule.audio
     if audio is None:
         return None
@@ -148,7 +150,7 @@ def _sound(schedule: "Schedule", pack: ArrayPack) -> Json | None:
 
 
 def takes(workshop: Workshop, against: Any) -> Packed:
-    """Return the take, and the one beside it."""
+    """Return the take, and the take to compare it with."""
     pack = ArrayPack()
     made = [_take(workshop.perform(), workshop.performer, pack, "")]
     if isinstance(against, str) and against:
@@ -158,7 +160,7 @@ def takes(workshop: Workshop, against: Any) -> Packed:
 
 
 def _part(workshop: Workshop) -> Json | None:
-    """Tell which part of a long line is shown; None for a line that is shown whole."""
+    """Return the shown part of a long line; None if the whole line is shown."""
     line, seconds = workshop.spoken, workshop.part_seconds
     count = len(line.cuts(seconds)) - 1
     if count == 1:
@@ -180,7 +182,7 @@ def _other(workshop: Workshop, name: str) -> "Animation":
 
 
 def _take(animation: "Animation", own: "Performer", pack: ArrayPack, name: str) -> Json:
-    """Return a take as JSON; a plain method has no performer, and moves the model by our own."""
+    """Return a take as JSON; for a plain method, the open performer drives the model."""
     performer = animation.performer
     rigged = (performer or own).rigged(animation)
     channels = None if rigged is animation else curves_data(rigged, pack)
@@ -203,7 +205,7 @@ def face(workshop: Workshop, _: Wish) -> Packed:
 
 
 def figures(workshop: Workshop, _: Wish) -> Json:
-    """Return the figures of the take, with their findings."""
+    """Return the figures of the take with findings."""
     from lipsync_lang.quality.check_animation import check
     from lipsync_lang.studio.take_data import figures_data
 

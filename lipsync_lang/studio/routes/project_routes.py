@@ -22,14 +22,14 @@ TOUR = "tour.json"
 MAX_TOUR_BYTES = 2**16
 
 MAX_TITLE_CHARS = 80
-"""Characters of the title of an edit."""
+"""Maximum length of the title of an edit."""
 
 MAX_TAB_CHARS = 40
-"""Characters of the name of a tab."""
+"""Maximum length of the name of a tab."""
 
 
 def project(workshop: Workshop, _: Wish) -> Json:
-    """List languages and characters, and tell the pair that is open."""
+    """List the languages and the characters, and name the open pair."""
     library = workshop.library()
     return {
         "folder": workshop.project.name,
@@ -47,7 +47,7 @@ def tour(workshop: Workshop, wish: Wish) -> Json:
     try:
         found: Json = json.loads(path.read_bytes()[:MAX_TOUR_BYTES])
     except (OSError, ValueError):
-        raise LipsyncError(f"{wish.name} has no sound {TOUR}") from None
+        raise LipsyncError(f"{wish.name} has no valid {TOUR}") from None
     return found
 
 
@@ -66,7 +66,7 @@ def open_(workshop: Workshop, asked: Wish) -> Json:
 
 
 def state(workshop: Workshop, _: Wish) -> Json:
-    """Return the state."""
+    """Return the state of the studio."""
     return workshop.state()
 
 
@@ -76,7 +76,7 @@ def edit(workshop: Workshop, wish: Wish) -> Json:
     edits = [_edit(workshop, one) for one in listed(body.get("edits"), "edits")]
     seen, merge = body.get("seen"), body.get("merge")
     if not edits:
-        raise LipsyncError("there is no edit in the request")
+        raise LipsyncError("the request has no edits")
     workshop.edit(
         wish.text("title")[:MAX_TITLE_CHARS],
         [(path, loc, value) for path, loc, value, _ in edits],
@@ -89,12 +89,12 @@ def edit(workshop: Workshop, wish: Wish) -> Json:
 
 
 def _edit(workshop: Workshop, one: Any) -> tuple[Path, tuple[str | int, ...], Any, str | None]:
-    """Read an edit: file, place, value, and the first text of a file that is new."""
+    """Read an edit: file, place, value, and the initial text of a new file."""
     if not isinstance(one, dict):
-        raise LipsyncError("an edit is an object with `file`, `at` and `value`")
+        raise LipsyncError("an edit must be an object with `file`, `at` and `value`")
     loc = tuple(listed(one.get("at"), "steps"))
     if not loc or not all(isinstance(step, (str, int)) for step in loc):
-        raise LipsyncError("the place of an edit is a list of keys and numbers")
+        raise LipsyncError("`at` must be a list of keys and numbers, the place of the edit")
     value = one.get("value", ABSENT)
     if one.get("file") == "bank":
         path, text = workshop.bank_for(str(loc[1]) if len(loc) > 1 else "")
@@ -104,21 +104,21 @@ def _edit(workshop: Workshop, one: Any) -> tuple[Path, tuple[str | int, ...], An
 
 
 def undo(workshop: Workshop, wish: Wish) -> Json:
-    """Take the last edit back."""
+    """Undo the last edit."""
     workshop.desk.undo(tab=_tab(wish))
     workshop.homes.clear()
     return workshop.state()
 
 
 def redo(workshop: Workshop, wish: Wish) -> Json:
-    """Make the last edit that was taken back once more."""
+    """Redo the edit that was undone last."""
     workshop.desk.redo(tab=_tab(wish))
     workshop.homes.clear()
     return workshop.state()
 
 
 def warm(workshop: Workshop, _: Wish) -> Json:
-    """Read what the first edit needs, while nobody waits for it."""
+    """Read the files of the first edit in advance."""
     if workshop.language:
         for path in workshop.pair().data:
             if workshop.own(path):
@@ -127,10 +127,10 @@ def warm(workshop: Workshop, _: Wish) -> Json:
 
 
 def save(workshop: Workshop, wish: Wish) -> Json:
-    """Save every edit; of entries that changed on the disk as well, `keep` names the side."""
+    """Save every edit; for entries that also changed on the disk, `keep` names the side."""
     keep = wish.body.get("keep") or {}
     if not isinstance(keep, dict) or not {*keep.values()}.issubset(get_args(Side)):
-        raise LipsyncError("`keep` is an object of entries, and `mine` or `theirs` for each")
+        raise LipsyncError("`keep` must be an object with `mine` or `theirs` for each entry")
     known = {workshop.shown(path): path for path in workshop.desk.contents}
     choices: dict[tuple[Path, Loc], Side] = {}
     for text, side in keep.items():
@@ -138,7 +138,7 @@ def save(workshop: Workshop, wish: Wish) -> Json:
             file, *loc = json.loads(text)
             choices[known[file], tuple(loc)] = side
         except (ValueError, KeyError, TypeError):
-            raise LipsyncError(f"nothing unsaved is called {text}") from None
+            raise LipsyncError(f"there is no unsaved entry {text}") from None
     try:
         written = workshop.save(choices)
     except SaveConflict as error:

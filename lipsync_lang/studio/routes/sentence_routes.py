@@ -9,7 +9,7 @@ from lipsync_lang.studio.routes.line_routes import takes, whole
 from lipsync_lang.studio.workshop import Workshop
 
 MAX_DIGITS = 6
-"""Digits of a number in a path."""
+"""Maximum number of digits of a number in a path."""
 
 
 def boundary(workshop: Workshop, asked: Wish) -> Packed:
@@ -24,13 +24,13 @@ def times(workshop: Workshop, asked: Wish) -> Packed:
     """Set all boundaries of the shown part, and return the takes."""
     given = listed(asked.body.get("times"), "times")
     if not all(isinstance(one, (int, float)) and not isinstance(one, bool) for one in given):
-        raise LipsyncError("times are numbers of seconds")
+        raise LipsyncError("times must be numbers of seconds")
     workshop.spoken.retime(given, workshop.part_seconds)
     return takes(workshop, asked.body.get("against"))
 
 
 def original(workshop: Workshop, asked: Wish) -> Packed:
-    """Put the times back as they were read or spoken, and return the takes."""
+    """Restore the original times, and return the takes."""
     workshop.spoken.restore()
     return takes(workshop, asked.body.get("against"))
 
@@ -52,7 +52,9 @@ def written(workshop: Workshop, asked: Wish) -> Json:
     """Return the timings of the whole line as a file, named like its line in the script."""
     suffix = asked.name
     if suffix not in TIMING_WRITERS:
-        raise LipsyncError(f"no timings '{suffix}'; {did_you_mean(suffix, TIMING_WRITERS)}")
+        raise LipsyncError(
+            f"unknown format of timings '{suffix}'; {did_you_mean(suffix, TIMING_WRITERS)}"
+        )
     line = workshop.script_line
     name = "line" if line is None else line.name
     return {"name": f"{name}.{suffix}", "content": TIMING_WRITERS[suffix](workshop.spoken.whole)}
@@ -61,7 +63,7 @@ def written(workshop: Workshop, asked: Wish) -> Json:
 def _number(asked: Wish) -> int:
     """Return the number in the path."""
     if not (asked.name.isascii() and asked.name.isdecimal() and len(asked.name) <= MAX_DIGITS):
-        raise LipsyncError(f"'{asked.name[:20]}' is not a number of a boundary, a word or a part")
+        raise LipsyncError(f"'{asked.name[:20]}' is not the number of a boundary, a word or a part")
     return int(asked.name)
 
 

@@ -1,4 +1,4 @@
-"""Routes of the words and lines of a character: its own curves, pronunciations and deliveries."""
+"""Routes of the words and lines of a character: curve edits, pronunciations and deliveries."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -72,23 +72,27 @@ def _sounds(workshop: Workshop) -> list[list[str]]:
 
 
 def start(workshop: Workshop, wish: Wish) -> Json:
-    """Return curves to start from: those that the character performs without its own edits.
+    """Return curves as a start for edits: those of the character without its curve edits.
 
     The query names a word of the line, a phoneme of that word or of the line, or neither for all.
     """
     schedule = workshop.schedule
     if schedule is None:
-        raise LipsyncError("there is no line; type one that has the word")
+        raise LipsyncError("there is no line; type a line that contains the word")
     word, phoneme = (_number(wish, name) for name in ("word", "phoneme"))
     first, stop = 0, len(schedule)
     if word is not None:
         if word >= len(schedule.words):
-            raise LipsyncError(f"the line has {len(schedule.words)} words; there is no {word}")
+            raise LipsyncError(
+                f"the line has {len(schedule.words)} words, counted from 0; there is no word {word}"
+            )
         first, stop = schedule.words[word].first, schedule.words[word].stop
     if phoneme is not None:
         spoken = [n for n, said in enumerate(_sounds(workshop)) if said and first <= n < stop]
         if phoneme >= len(spoken):
-            raise LipsyncError(f"there are {len(spoken)} phonemes; there is no {phoneme}")
+            raise LipsyncError(
+                f"there are {len(spoken)} phonemes, counted from 0; there is no phoneme {phoneme}"
+            )
         first, stop = spoken[phoneme], spoken[phoneme] + 1
     fps = workshop.settings.fps
     return {"curves": performed_curves(workshop.performer, schedule, first, stop, fps)}
@@ -97,7 +101,7 @@ def start(workshop: Workshop, wish: Wish) -> Json:
 def _number(wish: Wish, name: str) -> int | None:
     text = wish.query.get(name, "")
     if text and not (text.isdecimal() and len(text) < 7):  # noqa: PLR2004 longer lines are refused
-        raise LipsyncError(f"`{name}` is a number from 0")
+        raise LipsyncError(f"`{name}` must be a whole number from 0 on")
     return int(text) if text else None
 
 
