@@ -64,9 +64,9 @@ class Mouth:
     tongue: float = 0
     """Share of the opening that the tongue covers from below."""
     raised: bool = False
-    """Whether the tip of the tongue touches the upper teeth."""
+    """True if the tip of the tongue touches the upper teeth."""
     bite: bool = False
-    """Whether the upper teeth rest on the lower lip."""
+    """True if the upper teeth rest on the lower lip."""
 
 
 REST, PRESSED = Mouth(25), Mouth(20)

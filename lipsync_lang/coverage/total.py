@@ -38,7 +38,7 @@ class WorkItem(Fact):
     count: int
     """Occurrences in all reports that nobody has drawn."""
     percent: float
-    """Gain for what is heard, averaged over the languages."""
+    """Gain in authored speech in percentage points, averaged over the languages."""
     reaches: float
     """Authored share once this and all items before it are drawn."""
     languages: tuple[str, ...]
