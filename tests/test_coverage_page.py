@@ -10,10 +10,14 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from lanes import full, swept
 
 from lipsync_lang.coverage.page import page
 from lipsync_lang.coverage.page.wording import count, folder, gathered, hours, listed, percent
+from lipsync_lang.coverage.percentages import percent as exact
+from lipsync_lang.coverage.percentages import percentage_text
 
 SOUNDS = [
     "ah", "aa", "ao", "eh", "er", "ih", "w", "ow", "aw", "oy", "ay",
@@ -547,11 +551,22 @@ def test_ten_languages_on_five_characters_stay_small():
 
 @pytest.mark.parametrize(
     ("share", "text"),
-    [(0, "0 %"), (0.04, "under 0.1 %"), (0.98, "0.9 %"), (1, "1 %"), (9.99, "9.9 %"),
-     (31.4, "31 %"), (98.7, "98 %"), (99.96, "99.9 %"), (100, "100 %")],
+    [(0, "0 %"), (0.0001, "under 0.1 %"), (0.98, "1.0 %"), (9.94, "9.9 %"), (27.9, "27.9 %"),
+     (31, "31.0 %"), (99.94, "99.9 %"), (99.9999, "99.9 %"), (100, "100 %")],
 )  # fmt: skip
-def test_shares_are_rounded_down(share, text):
-    assert percent(share).replace("\xa0", " ") == text
+def test_shares_are_written_by_one_rule(share, text):
+    assert percentage_text(share) == text
+    assert percent(share) == text.replace(" %", "\xa0%")
+
+
+@given(st.integers(0, 10**9), st.integers(1, 10**9))
+def test_all_is_a_hundred_percent_and_nothing_else_is(part, whole):
+    part = min(part, whole)
+    share = exact(part, whole)
+    assert (share == 100, share == 0) == (part == whole, part == 0)
+    assert share == pytest.approx(100 * part / whole, abs=1e-4)
+    assert (percentage_text(share) == "100 %") == (part == whole)
+    assert (percentage_text(share) == "0 %") == (part == 0)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import io
 import json
 import re
 from collections import Counter
+from xml.etree import ElementTree as ET
 
 import pytest
 from hypothesis import given
@@ -182,8 +183,8 @@ def two(packs, cli):
 
 def test_the_total_stands_first(two):
     shown = two("-c", "facefx").out.splitlines()
-    assert shown[0] == ("5 bigrams, 0.42 hours for all 2 languages; the first hour gives 100.0 %")
-    assert "0 of 5 bigrams, 0.0 % of what is spoken" in two("-c", "facefx").out
+    assert shown[0] == ("5 bigrams, 0.42 hours for all 2 languages; the first hour gives 100 %")
+    assert "0 of 5 bigrams, 0 % of what is spoken" in two("-c", "facefx").out
 
 
 def test_the_commands_of_the_total_can_be_typed(two, cli):
@@ -192,6 +193,31 @@ def test_the_commands_of_the_total_can_be_typed(two, cli):
     assert calls
     for call in calls:
         assert cli(*call[1:]).code == 0
+
+
+def test_a_build_server_sees_the_total_once(two):
+    both = ("-c", "facefx", "-c", "crab")
+    top = ET.fromstring(two(*both, "--format", "junit").out)  # noqa: S314 our own
+    document = json.loads(two(*both, "--format", "json").out)
+    assert [suite.get("name") for suite in top][:2] == ["all reports together", "toy on facefx"]
+    for suite, told in zip(top, (document["total"], *document["reports"]), strict=True):
+        figures = {one.get("name"): one.get("value") for one in suite.iter("property")}
+        assert figures == {
+            "authored_percent": str(told["authored"]["percent"]),
+            "authored_bigrams": str(told["authored"]["bigrams"]),
+            "left_bigrams": str(told["left"]["bigrams"]),
+            "left_hours": str(told["left"]["hours"]),
+            "next_hour_percent": str(told["next_hour"]["percent"]),
+            "next_hour_bigrams": " ".join(told["next_hour"]["bigrams"]),
+        }
+        assert int(suite.get("tests")) == len(suite.findall("testcase"))
+    assert int(top.get("tests")) == len(list(top.iter("testcase")))
+    assert int(top.get("skipped")) == len(list(top.iter("skipped")))
+    assert (top.get("failures"), top.get("errors")) == ("0", "0")
+    ended = two(*both, "--format", "junit", "--fail-under", "1")
+    failing = ET.fromstring(ended.out)  # noqa: S314 our own
+    assert failing.get("failures") == str(len(document["reports"]))
+    assert not list(failing[0].iter("failure"))
 
 
 def test_hours_of_a_spreadsheet_add_up_to_the_total(two):

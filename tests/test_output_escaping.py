@@ -11,6 +11,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from test_coverage_page import Reader
 from test_engine_files import READERS
 from test_glb import document_of, mesh, model_of, parts
 from test_godot import from_tres
@@ -22,6 +23,19 @@ from test_word_files import read
 import lipsync_lang as ll
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.animation_writers import WRITERS
+from lipsync_lang.coverage.facts import Authored, Left, NextHour
+from lipsync_lang.coverage.forms import FORMS, Asked
+from lipsync_lang.coverage.report import (
+    BigramNeed,
+    Corpus,
+    Coverage,
+    CoverageReport,
+    ReportChange,
+    Since,
+    Tally,
+)
+from lipsync_lang.coverage.script_changes import ScriptChange
+from lipsync_lang.coverage.total import total_of
 
 ODD = (
     'a "quoted" one',
@@ -225,3 +239,73 @@ def test_what_was_spoken_is_told_by_rhubarbs_files(tmp_path):
     root = ET.fromstring(written("rhubarb-xml", odd("rhubarb-xml", tmp_path)))  # noqa: S314 ours
     kept = SPOKEN.source.replace("\x00", "\ufffd").replace("\x07", "\ufffd")
     assert root.find("metadata/soundFile").text == kept.replace("\r", "\n")
+
+
+# Coverage
+
+
+def odd_report(name, other):
+    """Return a report in which all is called oddly that a project or a script names."""
+    need = BigramNeed(
+        bigram="aa-d", count=1, percent=100, running=100, layer="language", status="drafted",
+        example=name, places=(f"{name}:1",),
+    )  # fmt: skip
+    return CoverageReport(
+        language=name, language_title=name, character=other, poseset=other, lines=1, words=1,
+        phonemes={"aa": 1, "d": 1}, occurrences=1, bigrams=(need,), silence=(need,), unused=(),
+        needed={"100": 1}, authored=Authored(bigrams=0, percent=0), left=Left(bigrams=1, hours=1),
+        next_hour=NextHour(bigrams=("aa-d",), percent=100), sentences=(), column=name,
+        unread=(Tally(what=name, count=1, place=f"{name}:1"),), unmapped=(),
+    )  # fmt: skip
+
+
+def odd_coverage():
+    """Return a document of one report for each odd name, compared with an older one."""
+    reports = tuple(map(odd_report, ODD, ODD[::-1]))
+    script = ScriptChange(languages=ODD, lines=(1, 2), added=ODD, removed=ODD, changed=ODD)
+    changes = tuple(
+        ReportChange(
+            language=one.language, character=one.character, percent=(0, 0), left=(1, 1),
+            authored=(), lost=("d-d",), new=("aa-d",), gone=("d-aa",), column=one.column,
+        )
+        for one in reports
+    )  # fmt: skip
+    return Coverage(
+        corpus=Corpus(files=ODD, lines=1, words=1),
+        minutes=5,
+        reports=reports,
+        shared=(),
+        total=total_of(reports, 5),
+        since=Since(file="".join(ODD), reports=changes, unmatched=ODD, script=(script,)),
+    )
+
+
+def covered(form):
+    out = StringIO(newline="")
+    FORMS.find(form)(odd_coverage(), out, Asked(everything=True))
+    return out.getvalue()
+
+
+def words_of(text):
+    return " ".join(text.replace("\x00", "\ufffd").split())
+
+
+def test_the_total_and_the_changes_of_a_coverage_page_show_odd_names():
+    root = Reader(covered("html")).root
+    total, since = (words_of(root.one("section", id=name).text) for name in ("total", "since"))
+    for name in map(words_of, ODD):
+        assert name in total
+        assert name in since
+    assert {one.name for part in ("total", "since") for one in root.one(id=part).all()} <= {
+        "h2", "p", "div", "table", "thead", "tbody", "tr", "th", "td", "b", "ul", "li"
+    }  # fmt: skip
+
+
+def test_odd_names_break_no_form_of_a_coverage():
+    top = ET.fromstring(covered("junit"))  # noqa: S314 ours
+    assert len(top) == 1 + len(ODD)
+    rows = list(csv.DictReader(StringIO(covered("csv"), newline=""), strict=True))
+    assert [row["language"].removeprefix("'") for row in rows[::2]] == [
+        name.replace("\r", "\n").removeprefix("'") for name in ODD
+    ]
+    assert Coverage.model_validate_json(covered("json")) == odd_coverage()

@@ -31,6 +31,7 @@ from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
 from lipsync_lang.coverage.page.assembling import TightLayout, own_file
 from lipsync_lang.coverage.page.charts import HEIGHT
 from lipsync_lang.coverage.page.wording import NBSP, count
+from lipsync_lang.coverage.percentages import percent, percentage_text
 from lipsync_lang.files.quoting import shell_command
 
 PageOf = Callable[[PlannedLine], Path | None]
@@ -240,7 +241,7 @@ def _environment() -> Environment:
     )
     environment.filters["commas"] = "{:,}".format
     environment.filters["figure"] = _number
-    environment.filters["share"] = lambda part, whole: f"{100 * part / (whole or 1):.1f}{NBSP}%"
+    environment.filters["share"] = lambda part, whole: percentage_text(percent(part, whole), NBSP)
     environment.globals |= {"count": count, "HEIGHT": HEIGHT, "WIDTH": 10 * BINS}
     environment.globals["MAX_TIMES"] = MAX_TIMES
     return environment

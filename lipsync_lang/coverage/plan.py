@@ -22,11 +22,6 @@ def ranked(counts: Ints) -> list[int]:
     return [int(n) for n in order if counts[n] > 0]
 
 
-def percent(part: float, whole: float) -> float:
-    """Return part of whole in percent, to four digits; 0 if the whole is 0."""
-    return round(100 * part / whole, 4) if whole else 0.0
-
-
 def needed(counts: Sequence[int]) -> dict[str, int]:
     """Return how many of the ranked counts cover each of the `PERCENTS`.
 

@@ -9,6 +9,7 @@ import numpy as np
 from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.corpus import Count, Pages
 from lipsync_lang.coverage.facts import Authored, Left, NextHour, authored
+from lipsync_lang.coverage.percentages import percent
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport, Sentence, TrigramNeed
 
 if TYPE_CHECKING:
@@ -74,8 +75,8 @@ class CountFigures:
                 BigramNeed(
                     bigram=names[code],
                     count=number,
-                    percent=plan.percent(number, total),
-                    running=plan.percent(running, total),
+                    percent=percent(number, total),
+                    running=percent(running, total),
                     layer=origins[code].layer,
                     status=origins[code].status,
                     example=self.examples.get(code, ""),
@@ -141,7 +142,7 @@ def report_of(
         unused=tuple(names[code] for code in counted_lines.unused),
         needed=plan.needed([row.count for row in rows]),
         authored=Authored(
-            bigrams=len(done), percent=plan.percent(sum(row.covered for row in rows), total)
+            bigrams=len(done), percent=percent(sum(row.covered for row in rows), total)
         ),
         left=Left(bigrams=len(missing), hours=round(len(missing) * minutes / 60, 2)),
         next_hour=NextHour(bigrams=tuple(r.bigram for r in soon), percent=_left(soon, total)),
@@ -168,4 +169,4 @@ def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
 
 def _left(rows: Sequence[BigramNeed], total: int) -> float:
     """Return the percentage of all occurrences that rows cover once they are drawn."""
-    return plan.percent(sum(row.count - row.covered for row in rows), total)
+    return percent(sum(row.count - row.covered for row in rows), total)

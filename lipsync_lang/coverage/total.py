@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from lipsync_lang.coverage import plan
 from lipsync_lang.coverage.facts import Authored, Fact, Left, NextHour
+from lipsync_lang.coverage.percentages import WHOLE, rounded
 
 if TYPE_CHECKING:
     from lipsync_lang.coverage.report import BigramNeed, CoverageReport
@@ -122,10 +123,13 @@ def _figures(
     soon = ranking[: plan.affordable(minutes)]
     reached = soon[-1].reaches if soon else 0.0
     done = _authored(reports, weights)
+    is_all = not any(item.percent for item in ranking)
     return {
         "languages": tuple(dict.fromkeys(report.language for report in reports)),
         "needed": len(needed),
-        "authored": Authored(bigrams=len(needed) - len(ranking), percent=round(done, 4)),
+        "authored": Authored(
+            bigrams=len(needed) - len(ranking), percent=rounded(done, is_all=is_all)
+        ),
         "left": Left(bigrams=len(ranking), hours=round(len(ranking) * minutes / 60, 2)),
         "next_hour": NextHour(
             bigrams=tuple(item.bigram for item in soon),
@@ -155,8 +159,8 @@ def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) 
             WorkItem(
                 **piece._asdict(),
                 count=counts[piece],
-                percent=round(gains[piece], 4),
-                reaches=round(min(reached, 100.0), 4),
+                percent=rounded(gains[piece], is_all=False),
+                reaches=round(min(reached, WHOLE), 4),
                 languages=_names(report.language for report in serves[piece]),
                 characters=_names(report.character for report in serves[piece]),
             )
@@ -181,7 +185,7 @@ def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) ->
         heard[report.language] += report.occurrences
     whole = sum(weights[language] for language, number in heard.items() if number)
     return {
-        language: 100 * weights[language] / (whole * number) if number and whole else 0.0
+        language: WHOLE * weights[language] / (whole * number) if number and whole else 0.0
         for language, number in heard.items()
     }
 

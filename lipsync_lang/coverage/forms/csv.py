@@ -57,6 +57,11 @@ def _row(report: "CoverageReport", one: "BigramNeed", silence: str) -> tuple[obj
 
 
 def _cell(value: object) -> object:
-    """Quote text that a spreadsheet would calculate; numbers stay numbers."""
-    starts = isinstance(value, str) and value.startswith(FORMULA_STARTS)
-    return f"'{value}" if starts else value
+    """Quote text that a spreadsheet would calculate; numbers stay numbers.
+
+    A carriage return becomes a line feed: Python's writer does not quote it, and readers end a row.
+    """
+    if not isinstance(value, str):
+        return value
+    text = value.replace("\r\n", "\n").replace("\r", "\n")
+    return f"'{text}" if value.startswith(FORMULA_STARTS) else text

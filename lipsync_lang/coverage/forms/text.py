@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, TextIO
 from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 from lipsync_lang.coverage.forms.total_text import headline, total_lines
+from lipsync_lang.coverage.percentages import percentage_text, ranked_text
 from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def _matrix(reports: "Sequence[CoverageReport]") -> list[str]:
         (
             r.label,
             r.character,
-            f"{r.authored.percent:6.2f} %",
+            f"{percentage_text(r.authored.percent):>7}",
             f"{r.left.bigrams:4}",
             f"{r.left.hours:5.1f}",
         )
@@ -97,7 +98,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
         within = "an hour" if len(soon) < report.left.bigrams else f"{spent:g} minutes"
         yield (
             f"next: draw {_count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
-            f"{report.next_hour.percent:.1f} % of what is spoken:"
+            f"{percentage_text(report.next_hour.percent)} of what is spoken:"
         )
         yield (
             f"  lipsync-lang bank draft -l {report.language} -c {report.character} "
@@ -107,7 +108,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
         yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
     yield (
         f"authored: {report.authored.bigrams} of {_count(len(report.bigrams), 'bigram')}, "
-        f"{report.authored.percent:.1f} % of what is spoken; "
+        f"{percentage_text(report.authored.percent)} of what is spoken; "
         f"{_count(report.left.bigrams, 'bigram')} left, {report.left.hours:g} hours"
     )
 
@@ -120,8 +121,8 @@ def _table(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
             f"{rank:4}",
             one.bigram,
             f"{one.count:5}",
-            f"{one.percent:5.2f}",
-            f"{one.running:7.2f}",
+            f"{ranked_text(one.percent):>5}",
+            f"{ranked_text(one.running):>7}",
             one.layer,
             one.status or "unanswered",
             one.example,
@@ -213,8 +214,8 @@ def _script_change(change: "ScriptChange", *, several: bool) -> Iterator[str]:
 def _change(change: "ReportChange") -> Iterator[str]:
     before, now = change.percent
     yield (
-        f"{change.label} on {change.character}: {before:.1f} % to {now:.1f} % authored, "
-        f"{change.left[0]} to {change.left[1]} left"
+        f"{change.label} on {change.character}: {percentage_text(before)} to "
+        f"{percentage_text(now)} authored, {change.left[0]} to {change.left[1]} left"
     )
     for what, which in (
         ("authored", change.authored),

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from lipsync_lang.coverage.drafting import draft_calls
+from lipsync_lang.coverage.percentages import percentage_text, ranked_text
 from lipsync_lang.coverage.plan import affordable
 from lipsync_lang.text_table import columns
 
@@ -24,7 +25,7 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
     """
     yield (
         f"all reports together: {total.authored.bigrams} of {total.needed} bigrams, "
-        f"{total.authored.percent:.1f} % of what is spoken; shared work counts once"
+        f"{percentage_text(total.authored.percent)} of what is spoken; shared work counts once"
     )
     if not total.ranking:
         return
@@ -51,7 +52,7 @@ def headline(total: "TotalFigures") -> str:
     if not total.left.bigrams:
         return f"nothing is left to draw for {whom}"
     hour = len(total.next_hour.bigrams)
-    gain = f"; the first hour gives {total.next_hour.percent:.1f} %" if hour else ""
+    gain = f"; the first hour gives {percentage_text(total.next_hour.percent)}" if hour else ""
     drawn = "bigram" if total.left.bigrams == 1 else "bigrams"
     return f"{total.left.bigrams:,} {drawn}, {total.left.hours:g} hours for {whom}{gain}"
 
@@ -64,10 +65,10 @@ def _faces(total: "Total") -> list[tuple[str, ...]]:
         (
             face.character,
             face.poseset,
-            f"{face.authored.percent:6.2f} %",
+            f"{percentage_text(face.authored.percent):>7}",
             f"{face.left.bigrams:4}",
             f"{face.left.hours:5.1f}",
-            f"{face.next_hour.percent:8.2f} %",
+            f"{percentage_text(face.next_hour.percent):>10}",
         )
         for face in total.faces
     ]
@@ -92,8 +93,8 @@ def _ranking(total: "Total", items: "Sequence[WorkItem]") -> list[tuple[str, ...
             f"{rank:4}",
             item.bigram,
             *([item.poseset] if several else []),
-            f"{item.percent:6.2f}",
-            f"{item.reaches:6.2f}",
+            f"{ranked_text(item.percent):>6}",
+            f"{ranked_text(item.reaches):>6}",
             f"{item.count:5}",
             serves(item, total),
         )

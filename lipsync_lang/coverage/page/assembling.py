@@ -18,6 +18,7 @@ from lipsync_lang.coverage.page import charts, wording
 from lipsync_lang.coverage.page.report_view import ReportView
 from lipsync_lang.coverage.page.states import LAYERS, STATUSES, States, status
 from lipsync_lang.coverage.page.wording import count, folder, listed
+from lipsync_lang.coverage.percentages import ranked_text
 
 TITLE = "What to draw next"
 MOST_ITEMS, MOST_NAMES = 60, 8
@@ -126,6 +127,7 @@ def _environment() -> Environment:
     environment.filters["commas"] = "{:,}".format
     environment.globals |= {
         "percent": wording.percent,
+        "ranked_text": ranked_text,
         "hours": wording.hours,
         "count": count,
         "status": status,

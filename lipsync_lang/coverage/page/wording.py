@@ -1,27 +1,20 @@
-"""Numbers and lists in the words of the page.
-
-A no-break space stands between number and unit. Percentages are rounded down, so that 100 % means
-all.
-"""
+"""Numbers and lists in the words of the page; a no-break space stands between number and unit."""
 
 from collections.abc import Iterable, Sequence
-from math import floor
 from os.path import commonprefix
+
+from lipsync_lang.coverage.percentages import percentage_text
 
 NBSP = "\N{NO-BREAK SPACE}"
 MAX_NAMES = 3
 """Names in a list before the rest is counted."""
 
-WHOLE, FINE, TENTHS = 100, 99, 10
+TENTHS = 10
 
 
 def percent(share: float) -> str:
-    """Write a percentage: `7.3 %`, `31 %`, `99.9 %`."""
-    if share >= WHOLE:
-        return f"100{NBSP}%"
-    fine = share > FINE or 0 < share < TENTHS
-    number = f"{floor(share * 10) / 10:.1f}".removesuffix(".0") if fine else f"{floor(share)}"
-    return f"{'under 0.1' if fine and number == '0' else number}{NBSP}%"
+    """Write a percentage."""
+    return percentage_text(share, NBSP)
 
 
 def hours(time: float) -> str:

@@ -163,7 +163,6 @@ export class CoverageView {
     this.covered.hidden = !report;
     if (!report) return;
     const { status, occurrences, authored, left, next_hour, kinds } = report;
-    const percent = (/** @type {number} */ one) => `${one.toLocaleString(undefined, { maximumFractionDigits: 1 })} %`;
     const shown = /** @type {(keyof STATUSES)[]} */ (Object.keys(STATUSES)).filter((one) => status[one]);
     const bars = shown.map((one) => {
       const bar = made("i", { class: one, title: `${STATUSES[one]}: ${percent((100 * status[one][1]) / occurrences)} of the speech` });
@@ -242,6 +241,13 @@ export class CoverageView {
     });
     return box;
   }
+}
+
+/** @param {number} share @returns {string} as in reports: 100 % is all, and 0 % is nothing */
+function percent(share) {
+  if (share > 0 && share < 0.05) return "under 0.1 %";
+  const shown = share > 0 && share < 100 ? Math.min(share, 99.9) : share;
+  return `${shown.toLocaleString(undefined, { minimumFractionDigits: shown % 100 ? 1 : 0, maximumFractionDigits: 1 })} %`;
 }
 
 /** @param {string} name @returns {string} what this browser keeps */
