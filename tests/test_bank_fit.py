@@ -238,7 +238,7 @@ def test_levels_at_rest_are_taken_away_and_told():
     fits = [fit_captures(pair, performer, some) for some in (lines, high)]
     assert rms(fits[0].values.weights - fits[1].values.weights) < 0.01
     (told,) = [one for one in fits[1].proposal.remarks if "at rest" in one]
-    assert told == "weights at rest that were taken away: open 0.12"
+    assert told == "weights at rest that were subtracted: open 0.12"
     free = [replace(line, free=True) for line in high]
     assert without_rest(performer, free) == free
 
@@ -266,7 +266,7 @@ def test_nothing_to_fit_to_says_why():
     with pytest.raises(LipsyncError, match="no capture can be used"):
         fit_captures(pair, performer, [])
     empty = [replace(line, values=np.full_like(line.values, np.nan)) for line in lines]
-    with pytest.raises(LipsyncError, match="show nothing while somebody speaks"):
+    with pytest.raises(LipsyncError, match="have no motion during the speech"):
         fit_captures(pair, performer, empty)
 
 
@@ -363,7 +363,7 @@ def test_the_command_writes_a_proposal_and_tells_it(tmp_path, monkeypatch, capsy
     assert "generalises" in page
     assert main([*arguments, "-o", "same", "--page", "same"]) == 2
     assert "same: the proposal and the page need different files" in capsys.readouterr().err
-    assert "accepted: on lines that the fit did not see" in told.out
+    assert "accepted: on held-out lines" in told.out
     assert "bank accept fit.json" in told.err
     proposal = read_fit(tmp_path / "fit.json")
     assert proposal.poseset == "facefx"
@@ -380,7 +380,7 @@ def test_the_command_refuses_with_exit_code_1(tmp_path, monkeypatch, capsys):
     _, _, truth, said, lines = example(lines=4, jitter=0.0)
     save(tmp_path / "captures", lines[:1], truth, said[:1])
     assert main(["bank", "fit", "captures", "-l", "english", "-c", "facefx"]) == 1
-    assert "REFUSED: one line alone" in capsys.readouterr().out
+    assert "REFUSED: a single line" in capsys.readouterr().out
 
 
 def test_the_command_says_what_no_capture_can_be_used_for(tmp_path, monkeypatch, capsys):

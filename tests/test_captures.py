@@ -113,7 +113,7 @@ def test_missing_columns_are_left_out_and_named_never_taken_for_rest(performer, 
     line = only(read_captures(performer, tmp_path))
     assert not {"open", "W"} & set(line.signals)
     assert line.values.shape[1] == line.gains.shape[0] == len(performer.poses) - 2
-    assert any("has nothing for open, W; they are not fitted" in told for told in line.remarks)
+    assert any("has no column for open, W; these are not fitted" in told for told in line.remarks)
 
 
 def test_percent_are_told(performer, tmp_path):
@@ -192,7 +192,7 @@ def test_a_stated_rate_that_the_times_deny_sets_a_capture_aside(performer, tmp_p
     take(tmp_path)
     (tmp_path / "lines.csv").write_text("capture,fps\ntake.csv,30\n")
     told = why(read_captures(performer, tmp_path))
-    assert "its times run at 60 frames per second, but 30 are stated" in told
+    assert "its times have 60 frames per second, but the list states 30" in told
 
 
 def test_text_and_sound_are_aligned(performer, tmp_path):
@@ -229,7 +229,7 @@ def test_a_few_unknown_labels_are_silence_and_named_many_are_refused(performer, 
     timed(tmp_path, [*sounds, ("?!", 1.2, 1.3)])
     line = only(read_captures(performer, tmp_path, notation="arpabet"))
     assert line.schedule.labels[-1] == "_"
-    assert any("labels unknown to english, taken for silence: ?!" in one for one in line.remarks)
+    assert any("labels unknown to english, read as silence: ?!" in one for one in line.remarks)
     timed(tmp_path, [*sounds[:4], ("?!", 0.4, 0.5)])
     told = why(read_captures(performer, tmp_path, notation="arpabet"))
     assert "1 of 5 labels are unknown to english: ?!" in told
@@ -256,7 +256,7 @@ def test_a_last_sound_that_runs_into_silence_is_cut(performer, tmp_path):
 def test_timings_of_silence_alone_are_set_aside(performer, tmp_path):
     take(tmp_path)
     timed(tmp_path, [("sil", 0, 180)])
-    assert "has no sound, only silence" in why(read_captures(performer, tmp_path))
+    assert "has only silence" in why(read_captures(performer, tmp_path))
 
 
 # Sensors
@@ -290,7 +290,7 @@ def test_the_read_out_of_a_folder_holds_below_and_a_stated_one_wins(performer, c
     other.write_text("kind: readout\nformat: 1\nname: other\nmeasures: {aperture: {up: 1}}\n")
     assert only(read_captures(performer, coils, readout=other)).signals == ("aperture",)
     told = why(read_captures(performer, coils / "deep"))
-    assert "a table of sensors needs a read-out" in told, "none is looked for above the folder"
+    assert "for a table of sensors, give a read-out" in told, "none is looked for above the folder"
 
 
 def test_measures_without_a_column_or_a_pose_set_are_left_out_and_named(performer, coils):
@@ -301,12 +301,12 @@ def test_measures_without_a_column_or_a_pose_set_are_left_out_and_named(performe
     )
     line = only(read_captures(performer, coils))
     assert line.signals == ("aperture",)
-    assert any("has no column 'gone' for 'protrusion'" in told for told in line.remarks)
+    assert any("has no column 'gone', so measure 'protrusion'" in told for told in line.remarks)
     (coils / "readout.yaml").write_text(READ_OUT.replace("protrusion", "warmth"))
     line = only(read_captures(performer, coils))
-    assert any("facefx has no measure warmth; left out" in told for told in line.remarks)
+    assert any("facefx has no measure warmth; these are left out" in told for told in line.remarks)
     (coils / "readout.yaml").write_text("kind: readout\nformat: 1\nmeasures: {warmth: {up: 1}}\n")
-    assert "its read-out tells warmth" in why(read_captures(performer, coils))
+    assert "its read-out has warmth" in why(read_captures(performer, coils))
 
 
 @pytest.mark.parametrize(
@@ -332,7 +332,7 @@ def test_an_unsound_read_out_is_told_with_its_place(tmp_path, old, new, told):
     ("content", "told"),
     [
         ("", "is empty"),
-        ("time_s,up\n", "has 0 samples"),
+        ("time_s,up\n", "has only 0 samples"),
         ("time_s,up,low\n0,1,1\n0,2,2\n", "its time does not rise"),
         ("time_s,up,low\n0,1,1\n0.1,x,2\n", "'x' is not a number"),
         ("time_s,up,low\n,1,1\n0.1,1,2\n", "a time is not a number"),
@@ -366,7 +366,7 @@ def test_faulty_captures_are_set_aside_and_the_others_read(
     (aside,) = captures.set_aside
     assert aside.line == "take"
     assert told in aside.why
-    assert ("needs a read-out" in aside.why) == content.startswith(b"time_s")
+    assert ("give a read-out" in aside.why) == content.startswith(b"time_s")
 
 
 def test_missing_paths_and_empty_folders_are_told(performer, tmp_path):

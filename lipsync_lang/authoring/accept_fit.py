@@ -109,7 +109,7 @@ def _refusal(proposal: "FitProposal") -> str:
     folds += [f"\n  and {more} more"] * (more > 0)
     why = f": {verdict.why}" if verdict.why else ""
     return (
-        f"the fit does not generalise to other lines{why}{''.join(folds)}\n"
+        f"the fit does not generalise to held-out lines{why}{''.join(folds)}\n"
         "  capture more lines, or accept the fit with --anyway"
     )
 

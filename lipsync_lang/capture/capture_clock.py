@@ -1,8 +1,9 @@
-"""Clocks of captures: how well motion follows phonemes, and at which offset and speed.
+"""Clocks of captures: likeness of motion and phonemes, with the best offset and speed.
 
 The curves that a performer gives to the phonemes are compared with the recorded motion, at offsets
-and speeds of the recorded clock. Timings of another line are told by chance: the same line with its
-phonemes shuffled shows how alike motion and curves are without being of the same words.
+and speeds of the recorded clock. A comparison with chance
+exposes the timings of another line: the same line with shuffled phonemes shows the likeness of
+motion and curves that belong to different words.
 
 Conventions: T frames at `CLOCK_FPS`, S signals; times are seconds. A likeness is a mean Pearson r
 over the signals, weighted by how much the curves move each.
@@ -27,66 +28,66 @@ CLOCK_FPS = 50.0
 """Frames per second of the comparison."""
 
 EDGE_SECONDS = 0.15
-"""Seconds before the first sound and after the last that are compared."""
+"""Seconds before the first sound and after the last sound in the comparison."""
 
 PAUSE_SECONDS = 0.5
-"""Seconds of a pause that are compared on either side of it."""
+"""Seconds at each end of a pause in the comparison."""
 
 FAR_SECONDS = 1.5
-"""Largest offset that is tried."""
+"""Largest offset in the search."""
 
 NEAR_SECONDS = 0.25
 """Largest offset that can be corrected."""
 
 DRIFT_SECONDS = 0.4
-"""Largest drift that is tried, from the middle of the speech to its ends."""
+"""Largest drift in the search, from the middle of the speech to its ends."""
 
 STEP_SECONDS = 0.04
 """Steps of the search for a drift."""
 
 AROUND_SECONDS: Floats = np.arange(-3.0, 4.0) * STEP_SECONDS
-"""Offsets that are tried with every drift and speed."""
+"""Number of offsets in the search with every drift and speed."""
 
 SHUFFLES = 10
-"""Shuffled lines that show what chance gives."""
+"""Number of shuffled lines for the estimate of chance."""
 
 LEAST_SPREAD = 0.05
-"""Standard deviation of likenesses by chance, at least."""
+"""Minimum standard deviation of likenesses by chance."""
 
 SPEEDS = (1 / 2, 24 / 30, 24 / 25, 25 / 24, 25 / 30, 30 / 25, 30 / 24, 48 / 60, 60 / 50, 2)
-"""Speeds of a clock whose frame rate was taken for another."""
+"""Speeds of a clock with a mistaken frame rate."""
 
 APART_SECONDS = 0.12
-"""Seconds between two offsets that are not the same peak: the time of a sound and a half."""
+"""Minimum distance in seconds of separate peaks: the time of a sound and a half."""
 
 LEAST_KNOWN = 0.5
-"""Share of the speech in which a signal must be recorded."""
+"""Minimum share of the speech in which a signal is recorded."""
 
 MAX_VALUES = 2_000_000
-"""Values that are compared at once."""
+"""Maximum number of values in one comparison."""
 
 STILL = 1e-6
-"""Size of a signal's motion below which it stands still."""
+"""Minimum size of a signal's motion; smaller signals count as still."""
 
 
 class ClockReading(NamedTuple):
-    """The clock of a capture, as the comparison shows it."""
+    """The clock of a capture according to the comparison."""
 
     likeness: float
-    """Likeness as the files lie, without any correction."""
+    """Likeness without any correction."""
     near: float
     """Best likeness at an offset of `NEAR_SECONDS` at most."""
     offset: float
-    """Seconds by which the motion comes late there."""
+    """Delay of the motion at that offset, in seconds."""
     rival: float
     """Best likeness at another near offset."""
     far: float
     """Best likeness at a larger offset."""
     far_offset: float
     drifting: float
-    """Best likeness at a drift."""
+    """Best likeness with a drift."""
     drift: float
-    """Seconds by which the clock loses over the speech there; below zero it gains."""
+    """Seconds that the clock loses over the speech at that drift; negative if it gains."""
     chance: float
     """Mean likeness of shuffled lines, each at its best near offset."""
     spread: float
@@ -95,7 +96,7 @@ class ClockReading(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ComparedMotion:
-    """The recorded motion of a line beside curves for its times: its own first, then shuffled ones.
+    """The recorded motion of a line, with curves for its times: its own, then shuffled ones.
 
     Conventions: K curves, L clocks.
     """
@@ -109,11 +110,11 @@ class ComparedMotion:
     def likenesses(
         self, offsets: Sequence[float], drifts: Sequence[float] = (), speeds: Sequence[float] = ()
     ) -> Floats:
-        """Return how alike curves and motion are by each clock, from -1 to 1: (L, K).
+        """Return the likeness of curves and motion with each clock, from -1 to 1: (L, K).
 
         Parameters
         ----------
-        offsets : (L,) seconds by which the motion comes late
+        offsets : (L,) delays of the motion in seconds
         drifts : (L,) seconds that the clock loses from the first frame to the last; empty for none
         speeds : (L,) speeds of the clock from its zero; empty for 1
         """
@@ -125,7 +126,7 @@ class ComparedMotion:
         return np.concatenate([self._likenesses(part) for part in parts])
 
     def signals(self) -> Floats:
-        """Return r of each signal with its own curve, as the files lie: (S,)."""
+        """Return r of each signal with its own curve, without correction: (S,)."""
         found: Floats = self._correlations(np.array([[0.0, 0.0, 1.0]]))[0][0, 0]
         return found
 
@@ -136,7 +137,7 @@ class ComparedMotion:
         return found
 
     def _correlations(self, clocks: Floats) -> tuple[Floats, Floats]:
-        """Return r of each signal, and its weight: (L, K, S) each; 0 where either is still."""
+        """Return r and weight of each signal: (L, K, S) each; 0 if the signal or curve is still."""
         recorded = self._recorded(clocks)
         known = np.isfinite(recorded)
         counts = np.maximum(known.sum(axis=1), 1)
@@ -153,7 +154,7 @@ class ComparedMotion:
         return each, np.where(enough & (shown_size > STILL), shown_size, 0.0)
 
     def _recorded(self, clocks: Floats) -> Floats:
-        """Return the recorded values by each clock: (L, T, S)."""
+        """Return the recorded values with each clock: (L, T, S)."""
         middle = (self.times[0] + self.times[-1]) / 2
         along = (self.times - middle) / max(self.times[-1] - self.times[0], 1e-9)
         offset, drift, speed = clocks.T[..., None]
@@ -175,7 +176,7 @@ class ComparedMotion:
 
 
 def _sampled(line: "CapturedLine") -> Floats:
-    """Return the values of a line at an even rate from its first time on; NaN where lost."""
+    """Return the values of a line at an even rate from its first time on; lost values are NaN."""
     times = np.arange(line.times[0], line.times[-1] + 0.5 / CLOCK_FPS, 1 / CLOCK_FPS)
     out = np.full((len(times), len(line.signals)), np.nan)
     for number, values in enumerate(line.values.T):
@@ -190,7 +191,7 @@ def _sampled(line: "CapturedLine") -> Floats:
 def compared(
     performer: "Performer", line: "CapturedLine", schedules: "Sequence[Schedule]"
 ) -> ComparedMotion:
-    """Lay the curves of schedules with the same times beside the motion of a line."""
+    """Combine the motion of a line with the curves of schedules with the same times."""
     times = _near_sounds(performer, schedules[0])
     shown = []
     for animation in performer.perform_many(schedules, fps=CLOCK_FPS, intensity=None):
@@ -200,7 +201,7 @@ def compared(
 
 
 def _near_sounds(performer: "Performer", schedule: "Schedule") -> Floats:
-    """Return the frames of the sounds, and of the pauses beside them; long pauses tell nothing."""
+    """Return the frames of sounds and of pauses near them; long pauses are left out."""
     start, end = spoken_span(performer, schedule)
     times = np.arange(start - EDGE_SECONDS, end + EDGE_SECONDS, 1 / CLOCK_FPS)
     sounds = sounds_of(performer, schedule)
@@ -221,7 +222,7 @@ def spoken_span(performer: "Performer", schedule: "Schedule") -> tuple[float, fl
 
 
 def sounds_of(performer: "Performer", schedule: "Schedule") -> Ints:
-    """Return the numbers of the labels that are sounds."""
+    """Return the indices of the labels other than silence."""
     ids, _, source = performer.common_phonemes(schedule)
     found: Ints = np.unique(source[(ids != performer.compiled.tables.silence) & (source >= 0)])
     return found
@@ -256,7 +257,7 @@ def read_clock(performer: "Performer", line: "CapturedLine") -> tuple[ClockReadi
 
 
 def _shuffles(performer: "Performer", line: "CapturedLine") -> "list[Schedule]":
-    """Return the schedule with its sounds in other orders, at the same times."""
+    """Return copies of the schedule with its sounds shuffled, at the same times."""
     places = sounds_of(performer, line.schedule).tolist()
     out = []
     for seed in range(SHUFFLES):
@@ -269,7 +270,7 @@ def _shuffles(performer: "Performer", line: "CapturedLine") -> "list[Schedule]":
 
 
 def _drift(motion: ComparedMotion, offset: float) -> tuple[float, float]:
-    """Return the best likeness at a drift, and that drift over the speech."""
+    """Return the best likeness with a drift, and that drift over the speech."""
     drifts = np.arange(-2 * DRIFT_SECONDS, 2 * DRIFT_SECONDS + 1e-9, 2 * STEP_SECONDS)
     late, drift = _every(offset + AROUND_SECONDS, drifts)
     alike = motion.likenesses(late, drift)[:, 0]
@@ -278,13 +279,13 @@ def _drift(motion: ComparedMotion, offset: float) -> tuple[float, float]:
 
 
 def best_speed(motion: ComparedMotion) -> tuple[float, float]:
-    """Return the best likeness at a speed of the clock, and that speed."""
+    """Return the best likeness with another speed of the clock, and that speed."""
     late, speeds = _every(AROUND_SECONDS, np.array(SPEEDS))
     alike = motion.likenesses(late, speeds=speeds)[:, 0]
     return max(zip(alike.tolist(), speeds, strict=True))
 
 
 def _every(one: Floats, other: Floats) -> tuple[list[float], list[float]]:
-    """Return each value of one with each of the other."""
+    """Return all pairs of values of two arrays."""
     first, second = np.meshgrid(one, other)
     return first.ravel().tolist(), second.ravel().tolist()

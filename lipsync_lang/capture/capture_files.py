@@ -1,7 +1,7 @@
-"""Files of captures: which there are, and which timings, texts and sounds belong to each.
+"""Files of captures, with the timings, texts and sounds that belong to each.
 
 The files of a capture NAME lie side by side: `NAME.csv`, `NAME.TextGrid` or `NAME.phones.tsv`, or
-`NAME.txt` and `NAME.wav`. A table with a column `capture` states them instead, a row for each.
+`NAME.txt` and `NAME.wav`. A table with a column `capture` can list them instead.
 """
 
 import os
@@ -23,22 +23,22 @@ from lipsync_lang.lines.table import cell, open_table
 from lipsync_lang.lines.timings import SUFFIXES, is_timed
 
 SOUNDS = (".wav", ".flac", ".ogg", ".mp3")
-"""Suffixes of sounds beside a capture, likeliest first."""
+"""Suffixes of sounds beside a capture, the most likely first."""
 
 TEXTS = (".txt", ".lab")
-"""Suffixes of texts beside a capture, likeliest first."""
+"""Suffixes of texts beside a capture, the most likely first."""
 
 READ_OUT = "readout.yaml"
-"""Name of a read-out that holds for the captures in its folder and below."""
+"""File name of a read-out for the captures in its folder and below."""
 
 MAX_CAPTURES = 20_000
-"""Captures of a fit; more are refused."""
+"""Maximum number of captures in a fit."""
 
 HEAD_BYTES = 4096
-"""Bytes that tell a list of captures and a file of curves from other files."""
+"""Number of first bytes that identify a list of captures or a file of curves."""
 
 COLUMNS = ("capture", "timings", "text", "audio", "speaker", "start", "fps")
-"""Columns of a list of captures; only the first must be there."""
+"""Columns of a list of captures; only the first is required."""
 
 
 @dataclass(frozen=True)
@@ -47,22 +47,22 @@ class CaptureFiles:
 
     capture: Path
     name: str
-    """The path below the searched folder, without suffix."""
+    """The path relative to the searched folder, without suffix."""
     timings: Path | None = None
     text: str | Path | None = None
-    """The spoken text, or a file of it."""
+    """The spoken text, or a text file."""
     audio: Path | None = None
     speaker: str = ""
     start: float = 0.0
-    """Seconds on the clock of the timings at which the clock of the capture is zero."""
+    """Start of the capture in seconds, on the clock of the timings."""
     fps: float | None = None
-    """Frames per second as stated beside the capture."""
+    """Frames per second as stated in the list."""
     readout: Path | None = None
     """The read-out of its folder."""
 
 
 class FoundCaptures(NamedTuple):
-    """Captures found, and those that cannot be used."""
+    """Captures found, and captures that cannot be used."""
 
     files: tuple[CaptureFiles, ...]
     set_aside: tuple[SetAside, ...]
@@ -76,7 +76,7 @@ def find_captures(
     Parameters
     ----------
     paths : files and folders, one or several
-    speaker : pattern of names that tells the speaker, such as `{speaker}_*`, or of paths below the
+    speaker : pattern of names with the speaker, such as `{speaker}_*`, or of paths below the
         folder, such as `*/{speaker}/*`. By default the first folder below the searched one
 
     Raises
@@ -93,7 +93,7 @@ def find_captures(
         for one in _below(path, aside) if path.is_dir() else _named(path, aside):
             found.setdefault(os.path.realpath(one.capture), one)
         if len(found) > MAX_CAPTURES:
-            raise LipsyncError(f"{path}: holds more than {MAX_CAPTURES} captures; give a part")
+            raise LipsyncError(f"{path}: holds more than {MAX_CAPTURES} captures; give fewer")
     if not found and not aside:
         raise LipsyncError(
             f"no captures in {_listed(paths)}; known: {', '.join(READERS.suffixes())}"
@@ -107,12 +107,11 @@ def _listed(paths: str | Path | Iterable[str | Path]) -> str:
 
 
 def _pattern(text: str) -> re.Pattern[str]:
-    """Return a pattern of paths as an expression; `*` is any text, `{speaker}` the speaker."""
+    """Return the regular expression of a pattern: `*` is any text, `{speaker}` the speaker."""
     before, mark, after = text.partition("{speaker}")
     if not mark or text.count("*") > 4 or "{speaker}" in after:  # noqa: PLR2004 few, so that matching is quick
         raise LipsyncError(
-            f"{text}: a pattern has `{{speaker}}` once and `*` four times at most, as in "
-            "`{speaker}_*`"
+            f"{text}: a pattern has `{{speaker}}` once and at most four `*`, as in `{{speaker}}_*`"
         )
     parts = (".*".join(map(re.escape, part.split("*"))) for part in (before, after))
     return re.compile("([^/]+?)".join(parts))
@@ -126,7 +125,7 @@ def _with_speaker(one: CaptureFiles, pattern: re.Pattern[str] | None) -> Capture
 
 
 def _uniquely_named(found: Sequence[CaptureFiles]) -> Iterator[CaptureFiles]:
-    """Yield captures under names of their own; of the same name, the suffix tells them apart."""
+    """Yield captures with unique names; suffixes distinguish equal names."""
     counts = Counter(one.name for one in found)
     seen: Counter[str] = Counter()
     for one in found:
@@ -145,7 +144,7 @@ def _named(path: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
 
 
 def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
-    """Yield the captures below a folder in order; those that a table lists come with its words."""
+    """Yield the captures below a folder in order, with the fields of the tables that list them."""
     stated: dict[str, CaptureFiles] = {}
     beside: list[CaptureFiles] = []
     for at, folders, names in os.walk(root):
@@ -160,7 +159,7 @@ def _below(root: Path, aside: list[SetAside]) -> Iterator[CaptureFiles]:
             elif folder.is_capture(path):
                 beside.append(folder.files_of(path, root))
         if len(beside) > MAX_CAPTURES:
-            raise LipsyncError(f"{root}: holds more than {MAX_CAPTURES} captures; give a part")
+            raise LipsyncError(f"{root}: holds more than {MAX_CAPTURES} captures; give fewer")
     yield from stated.values()
     yield from (one for one in beside if os.path.realpath(one.capture) not in stated)
 
@@ -174,7 +173,7 @@ def _head(path: Path) -> str:
 
 
 def _lists_captures(path: Path) -> bool:
-    """Tell a table with a column `capture` from other files."""
+    """Test a file for a table with a column `capture`."""
     if path.suffix.lower() not in {".csv", ".tsv"}:
         return False
     first = _head(path).partition("\n")[0]
@@ -206,7 +205,7 @@ def _row(path: Path, cells: dict[str, str], folder: "_Neighbours", root: Path) -
     files = {what: _inside(path.parent, cells[what]) for what in COLUMNS[:2] if cells.get(what)}
     audio = _inside(path.parent, cells["audio"]) if cells.get("audio") else None
     if COLUMNS[0] not in files:
-        raise LipsyncError("names no capture; fill its first column")
+        raise LipsyncError("the first column is empty; write the capture there")
     one = folder.files_of(files[COLUMNS[0]], root)
     if cells.get("text") or "timings" in files:
         one = replace(one, timings=files.get("timings"), text=cells.get("text") or None)
@@ -220,7 +219,7 @@ def _row(path: Path, cells: dict[str, str], folder: "_Neighbours", root: Path) -
 
 
 def _inside(folder: Path, name: str) -> Path:
-    """Return a file below the folder of its list."""
+    """Return a listed file, which must be below the folder of the list."""
     path = folder / name
     if Path(name).is_absolute() or ".." in Path(name).parts:
         raise LipsyncError(f"'{name}' is outside the folder of the list; move the file into it")
@@ -242,12 +241,12 @@ def _number(cells: dict[str, str], what: str, usual: float | None) -> float:
     except ValueError:
         number = float("nan")
     if not abs(number) < 86_400 or (what == "fps" and number <= 0):  # noqa: PLR2004 a day
-        raise LipsyncError(f"`{what}` is '{text[:20]}'; write a number, with a point")
+        raise LipsyncError(f"`{what}` is '{text[:20]}'; write a number, such as 2.5")
     return number
 
 
 class _Neighbours:
-    """The files of a folder, by the name that they share with a capture."""
+    """The files of a folder, by the name that captures and their neighbours share."""
 
     def __init__(self, folder: Path, names: Iterable[str] | None = None) -> None:
         self.folder = folder
@@ -264,7 +263,7 @@ class _Neighbours:
         self._shared = {base for base, count in captures.items() if count > 1}
 
     def is_capture(self, path: Path) -> bool:
-        """Tell captures from timings, by their content."""
+        """Distinguish captures from timings by their content."""
         if path.name not in self._captures:
             self._captures[path.name] = self._holds_motion(path)
         return self._captures[path.name]
@@ -278,7 +277,7 @@ class _Neighbours:
         return path.suffix.lower() not in SUFFIXES or not is_timed(LineFile(path, lambda _: None))
 
     def files_of(self, capture: Path, root: Path) -> CaptureFiles:
-        """Return a capture with its neighbours; a full stem comes before the name up to a dot."""
+        """Return a capture with its neighbours; the full stem precedes the name up to a dot."""
         stem = capture.name.rpartition(".")[0] or capture.name
         base = stem.partition(".")[0]
         keys = [stem] if folded_name(base) in self._shared else list(dict.fromkeys((stem, base)))

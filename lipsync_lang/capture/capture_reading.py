@@ -1,6 +1,6 @@
-"""Reading of captures: files become lines of signals with their phonemes.
+"""Readers of captures: lines of signals with their phonemes, from files.
 
-A file that cannot be read is set aside with the reason; the others are read all the same.
+An unreadable file is set aside with the reason, and the other files are still read.
 """
 
 from collections.abc import Callable, Iterable
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 FPS_TOLERANCE = 0.01
-"""Share by which a stated frame rate may differ from that of the times."""
+"""Maximum relative difference of the stated frame rate from that of the times."""
 
 
 class Captures(NamedTuple):
@@ -51,13 +51,13 @@ def read_captures(  # noqa: PLR0913 each says one thing that the files may not
 
     Parameters
     ----------
-    performer : whose poses, rig channels and measures the signals are, and whose language is read
+    performer : defines poses, rig channels, measures and the language of the timings
     paths : files and folders; `find_captures` says which files belong to a capture
-    readout : the read-out of tables of sensors; by default `readout.yaml` in their folder or above
-    speaker : pattern of paths that tells the speaker, such as `{speaker}_*`
-    aligner : another aligner than the language's, for captures with text and sound
-    notation : of the timings; None for what the read-out or the language tells
-    progress : called with the number of captures read, and of all
+    readout : read-out of sensor tables; by default `readout.yaml` in their folder or above
+    speaker : pattern of paths with the speaker, such as `{speaker}_*`
+    aligner : aligner for captures with text and sound; by default the language's
+    notation : notation of the timings; None for that of the read-out or the language
+    progress : called with the numbers of captures read and of all captures
 
     Raises
     ------
@@ -120,17 +120,17 @@ def _line(
 
 
 def _check_rate(files: CaptureFiles, times: Floats) -> None:
-    """Refuse a capture whose times are not at the stated rate."""
+    """Raise an error for a capture whose times do not have the stated rate."""
     fps = (len(times) - 1) / float(times[-1] - times[0])
     if files.fps is not None and abs(fps / files.fps - 1) > FPS_TOLERANCE:
         raise AnimationError(
-            f"{files.capture}: its times run at {fps:.4g} frames per second, but {files.fps:g} are "
-            "stated; one of the two is wrong, so its clock cannot be trusted"
+            f"{files.capture}: its times have {fps:.4g} frames per second, but the list states "
+            f"{files.fps:g}; correct the wrong one"
         )
 
 
 def _motion(performer: "Performer", files: CaptureFiles, readout: "ReadOut | None") -> _Moving:
-    """Read the motion: of sensors if a read-out knows the columns, else of poses or channels."""
+    """Read the motion of sensors if a read-out has the columns, or else of poses or channels."""
     may_be_sensors = _may_be_sensors(files.capture)
     if readout is not None and may_be_sensors:
         sensed = read_sensors(files.capture, readout)
@@ -141,11 +141,11 @@ def _motion(performer: "Performer", files: CaptureFiles, readout: "ReadOut | Non
     except AnimationError as error:
         if readout is not None or not may_be_sensors:
             raise
-        raise AnimationError(f"{error} (a table of sensors needs a read-out)") from None
+        raise AnimationError(f"{error} (for a table of sensors, give a read-out)") from None
 
 
 def _may_be_sensors(path: Path) -> bool:
-    """Tell tables of any columns from takes of Live Link Face and from other formats."""
+    """Distinguish tables of any columns from takes of Live Link Face and from other formats."""
     if path.suffix.lower() != ".csv":
         return False
     with path.open("rb") as stream:
@@ -158,8 +158,8 @@ def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Mov
     used = [at for at, name in enumerate(sensed.measures) if name in known]
     if not used:
         raise AnimationError(
-            f"{path}: its read-out tells {some_names(sensed.measures)}, but {performer.character} "
-            f"has the measures {some_names(known) or 'none'}; name those in the read-out"
+            f"{path}: its read-out has {some_names(sensed.measures)}, but the measures of "
+            f"{performer.character} are {some_names(known) or 'none'}; use these in the read-out"
         )
     signals = tuple(sensed.measures[at] for at in used)
     gains = np.array([[known[s].get(pose, 0.0) for pose in performer.poses] for s in signals])
@@ -171,7 +171,7 @@ def _measured(performer: "Performer", path: Path, sensed: SensorSignals) -> _Mov
     remarks = list(sensed.remarks)
     if other:
         remarks.append(
-            f"{path}: {performer.character} has no measure {some_names(other)}; left out"
+            f"{path}: {performer.character} has no measure {some_names(other)}; these are left out"
         )
     return _Moving(times, signals, values, gains, free=True, remarks=tuple(remarks))
 
@@ -187,13 +187,13 @@ def _resampled(times: Floats, old: Floats, values: Floats) -> Floats:
 
 
 def _weighted(performer: "Performer", recording: Recording) -> _Moving:
-    """Return the poses or rig channels of an animation; those without a column are left out."""
+    """Return the recorded poses or rig channels of an animation."""
     found = placed_columns(recording, performer)
     names = [found.face[number].name for number in found.numbers.tolist()]
     gains = found.gains[found.numbers]
     remarks = found.remarks
     if found.missing:
-        told = f"has nothing for {some_names(found.missing)}; they are not fitted"
+        told = f"has no column for {some_names(found.missing)}; these are not fitted"
         remarks += (f"{recording.source}: {told}",)
     deaf = ~gains.any(axis=1)
     if deaf.all():
@@ -212,7 +212,7 @@ def _weighted(performer: "Performer", recording: Recording) -> _Moving:
 
 
 class _ReadOuts:
-    """Read-outs by their file; each is read once."""
+    """Cache of read-outs by file."""
 
     def __init__(self, performer: "Performer", stated: Path | None) -> None:
         self._performer = performer
@@ -220,7 +220,7 @@ class _ReadOuts:
         self._load = cache(load_readout)
 
     def of(self, files: CaptureFiles) -> "ReadOut | None":
-        """Return the read-out of a capture: the stated one, or that of its folder."""
+        """Return the read-out of a capture: the given one, or that of its folder."""
         if self._stated is not None or files.readout is None:
             return self._stated
         return self._load(files.readout)

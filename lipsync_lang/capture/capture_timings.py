@@ -1,4 +1,4 @@
-"""Timings of captures: read from files beside them, or found in their sound."""
+"""Timings of captures, from files beside them or by alignment with their sound."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 LONG_LAST_SECONDS = 0.5
-"""A longer last sound runs on into silence."""
+"""Maximum length of a last sound; a longer one includes silence."""
 
 LAST_SECONDS = 0.1
-"""Length that such a sound keeps."""
+"""Length to which such a sound is shortened."""
 
 MAX_UNKNOWN_SHARE = 0.1
-"""Share of the labels that may be unknown to the language, and are taken for silence."""
+"""Maximum share of labels unknown to the language, which are read as silence."""
 
 MAX_TEXT_BYTES = 2**20
-"""Largest text of a capture."""
+"""Maximum size of the text of a capture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class CaptureTimings:
         readout: "ReadOut | None",
         spoken: "Schedule | LipsyncError | None",
     ) -> Schedule:
-        """Return the phonemes of a capture: from its timings, else as aligned or in its file."""
+        """Return the phonemes of a capture: from its timings, alignment or own file."""
         if files.timings is not None:
             return self._read(files, files.timings, readout)
         if isinstance(spoken, LipsyncError):
@@ -57,8 +57,8 @@ class CaptureTimings:
         near = files.capture.with_name(files.name.rpartition("/")[2])
         has = "a text, but no sound" if files.text is not None else "no timings"
         raise ScheduleError(
-            f"{files.capture}: has {has}; put {near.name}.TextGrid, or {near.name}.txt and "
-            f"{near.name}.wav, beside it"
+            f"{files.capture}: has {has}; put {near.name}.TextGrid beside it, or "
+            f"{near.name}.txt and {near.name}.wav"
         )
 
     def _read(self, files: CaptureFiles, path: Path, readout: "ReadOut | None") -> Schedule:
@@ -73,7 +73,7 @@ class CaptureTimings:
         return replace(found, notation=notation)
 
     def aligned(self, files: Sequence[CaptureFiles]) -> "dict[str, Schedule | LipsyncError]":
-        """Align the captures that have a text and a sound; return what was found by name."""
+        """Align the captures that have a text and a sound; return schedules or errors by name."""
         from lipsync_lang.speech.hearing import align_many
 
         known = [one for one in files if one.text is not None and one.audio is not None]
@@ -95,7 +95,7 @@ class CaptureTimings:
 
 
 def _text(text: str | Path | None) -> str:
-    """Return a text, or what a file of it holds."""
+    """Return a text, or the content of a text file."""
     if not isinstance(text, Path):
         return text or ""
     content = read_input(text, MAX_TEXT_BYTES, mend="give the text of one line")
@@ -108,10 +108,10 @@ def _text(text: str | Path | None) -> str:
 
 
 def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tuple[str, ...]]:
-    """Return a schedule with silence for a few unknown labels; refuse one with many.
+    """Return a schedule with silence for unknown labels; raise an error if there are many.
 
-    The sound is dropped, for a performance would take its loudness into account. A last sound that
-    runs on into silence is cut.
+    The audio is dropped, because a performance would follow its loudness. A last sound that
+    includes silence is shortened.
     """
     reader = performer.labels
     known = reader.notation(schedule)
@@ -128,7 +128,7 @@ def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tupl
             "the silent ones in a read-out"
         )
     if lost:
-        what = f"labels unknown to {performer.language}, taken for silence"
+        what = f"labels unknown to {performer.language}, read as silence"
         told = (f"{schedule.source}: {what}: {some_names(sorted(unknown))}",)
     made = replace(
         schedule,
@@ -138,7 +138,7 @@ def readable(performer: "Performer", schedule: Schedule) -> tuple[Schedule, tupl
     values = reader.values(made)
     silent = [value == reader.values(_SILENT)[0] for value in values]
     if all(silent):
-        raise ScheduleError(f"{schedule.source}: has no sound, only silence; is it the right file?")
+        raise ScheduleError(f"{schedule.source}: has only silence; check that it is the right file")
     return _cut_last(made, max(at for at, mute in enumerate(silent) if not mute)), told
 
 
@@ -146,7 +146,7 @@ _SILENT = Schedule((SILENCE,), np.array([0.0, 1.0]))
 
 
 def _cut_last(schedule: Schedule, last: int) -> Schedule:
-    """Cut a last sound that runs on into silence."""
+    """Shorten a last sound that includes silence."""
     start, end = schedule.times[last : last + 2].tolist()
     if end - start <= LONG_LAST_SECONDS:
         return schedule
@@ -155,8 +155,8 @@ def _cut_last(schedule: Schedule, last: int) -> Schedule:
     stress = (*schedule.stress[: last + 1], None) if schedule.stress else ()
     words = tuple(word for word in schedule.words if word.stop <= last + 1)
     told = (
-        f"{schedule.source}: its last sound, {schedule.labels[last]!r}, lasts {end - start:.2f} s; "
-        f"{LAST_SECONDS:g} s of it count"
+        f"{schedule.source}: its last sound, {schedule.labels[last]!r}, lasts {end - start:.2f} s "
+        f"and is shortened to {LAST_SECONDS:g} s"
     )
     return replace(
         schedule, labels=labels, times=times, stress=stress, words=words, lines=(),

@@ -1,4 +1,4 @@
-"""Captured lines: recorded motion of a face with the phonemes that it spoke.
+"""Captured lines: recorded motion of a face with its spoken phonemes.
 
 Conventions: T samples, S signals, P poses; times are seconds on the schedule's clock.
 """
@@ -25,9 +25,9 @@ class CapturedLine:
     signals: tuple[str, ...]
     """Names of the S recorded signals: poses, rig channels, or measures of the pose set."""
     values: Floats
-    """(T, S) recorded values; NaN where a sensor was lost."""
+    """(T, S) recorded values; NaN for a lost sensor."""
     gains: Floats
-    """(S, P): a signal is its gains times the weights of the poses."""
+    """(S, P) gains; a signal is the sum of gains times weights of poses."""
     free: bool = False
     """True if the signals have an unknown scale and offset, as positions in millimetres have."""
     rigged: bool = False

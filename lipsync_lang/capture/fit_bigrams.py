@@ -1,7 +1,6 @@
-"""Fit bigrams: curves of their own for pairs that were heard often enough.
+"""Fits of bigrams: individual curves for pairs with enough occurrences.
 
-Conventions: R drafted rows, P poses, n control values, of which the first and the last stay at
-rest.
+Conventions: R drafted rows, P poses, n control values; the first and the last are always at rest.
 """
 
 from collections.abc import Sequence
@@ -19,10 +18,10 @@ from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.pipeline.arrays import Bools, Floats
 
 ENOUGH_OCCURRENCES = 10
-"""Occurrences from which a bigram may have curves of its own."""
+"""Minimum number of occurrences of a bigram with fitted curves."""
 
 BIGRAM_PRIOR_OCCURRENCES = 10.0
-"""Occurrences of a bigram that weigh as much as its draft."""
+"""Number of occurrences with the same weight as the draft."""
 
 
 def fit_bigrams(
@@ -31,7 +30,7 @@ def fit_bigrams(
     lines: Sequence[FitLine],
     enough: int = ENOUGH_OCCURRENCES,
 ) -> FitValues:
-    """Return values with curves for the bigrams that occur often enough."""
+    """Return values with fitted curves for bigrams with enough occurrences."""
     often = occurrences(lines, len(face.tables.curves))[face.rows] >= enough
     rows = np.flatnonzero(often)
     if not rows.size:

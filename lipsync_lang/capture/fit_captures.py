@@ -1,4 +1,4 @@
-"""Fit a pair to captures: targets, motion and bigrams, proved on lines that the fit did not see."""
+"""Fits of a pair to captures: targets, motion and bigrams, tested on held-out lines."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.retouch import OpenPair
 
 WHOLE = Shares(1.0, 0.0)
-"""Shares at which a refused fit is shown: the whole way, without bigrams."""
+"""Shares of a refused fit in the report: the full change, without bigrams."""
 
 Progress = Callable[[str], None]
 
@@ -53,7 +53,7 @@ class CaptureFit:
     followed: tuple[Followed, ...]
     face: FitFace
     values: FitValues
-    """The values of the proposal's items; those of the whole fit where it is refused."""
+    """The values of the proposal's items; for a refused fit, those of the full fit."""
 
 
 def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
@@ -72,8 +72,8 @@ def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
     pair : the language and character, with their packs
     performer : a performer of the same pair
     captured : lines, with their signals
-    workers : processes; more than one need `if __name__ == "__main__":` in a script
-    progress : is told what is done
+    workers : number of processes; more than one requires `if __name__ == "__main__":` in a script
+    progress : called with a phrase for each step
     set_aside : lines that were left out before, with reasons
 
     Raises
@@ -134,7 +134,7 @@ def _require_scipy() -> None:
 def _without_strays(
     pair: "OpenPair", lines: tuple[FitLine, ...]
 ) -> tuple[FitTask, FitValues, tuple[SetAside, ...]]:
-    """Fit all lines, and again without those that nothing follows."""
+    """Fit all lines, and then again without the outliers."""
     task = FitTask(FitFace.of(pair, lines), lines, motion_groups(pair))
     full = task.fit(range(len(lines)))
     names = [line.captured.name for line in lines]
@@ -156,13 +156,13 @@ def _laid(
     lines = lay_lines(performer, without_rest(performer, captured), fit_rate(captured))
     if not any(line.seen.any() for line in lines):
         raise LipsyncError(
-            "the captures show nothing while somebody speaks; check that the timings are theirs"
+            "the captures have no motion during the speech; check that the timings belong to them"
         )
     return lines
 
 
 def motion_groups(pair: "OpenPair") -> MotionGroups:
-    """Return the poses that share a softness, and those that look ahead, by region."""
+    """Return by region the poses with a common softness, and the poses with anticipation."""
     soft: dict[str, list[int]] = {}
     ahead: dict[str, list[int]] = {}
     for number, pose in enumerate(pair.shelf.face.poses.values()):
@@ -176,11 +176,11 @@ def motion_groups(pair: "OpenPair") -> MotionGroups:
     )
 
 
-ONE_SPEAKER = "all lines count as of one speaker, so nothing tells how the fit suits another"
+ONE_SPEAKER = "all lines are of one speaker, so the fit was not tested on another speaker"
 
 
 def _remarks(captured: "Sequence[CapturedLine]") -> tuple[str, ...]:
-    """Return the remarks of all lines, each once."""
+    """Return the distinct remarks of all lines."""
     several = len({line.speaker for line in captured}) > 1
     told = dict.fromkeys(remark for line in captured for remark in line.remarks)
     return (*told, *(() if several else (ONE_SPEAKER,)))
@@ -192,7 +192,7 @@ def _verdict(
     """Judge a fit by its error on held-out lines."""
     if not parts:
         return FitVerdict(
-            accepted=False, why="one line alone cannot show that a fit generalises; add lines"
+            accepted=False, why="a single line cannot show that a fit generalises; add lines"
         )
     accepted = shares.values > 0
     shown = shares if accepted else WHOLE
@@ -210,16 +210,16 @@ def _verdict(
     units = " and ".join(f"{by}s" for by in dict.fromkeys(part.by for part in parts))
     means = f"{np.mean(before):.4f} before, {np.mean(after):.4f} after"
     if not accepted:
-        unseen = f"on {units} that it did not see"
+        unseen = f"on held-out {units}"
         why = f"the fit does not generalise: {unseen}, the mean error is {means}"
     else:
         extent = (
-            "" if shares.values == 1 else f"; {shares.values:.0%} of the change follow them best"
+            ""
+            if shares.values == 1
+            else f"; {shares.values:.0%} of the change gives the lowest error"
         )
-        bigrams = (
-            "" if shares.bigrams else "; bigrams of their own do not help there, and are left out"
-        )
-        why = f"on {units} that the fit did not see, the mean error is {means}{extent}{bigrams}"
+        bigrams = "" if shares.bigrams else "; fitted bigrams do not lower it and are left out"
+        why = f"on held-out {units}, the mean error is {means}{extent}{bigrams}"
     return FitVerdict(accepted=accepted, why=why, folds=told)
 
 

@@ -1,10 +1,10 @@
-"""Proposal files: what a fit to captures found, as JSON that a person accepts item by item.
+"""Proposal files: the results of a fit as JSON, which a person accepts item by item.
 
-A proposal is read as packs are, since YAML includes JSON: a fault has its line, column and cure,
-and size and nesting are limited. Values are as packs state them: weights and normalised times in
-[0, 1], other times in seconds.
+The reader of packs reads proposals too, because YAML includes JSON: a fault has its line, column
+and cure, and size and nesting are limited. Units are those of packs: weights and normalised times
+are in [0, 1], other times in seconds.
 
-The name of an item says what its value replaces: ``targets.PHONEME``, ``softness.REGION``,
+The name of an item states the value that it replaces: ``targets.PHONEME``, ``softness.REGION``,
 ``anticipate.POSE``, ``motion.speed_limit`` and ``bigrams.PHONEME-PHONEME``.
 """
 
@@ -37,13 +37,13 @@ from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, YamlSource, read_yaml
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 FIT_FORMAT = 1
-"""The newest format of proposals that this program reads, and the one it writes."""
+"""The newest readable format of proposals, which is also the written one."""
 
 MAX_FITTED_SPEED = 1000.0
-"""Largest speed limit of a proposal, in weight per second; a face needs about 15."""
+"""Highest speed limit of a proposal, in weight per second; a face needs about 15."""
 
 MAX_LISTED_FAULTS = 12
-"""Faults of a file that an error lists; programs write proposals, so that faults repeat."""
+"""Maximum number of faults in an error message; faults of generated files often repeat."""
 
 VALUE_DECIMALS = 4
 """Decimals of written values."""
@@ -77,7 +77,7 @@ FITTED: dict[str, tuple[Data, Data]] = {
     ),
     "bigrams": (BigramKey, FittedCurves),
 }
-"""For each kind of item, the type of the rest of its name and of its value."""
+"""The types of the rest of the name and of the value, for each kind of item."""
 
 
 @cache
@@ -99,7 +99,7 @@ def split_item(item: str) -> tuple[str, str]:
 
 
 def _item(item: str) -> str:
-    """Refuse a name whose kind is unknown, or that names nothing of that kind."""
+    """Check the kind and the rest of the name of an item."""
     kind, name = split_item(item)
     if kind not in FITTED or not name:
         what = "'{item}' is not an item of a fit: write one of {known}"
@@ -113,11 +113,11 @@ class FitItem(Strict):
     """A fitted value with the evidence for it."""
 
     item: Annotated[str, Field(max_length=160), AfterValidator(_item)]
-    """The name of what the value replaces."""
+    """The name of the value that it replaces."""
     value: Data
     """The fitted value, in the form of a pack."""
     was: Data = None
-    """The value that the fit started from; None if there was none."""
+    """The value before the fit; None without one."""
     occurrences: Count = 0
     """Occurrences in the captures."""
     residual_before: Error | None = None
@@ -153,7 +153,7 @@ class FitItem(Strict):
 
 
 class FitFold(Strict):
-    """A part of a cross-validation: a fit without some lines, tested on them."""
+    """A fold of a cross-validation: a fit without some lines, tested on them."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -168,10 +168,10 @@ class FitFold(Strict):
 
 
 class FitVerdict(Strict):
-    """The judgement of a fit by lines and speakers that it has not seen."""
+    """The judgement of a fit by held-out lines and speakers."""
 
     accepted: bool
-    """True if the fit generalises to them."""
+    """True if the fit generalises."""
     why: str = ""
     """The reason, with numbers."""
     folds: tuple[FitFold, ...] = ()
@@ -201,13 +201,13 @@ class FitProposal(Strict):
     poseset: Name
     """The pose set whose poses move."""
     lines: Count = 0
-    """Lines that the fit rests on."""
+    """Number of fitted lines."""
     seconds: Error = 0
-    """Seconds of capture that the fit rests on."""
+    """Seconds of fitted capture."""
     speakers: tuple[str, ...] = ()
     """The speakers of those lines."""
     verdict: FitVerdict
-    """The judgement of the fit by lines that it has not seen."""
+    """The judgement of the fit by held-out lines."""
     items: tuple[FitItem, ...]
     """The fitted values."""
     remarks: tuple[str, ...] = ()
@@ -217,7 +217,7 @@ class FitProposal(Strict):
 
     @model_validator(mode="after")
     def _once(self) -> Self:
-        """Refuse two values for one item."""
+        """Check that each item has one value."""
         for item, count in Counter(one.item for one in self.items).items():
             if count > 1:
                 what = "'{item}' has two values; keep one of them"
@@ -234,9 +234,9 @@ def read_fit(path: Path) -> FitProposal:
         The file is not a valid proposal; the error lists faults with their places, the first
         `MAX_LISTED_FAULTS`.
     PackError
-        The file cannot be read, or is not a proposal.
+        The file is unreadable or is not a proposal.
     """
-    content = read_input(path, MAX_PACK_BYTES, error=PackError, mend="accept the fit in parts")
+    content = read_input(path, MAX_PACK_BYTES, error=PackError, mend="split the proposal")
     try:
         return _proposal(read_yaml(path, content))
     except PackFaults as error:
@@ -255,7 +255,7 @@ def _refuse_other(source: YamlSource) -> None:
     """Raise an error for a file that is not a proposal, or of a later format."""
     data = source.data
     if not isinstance(data, dict) or data.get("kind") != "fit":
-        raise PackError(f"{shown(source.path)}: is not a result of a fit; its form is {FORM}")
+        raise PackError(f"{shown(source.path)}: is not a result of a fit; the form is {FORM}")
     number = data.get("format")
     if type(number) is int and number > FIT_FORMAT:
         what = f"the fit is in format {number}; this program reads format {FIT_FORMAT}"

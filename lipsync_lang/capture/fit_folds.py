@@ -1,4 +1,4 @@
-"""Cross-validation: fits without some lines or speakers, tested on them.
+"""Cross-validation: fits without some lines or speakers, tested on these.
 
 Conventions: an error is a root mean square over all recorded values, in weights of a pose; signals
 without a scale are in units of the curves before the fit.
@@ -21,27 +21,27 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 MOST_FOLDS = 5
-"""Parts into which lines or speakers are divided."""
+"""Maximum number of parts of the lines or speakers."""
 
 SHARES = (0.25, 0.5, 0.75, 1.0)
-"""Shares of the way from the values before the fit to the fitted ones that are tried."""
+"""Shares of the change from the values before the fit to the fitted values, to be compared."""
 
 BIGRAM_SHARES = (0.5, 1.0)
 """The same for the curves of bigrams."""
 
 SHOWN_NAMES = 4
-"""Lines or speakers of a part that its name tells."""
+"""Maximum number of lines or speakers in the name of a part."""
 
 BIGRAM_WORTH = 0.99
-"""Share of the held-out error to which bigrams must bring it; the average of timing errors gains
-a little, too."""
+"""Maximum ratio of the held-out error with and without fitted bigrams. A small gain is ignored,
+because the average of timing errors causes one too."""
 
 By = Literal["line", "speaker"]
 
 
 @dataclass(frozen=True, eq=False)
 class FitTask:
-    """All that a fit depends on; it goes to worker processes."""
+    """Input of a fit, which is sent to worker processes."""
 
     face: FitFace
     lines: tuple[FitLine, ...]
@@ -75,14 +75,14 @@ class Fold(NamedTuple):
 
 
 class Shares(NamedTuple):
-    """Shares of the way towards a fit; 0 refuses it."""
+    """Accepted shares of the change by a fit; 0 refuses it."""
 
     values: float
     bigrams: float
 
 
 def folds(lines: Sequence[FitLine]) -> list[Fold]:
-    """Divide lines into parts, and again by speaker if there are several; none of a single line."""
+    """Divide lines into parts, and also speakers if there are several; one line has no parts."""
     return [*_parts("line", [line.captured.name for line in lines]), *_by_speaker(lines)]
 
 
@@ -93,7 +93,7 @@ def _by_speaker(lines: Sequence[FitLine]) -> Iterator[Fold]:
 
 
 def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
-    """Yield folds in which lines of one name stay together."""
+    """Yield folds that keep lines of the same name together."""
     known = list(dict.fromkeys(names))
     count = min(MOST_FOLDS, len(known))
     for part in range(count if count > 1 else 0):
@@ -105,7 +105,7 @@ def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
 
 
 def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iterator[FitValues]:
-    """Yield the fit to each selection of lines, in order; more than one worker are processes."""
+    """Yield the fit to each selection of lines, in order; several workers run as processes."""
     if workers <= 1 or len(kept) <= 1:
         yield from map(task.fit, kept)
         return
@@ -116,8 +116,8 @@ def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iter
             yield from found
     except BrokenProcessPool:
         raise LipsyncError(
-            "a process that fits died (out of memory?); fit in one process (workers=1), and in a "
-            'script of your own, put the call under `if __name__ == "__main__":`'
+            "a process of the fit ended early, perhaps for lack of memory; fit in one process "
+            '(workers=1). In a script, put the call under `if __name__ == "__main__":`'
         ) from None
 
 
@@ -134,9 +134,9 @@ def _fit(kept: Sequence[int]) -> FitValues:
 
 
 def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> Shares:
-    """Return the shares at which held-out lines are followed best; 0 if no share helps.
+    """Return the shares with the lowest error on held-out lines; 0 if no share lowers it.
 
-    Held-out speakers count as much as held-out lines: the worse of the two decides.
+    Held-out speakers count as much as held-out lines: the larger error decides.
     """
     start = task.face.start
     before = [task.error(start, part.tested) for part in parts]
@@ -162,7 +162,7 @@ def choose(task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues]) -> S
 def errors(
     task: FitTask, parts: Sequence[Fold], fits: Sequence[FitValues], shares: Shares
 ) -> list[float]:
-    """Return the error of each fold's fit on the lines that it left out."""
+    """Return the error of each fold's fit on its held-out lines."""
     start = task.face.start
     return [
         task.error(start.towards(fit, *shares), part.tested)
@@ -171,7 +171,7 @@ def errors(
 
 
 def worst(parts: Sequence[Fold], before: Sequence[float], after: Sequence[float]) -> float:
-    """Return the mean error after the fit over that before it, by lines or by speakers."""
+    """Return the ratio of the mean errors after and before the fit, by lines or by speakers."""
     found = []
     for by in dict.fromkeys(part.by for part in parts):
         own = [number for number, part in enumerate(parts) if part.by == by]

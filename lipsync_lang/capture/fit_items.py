@@ -5,7 +5,7 @@ the change d of each of its numbers and that change's standard error s over the 
 
     confidence = sum d^2 / (sum d^2 + sum s^2)
 
-So 1 is a change that every part of the lines shows, and 0.5 one no larger than its own error.
+A confidence of 1 is a change in every part of the lines; 0.5 is a change as large as its error.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,19 +28,19 @@ DECIMALS = 3
 """Decimals of fitted values in a proposal."""
 
 LEAST_WEIGHT, LEAST_DOMINANCE, LEAST_SECONDS, LEAST_SPEED_CHANGE = 0.005, 0.05, 0.0005, 0.1
-"""Changes of weights, of the logarithm of a dominance, of times and of the speed limit below which
-a value stays as it is."""
+"""Minimum changes of weights, of the logarithm of a dominance, of times and of the speed limit;
+smaller changes are discarded."""
 
 BIGRAM_GAIN = 0.98
-"""Share of its error to which the curves of a bigram's own must bring it."""
+"""Maximum ratio of the errors with and without fitted curves of a bigram."""
 
 FAINTEST = 0.01
-"""Least weight of a pose that moves in a target: a target that states 0 opposes an early start."""
+"""Minimum weight of a moving pose in a target; a target of 0 would oppose an early start."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Evidence:
-    """Errors before and after a fit, phoneme by phoneme of all lines."""
+    """Errors before and after a fit, by phoneme."""
 
     task: FitTask
     before: list[Floats]
@@ -48,7 +48,7 @@ class _Evidence:
     after: list[Floats]
 
     def of(self, chosen: Sequence[Bools]) -> tuple[float | None, float | None]:
-        """Return the errors over some frames of each line, (T,) each: before and after."""
+        """Return the errors over some frames of each line, before and after the fit; (T,) each."""
         found = []
         for errors in (self.before, self.after):
             parts = [
@@ -74,8 +74,8 @@ def fit_items(
 
     Parameters
     ----------
-    values : at which the items stand
-    others : of the fits that left out a part of the lines
+    values : values of the items
+    others : values of the fits without a part of the lines
     """
     face, lines = task.face, task.lines
     errors = [
@@ -89,7 +89,7 @@ def fit_items(
 
 
 def confidence(start: Floats, value: Floats, others: Sequence[Floats]) -> float:
-    """Return the confidence of a change; 0 without fits that left something out."""
+    """Return the confidence of a change; 0 without a cross-validation."""
     count = len(others)
     if count < 2:  # noqa: PLR2004 an error needs two parts
         return 0.0
@@ -131,7 +131,7 @@ def _target_items(
 def _numbers(
     start: FitValues, values: FitValues, others: Sequence[FitValues], number: int
 ) -> tuple[Floats, Floats, list[Floats]]:
-    """Return the weights of a target before, after, and by the fits that left something out."""
+    """Return the weights of a target before the fit, after it, and in each fold."""
 
     def of(one: FitValues) -> Floats:
         weights: Floats = one.weights[number].ravel()
@@ -143,7 +143,7 @@ def _numbers(
 def _target(
     pair: "OpenPair", face: FitFace, number: int, values: FitValues
 ) -> list[dict[str, Any]]:
-    """Return a target as a pack states it: poses by step, and dominances that are not usual."""
+    """Return a target in the form of a pack: poses by step, and unusual dominances."""
     poses, shelf = pair.shelf.poses, pair.shelf
     weights = values.weights[number][: face.steps[number]]
     before = face.start.weights[number][: face.steps[number]]
@@ -171,7 +171,7 @@ def _target(
 
 
 def _weight(weight: float, *, moved: bool) -> float:
-    """Return a weight as a pack states it; a pose that stayed at 0 stays there."""
+    """Return a weight in the form of a pack; an unchanged 0 is kept."""
     if moved:
         return round(max(weight, FAINTEST), DECIMALS)
     return 0.0 if weight < FAINTEST else round(weight, DECIMALS)
@@ -184,7 +184,7 @@ def _stated(step: "models.PhonemeTarget") -> dict[str, Any]:
 
 
 def _frames(task: FitTask, meant: Sequence[set[int]]) -> tuple[list[Bools], int]:
-    """Return the frames in which common phonemes follow each other, and how often they do."""
+    """Return the frames of a sequence of common phonemes, and its number of occurrences."""
     chosen, count = [], 0
     for line in task.lines:
         ids, bounds, times = line.track.ids, line.track.bounds, line.frames.times()

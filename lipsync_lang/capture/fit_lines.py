@@ -1,4 +1,4 @@
-"""Captured lines laid out for a fit: the frames of a performance, and the recorded values there.
+"""Captured lines, prepared for a fit: recorded values at the frames of a performance.
 
 Conventions: T frames, S signals, P poses; times are seconds.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.track import Track
 
 MOST_FPS = 60.0
-"""Frames per second of a fit of a few minutes; captures of more are sampled at this rate."""
+"""Frames per second of a fit of a few minutes; faster captures are resampled."""
 
 LEAST_FPS = 30.0
 """Frames per second of a fit of many minutes."""
@@ -34,14 +34,14 @@ MOST_FRAMES = 24_000
 """Frames above which a fit lowers its rate."""
 
 EDGE_SECONDS = 0.15
-"""Seconds before the first sound and after the last that count; farther away a face may do
-anything."""
+"""Seconds before the first sound and after the last sound that are fitted; any farther motion is
+ignored."""
 
 LONG_PAUSE_SECONDS = 0.5
-"""Pauses longer than this count only next to sounds."""
+"""Minimum length of a long pause, which is fitted only next to sounds."""
 
 FREE_SPREAD = 0.2
-"""Standard deviation that every signal without a scale is given, in weights of a pose."""
+"""Standard deviation of signals without a scale after scaling, in weights of a pose."""
 
 PLAIN = {"styles": None, "dials": None, "intensity": 0.0}
 """Options of a performance without styles and dials."""
@@ -64,49 +64,49 @@ class DrivenChannels:
         return cls(driver.rig, np.array([order.index(name) for name in names]))
 
     def driven(self, weights: Floats, motion: "Motion", fps: float) -> Floats:
-        """Return the channels that poses of (T, P) weights drive: (T, S)."""
+        """Return the channels for (T, P) weights of poses: (T, S)."""
         kernel = channel_kernel(motion, fps)
         return drive(weights, self.rig, motion.speed_limit / fps, kernel)[:, self.columns]
 
 
 @dataclass(frozen=True, eq=False)
 class FitLine:
-    """A captured line, ready to be performed and compared."""
+    """A captured line, prepared for performance and comparison."""
 
     captured: "CapturedLine"
     track: "Track"
     frames: Frames
     dials: "tuple[Dial, ...]"
     wanted: Floats
-    """(T, S) recorded values in units of the poses; NaN without a recorded value."""
+    """(T, S) recorded values in units of the poses; NaN for lost values."""
     gains: Floats
     """(S, P)"""
     rig: "DrivenChannels | None" = None
     """The rig whose channels the signals are; None for sums of poses."""
 
     def perform(self, tables: "Tables", motion: "Motion") -> Performance:
-        """Return the line's performance by some tables."""
+        """Return the performance of the line with other tables."""
         prepared = prepare(tables, motion, self.frames.fps)
         return Performance(tables, self.track, motion, self.frames, prepared, (), (), self.dials)
 
     def signals(self, weights: Floats, motion: "Motion") -> Floats:
-        """Return the signals that poses of (T, P) weights show: (T, S)."""
+        """Return the signals for (T, P) weights of poses: (T, S)."""
         sums: Floats = weights @ self.gains.T
         return sums if self.rig is None else self.rig.driven(weights, motion, self.frames.fps)
 
     def errors(self, shown: Floats) -> Floats:
-        """Return shown minus recorded signals, 0 without a recorded value: (T, S)."""
+        """Return performed minus recorded signals: (T, S); 0 for lost values."""
         return np.nan_to_num(shown - self.wanted)
 
     @property
     def seen(self) -> Bools:
-        """(T, S) True where a value was recorded."""
+        """(T, S) True for recorded values."""
         found: Bools = np.isfinite(self.wanted)
         return found
 
 
 def fit_rate(lines: "Iterable[CapturedLine]") -> float:
-    """Return the frames per second at which captures are fitted."""
+    """Return the frames per second of a fit."""
     lines = tuple(lines)
     seconds = sum(float(line.times[-1] - line.times[0]) for line in lines)
     own = max(1 / float(np.median(np.diff(line.times))) for line in lines)
@@ -117,10 +117,10 @@ def fit_rate(lines: "Iterable[CapturedLine]") -> float:
 def lay_lines(
     performer: "Performer", captured: "Sequence[CapturedLine]", fps: float
 ) -> tuple[FitLine, ...]:
-    """Lay out captured lines; signals without a scale get that of the performer's own curves.
+    """Prepare captured lines for a fit; scale signals without a scale like the performer's curves.
 
     A free signal is shifted and scaled, line by line, so that its mean and its standard deviation
-    are those of the curves before the fit. All free signals count alike.
+    are those of the curves before the fit. All free signals have equal influence.
     """
     tables, motion = performer.compiled.tables, performer.motion
     tables = tables.papers if motion.thresholds == "paper" else tables
@@ -140,7 +140,7 @@ def lay_lines(
 
 
 def _sampled(line: "CapturedLine", track: "Track", frames: Frames, silence: int) -> Floats:
-    """Return the recorded values at the frames of a performance; NaN outside of speech."""
+    """Return the recorded values at the frames of a performance; NaN outside speech."""
     times = frames.times()
     out = np.full((len(times), len(line.signals)), np.nan)
     step = float(np.median(np.diff(line.times)))
@@ -169,7 +169,7 @@ def _spoken(track: "Track", times: Floats, silence: int) -> Bools:
 
 
 def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> tuple[FitLine, ...]:
-    """Return the lines with free signals in units of the poses."""
+    """Return the lines with their free signals in units of the poses."""
     free = [line for line in lines if line.captured.free]
     shown = {id(line): line.perform(tables, motion).weights() @ line.gains.T for line in free}
     spread: dict[str, list[Floats]] = {}
@@ -185,7 +185,7 @@ def _scaled(lines: tuple[FitLine, ...], tables: "Tables", motion: "Motion") -> t
 
 
 def _even(curve: Floats) -> float:
-    """Return the factor that gives a signal the standard deviation of a pose."""
+    """Return the factor that scales a signal to the standard deviation of a pose."""
     spread = float(curve.std()) if curve.size else 0.0
     return FREE_SPREAD / spread if spread > 0 else 0.0
 
@@ -200,7 +200,7 @@ def _rescaled(line: FitLine, shown: Floats, even: dict[str, float]) -> FitLine:
 
 
 def _scale(shown: Floats, recorded: Floats) -> tuple[float, float]:
-    """Return the factor and offset that give recorded values the mean and spread of shown ones."""
+    """Return the factor and offset that match recorded to performed values."""
     spread = float(recorded.std()) if recorded.size else 0.0
     if spread <= 0:
         return 0.0, float(shown.mean()) if shown.size else 0.0
@@ -209,7 +209,7 @@ def _scale(shown: Floats, recorded: Floats) -> tuple[float, float]:
 
 
 def occurrences(lines: Iterable[FitLine], rows: int) -> Ints:
-    """Count how often each table row is played: (rows,)."""
+    """Count the occurrences of each table row: (rows,)."""
     out = np.zeros(rows, np.intp)
     for line in lines:
         np.add.at(out, line.track.rows, 1)

@@ -1,4 +1,4 @@
-"""Poses that a capture shows at a phoneme whose target does not name them.
+"""Poses added to targets, because captures show them at phonemes without them.
 
 Conventions: N targets, M steps, P poses, O occurrences.
 """
@@ -13,19 +13,19 @@ from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 
 ENOUGH_SHOWN = 8
-"""Occurrences from which a target may gain a pose."""
+"""Minimum number of occurrences for an added pose."""
 
 LEAST_SHOWN = 0.06
-"""Mean weight, above the curves, from which it does."""
+"""Minimum mean weight above the curves for an added pose."""
 
 SURE_SPREADS = 5.0
-"""Standard errors that the mean weight is away from 0 at least."""
+"""Minimum ratio of the mean weight and its standard error."""
 
 
 def with_mentions(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> FitValues:
-    """Return values in which targets name the poses that the lines show beyond the curves.
+    """Return values with the poses added that the lines show beyond the curves.
 
-    Only signals count that show one pose alone: a sum of several does not tell which it is.
+    Only signals of a single pose count, because a sum of poses does not identify one.
     """
     sums = np.zeros((3, len(face.names), values.weights.shape[2]))
     for numbers, poses, means in _occurrences(face, values, lines):
@@ -57,7 +57,7 @@ def with_mentions(face: FitFace, values: FitValues, lines: Sequence[FitLine]) ->
 def _occurrences(
     face: FitFace, values: FitValues, lines: Sequence[FitLine]
 ) -> Iterator[tuple[Ints, Ints, Floats]]:
-    """Yield, line by line, targets (O,), poses (S,), and mean weights above the curves (O, S)."""
+    """Yield targets (O,), poses (S,), and mean weights above the curves (O, S) of each line."""
     target = face.targeted
     for line, shown in zip(lines, face.shown(values, lines), strict=True):
         alone = np.flatnonzero((line.gains != 0).sum(axis=1) == 1)

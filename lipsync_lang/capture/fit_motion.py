@@ -1,6 +1,6 @@
-"""Fit motion: softness and anticipation by region, and the speed limit, one after the other.
+"""Fits of motion: softness and anticipation by region, and the speed limit, one by one.
 
-A pose set states softness for a region, or for a single pose; a single pose keeps its own. The
+A pose set states softness for a region or for a single pose; that of a single pose is constant. The
 pipeline has one speed limit for all poses.
 """
 
@@ -15,28 +15,28 @@ from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 from lipsync_lang.pipeline.motion import LEAST_SPEED
 
 MOST_SOFTNESS, MOST_ANTICIPATION, MOST_SPEED = 0.12, 0.4, 40.0
-"""Greatest values that a fit gives: seconds, seconds, and weight per second."""
+"""Maximum fitted values: seconds, seconds, and weight per second."""
 
 TRIALS = 9
-"""Performances of all lines for each value."""
+"""Number of performances of all lines for each value."""
 
 WORTH = 0.01
-"""Share of the cost that a change of motion must save; smaller ones are noise."""
+"""Minimum reduction of the cost by a change of motion, as a share; smaller ones are noise."""
 
 
 @dataclass(frozen=True, eq=False)
 class MotionGroups:
-    """The poses that share a value of motion."""
+    """Groups of poses with a common value of motion."""
 
     softness: Mapping[str, Ints]
-    """Poses with the softness of their region, by region."""
+    """Poses that take the softness of their region, by region."""
     anticipate: Mapping[str, Ints]
-    """Poses that look ahead, by region."""
+    """Poses with anticipation, by region."""
 
 
 @dataclass(frozen=True)
 class _Setting:
-    """A value of motion with its bounds, its getter and its setter."""
+    """A value of motion with its bounds, getter and setter."""
 
     bounds: tuple[float, float]
     get: Callable[[FitValues], float]
@@ -46,7 +46,7 @@ class _Setting:
 def fit_motion(
     face: FitFace, base: FitValues, lines: Sequence[FitLine], groups: MotionGroups
 ) -> FitValues:
-    """Return values with the motion that follows some lines best."""
+    """Return values with the motion of the lowest error on some lines."""
     from scipy.optimize import minimize_scalar
 
     now, cost = base, robust_cost(face.errors(base, lines))
@@ -64,7 +64,7 @@ def fit_motion(
 
 
 def _settings(groups: MotionGroups, seen: Bools) -> Iterator[_Setting]:
-    """Yield the values of motion that some recorded signal can tell."""
+    """Yield the values of motion that influence a recorded signal."""
     for poses in groups.softness.values():
         if seen[poses].any():
             yield _Setting(

@@ -1,7 +1,7 @@
-"""The page of a fit: captures beside curves, and the values found, as HTML that needs nothing else.
+"""The page of a fit: captures, curves and fitted values as one self-contained HTML file.
 
-The page has the look of the coverage page, and no script. Curves are SVG that stretches to the
-width at hand; phonemes stand above them as text.
+The page has the style of the coverage page, and no script. Curves are SVG that stretches to the
+available width, with the phonemes as text above them.
 """
 
 import json
@@ -24,34 +24,34 @@ if TYPE_CHECKING:
     from lipsync_lang.capture.fit_file import FitProposal
 
 MAX_DRAWN_LINES = 200
-"""Lines that are drawn; the table names all."""
+"""Maximum number of lines with a drawing; the table lists all lines."""
 
 MAX_DRAWN_SIGNALS = 12
-"""Signals of a line that are drawn, those that move most first."""
+"""Maximum number of signals in a drawing, largest movement first."""
 
 MAX_POINTS = 1_500
-"""Points of a drawn curve."""
+"""Maximum number of points of a drawn curve."""
 
 MAX_ROWS = 1_000
-"""Rows of the table of lines, and of that of values."""
+"""Maximum number of rows of the table of lines, and of the table of values."""
 
 MAX_VALUE_CHARS = 120
-"""Characters of a value that a row shows."""
+"""Maximum length of a value in a row, in characters."""
 
 MAX_LABELS = 400
-"""Phonemes above a drawing."""
+"""Maximum number of phonemes above a drawing."""
 
 LABEL_REM = 1.3
 """Width of a phoneme above a drawing, in rem, on a narrow screen."""
 
 AROUND_SECONDS = 0.1
-"""Seconds that are drawn before and after what was captured."""
+"""Seconds in a drawing before and after the captured part."""
 
 WIDTH, HEIGHT = 1_000, 100
-"""Units of a drawing, which stretches."""
+"""Width and height of a drawing in its own units; it stretches."""
 
 OPEN_LINES = 3
-"""Drawings that are open when the page is."""
+"""Number of drawings that are initially open."""
 
 
 class SignalDrawing(NamedTuple):
@@ -75,18 +75,18 @@ class LineDrawing(NamedTuple):
     bounds: str
     """SVG path of the boundaries of phonemes."""
     labels: tuple[tuple[str, float], ...]
-    """Phonemes, with the share of the width at which each stands."""
+    """Phonemes, each with its position as a share of the width."""
     width: float
-    """Least width in rem at which the phonemes are readable."""
+    """Minimum width in rem for readable phonemes."""
 
 
 def fit_page(lines: Sequence[ShownLine], proposal: "FitProposal | None" = None) -> str:
-    """Return a fit as one HTML page that needs nothing else.
+    """Return a fit as one self-contained HTML page.
 
     Parameters
     ----------
-    lines : captured lines with their curves; the worst are drawn first, `MAX_DRAWN_LINES` at most
-    proposal : the result of the fit, with its verdict; None to show lines alone
+    lines : captured lines with their curves; at most `MAX_DRAWN_LINES` are drawn, the worst first
+    proposal : the result of the fit, with its verdict; None for a page of lines only
     """
     worst = sorted(lines, key=lambda line: (-line.rms_after, line.name))
     items = () if proposal is None else proposal.items
@@ -142,7 +142,7 @@ def _environment() -> Environment:
 
 
 def _value(value: object) -> str:
-    """Write a value of an item shortly."""
+    """Format a value of an item briefly."""
     text = "–" if value is None else json.dumps(value, ensure_ascii=False, default=str)
     return text if len(text) <= MAX_VALUE_CHARS else f"{text[: MAX_VALUE_CHARS - 1]}…"
 
@@ -166,7 +166,7 @@ def _drawing(line: ShownLine) -> LineDrawing:
 
 
 def _window(line: ShownLine) -> tuple[float, float]:
-    """Return the seconds that are drawn: those captured, and a little around them."""
+    """Return the seconds in a drawing: the captured part with a margin."""
     known = line.times[np.isfinite(line.captured).any(axis=1)]
     if not len(known):
         return float(line.times[0]), float(line.times[-1])
@@ -187,7 +187,7 @@ def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -
 
 
 def _path(x: Floats, y: Floats) -> str:
-    """Return an SVG path through points; gaps where a value is missing."""
+    """Return an SVG path through points, with gaps at missing values."""
     parts, pen = [], "M"
     for here, there in zip(x.tolist(), y.tolist(), strict=True):
         if not np.isfinite(there):

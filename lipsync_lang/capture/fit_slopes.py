@@ -1,13 +1,13 @@
-"""Slopes of curves: how much each recorded value changes with each fitted one.
+"""Slopes of curves: the change of each recorded value with each fitted value.
 
-Conventions: F frames of all lines end to end, with rests between; P poses, R drafted rows of n
-control values, K parameters. Matrices are sparse.
+Conventions: F frames of all lines in sequence, with rests between them; P poses, R drafted rows of
+n control values, K parameters. Matrices are sparse.
 
-A curve is the larger of two bigrams, each a sum of its control values; then the stages of motion
-follow. Where these let a curve pass, its slope is that of the larger bigram, rounded off by the
-kernel of the pose. Where a contact, a constraint, the speed limit or anticipation decides, the
-slope is 0: there the value says nothing about a target. The curves themselves are always those of
-the whole pipeline, so that slopes steer a fit and never judge it.
+A curve is the maximum of two bigrams, each a linear function of its control values; the stages of
+motion follow. If these leave a curve unchanged, its slope is that of the larger bigram, smoothed
+with the kernel of the pose. If a contact, a constraint, the speed limit or anticipation changes it,
+the slope is 0, because the value carries no information about a target. The errors always come from
+the full pipeline; slopes only direct the search.
 """
 
 from collections.abc import Sequence
@@ -30,13 +30,13 @@ Sparse = Any
 """A matrix of scipy.sparse."""
 
 WEIGHT_STEP, DOMINANCE_STEP = 0.02, 0.05
-"""Changes of a weight and of a dominance's logarithm that measure the slopes of drafts."""
+"""Differences of a weight and of a dominance's logarithm for the slopes of drafts."""
 
 BOUND = 0.02
-"""Difference between a channel and the sum of its poses from which a bound of the rig decides."""
+"""Minimum difference between a channel and the sum of its poses at a bound of the rig."""
 
 PASSED = 1e-3
-"""Change of a value by the stages below which they let the curve pass."""
+"""Maximum change of a value by stages that leave the curve unchanged."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +44,18 @@ class ControlSlopes:
     """Slopes of recorded values against the control values of drafted rows."""
 
     matrix: Sparse
-    """(O, R P n) for O values, recorded or not, in the order of lines, frames and signals."""
+    """(O, R P n) for O values, including lost ones, in the order of lines, frames and signals."""
     poses: int
 
     def columns(self, rows: Ints) -> Sparse:
-        """Return the columns of all control values of some rows."""
+        """Return the matrix columns of all control values of some rows."""
         each = self.poses * len(TIMES)
         wanted = (rows[:, None] * each + np.arange(each)).ravel()
         return self.matrix[:, wanted]
 
 
 def control_slopes(face: FitFace, values: FitValues, lines: Sequence[FitLine]) -> ControlSlopes:
-    """Return slopes against control values where the lines stand now."""
+    """Return slopes against control values at the current values."""
     from scipy import sparse
 
     tables, motion = face.moved(values), face.motion(values)
@@ -83,13 +83,13 @@ def _line_slopes(face: FitFace, tables: "Tables", motion: "Motion", line: FitLin
 
 
 def _unbounded(line: FitLine, weights: Floats, motion: "Motion") -> Floats:
-    """Return 1 where a rig's channel is the sum of its poses, 0 where a bound decides: (T S,)."""
+    """Return 1 for values of a rig that are sums of poses, 0 for values at a bound: (T S,)."""
     apart = np.abs(line.signals(weights, motion) - weights @ line.gains.T)
     return (apart < BOUND).ravel().astype(float)
 
 
 def _passes(stages: dict[str, Floats]) -> tuple[Floats, Bools, Bools]:
-    """Return the level of dials, and where the stages before and after easing let curves pass."""
+    """Return dial levels, and masks of curves that the stages around easing leave unchanged."""
     stitched = stages["stitch"]
     dialled = stages.get("dial", stages.get("overlay", stitched))
     level = np.where(stitched > PASSED, dialled / np.maximum(stitched, PASSED), 1.0)
@@ -132,7 +132,7 @@ def _raw_slopes(
 
 
 def _values(tables: "Tables", row: Ints, position: Floats) -> Floats:
-    """Return the two bigrams' values, as near as the table's steps: (2, T, P)."""
+    """Return the values of both bigrams, at the resolution of the table: (2, T, P)."""
     steps = tables.curves.shape[1] - 1
     nearest = np.rint(position.clip(0, 1) * steps).astype(np.intp)
     out: Floats = tables.curves[row, nearest].astype(float)
@@ -140,7 +140,7 @@ def _values(tables: "Tables", row: Ints, position: Floats) -> Floats:
 
 
 def _kernel_matrix(blurs: Any, poses: int, count: int) -> Sparse:
-    """Return the matrix that rounds (T P,) curves off."""
+    """Return the matrix that smooths (T P,) curves."""
     from scipy import sparse
 
     reach = max(len(blur.kernel) // 2 for blur in blurs)
@@ -165,8 +165,8 @@ def _kernel_matrix(blurs: Any, poses: int, count: int) -> Sparse:
 def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
     """Return slopes of control values against weights, then dominances: (R P n, N M P + N P).
 
-    They are differences of drafts. A pose of a row depends on that pose of its two targets alone,
-    so all poses and all rows are tried at once: each step of the first target, each of the second.
+    They are differences of drafts. A pose of a row depends only on that pose of its two targets.
+    Each step of either target therefore needs one draft of all poses and rows.
     """
     from scipy import sparse
 
@@ -196,7 +196,7 @@ def draft_slopes(face: FitFace, values: FitValues) -> Sparse:
 
 
 def _weights_moved(target: Target, step: int) -> tuple[Target, Floats]:
-    """Return a target with one step's weights moved towards the middle, and by how much: (P,)."""
+    """Return a target with one step's weights moved towards the middle, and the changes: (P,)."""
     if step >= len(target.weights):
         return target, np.ones(target.weights.shape[1])
     change = np.where(target.weights[step] > 0.5, -WEIGHT_STEP, WEIGHT_STEP)  # noqa: PLR2004 half

@@ -4,9 +4,9 @@ A fit lowers::
 
     sum_o 2 s^2 (sqrt(1 + (e_o / s)^2) - 1)  +  |Q (x - x0)|^2
 
-over recorded values o and parameters x: errors e beyond s, which is `SCALE`, count in proportion,
-not by their square, so that a stretch in which a face did something else pulls little. The prior Q
-keeps what is rarely heard near the values before the fit.
+over recorded values o and parameters x. Errors e above s, which is `SCALE`, have a linear cost
+instead of a quadratic one, so that unrelated movement of the face has little influence. The prior Q
+keeps the values of rare phonemes near those before the fit.
 """
 
 from collections.abc import Callable
@@ -17,19 +17,19 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Floats
 
 SCALE = 0.1
-"""Weight of a pose beyond which an error is an outlier."""
+"""Minimum error of an outlier, in weight of a pose."""
 
 ROUNDS = 8
-"""Most linearisations of a fit."""
+"""Maximum number of linearisations in a fit."""
 
 ENOUGH = 1e-3
-"""Share of the cost whose further fall ends a fit."""
+"""Minimum relative decrease of the cost per step; a smaller one ends the fit."""
 
 EXACT = 1e-5
 """Tolerance of the linear least squares within a step."""
 
 DAMPINGS = (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0)
-"""Damping of a step, tried in this order until the cost falls."""
+"""Damping factors of a step, in the order of trial until the cost decreases."""
 
 
 def robust_cost(errors: Floats) -> float:
@@ -46,16 +46,16 @@ def solve(
 ) -> Floats:
     """Return the fitted parameters: (K,).
 
-    Errors are made straight again and again (Gauss-Newton), and each step is damped until the cost
-    falls through the whole pipeline.
+    Each step linearises the errors (Gauss-Newton) and is damped until the cost of the full pipeline
+    decreases.
 
     Parameters
     ----------
-    start : (K,) values before the fit, where the prior has its middle
+    start : (K,) values before the fit, at the centre of the prior
     prior : sparse (L, K) matrix Q of the prior
-    bounds : least and greatest value of each; a start beyond them stays possible
-    errors : the (O,) errors of some values, through the whole pipeline
-    slopes : a sparse (O, K) matrix, their slopes
+    bounds : minimum and maximum of each value; a start outside is allowed
+    errors : function from values to (O,) errors of the full pipeline
+    slopes : function from values to the sparse (O, K) matrix of slopes
     """
     low, high = np.minimum(bounds[0], start), np.maximum(bounds[1], start)
     now, found = start.copy(), errors(start)
@@ -75,7 +75,7 @@ def solve(
 
 
 def _step(matrix: Any, found: Floats, prior: Any, moved: Floats, damping: float) -> Floats:
-    """Return the change of parameters that lowers the cost most, if errors were straight: (K,)."""
+    """Return the change of parameters with the lowest cost for linear errors: (K,)."""
     from scipy import sparse
     from scipy.sparse.linalg import lsmr
 

@@ -1,4 +1,4 @@
-"""Fit targets: weights and dominance of each pose at each phoneme.
+"""Fits of targets: weights and dominance of each pose at each phoneme.
 
 Conventions: N targets of at most M steps, P poses, K parameters.
 """
@@ -16,31 +16,31 @@ from lipsync_lang.capture.fit_values import MOST_DOMINANCE, PASSIVE_LOG, FitFace
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 
 PRIOR_OCCURRENCES = 2.0
-"""Occurrences of a phoneme that weigh as much as its target before the fit."""
+"""Number of occurrences of a phoneme with the same weight as its target before the fit."""
 
 FREE_PRIOR_OCCURRENCES = 8.0
-"""The same for signals without a scale: these are sums of several poses, and noisier."""
+"""The same number for signals without a scale, which are noisier sums of several poses."""
 
 OCCURRENCE_SECONDS = 0.04
-"""Seconds of one occurrence in which its target alone decides."""
+"""Seconds of an occurrence that only its own target determines."""
 
 DOMINANCE_SHARE = 0.03
-"""Strength of the prior of a dominance's logarithm, as a share of that of a weight."""
+"""Strength of the prior of a dominance's logarithm, relative to that of a weight."""
 
 
 HEIGHT_SHARE = 0.1
-"""Strength of the prior of a pose's height, as a share of that of a weight."""
+"""Strength of the prior of a pose's height, relative to that of a weight."""
 
 MOST_HEIGHT = 4.0
-"""Greatest height of a pose: a factor of all its weights."""
+"""Maximum height of a pose, which is a factor of all its weights."""
 
 
 @dataclass(frozen=True, eq=False)
 class TargetParameters:
     """Heights of poses, free weights and dominances of a face, as one vector.
 
-    A height is a factor of all weights of a pose, from which the prior measures each weight: a
-    capture in which every jaw opens wider so moves the jaw of rare phonemes too.
+    A height is a factor of all weights of a pose. The prior measures each weight relative to it, so
+    a capture with wider jaw openings also changes the jaw of rare phonemes.
     """
 
     face: FitFace
@@ -53,14 +53,14 @@ class TargetParameters:
 
     @classmethod
     def of(cls, face: FitFace, base: FitValues, seen: Bools) -> Self:
-        """Free what the targets name, for poses that some signal shows: `seen` (P,)."""
+        """Return the free parameters: named weights of poses with a signal; `seen` is (P,)."""
         weights: Bools = face.free(base) & seen
         dominance = np.asarray(weights.any(axis=1))
         return cls(face, np.flatnonzero(dominance.any(axis=0)), weights, dominance)
 
     @property
     def free(self) -> Ints:
-        """Columns of `draft_slopes` that are free; the vector has the heights before them."""
+        """Columns of `draft_slopes` for the free values, which follow the heights in the vector."""
         return np.flatnonzero(np.concatenate((self.weights.ravel(), self.dominance.ravel())))
 
     def vector(self, values: FitValues) -> Floats:
@@ -69,7 +69,7 @@ class TargetParameters:
         return np.concatenate((np.ones(len(self.heights)), *free))
 
     def values(self, vector: Floats, base: FitValues) -> FitValues:
-        """Return values with the free ones from a vector."""
+        """Return values with the free ones replaced from a vector."""
         weights, dominance = base.weights.copy(), base.dominance.copy()
         vector = vector[len(self.heights) :]
         count = int(self.weights.sum())
@@ -78,12 +78,12 @@ class TargetParameters:
         return replace(base, weights=weights, dominance=dominance)
 
     def parts(self, of_heights: float, of_weights: float, of_dominance: float) -> Floats:
-        """Return one number for each height, another for each weight and dominance: (K,)."""
+        """Return a number for each height, weight and dominance: (K,)."""
         counts = len(self.heights), int(self.weights.sum()), int(self.dominance.sum())
         return np.repeat([of_heights, of_weights, of_dominance], counts)
 
     def prior(self, strength: float, before: FitValues) -> Any:
-        """Return the matrix of the prior, for `solve`; `strength` is that of a weight."""
+        """Return the matrix of the prior for `solve`; `strength` is the strength for a weight."""
         from scipy import sparse
 
         shares = self.parts(HEIGHT_SHARE, 1.0, DOMINANCE_SHARE)
@@ -102,7 +102,7 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
 
     Parameters
     ----------
-    base : values of motion and bigrams, and of poses that the fit gave to targets
+    base : values of motion and bigrams, and of poses added to targets
     """
     from scipy import sparse
 
@@ -142,7 +142,7 @@ def fit_targets(face: FitFace, base: FitValues, lines: Sequence[FitLine]) -> Fit
 
 
 def seen_poses(lines: Sequence[FitLine]) -> Bools:
-    """Return True for the poses that some recorded signal shows: (P,)."""
+    """Return True for poses with an effect on a recorded signal: (P,)."""
     out: Bools = np.any(
         [np.any(line.gains[line.seen.any(axis=0)] != 0, axis=0) for line in lines], axis=0
     )
@@ -150,7 +150,7 @@ def seen_poses(lines: Sequence[FitLine]) -> Bools:
 
 
 def seen_rows(lines: Sequence[FitLine], matrix: Any) -> Any:
-    """Return slopes with rows of 0 where nothing was recorded."""
+    """Return slopes with rows of 0 for lost values."""
     from scipy import sparse
 
     seen = np.concatenate([line.seen.ravel() for line in lines]).astype(float)

@@ -1,4 +1,4 @@
-"""Values that a fit changes: targets, motion and bigrams, and the tables that follow from them.
+"""Fitted values: targets, motion and bigrams, with the tables that depend on them.
 
 Conventions: N targets of at most M steps, P poses, R drafted rows of n control values. Weights are
 in [0, 1], dominance is kept as its natural logarithm.
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.retouch import OpenPair
 
 MOST_DOMINANCE = 12.0
-"""Greatest dominance that a fit gives; a neighbour's share is then too small to see."""
+"""Maximum fitted dominance; a neighbour's share is then invisible."""
 
 PASSIVE_LOG = float(np.log(PASSIVE))
-"""Logarithm of the least dominance that a fit gives: that of a pose without a mention."""
+"""Logarithm of the minimum fitted dominance, which is that of an unnamed pose."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +37,7 @@ class FitValues:
     dominance: Floats
     """(N, P) logarithms."""
     mentioned: Bools
-    """(N, P) True where a target names a pose."""
+    """(N, P) True for poses that a target names."""
     softness: Floats
     """(P,) seconds."""
     anticipate: Floats
@@ -45,10 +45,10 @@ class FitValues:
     speed: float
     """Highest speed of a pose, in weight per second."""
     bigrams: Mapping[int, Floats]
-    """Changes of the control values of some rows, (P, n) each, on top of their drafts."""
+    """Changes of the control values of some rows relative to their drafts, (P, n) each."""
 
     def towards(self, fitted: "FitValues", share: float, of_bigrams: float) -> "FitValues":
-        """Return values some share of the way to fitted ones, and bigrams some other share."""
+        """Return values with a share of the fitted changes, and another share for bigrams."""
 
         def between(start: Any, end: Any) -> Any:
             return start + share * (end - start)
@@ -68,19 +68,19 @@ class FitValues:
 
 @dataclass(frozen=True, eq=False)
 class FitFace:
-    """A pair whose drafted rows follow from targets; all other rows stay as they are."""
+    """A pair with drafted rows computed from targets; all other rows are constant."""
 
     tables: Tables
     plain: Motion
     """The motion before the fit."""
     names: tuple[str, ...]
-    """(N,) phonemes that name a target of their own."""
+    """(N,) phonemes with a target of their own."""
     steps: Ints
-    """(N,) steps of each target; 0 for rest, which is none."""
+    """(N,) number of steps of each target; 0 for rest."""
     targeted: Ints
-    """(common phonemes,) target of each, -1 for rest and what is not played."""
+    """(common phonemes,) target of each; -1 for rest and for unused phonemes."""
     rows: Ints
-    """(R,) table rows of the drafted bigrams that are played."""
+    """(R,) table rows of the drafted bigrams in use."""
     first: Ints
     """(R,) target of the first phoneme of each."""
     second: Ints
@@ -90,7 +90,7 @@ class FitFace:
 
     @classmethod
     def of(cls, pair: "OpenPair", lines: "Iterable[FitLine]") -> Self:
-        """Find the targets and drafted rows that some lines play."""
+        """Find the targets and drafted rows that some lines use."""
         shelf, every, compiled = pair.shelf, pair.rows.every, pair.compiled
         tables = compiled.tables
         tables = tables.papers if compiled.motion.thresholds == "paper" else tables
@@ -121,7 +121,7 @@ class FitFace:
         )  # fmt: skip
 
     def free(self, values: FitValues) -> Bools:
-        """Return True for weights that a fit may change, those that targets name: (N, M, P)."""
+        """Return True for weights that targets name, which a fit may change: (N, M, P)."""
         there = np.arange(values.weights.shape[1])[None, :] < self.steps[:, None]
         return there[:, :, None] & values.mentioned[:, None, :]
 
@@ -144,7 +144,7 @@ class FitFace:
         return out
 
     def drafted(self, early: list[Target], late: list[Target]) -> Floats:
-        """Draft every row with some targets for its first phoneme and some for its second."""
+        """Draft every row from targets for its first phoneme and targets for its second."""
         if not len(self.rows):
             return np.zeros((0, self.start.weights.shape[2], len(TIMES)))
         first = [early[n] for n in self.first.tolist()]
@@ -152,12 +152,12 @@ class FitFace:
         return draft(first, second, exact=True)
 
     def moved(self, values: FitValues) -> Tables:
-        """Return tables with the curves and motion of some values."""
+        """Return tables with curves and motion from some values."""
         base, curves = self._base(values), self._curves(values)
         return base.with_rows(base.neutral._replace(curves=curves), base.styles)
 
     def _curves(self, values: FitValues) -> Singles:
-        """Return the samples of every row; a search for motion asks for the same ones."""
+        """Return the samples of every row; the latest are cached for the search for motion."""
         key = values.weights, values.dominance, values.bigrams
         if not self._latest or any(a is not b for a, b in zip(key, self._latest[0], strict=True)):
             curves = self.tables.curves.copy()
@@ -170,20 +170,20 @@ class FitFace:
 
     @cached_property
     def _latest(self) -> list[Any]:
-        """The latest targets and bigrams, and their curves."""
+        """Cache of the latest targets and bigrams, with their curves."""
         return []
 
     def motion(self, values: FitValues) -> Motion:
-        """Return the pair's motion with the speed of some values."""
+        """Return the pair's motion with the speed limit of some values."""
         return replace(self.plain, speed_limit=values.speed)
 
     def shown(self, values: FitValues, lines: "Sequence[FitLine]") -> list[Floats]:
-        """Perform lines by some values, through every stage; return their signals: (T, S) each."""
+        """Perform lines with some values through every stage; return their signals, (T, S) each."""
         tables, motion = self.moved(values), self.motion(values)
         return [line.signals(line.perform(tables, motion).weights(), motion) for line in lines]
 
     def errors(self, values: FitValues, lines: "Sequence[FitLine]") -> Floats:
-        """Return shown minus recorded values of every line, end to end: (O,)."""
+        """Return performed minus recorded values of all lines in sequence: (O,)."""
         shown = self.shown(values, lines)
         return np.concatenate([one.errors(w).ravel() for one, w in zip(lines, shown, strict=True)])
 
@@ -193,7 +193,7 @@ class FitFace:
 
     @cached_property
     def _bases(self) -> dict[tuple[bytes, bytes], Tables]:
-        """The tables of the latest softness and anticipation; settings derived from it stay."""
+        """Cache of the tables of the latest softness and anticipation, with derived settings."""
         return {}
 
     def _base(self, values: FitValues) -> Tables:
@@ -206,7 +206,7 @@ class FitFace:
         return self._bases[key]
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle only the fields."""
+        """Return only the fields, for pickling."""
         return {name: vars(self)[name] for name in self.__dataclass_fields__}
 
 
@@ -221,7 +221,7 @@ def _stacked(targets: Sequence[Target], poses: int) -> tuple[Floats, Floats]:
 
 
 def _mentioned(shelf: "PairPacks", names: Collection[str]) -> Bools:
-    """Return True where the stated target of a name mentions a pose: (N, P)."""
+    """Return True for poses that the stated targets of names mention: (N, P)."""
     stated = shelf.face.targets
     each = [{p for step in stated.get(name, ()) for p in step.weights} for name in names]
     found = [[pose in mentioned for pose in shelf.poses] for mentioned in each]

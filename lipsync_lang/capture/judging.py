@@ -1,4 +1,4 @@
-"""Judgement of captures: unsound ones are set aside, each with its reason and numbers.
+"""Judgement of captures, which sets unsound ones aside with reasons and numbers.
 
 Every line is compared with the curves that the performer gives to its phonemes. The limits were
 chosen on lines of 2 to 3 s that the project made: four faces with other targets than the shipped
@@ -38,66 +38,66 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.arrays import Bools
 
 LEAST_FPS = 24.0
-"""Slowest capture; slower ones miss closures of the lips."""
+"""Minimum frame rate; slower captures miss closures of the lips."""
 
 LEAST_COVERED = 0.8
-"""Share of the speech that a capture has to cover."""
+"""Minimum share of the speech that a capture covers."""
 
 LEAST_SOUNDS = 6
-"""Sounds of a line whose clock can be judged."""
+"""Minimum number of sounds for a judgement of the clock."""
 
 STUCK_SECONDS = 0.5
-"""Sounds do not last so long without any movement: then tracking was lost."""
+"""Minimum length of speech without any movement that means lost tracking."""
 
 MAX_LOST = 0.5
-"""Share of the speech in which a signal may be lost; others are left out."""
+"""Maximum share of the speech in which a signal is lost; other signals are left out."""
 
 UNMOVED = 1e-4
-"""Range of a signal that never moves, as a share of its size."""
+"""Maximum range of a still signal, relative to its size."""
 
 SHOWN_SPREAD = 0.02
-"""Standard deviation of a curve that moves."""
+"""Minimum standard deviation of a moving curve."""
 
 LEAST_LIKENESS = 0.3
-"""Likeness of motion and curves below which they are not of the same words."""
+"""Minimum likeness of motion and curves of the same words."""
 
 CHANCES, FEW_CHANCES = 3.5, 2.5
-"""Standard deviations by which the likeness has to be better than chance; and for few sounds."""
+"""Minimum distance of the likeness from chance in standard deviations, and that for few sounds."""
 
 FEW_SOUNDS = 12
-"""Sounds below which a line is short, and chance spreads more."""
+"""Number of sounds below which a line is short, so that chance varies more."""
 
 SURE_CHANCES = 5.0
-"""Standard deviations beyond chance from which a line is never taken for a stray."""
+"""Distance from chance in standard deviations above which a line is never set aside as a stray."""
 
 LEAST_JUDGED, UNUSUAL = 4, 0.65
-"""Lines from which others tell what is usual, and the share of the usual likeness below which a
-line is a stray."""
+"""Minimum number of lines for a comparison of their likeness, and the share of the median likeness
+below which a line is a stray."""
 
 CLEARLY = 0.1
-"""Likeness by which one clock has to be better than another."""
+"""Minimum difference of likeness between two clocks."""
 
 LEAST_OFFSET_SECONDS = 0.08
-"""Smaller offsets are how a mouth moves, not how a clock was set; they stay."""
+"""Minimum offset of a clock; smaller ones are normal movement and are not corrected."""
 
 LEAST_GAIN = 0.03
-"""Likeness that a corrected offset has to gain."""
+"""Minimum gain in likeness of a corrected offset."""
 
 LEAST_DRIFT_SECONDS = 0.15
-"""Smaller drifts over a line do no harm, and look like the delivery of the line."""
+"""Minimum drift over a line; smaller drifts are harmless and resemble normal delivery."""
 
 REVERSED = -0.5
-"""Likeness of a signal that runs against its curve."""
+"""Maximum likeness of an inverted signal."""
 
 OUTLYING = 6.0
-"""Deviations from the median residual that make a line an outlier."""
+"""Minimum number of deviations of an outlier from the median residual."""
 
 LEAST_COMPARED = 6
-"""Lines from which residuals tell an outlier; of fewer, the odd one may be the only one of its
-sounds."""
+"""Minimum number of lines for a search for outliers; among fewer lines, an unusual line may be the
+only one with its sounds."""
 
 LEAST_DEVIATION = 0.25
-"""Least deviation of residuals, as a share of their median: lines differ by their sounds."""
+"""Minimum deviation of residuals relative to their median, because lines differ in their sounds."""
 
 
 def judge_captures(
@@ -110,8 +110,8 @@ def judge_captures(
 
     Parameters
     ----------
-    captures : as read for this performer
-    progress : called with the number of lines judged, and of all
+    captures : captures read for this performer
+    progress : called with the numbers of judged lines and of all lines
 
     Returns
     -------
@@ -136,9 +136,9 @@ def judge_captures(
 def _unlike_the_others(
     kept: "list[tuple[CapturedLine, ClockReading | None]]",
 ) -> list[SetAside]:
-    """Name lines that follow their timings far less than the others do, and hardly beyond chance.
+    """Return lines that follow their timings far less than the others, and hardly beyond chance.
 
-    Of many lines, a few with the timings of another pass the test of chance alone.
+    The test of chance alone accepts a few of many lines with the timings of another.
     """
     judged = {line.name: reading for line, reading in kept if reading is not None}
     if len(judged) < LEAST_JUDGED:
@@ -147,8 +147,9 @@ def _unlike_the_others(
     return [
         SetAside(
             line=name,
-            why=f"its motion hardly follows its timings (likeness {one.near:.2f}, {usual:.2f} is "
-            f"usual; chance gives {one.chance:.2f} +- {one.spread:.2f}); are they of another line?",
+            why=f"its motion hardly follows its timings (likeness {one.near:.2f}, median "
+            f"{usual:.2f}; chance gives {one.chance:.2f} +- {one.spread:.2f}); check that they "
+            "are of this line",
         )
         for name, one in judged.items()
         if one.near < UNUSUAL * usual and one.near < one.chance + SURE_CHANCES * one.spread
@@ -156,25 +157,25 @@ def _unlike_the_others(
 
 
 def _check_repeated(line: "CapturedLine", seen: dict[str, str]) -> None:
-    """Refuse a line with the motion of an earlier one."""
+    """Raise an error for a line with the motion of an earlier line."""
     told = repr((line.signals, line.values.shape)).encode()
     digest = sha256(told + np.round(line.values, 3).tobytes()).hexdigest()
     if digest in seen:
-        raise AnimationError(f"its motion is that of '{seen[digest]}', value by value")
+        raise AnimationError(f"its motion is identical to that of '{seen[digest]}'; remove one")
     seen[digest] = line.name
 
 
 def _judged(
     performer: "Performer", line: "CapturedLine"
 ) -> "tuple[CapturedLine, ClockReading | None]":
-    """Return a sound line, corrected, with its clock; raise an error for an unsound one."""
+    """Return a corrected line with its clock; raise an error for an unsound line."""
     _check_rate(line)
     _check_covered(performer, line)
     line = _without_stuck(performer, line)
     line = _moving(performer, line)
     count = len(sounds_of(performer, line.schedule))
     if count < LEAST_SOUNDS:
-        return _remarked(line, f"has {count} sounds, too few to judge its clock"), None
+        return _remarked(line, f"has only {count} sounds, too few to judge its clock"), None
     reading, motion = read_clock(performer, line)
     _check_words(reading, motion, FEW_CHANCES if count < FEW_SOUNDS else CHANCES)
     _check_clock(reading)
@@ -189,7 +190,8 @@ def _check_rate(line: "CapturedLine") -> None:
     fps = 1 / float(np.median(np.diff(line.times)))
     if fps < LEAST_FPS * 0.99:
         raise AnimationError(
-            f"has {fps:.3g} frames per second; closures of the lips need {LEAST_FPS:g}"
+            f"has {fps:.3g} frames per second, too few for closures of the lips; record at least "
+            f"{LEAST_FPS:g}"
         )
 
 
@@ -199,8 +201,8 @@ def _check_covered(performer: "Performer", line: "CapturedLine") -> None:
     covered = (min(end, last) - max(start, first)) / (end - start)
     if covered < LEAST_COVERED:
         raise AnimationError(
-            f"the capture lasts from {first:.2f} to {last:.2f} s, but the speech from {start:.2f} "
-            f"to {end:.2f} s; are these the timings of another line?"
+            f"the capture lasts from {first:.2f} to {last:.2f} s, but the speech lasts from "
+            f"{start:.2f} to {end:.2f} s; check that the timings are of this line"
         )
 
 
@@ -212,7 +214,7 @@ def _speech(performer: "Performer", line: "CapturedLine") -> "Bools":
 
 
 def _without_stuck(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
-    """Take samples for lost where all signals stand still while sounds are spoken."""
+    """Mark samples as lost if all signals stand still during speech."""
     speech = _speech(performer, line)
     same = np.append(False, (np.diff(line.values, axis=0) == 0).all(axis=1)) & speech
     edges = np.flatnonzero(np.diff(np.concatenate(([0], same, [0]))))
@@ -229,12 +231,12 @@ def _without_stuck(performer: "Performer", line: "CapturedLine") -> "CapturedLin
         )
     if not lost:
         return line
-    told = f"nothing moves in {lost / fps:.1f} s of speech, which are left out"
+    told = f"nothing moves in {lost / fps:.1f} s of speech; they are left out"
     return _remarked(replace(line, values=values), told)
 
 
 def _moving(performer: "Performer", line: "CapturedLine") -> "CapturedLine":
-    """Leave out signals that are lost, or stand still while their curves move."""
+    """Leave out signals that are lost, and still signals whose curves move."""
     speech = _speech(performer, line)
     spoken = line.values[speech]
     known = np.isfinite(spoken)
@@ -264,51 +266,52 @@ def _named(line: "CapturedLine", which: "Bools", what: str) -> "CapturedLine":
     if not which.any():
         return line
     names = some_names(np.array(line.signals)[which].tolist())
-    return _remarked(line, f"signals that are {what}, and left out: {names}")
+    return _remarked(line, f"signals left out, because they are {what}: {names}")
 
 
 def _check_words(reading: ClockReading, motion: ComparedMotion, chances: float) -> None:
-    """Refuse motion that is not of these words, or only at an absurd offset or speed."""
+    """Raise an error for motion of other words, or with an implausible offset or speed."""
     needed = max(LEAST_LIKENESS, reading.chance + chances * reading.spread)
     best = max(reading.near, reading.drifting)
     chance = f"chance gives {reading.chance:.2f} +- {reading.spread:.2f}"
     if reading.far > max(needed, reading.near + CLEARLY):
         late = f"{abs(reading.far_offset):.2f} s {'late' if reading.far_offset > 0 else 'early'}"
         raise AnimationError(
-            f"its motion comes {late} (likeness {reading.far:.2f} there, {best:.2f} within "
-            f"{NEAR_SECONDS:g} s; {chance}); state where it starts in a list of captures"
+            f"its motion is {late} (likeness {reading.far:.2f} there, {best:.2f} within "
+            f"{NEAR_SECONDS:g} s; {chance}); state its start in a list of captures"
         )
     if best >= needed:
         return
     likeness, speed = best_speed(motion)
     if likeness > max(needed, best + CLEARLY):
         raise AnimationError(
-            f"its frame rate lies: the motion fits at {speed:.3g} times its speed (likeness "
-            f"{likeness:.2f} there, {best:.2f} as it is; {chance})"
+            f"its frame rate is wrong: the motion fits at {speed:.3g} times its speed (likeness "
+            f"{likeness:.2f} there, {best:.2f} now; {chance}); export it at the right rate"
         )
     raise AnimationError(
         f"its motion does not follow its timings (likeness {best:.2f}, hardly better than "
-        f"chance; {chance}); are they of another line?"
+        f"chance; {chance}); check that they are of this line"
     )
 
 
 def _check_clock(reading: ClockReading) -> None:
-    """Refuse a clock that drifts, or whose offset is not well determined."""
+    """Raise an error for a clock with a drift or with an uncertain offset."""
     if abs(reading.drift) >= LEAST_DRIFT_SECONDS and reading.drifting > reading.near + LEAST_GAIN:
         how = "loses" if reading.drift > 0 else "gains"
         raise AnimationError(
             f"its clock drifts: it {how} {abs(reading.drift):.2f} s over the speech (likeness "
-            f"{reading.drifting:.2f} with that drift, {reading.near:.2f} without)"
+            f"{reading.drifting:.2f} with that drift, {reading.near:.2f} without); "
+            "correct its times"
         )
     if _is_offset(reading) and reading.near < reading.rival + CLEARLY:
         raise AnimationError(
             f"its offset is uncertain: {reading.offset:+.2f} s has likeness {reading.near:.2f}, "
-            f"another {reading.rival:.2f}"
+            f"another {reading.rival:.2f}; state its start in a list of captures"
         )
 
 
 def _is_offset(reading: ClockReading) -> bool:
-    """Tell an offset of the clock from how a mouth moves."""
+    """Distinguish an offset of the clock from normal movement."""
     large = abs(reading.offset) >= LEAST_OFFSET_SECONDS
     return large and reading.near > reading.likeness + LEAST_GAIN
 
@@ -318,14 +321,14 @@ def _in_time(line: "CapturedLine", reading: ClockReading) -> "CapturedLine":
     if not _is_offset(reading):
         return line
     told = (
-        f"its motion comes {abs(reading.offset):.2f} s {'late' if reading.offset > 0 else 'early'} "
-        f"and is moved (likeness {reading.near:.2f}, {reading.likeness:.2f} before)"
+        f"its motion is {abs(reading.offset):.2f} s {'late' if reading.offset > 0 else 'early'} "
+        f"and was shifted (likeness {reading.near:.2f}, {reading.likeness:.2f} before)"
     )
     return _remarked(replace(line, times=line.times - reading.offset), told)
 
 
 def _forwards(line: "CapturedLine", motion: ComparedMotion) -> "CapturedLine":
-    """Leave out signals of sensors that run against their curves: their sign is wrong."""
+    """Leave out inverted signals of sensors, which have the wrong sign."""
     if not line.free:
         return line
     each = motion.signals()
@@ -335,7 +338,7 @@ def _forwards(line: "CapturedLine", motion: ComparedMotion) -> "CapturedLine":
     names = np.array(line.signals)
     told = ", ".join(f"{n} (r {r:.2f})" for n, r in zip(names[wrong], each[wrong], strict=True))
     kept = ~wrong
-    line = _remarked(line, f"signals that run against their curves, and are left out: {told}")
+    line = _remarked(line, f"signals left out, because they move against their curves: {told}")
     return replace(
         line, signals=tuple(names[kept].tolist()), values=line.values[:, kept],
         gains=line.gains[kept],
@@ -343,7 +346,7 @@ def _forwards(line: "CapturedLine", motion: ComparedMotion) -> "CapturedLine":
 
 
 def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
-    """Name the lines whose residual is far above the others': misaligned, or spoken differently.
+    """Return the lines with outlying residuals, which are misaligned or spoken differently.
 
     Parameters
     ----------
@@ -354,7 +357,7 @@ def outlying_lines(residuals: Mapping[str, float]) -> tuple[SetAside, ...]:
     middle = median(residuals.values())
     usual = 1.4826 * median(abs(one - middle) for one in residuals.values())
     limit = middle + OUTLYING * max(usual, LEAST_DEVIATION * middle)
-    why = "after the fit its error is {:.3f}, and {:.3f} is usual; check its timings"
+    why = "its error after the fit is {:.3f}, and the median is {:.3f}; check its timings"
     return tuple(
         SetAside(line=name, why=why.format(one, middle))
         for name, one in residuals.items()

@@ -1,4 +1,4 @@
-"""Rest levels: weights that a capture shows while nobody speaks, which are taken away.
+"""Rest levels: weights of a capture during silence, which are subtracted.
 
 The poses of a pose set rest at 0. Captured shapes often rest higher, because the tracker has
 another neutral face.
@@ -20,24 +20,24 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 AWAY_SECONDS = 0.15
-"""Seconds around sounds in which a face does not rest."""
+"""Seconds around sounds that do not count as rest."""
 
 ENOUGH_SECONDS = 0.5
-"""Seconds of rest that tell its level; with fewer, the lowest weights of speech do."""
+"""Minimum seconds of rest for its level; otherwise the lowest weights of speech determine it."""
 
 LOWEST_SHARE = 0.05
-"""Share of the weights of speech that lie below the rest level, where no pause tells it."""
+"""Quantile of the weights of speech that is the rest level if there are no pauses."""
 
 LEAST_LEVEL, MOST_LEVEL = 0.02, 0.4
-"""Levels that are taken away; lower ones are noise, and higher ones are expressions."""
+"""Range of subtracted levels; lower levels are noise, and higher ones are expressions."""
 
 
 def without_rest(
     performer: "Performer", captured: "Sequence[CapturedLine]"
 ) -> "list[CapturedLine]":
-    """Return lines whose signals rest at 0, with remarks on what was taken away.
+    """Return lines with rest levels subtracted, and remarks on them.
 
-    A level is one for all lines of a speaker. Signals without a scale stay as they are.
+    All lines of a speaker have the same levels. Signals without a scale are unchanged.
     """
     resting: dict[tuple[str, str], list[Floats]] = {}
     speaking: dict[tuple[str, str], list[Floats]] = {}
@@ -55,7 +55,7 @@ def without_rest(
 
 
 def _rests(performer: "Performer", captured: "Sequence[CapturedLine]") -> list[Bools]:
-    """Return True for samples well away from every sound: (T,) for each line."""
+    """Return True for samples far from every sound: (T,) for each line."""
     silence = performer.compiled.tables.silence
     out = []
     read = performer.labels.read([line.schedule for line in captured]) if captured else []
@@ -69,7 +69,7 @@ def _rests(performer: "Performer", captured: "Sequence[CapturedLine]") -> list[B
 
 
 def _level(resting: Floats, speaking: Floats, fps: float) -> float:
-    """Return the weight at rest; 0 for one that stays as it is."""
+    """Return the weight at rest to subtract; 0 for none."""
     if len(resting) >= ENOUGH_SECONDS * fps:
         level = float(np.median(resting))
     elif len(speaking):
@@ -87,5 +87,5 @@ def _lowered(line: "CapturedLine", levels: dict[tuple[str, str], float]) -> "Cap
         f"{name} {level:.2f}" for name, level in zip(line.signals, own, strict=True) if level
     )
     who = f" of {line.speaker}" if line.speaker else ""
-    told = f"weights at rest{who} that were taken away: {named}"
+    told = f"weights at rest{who} that were subtracted: {named}"
     return replace(line, values=line.values - own, remarks=(*line.remarks, told))

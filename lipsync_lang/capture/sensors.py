@@ -1,4 +1,4 @@
-"""Sensors: tables of positions, read as measures of a pose set by a stated read-out.
+"""Sensors: tables of positions, converted to measures of a pose set by a read-out.
 
 Conventions: T samples, M measures; times are in seconds.
 """
@@ -23,13 +23,13 @@ from lipsync_lang.pipeline.arrays import Floats
 
 
 class SensorSignals(NamedTuple):
-    """Measures that a table of sensors shows."""
+    """Measures from a table of sensors."""
 
     times: Floats
     """(T,) seconds."""
     measures: tuple[str, ...]
     values: Floats
-    """(T, M); NaN where a sensor was lost."""
+    """(T, M) values; NaN for a lost sensor."""
     remarks: tuple[str, ...]
 
 
@@ -39,13 +39,13 @@ def load_readout(path: Path) -> ReadOut:
     Raises
     ------
     PackFaults
-        The file is unsound; every fault of its form.
+        The file is unsound; the error has all its faults.
     """
     return cast("ReadOut", Library(project=None).load(path, "readout").model)
 
 
 def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
-    """Read a table of sensors; None if it has no column of the read-out.
+    """Read a table of sensors; return None without any column of the read-out.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
         column = min(wanted - set(names))
         fail(path, f"has no column '{column}'", did_you_mean(column, names))
     remarks = [
-        f"{path}: has no column '{column}' for '{measure}', which is left out"
+        f"{path}: has no column '{column}', so measure '{measure}' is left out"
         for measure, column in lacking.items()
     ]
     sensed = np.where(np.isfinite(table), table, np.nan)
@@ -86,7 +86,7 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
 
 
 def _with_columns(readout: ReadOut, names: tuple[str, ...]) -> tuple[list[str], dict[str, str]]:
-    """Return the measures whose columns are there, and a missing column of each other one."""
+    """Return the measures with all columns, and a missing column of each other measure."""
     lacking = {
         measure: column
         for measure, sums in readout.measures.items()
@@ -98,7 +98,7 @@ def _with_columns(readout: ReadOut, names: tuple[str, ...]) -> tuple[list[str], 
 
 def _check_times(path: Path, times: Floats) -> None:
     if len(times) < LEAST:
-        fail(path, f"has {len(times)} samples", "export the whole recording")
+        fail(path, f"has only {len(times)} samples", "export the whole recording")
     if not (np.isfinite(times) & (np.abs(times) <= LONGEST_SECONDS)).all():
         fail(
             path,
@@ -107,4 +107,4 @@ def _check_times(path: Path, times: Floats) -> None:
         )
     falls = np.diff(times) <= 0
     if falls.any():
-        fail(path, f"sample {int(falls.argmax()) + 1}: its time does not rise", "put it in order")
+        fail(path, f"sample {int(falls.argmax()) + 1}: its time does not rise", "sort the table")

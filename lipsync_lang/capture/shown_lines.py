@@ -1,4 +1,4 @@
-"""Captured lines beside the curves before and after a fit, with figures of how well these follow.
+"""Captured lines with the curves before and after a fit, and figures of their agreement.
 
 Conventions: T frames, S signals; times are seconds.
 """
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from lipsync_lang.capture.fit_captures import Followed
 
 LEAST_FRAMES = 3
-"""Least number of frames for r."""
+"""Minimum number of frames for r."""
 
 STILL = 1e-9
-"""Standard deviation below which a signal does not move."""
+"""Minimum standard deviation of a moving signal."""
 
 
 class SignalFigures(NamedTuple):
-    """Figures of how well curves follow a captured signal, before and after a fit."""
+    """Agreement of curves with a captured signal, before and after a fit."""
 
     signal: str
     r_before: float | None
@@ -44,7 +44,7 @@ class ShownLine:
     """(T,) seconds."""
     signals: tuple[str, ...]
     captured: Floats
-    """(T, S); NaN where nothing was captured."""
+    """(T, S) captured values; NaN for lost values."""
     before: Floats
     """(T, S) signals of the curves before the fit."""
     after: Floats
@@ -52,19 +52,19 @@ class ShownLine:
     labels: tuple[str, ...]
     """Phonemes."""
     bounds: Floats
-    """Their boundaries: one more than labels."""
+    """Boundaries of the phonemes: one more than labels."""
     figures: tuple[SignalFigures, ...]
     """Figures of each captured signal, worst first."""
     speaker: str = ""
 
     @property
     def r_before(self) -> float | None:
-        """Mean r before, by how much the signals move."""
+        """Mean r before the fit, weighted by the movement of the signals."""
         return _mean(self.figures, [one.r_before for one in self.figures])
 
     @property
     def r_after(self) -> float | None:
-        """Mean r after, by how much the signals move."""
+        """Mean r after the fit, weighted by the movement of the signals."""
         return _mean(self.figures, [one.r_after for one in self.figures])
 
     @property
@@ -91,7 +91,7 @@ def _root(values: Sequence[float]) -> float:
 def signal_figures(
     signals: Sequence[str], captured: Floats, before: Floats, after: Floats
 ) -> tuple[SignalFigures, ...]:
-    """Measure how well curves follow captured signals, where these are known; worst first."""
+    """Measure the agreement of curves with the known values of captured signals, worst first."""
     found = []
     for number, signal in enumerate(signals):
         known = np.isfinite(captured[:, number])

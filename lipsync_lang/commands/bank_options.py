@@ -99,7 +99,7 @@ def _add_accept(action: Add) -> None:
     )  # fmt: skip
     made.add_argument(
         "--anyway", action="store_true",
-        help="accept items although the fit fails on lines that it has not seen",
+        help="accept items although the fit does not generalise to held-out lines",
     )  # fmt: skip
     made.add_argument(
         "--remove", action="store_true",
@@ -116,7 +116,7 @@ def _add_fit(action: Add) -> None:
         bank_fitting.fit,
         "fit targets, motion and bigrams to captures of a face",
         "bank fit captures/ -l english -c facefx -o fit.json",
-        more=", and prove them on lines that the fit did not see",
+        more=", and test them on held-out lines",
     )
     made.add_argument(
         "captures", metavar="CAPTURE", type=Path, nargs="+",

@@ -92,7 +92,7 @@ def _print_review(proposal: "FitProposal", done: "Acceptance") -> None:
         print(line)
     if not proposal.verdict.accepted:
         told = f": {proposal.verdict.why}" if proposal.verdict.why else ""
-        print(f"the fit fails on lines that it has not seen{told}", file=sys.stderr)
+        print(f"the fit does not generalise to held-out lines{told}", file=sys.stderr)
     ready = sum(row.state == "ready" for row in done.rows)
     print(f"{ready} of {count(len(done.rows), 'item')} can be accepted with --all", file=sys.stderr)
 
