@@ -4,22 +4,16 @@
 //
 // PAIR is a bigram of the line. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
-import { createRequire } from "node:module";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, pair] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
-const flags = [
-  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium);
 const said = [], asked = [];
+const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 
 async function open(view, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall/.test(one.text()) && said.push(one.text()));
-  page.on("request", (one) => one.url().startsWith(new URL(address).origin) || /^(data|blob):/.test(one.url()) || asked.push(one.url()));
+  watch(page, said, asked, own);
   await page.goto(`${address}${view}`);
   await page.waitForSelector("html[data-ready]", { timeout: 120000 });
   return page;

@@ -5,12 +5,10 @@
 // Printed is JSON: `said`, the errors; and for each thing done, the changes reported since. A FOLDER gets
 // pictures.
 import { readFileSync } from "node:fs";
-import { createServer } from "node:http";
-import { createRequire } from "node:module";
-import { basename, extname, join } from "node:path";
+import { basename, join } from "node:path";
+import { launch, serve, watch } from "./browsing.mjs";
 
 const [modules, chromium, folder, pictures] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
 const PAGE = `<!DOCTYPE html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
 <meta name="color-scheme" content="light dark"><link rel="icon" href="data:,"><title>Curves</title>
@@ -41,26 +39,19 @@ const pairs = {
 matrix.show({ phonemes: ["_", "a", "m"], pairs, wanted: [{ pair: "a-m", count: 2, word: "am" }] });
 window.more = () => matrix.show({ phonemes: ["_", "a", "m"], pairs: { ...pairs, "a-m": { status: "edited", need: 2 } }, wanted: [] });
 document.documentElement.dataset.ready = "";`;
-const KINDS = { ".js": "text/javascript", ".css": "text/css", "": "text/html" };
 const OWN = { "": PAGE, matrix: PAGE.replace("own.js", "matrix.js"), "own.js": SCRIPT, "matrix.js": MATRIX, "own.css": STYLE };
 
-const server = createServer((request, response) => {
-  const name = basename(new URL(request.url, "http://localhost").pathname);
-  response.setHeader("content-type", KINDS[extname(name)]);
-  response.setHeader("content-security-policy", "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:");
-  response.end(OWN[name] ?? readFileSync(join(folder, name)));
-});
-await new Promise((done) => server.listen(0, "127.0.0.1", done));
-const browser = await browsers.launch({
-  executablePath: chromium, headless: true, args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"],
-});
+const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src data:";
+const server = await serve(
+  (path) => OWN[basename(path)] ?? readFileSync(join(folder, basename(path))), { "content-security-policy": POLICY },
+);
+const browser = await launch(modules, chromium, "--disable-gpu");
 const said = [];
 
 async function open(options = {}, path = "") {
   const page = await browser.newPage({ viewport: { width: 1280, height: 700 }, ...options });
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && said.push(one.text()));
-  await page.goto(`http://127.0.0.1:${server.address().port}/${path}`);
+  watch(page, said);
+  await page.goto(`${server.address}/${path}`);
   await page.waitForSelector("html[data-ready]");
   return page;
 }

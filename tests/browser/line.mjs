@@ -4,25 +4,17 @@
 //
 // CLOSED and OPEN are seconds at which the mouth is shut and open. Printed is JSON: `said` and `asked`,
 // the errors and the requests of all this; the rest below.
-import { createRequire } from "node:module";
 import { pathToFileURL } from "node:url";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, file, closed, open] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
-const flags = [
-  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium);
 const said = [], asked = [];
 
 async function show(options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall/.test(one.text()) && said.push(one.text()));
-  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
-  page.on("request", (one) => /^(file|data|blob):/.test(one.url()) || asked.push(one.url()));
+  watch(page, said, asked);
   await page.goto(String(pathToFileURL(file)));
   await page.waitForSelector("html[data-ready]", { timeout: 120000 });
   return page;

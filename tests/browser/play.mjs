@@ -5,12 +5,10 @@
 // TIMES is a JSON list of seconds. Printed is a JSON list with, for each time, the object's name ->
 // {weights: {shape: weight}, turn: [x, y, z, w], place: [x, y, z]}. A FOLDER gets a picture of each.
 import { readFileSync } from "node:fs";
-import { createServer } from "node:http";
-import { createRequire } from "node:module";
-import { extname, join, normalize } from "node:path";
+import { join, normalize } from "node:path";
+import { launch, serve } from "./browsing.mjs";
 
 const [modules, chromium, file, times, folder] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
 const PAGE = `<!DOCTYPE html>
 <link rel="icon" href="data:,"><style>body { margin: 0 }</style>
@@ -69,33 +67,15 @@ const PAGE = `<!DOCTYPE html>
   window.ready = true;
 </script>`;
 
-const TYPES = { ".js": "text/javascript", ".html": "text/html" };
+const KNOWN = { "/": () => PAGE, "/model.glb": () => readFileSync(file) };
 
-function answer(request, response) {
-  const path = normalize(new URL(request.url, "http://here").pathname);
-  const type = path === "/" ? "text/html" : TYPES[extname(path)] ?? "application/octet-stream";
-  try {
-    const known = { "/": () => PAGE, "/model.glb": () => readFileSync(file) };
-    const content = (known[path] ?? (() => readFileSync(join(modules, path))))();
-    response.writeHead(200, { "content-type": type }).end(content);
-  } catch {
-    response.writeHead(404).end();
-  }
-}
-
-const server = createServer(answer);
-await new Promise((done) => server.listen(0, "127.0.0.1", done));
-const flags = [
-  "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader",
-  "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const server = await serve((path) => KNOWN[path]?.() ?? readFileSync(join(modules, normalize(path))));
+const browser = await launch(modules, chromium);
 try {
   const page = await browser.newPage({ viewport: { width: 512, height: 512 } });
   page.on("pageerror", (error) => console.error(String(error)));
   page.on("console", (said) => said.type() === "error" && console.error(said.text()));
-  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  await page.goto(server.address);
   await page.waitForFunction(() => window.ready, null, { timeout: 60000 });
   const states = [];
   for (const [number, seconds] of JSON.parse(times).entries()) {

@@ -4,26 +4,18 @@
 //
 // REPORT is the number of the report to choose, SOUGHT what to search for. A FOLDER gets pictures.
 // Printed is JSON: `said` and `asked`, the errors and the requests of all this; the rest below.
-import { createRequire } from "node:module";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, file, report, sought, folder] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
-const flags = [
-  "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium, "--disable-gpu");
 const said = [], asked = [];
 
 async function open(options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && said.push(one.text()));
-  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
-  page.on("request", (one) => /^(file|data):/.test(one.url()) || asked.push(one.url()));
+  watch(page, said, asked);
   await page.goto(String(pathToFileURL(file)));
   return page;
 }

@@ -6,27 +6,20 @@
 // Printed is JSON: `said` and `asked`, the errors and the requests of all this; `wide`, the pages that
 // scroll sideways; `faint`, the pages whose text has little contrast; `found`, the results of the search.
 import { readdirSync } from "node:fs";
-import { createRequire } from "node:module";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, folder, sought, pictures] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
-const flags = [
-  "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium, "--disable-gpu");
 const CONTRAST = 4.5; // WCAG 2, level AA
 const said = [], asked = [], wide = [], faint = [];
 
 async function context(options) {
   const made = await browser.newContext(options);
   const page = await made.newPage();
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && said.push(one.text()));
-  page.on("request", (one) => /^(file|data|blob|about):/.test(one.url()) || asked.push(one.url()));
+  watch(page, said, asked);
   return page;
 }
 

@@ -4,28 +4,19 @@
 //
 // A story is one of the functions below. Printed is JSON: `said` and `asked`, the errors and the requests
 // to other places of all this; the rest is the story's. FOLDER gets pictures, where one is named.
-import { createRequire } from "node:module";
 import { createInterface } from "node:readline";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, story, folder] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
-const flags = [
-  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-  "--autoplay-policy=no-user-gesture-required",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium, "--autoplay-policy=no-user-gesture-required");
 const said = [], asked = [];
-const origin = new URL(address).origin;
+const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 
 async function show(hash = "", options = {}) {
   const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall|GL Driver/.test(one.text()) && said.push(one.text()));
+  watch(page, said, asked, own);
   page.on("response", (one) => one.status() >= 400 && one.status() !== 409 && said.push(`${one.status()} ${one.url()}`));
-  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
-  page.on("request", (one) => one.url().startsWith(origin) || /^(data|blob):/.test(one.url()) || asked.push(one.url()));
   await page.goto(address + hash);
   await page.waitForSelector("html[data-ready]", { timeout: 120000 });
   return page;

@@ -3,20 +3,16 @@
 //   node studio_tables.mjs NODE_MODULES CHROMIUM ADDRESS STORY
 //
 // Printed is JSON: `said` and `asked`, the errors and the requests to other places; the rest is the story's.
-import { createRequire } from "node:module";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, story] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
-const flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium);
 const said = [], asked = [];
+const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 
 async function show(hash) {
   const page = await browser.newPage({ viewport: { width: 1366, height: 768 } });
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall|GL Driver/.test(one.text()) && said.push(one.text()));
-  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
-  page.on("request", (one) => one.url().startsWith(new URL(address).origin) || /^(data|blob):/.test(one.url()) || asked.push(one.url()));
+  watch(page, said, asked, own);
   await page.goto(address + hash);
   await page.waitForSelector("html[data-ready]");
   return page;

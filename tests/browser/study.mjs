@@ -4,24 +4,20 @@
 //
 // ADDRESS is a file or a URL. Printed is JSON: `said` and `asked`, the errors and the requests of all
 // this; the rest below. Pictures and the export go to FOLDER.
-import { createRequire } from "node:module";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
+import { launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, folder] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 const url = /^https?:/.test(address) ? address : String(pathToFileURL(address));
-const flags = ["--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const browser = await launch(modules, chromium);
 const said = [], asked = [];
 
 async function show(options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, ...options });
   const page = await context.newPage();
-  page.on("pageerror", (error) => said.push(String(error)));
-  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !/GPU stall/.test(one.text()) && said.push(one.text()));
-  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  watch(page, said);
   page.on("request", (one) => /^(file|data|blob):/.test(one.url()) || asked.push(`${one.method()} ${new URL(one.url()).pathname}`));
   await page.goto(url);
   await page.waitForSelector("html[data-ready]", { timeout: 60000 });

@@ -6,35 +6,17 @@
 // `soundStart`, and `frames`, of each frame the seconds of the sound that are `heard`, the time of the
 // clip (`at`), and the `weights` by shape; and `weighed`, what weights.js says of hello.json at TIMES.
 import { readFileSync } from "node:fs";
-import { createServer } from "node:http";
-import { createRequire } from "node:module";
-import { extname, join, normalize } from "node:path";
+import { join, normalize } from "node:path";
+import { launch, serve } from "./browsing.mjs";
 
 const [modules, chromium, folder, times] = process.argv.slice(2);
-const { chromium: browsers } = createRequire(`${modules}/`)("playwright-core");
 
-const TYPES = { ".js": "text/javascript", ".html": "text/html", ".wav": "audio/wav" };
+const MODULES = "/node_modules/";
 
-function answer(request, response) {
-  const path = normalize(new URL(request.url, "http://here").pathname);
-  const type = TYPES[extname(path)] ?? "application/octet-stream";
-  const inside = "/node_modules/";
-  const file = path.startsWith(inside) ? join(modules, path.slice(inside.length)) : join(folder, path);
-  try {
-    const content = readFileSync(file);
-    response.writeHead(200, { "content-type": type }).end(content);
-  } catch {
-    response.writeHead(404).end();
-  }
-}
-
-const server = createServer(answer);
-await new Promise((done) => server.listen(0, "127.0.0.1", done));
-const flags = [
-  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
-];
-const browser = await browsers.launch({ executablePath: chromium, headless: true, args: flags });
+const server = await serve((path) => readFileSync(
+  path.startsWith(MODULES) ? join(modules, normalize(path.slice(MODULES.length))) : join(folder, normalize(path)),
+));
+const browser = await launch(modules, chromium);
 try {
   const page = await browser.newPage({ viewport: { width: 200, height: 200 } });
   page.on("pageerror", (error) => console.error(String(error)));
@@ -46,7 +28,7 @@ try {
       start.call(this, when);
     };
   });
-  await page.goto(`http://127.0.0.1:${server.address().port}/index.html`);
+  await page.goto(`${server.address}/index.html`);
   await page.waitForFunction(() => window.line, null, { timeout: 60000 });
   await page.evaluate(() => {
     const { face, mixer, audio } = window.line;

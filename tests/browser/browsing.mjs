@@ -1,0 +1,39 @@
+// A headless browser, pages that are watched, and a server of files, for the scripts of this folder.
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
+import { extname } from "node:path";
+
+const FLAGS = [
+  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+];
+const TYPES = { "": "text/html", ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wav": "audio/wav" };
+const DRIVER = /GPU stall|GL Driver/; // warnings of drawing in software
+
+/** Start the browser at a path, with the `playwright-core` of a folder of modules. */
+export const launch = (modules, executablePath, ...more) =>
+  createRequire(`${modules}/`)("playwright-core").chromium.launch({ executablePath, headless: true, args: [...FLAGS, ...more] });
+
+/** Add the errors and dialogs of a page to `said`, and its requests to addresses that are not `own` to `asked`. */
+export function watch(page, said, asked = [], own = /^(file|data|blob|about):/) {
+  page.on("pageerror", (error) => said.push(String(error)));
+  page.on("console", (one) => ["error", "warning"].includes(one.type()) && !DRIVER.test(one.text()) && said.push(one.text()));
+  page.on("dialog", (dialog) => { said.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  page.on("request", (one) => own.test(one.url()) || asked.push(one.url()));
+  return page;
+}
+
+/** Serve the contents that `find` has for paths, and return the address and a function that ends it. */
+export async function serve(find, headers = {}) {
+  const server = createServer((request, response) => {
+    const path = new URL(request.url, "http://here").pathname;
+    try {
+      const content = find(path);
+      response.writeHead(200, { "content-type": TYPES[extname(path)] ?? "application/octet-stream", ...headers }).end(content);
+    } catch {
+      response.writeHead(404).end();
+    }
+  });
+  await new Promise((done) => server.listen(0, "127.0.0.1", done));
+  return { address: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
+}
