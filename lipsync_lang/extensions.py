@@ -31,6 +31,9 @@ T = TypeVar("T")
 PROGRAM = "lipsync-lang"
 """Name of the program's own distribution."""
 
+PACKS = "lipsync_lang.packs"
+"""Group of the entry points that name folders of packs; these are never imported."""
+
 _log = logging.getLogger(__name__)
 _lock = RLock()
 
@@ -253,6 +256,28 @@ def installed(group: str) -> "list[EntryPoint]":
         return distribution(one) != PROGRAM, distribution(one), one.name
 
     return sorted(entry_points(group=group), key=rank)
+
+
+def plug_ins() -> "dict[str, list[EntryPoint]]":
+    """Return the entry points of each installed plug-in, by its distribution."""
+    found: dict[str, list[EntryPoint]] = {}
+    groups = {group for folder in dict.fromkeys(sys.path) for group in _groups(folder)}
+    for group in sorted(groups):
+        for one in installed(group):
+            if distribution(one) != PROGRAM:
+                found.setdefault(distribution(one), []).append(one)
+    return found
+
+
+def faults_of_plug_in(name: str) -> list[str]:
+    """Import a plug-in as its first use does, and return what is left out of it."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", PluginWarning)
+        for entry_point in plug_ins().get(name, ()):
+            if entry_point.group != PACKS:
+                _load(entry_point)
+    return [str(one.message) for one in told]
 
 
 def distribution(entry_point: "EntryPoint") -> str:

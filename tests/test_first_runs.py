@@ -3,6 +3,7 @@
 import csv
 import importlib.util
 import json
+import os
 import re
 import sys
 import tomllib
@@ -14,15 +15,16 @@ import pytest
 from lanes import full, swept
 from shipped import LANGUAGES, LIBRARY, POSESETS
 
-from lipsync_lang import extras
+from lipsync_lang import extensions, extras
 from lipsync_lang.build.project_folder import project_files, starter
-from lipsync_lang.commands import doctor, starting
+from lipsync_lang.commands import checked_part, doctor, speech_checks, starting
 from lipsync_lang.packs.library import Library
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE, load_project
 from lipsync_lang.render import plot_fonts
 from lipsync_lang.render.fonts import FoundFonts
 from lipsync_lang.resolver.cache import CACHE_VARIABLE
+from lipsync_lang.speech.speech_engines import ENGINES
 
 FILES = {"README.md", FILE, "lines.csv", "characters/hero.yaml", ".gitignore"}
 
@@ -362,7 +364,7 @@ def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
     (tmp_path / "hanging_module.py").write_text("import time\ntime.sleep(60)\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    monkeypatch.setattr(doctor, "IMPORT_SECONDS", 0.3)
+    monkeypatch.setattr(checked_part, "IMPORT_SECONDS", 0.3)
     extra = extras.Extra("tables", "reads", "build", ("hanging_module",))
     assert doctor._extra(extra).state == "broken"  # noqa: SLF001
 
@@ -373,32 +375,21 @@ def one(check):
     return found.state, found.told
 
 
-def test_a_faulty_pack_is_a_broken_part(here, monkeypatch):
-    assert one(doctor._packs)[0] == "ok"  # noqa: SLF001
-    monkeypatch.setattr(Library, "faults", ["a fault"], raising=False)
-    monkeypatch.setattr(Library, "__init__", lambda _: None)
-    monkeypatch.setattr(Library, "names", lambda *_: [])
-    assert one(doctor._packs) == ("broken", "a fault")  # noqa: SLF001
-    assert not list(here.iterdir())
-
-
 @pytest.mark.usefixtures("here")
 def test_the_voices_are_those_of_the_project(monkeypatch):
     pytest.importorskip("espeakng_loader", reason="a voice is an extra")
     Path("languages").mkdir()
     Path("languages/stage.yaml").write_text(f"{STAGE}g2p: {{engine: espeak, voice: nowhere}}\n")
-    assert [found.part for found in doctor._voices()] == [  # noqa: SLF001
-        f"voice of {starter().language}"
-    ]
+    assert [found.part for found in speech_checks.voices()] == [f"voice of {starter().language}"]
     Path(FILE).write_text("kind: project\nformat: 1\nlanguages: {finnish: fi}\nlanguage: stage\n")
-    found = {one.part: one for one in doctor._voices()}  # noqa: SLF001
+    found = {one.part: one for one in speech_checks.voices()}
     assert {part: one.state for part, one in found.items()} == {
         "voice of finnish": "ok",
         "voice of stage": "broken",
     }
     assert "no voice 'nowhere'" in found["voice of stage"].told
     without(monkeypatch, "espeakng_loader")
-    assert not list(doctor._voices())  # noqa: SLF001
+    assert not list(speech_checks.voices())
 
 
 def test_programs_of_others_are_found_or_named(monkeypatch):
@@ -406,7 +397,6 @@ def test_programs_of_others_are_found_or_named(monkeypatch):
     monkeypatch.setattr(webbrowser, "get", lambda: None)
     found = {part.part: part for part in doctor._programs()}  # noqa: SLF001
     assert found["mfa"][1:] == ("ok", "/bin/mfa")
-    assert found["festival"][1:] == ("missing", doctor.PROGRAMS["festival"])
     assert found["browser"].state == "ok"
 
     def none():
@@ -449,3 +439,140 @@ def test_a_terminal_without_unicode_is_told(monkeypatch, encoding, state):
     monkeypatch.setattr(doctor.sys, "stdout", SimpleNamespace(encoding=encoding))
     found = one(doctor._terminal)  # noqa: SLF001
     assert (found[0], "PYTHONUTF8=1" in found[1]) == (state, state == "missing")
+
+
+def test_modules_of_the_current_folder_are_not_imported(here):
+    (here / "odd_local_module.py").write_text("")
+    assert "odd_local_module" in checked_part.fault_of("import odd_local_module")
+
+
+def test_the_faults_of_packs_are_counted_with_the_command_that_lists_them(cli, healthy):
+    for name, tag in (("one", "en"), ("two", "en-GB")):
+        file = healthy / "languages" / f"{name}.yaml"
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(f"kind: language\nformat: 1\nname: {name}\ntag: {tag}\nodd: 1\n")
+    ended = cli("doctor")
+    (told,) = re.findall(r"^broken +packs +(.*)$", ended.out, re.MULTILINE)
+    counted = re.match(r"(\d+) faults? \((.*?)\), ", told)
+    codes = dict(reversed(one.split()) for one in counted[2].split(", "))
+    assert int(counted[1]) == sum(map(int, codes.values())) >= 2
+    assert told.endswith("list them: lipsync-lang validate --no-tests")
+    listed = cli("validate", "--no-tests")
+    found = re.findall(r": (P\d+) (?!warning)", listed.out)
+    assert {code: str(found.count(code)) for code in found} == codes
+
+
+@pytest.fixture
+def plugged(tmp_path, monkeypatch):
+    """Install a plug-in with a module and a folder of packs."""
+
+    def put(text, packs="odd_packs"):
+        site = tmp_path / "site"
+        info = site / "odd-1.5.dist-info"
+        info.mkdir(parents=True)
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: odd\nVersion: 1.5\n")
+        (info / "entry_points.txt").write_text(
+            f"[lipsync_lang.writers]\nodd = odd_plug_in\n[lipsync_lang.packs]\nodd = {packs}\n"
+        )
+        (site / "odd_plug_in.py").write_text(text)
+        (site / "odd_packs").mkdir()
+        (site / "odd_packs/__init__.py").write_text("raise AssertionError('packs are data')")
+        monkeypatch.syspath_prepend(site)
+        found = os.environ.get("PYTHONPATH", "")
+        monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [str(site), found])))
+        extensions._groups.cache_clear()  # noqa: SLF001 the folder is new
+        return {one.part: one for one in doctor._plug_ins()}["plug-in odd"]  # noqa: SLF001
+
+    yield put
+    extensions._groups.cache_clear()  # noqa: SLF001
+
+
+GOOD = "from lipsync_lang.animations.animation_writers import writer\n"
+TAKEN = """from lipsync_lang.speech.speech_engines import speech_engine
+@speech_engine("festival")
+class Mine:
+    pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "packs", "state", "told"),
+    [
+        (GOOD, "odd_packs", "ok", "1.5 with packs, writers"),
+        ("print('hello')", "odd_packs", "ok", "1.5"),
+        ("raise OSError('no library')", "odd_packs", "broken", "OSError: no library"),
+        ("raise SystemExit(0)", "odd_packs", "broken", "SystemExit"),
+        (TAKEN, "odd_packs", "broken", "festival' of odd is left out"),
+        (GOOD, "no_packs", "broken", "no folder no_packs"),
+    ],
+)
+def test_plug_ins_are_named_with_what_they_bring(plugged, text, packs, state, told):
+    found = plugged(text, packs)
+    assert (found.state, told in found.told) == (state, True), found
+
+
+def test_an_engine_without_its_program_says_how_to_get_it(monkeypatch):
+    monkeypatch.setattr(speech_checks.shutil, "which", lambda _: None)
+    (found,) = speech_checks.engines()
+    assert (found.part, found.state) == ("voices of festival", "missing")
+    assert "festival" in found.told
+
+
+def test_models_that_are_not_downloaded_are_told(monkeypatch, tmp_path):
+    monkeypatch.setattr(speech_checks.shutil, "which", lambda name: f"/bin/{name}")
+    monkeypatch.setattr(speech_checks, "find_spec", lambda _: None)
+    monkeypatch.setenv("MFA_ROOT_DIR", str(tmp_path))
+    (found,) = speech_checks.models()
+    assert (found.part, found.state) == ("models of mfa", "missing")
+    assert "mfa model download acoustic" in found.told
+    folder = tmp_path / "pretrained_models/acoustic"
+    folder.mkdir(parents=True)
+    for number in range(7):
+        (folder / f"german{number}.zip").touch()
+    (found,) = speech_checks.models()
+    assert (found.state, found.told[-10:]) == ("ok", "and 2 more")
+
+
+def test_a_whisper_without_a_model_is_told(monkeypatch):
+    from lipsync_lang.speech.recognise import whisper_models
+
+    monkeypatch.setattr(speech_checks.shutil, "which", lambda _: None)
+    monkeypatch.setattr(speech_checks, "find_spec", lambda _: True)
+    monkeypatch.setattr(whisper_models, "SHIPPED", {})
+    (found,) = speech_checks.models()
+    assert (found.part, found.state) == ("model of whisper", "missing")
+    assert "whisper:FOLDER" in found.told
+
+
+@pytest.mark.parametrize(("text", "state"), [("echo ffmpeg version 7", "ok"), ("exit 3", "broken")])
+@pytest.mark.skipif(os.name != "posix", reason="the program here is a script of a shell")
+def test_an_ffmpeg_that_does_not_run_is_broken(monkeypatch, tmp_path, text, state):
+    program = tmp_path / "ffmpeg"
+    program.write_text(f"#!/bin/sh\n{text}\n")
+    program.chmod(0o755)
+    without(monkeypatch, "imageio_ffmpeg")
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    (found,) = speech_checks.ffmpeg()
+    assert (found.state, str(program) in found.told) == (state, True)
+
+
+def test_no_ffmpeg_names_the_extra(monkeypatch):
+    without(monkeypatch, "imageio_ffmpeg")
+    monkeypatch.setattr(speech_checks.shutil, "which", lambda _: None)
+    (found,) = speech_checks.ffmpeg()
+    assert found.state == "missing"
+    assert re.search(r"install .*lipsync-lang\[.*video", found.told)
+
+
+def test_the_voice_of_a_language_of_another_engine_is_checked(healthy, monkeypatch):
+    (healthy / "languages").mkdir()
+    (healthy / "languages/odd.yaml").write_text(
+        "kind: language\nformat: 1\nname: odd\ntag: x-odd\n"
+        "notations: {letters: {m: bmp, a: aa}}\ntts: {engine: festival, voice: kal_diphone}\n"
+    )
+    Path(FILE).write_text("kind: project\nformat: 1\nlanguage: odd\n")
+    engine = SimpleNamespace(voices=lambda: {"kal_diphone": "kal"})
+    monkeypatch.setitem(ENGINES.known, "festival", engine)
+    assert [(one.part, one.state) for one in speech_checks.voices()] == [("voice of odd", "ok")]
+    engine.voices = dict
+    assert [one.state for one in speech_checks.voices()] == ["broken"]

@@ -2,22 +2,27 @@
 
 import os
 import shutil
-import subprocess
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from time import perf_counter
+from typing import TYPE_CHECKING
 
-from lipsync_lang.commands.output import FAULTS, SOUND, as_json, working
+from lipsync_lang.commands.checked_part import BROKEN, MISSING, OK, CheckedPart, fault_of
+from lipsync_lang.commands.output import FAULTS, SOUND, as_json, count, working
+from lipsync_lang.commands.speech_checks import engines, ffmpeg, models, voices
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import Extra, extras, install_line
 
-OK, MISSING, BROKEN = "ok", "missing", "broken"
-"""States. A missing part is optional; a broken one fails the check."""
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
 
-IMPORT_SECONDS = 60.0
-"""Time in which the modules of an extra are imported."""
+IMPORT_PLUG_IN = """
+import sys
+from lipsync_lang.extensions import faults_of_plug_in
+sys.exit("; ".join(faults_of_plug_in(sys.argv[1])) or 0)
+"""
 
 LEAST_FREE_BYTES = 200 * 2**20
 """Free space that the cache of compiled pairs should have."""
@@ -26,23 +31,15 @@ SAMPLES = "aəʃ漢あ한نकกע"
 """A letter of each of several scripts that texts are written in."""
 
 PROGRAMS = {
-    "mfa": "Montreal Forced Aligner, for --aligner mfa; see montreal-forced-aligner.readthedocs.io",
-    "festival": "Festival, for --tts festival; your system's packages have it",
+    "mfa": "Montreal Forced Aligner, for --aligner mfa: "
+    "conda create -n aligner -c conda-forge montreal-forced-aligner",
 }
 """Programs of others that commands can start."""
 
 
-class CheckedPart(NamedTuple):
-    """The state of a part."""
-
-    part: str
-    state: str
-    told: str
-    """Details of the part, or the way to mend it."""
-
-
 def doctor(options: Namespace) -> int:
     """Print the state of every part; broken parts are faults."""
+    start = perf_counter()
     with working("checking"):
         found = [finding for check in CHECKS for finding in _checked(check)]
     if options.json:
@@ -51,6 +48,7 @@ def doctor(options: Namespace) -> int:
         from lipsync_lang.text_table import columns
 
         print("\n".join(columns([(one.state, one.part, one.told) for one in found])))
+    print(f"checked in {perf_counter() - start:.1f} s", file=sys.stderr)
     return FAULTS if any(one.state == BROKEN for one in found) else SOUND
 
 
@@ -72,16 +70,27 @@ def _python() -> Iterator[CheckedPart]:
 
 
 def _packs() -> Iterator[CheckedPart]:
+    """Count the packs, and their faults by code."""
+    from collections import Counter
+
+    from lipsync_lang.packs.checking.validate import validate
     from lipsync_lang.packs.library import Library
 
     library = Library()
     counts = (
-        (len(library.names("language")), "languages"),
-        (len(library.names("poseset")), "pose sets"),
+        count(len(library.names("language")), "language"),
+        count(len(library.names("poseset")), "pose set"),
     )
-    faults = [str(fault) for fault in library.faults]
-    told = "; ".join(faults) or ", ".join(f"{number} {kind}" for number, kind in counts)
-    yield CheckedPart("packs", BROKEN if faults else OK, told)
+    faults = validate(library)
+    real = Counter(fault.code for fault in faults if fault.severity == "fault")
+    if faults:
+        codes = ", ".join(f"{number} {code}" for code, number in sorted(real.items()))
+        warned = count(len(faults) - real.total(), "warning")
+        told = f"{count(real.total(), 'fault')}{codes and f' ({codes})'}, {warned}"
+        told = f"{told}; list them: lipsync-lang validate --no-tests"
+    else:
+        told = ", ".join(counts)
+    yield CheckedPart("packs", BROKEN if real else OK, told)
 
 
 def _project() -> Iterator[CheckedPart]:
@@ -101,34 +110,6 @@ def _project() -> Iterator[CheckedPart]:
     yield CheckedPart("project", OK, os.path.relpath(path))
 
 
-def _voices() -> Iterator[CheckedPart]:
-    """Check the voice of each of the project's languages, or of the default language."""
-    from lipsync_lang.build.project_folder import starter
-    from lipsync_lang.packs.checking.voices import check_voices
-    from lipsync_lang.packs.library import Library
-    from lipsync_lang.packs.project import find_project, load_project
-
-    path = find_project()
-    stated = None
-    if path is not None:
-        try:
-            stated = load_project(path).model
-        except LipsyncError:
-            return  # the project is broken already
-    names = {*stated.languages, *filter(None, [stated.language])} if stated else set()
-    if {"espeakng_loader", "phonemizer"} & {m for e in extras() for m in e.missing()}:
-        return  # the extra is told as missing
-    library = Library()
-    for name in sorted(names or {starter().language}):
-        try:
-            pack = library.language(name)
-        except LipsyncError as error:
-            yield CheckedPart(f"voice of {name}", BROKEN, str(error))
-            continue
-        faults = "; ".join(map(str, check_voices([pack])))
-        yield CheckedPart(f"voice of {name}", BROKEN if faults else OK, faults or "found")
-
-
 def _extras() -> Iterator[CheckedPart]:
     """Import the modules of each extra in a process of its own."""
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
@@ -141,19 +122,33 @@ def _extra(extra: Extra) -> CheckedPart:
     if missing:
         told = f"{extra.purpose} (for {extra.used_by}): {line}"
         return CheckedPart(part, MISSING, told)
-    command = [sys.executable, "-c", f"import {', '.join(extra.modules)}"]
-    try:
-        done = subprocess.run(  # noqa: S603 our own list of modules
-            command, capture_output=True, timeout=IMPORT_SECONDS, check=False,
-            stdin=subprocess.DEVNULL,
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return CheckedPart(part, BROKEN, f"its import takes over {IMPORT_SECONDS:.0f} s; {line}")
-    if done.returncode:
-        words = done.stderr.decode("utf-8", "replace").strip().splitlines()
-        why = words[-1] if words else f"its import ended with code {done.returncode}"
-        return CheckedPart(part, BROKEN, f"{why}; install it again: {line}")
+    fault = fault_of(f"import {', '.join(extra.modules)}")
+    if fault:
+        return CheckedPart(part, BROKEN, f"{fault}; install it again: {line}")
     return CheckedPart(part, OK, extra.purpose)
+
+
+def _plug_ins() -> Iterator[CheckedPart]:
+    """Import each plug-in in a process of its own; find the folders of its packs."""
+    from lipsync_lang.extensions import plug_ins
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        yield from pool.map(lambda found: _plug_in(*found), sorted(plug_ins().items()))
+
+
+def _plug_in(name: str, entry_points: "list[EntryPoint]") -> CheckedPart:
+    from lipsync_lang.extensions import PACKS
+    from lipsync_lang.packs.finding import location
+
+    lost = [one.value for one in entry_points if one.group == PACKS and location(one) is None]
+    fault = f"no folder {lost[0]}" if lost else fault_of(IMPORT_PLUG_IN, name)
+    if fault:
+        return CheckedPart(f"plug-in {name}", BROKEN, f"{fault}; update it, or uninstall it")
+    dist = entry_points[0].dist
+    kinds = sorted({one.group.rpartition(".")[2].replace("_", " ") for one in entry_points})
+    return CheckedPart(
+        f"plug-in {name}", OK, f"{dist.version if dist else ''} with {', '.join(kinds)}"
+    )
 
 
 def _programs() -> Iterator[CheckedPart]:
@@ -211,6 +206,7 @@ def _terminal() -> Iterator[CheckedPart]:
 
 
 CHECKS = (
-    _python, _packs, _project, _voices, _extras, _programs, _fonts, _cache, _terminal,
+    _python, _packs, _project, voices, _extras, _plug_ins, engines, models, ffmpeg, _programs,
+    _fonts, _cache, _terminal,
 )  # fmt: skip
 """Checks in the order of the report."""

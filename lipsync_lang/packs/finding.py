@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lipsync_lang.errors import PackError, did_you_mean
-from lipsync_lang.extensions import distribution, installed
+from lipsync_lang.extensions import PACKS, distribution, installed
 from lipsync_lang.packs.answers import answers_of
 from lipsync_lang.packs.yaml.source import read_bytes
 from lipsync_lang.phonology.language_names import folded_language
@@ -26,7 +26,6 @@ Kind = Literal["language", "poseset", "character"]
 Paths = str | Path | Iterable[str | Path]
 """Folders of packs, in the order of search; a file stands for its pack alone."""
 
-GROUP = "lipsync_lang.packs"
 """The entry point group of distributions with packs."""
 
 PATH_VARIABLE = "LIPSYNC_LANG_PATH"
@@ -254,7 +253,7 @@ class Finder:
                 yield Path(entry).absolute(), PATH_VARIABLE
         if self.project is not None:
             yield self.project, "project"
-        for entry_point in installed(GROUP):
+        for entry_point in installed(PACKS):
             folder = location(entry_point)
             if folder is None:
                 self.missing.append(entry_point)

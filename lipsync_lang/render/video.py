@@ -79,7 +79,7 @@ def film(  # noqa: PLR0913 what is shown, and how it is packed
     ModelError
         The model cannot be drawn.
     """
-    ffmpeg, size = _ffmpeg(), SIZE if size is None else size
+    ffmpeg, size = find_ffmpeg(), SIZE if size is None else size
     pillow()
     scene = staged(animation)
     audio = animation.schedule.audio
@@ -103,7 +103,14 @@ def film(  # noqa: PLR0913 what is shown, and how it is packed
             copyfileobj(stream, out)
 
 
-def _ffmpeg() -> str:
+def find_ffmpeg() -> str:
+    """Return the path of ffmpeg.
+
+    Raises
+    ------
+    OutputError
+        It is not installed.
+    """
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:

@@ -7,6 +7,7 @@ tokens of the text, and each sound with its end time and token number.
 
 import shutil
 import subprocess
+import sys
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -41,6 +42,12 @@ LONGEST = 5000
 
 PLAIN = dict(zip("‘’“”…–—", "''\"\",,,", strict=True))
 """ASCII replacements of typographic characters unknown to Festival."""
+
+GET_IT = (
+    "get it with: apt-get install festival festvox-kallpc16k"
+    if sys.platform == "linux"
+    else "see festvox.org/festival; Linux systems have packages of it"
+)
 
 _SHOWN = 60
 
@@ -113,7 +120,7 @@ class Festival:
         if program is None:
             raise SpeechError(
                 f"speaking with Festival needs the program '{self.program}', which is not "
-                "installed; get it with: apt-get install festival festvox-kallpc16k"
+                f"installed; {GET_IT}"
             )
         (folder / "text").write_text(text, "ascii")
         (folder / "voice").write_text(voice or "none", "utf-8")

@@ -34,6 +34,8 @@ MAX_SHOWN_LINES = 3
 
 PROFILE = "lipsync-lang"
 
+GET_MODEL = "get one with: mfa model download acoustic NAME, mfa model download dictionary NAME"
+
 _NAME = re.compile(r"\w[\w.+-]*")
 _COLOUR = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 _FRAME = re.compile(r"[\u2500-\u257f]+")
@@ -105,15 +107,19 @@ def _is_path(name: str) -> bool:
 
 def _downloaded(name: str = "") -> str:
     """Return a hint with the user's own models."""
-    root = Path(os.environ.get("MFA_ROOT_DIR") or "~/Documents/MFA").expanduser()
-    folder = root / "pretrained_models" / "acoustic"
-    try:
-        known = sorted(path.stem for path in folder.glob("*.zip"))
-    except OSError:
-        known = []
+    known = downloaded_models()
     if known:
         return did_you_mean(name, known) if name else f"known: {', '.join(known)}"
-    return "get one with: mfa model download acoustic NAME, mfa model download dictionary NAME"
+    return GET_MODEL
+
+
+def downloaded_models() -> list[str]:
+    """Return the names of the user's own acoustic models."""
+    root = Path(os.environ.get("MFA_ROOT_DIR") or "~/Documents/MFA").expanduser()
+    try:
+        return sorted(path.stem for path in (root / "pretrained_models/acoustic").glob("*.zip"))
+    except OSError:
+        return []
 
 
 def run_mfa(corpus: Path, models: MfaModels, output: Path, *, seconds: float, jobs: int) -> None:

@@ -45,8 +45,8 @@ def whisper_model(folder: str | None) -> Any:
     ['af', 'am', ...]
     """
     faster_whisper = _faster_whisper()
-    place = _shipped() if folder is None else Path(folder).expanduser()
-    _check_folder(place)
+    place = shipped_model() if folder is None else Path(folder).expanduser()
+    check_folder(place)
     with lock:
         return _loaded(faster_whisper, place.absolute())
 
@@ -93,7 +93,8 @@ def _loaded(faster_whisper: "ModuleType", folder: Path) -> Any:
         ) from None
 
 
-def _check_folder(folder: Path) -> None:
+def check_folder(folder: Path) -> None:
+    """Raise `SpeechError` for a folder without a Whisper model."""
     if not folder.is_dir():
         what = "is a file" if folder.exists() else "there is no such folder"
         raise SpeechError(
@@ -115,7 +116,14 @@ def _check_folder(folder: Path) -> None:
         ) from None
 
 
-def _shipped() -> Path:
+def shipped_model() -> Path:
+    """Return the folder of the model that an installed Python package ships.
+
+    Raises
+    ------
+    SpeechError
+        No package ships one.
+    """
     for package, inner in SHIPPED.items():
         spec = find_spec(package)
         if spec is not None and spec.origin is not None:
