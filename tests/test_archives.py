@@ -90,7 +90,7 @@ DAMAGE = {
     "empty": (lambda data: data[:0], "is a damaged archive"),
     "cut": (lambda data: data[:-30], "is a damaged archive"),
     "text": (lambda data: b"hello" * len(data), "is a damaged archive"),
-    "moved": (lambda data: b"    " + data[4:], "'a.csv' is not where its list says"),
+    "moved": (lambda data: b"    " + data[4:], "'a.csv' is not at the position that"),
     "locked": (lambda data: data.replace(b"\x14\0\0\0\x08\0", b"\x14\0\1\0\x08\0"), "encrypted"),
 }
 

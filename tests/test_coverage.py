@@ -590,7 +590,7 @@ def test_text_says_first_what_to_do_next(cli):
         "lipsync-lang bank draft -l toy -c facefx --write d-aa aa-d aa-bmp bmp-ih"
     )
     assert "0 of 4 bigrams" in shown[6]
-    assert "no map for" not in ended.out
+    assert "no mapping for" not in ended.out
 
 
 @pytest.mark.usefixtures("script")

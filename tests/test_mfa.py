@@ -322,7 +322,7 @@ def test_the_program_is_called_as_it_is_documented(program):
         ("crash", r"^MFA ended with code 1: KaldiProcessingError: no room on the disk$"),
         ("unknown", r"^MFA has no acoustic model 'unknown'; .*mfa model download acoustic"),
         ("unfit", r"^MFA could not align the text with the recording"),
-        ("killed", r"^MFA was ended by signal 9, without a word$"),
+        ("killed", r"^MFA was ended by signal 9 without a message$"),
         ("empty", r"^MFA aligned nothing of"),
     ],
 )

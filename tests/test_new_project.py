@@ -102,7 +102,7 @@ def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):
         (("vo", "script.csv", "-l", "englsh"), "did you mean 'english'?"),
         (("vo", "script.csv", "-l", "en", "-c", "facfx"), "did you mean 'facefx'?"),
         (("none", "script.csv"), "none: no such folder"),
-        (("empty", "script.csv"), "empty: holds no .wav"),
+        (("empty", "script.csv"), "empty: contains no .wav"),
         (("vo", "none.csv"), "none.csv: no such file"),
         (("vo", "/etc/hosts"), "/etc/hosts: is outside of"),
         (("vo", "script.txt"), "script.txt: is not a table; known: .csv"),

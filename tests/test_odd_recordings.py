@@ -73,7 +73,7 @@ def test_what_does_not_fit_is_told_and_nothing_is_pretended(english, voice, alig
         assert len(str(found)) < 300
         return
     assert found.confidence < DOUBTFUL
-    assert "hardly agree" in found.remarks[0]
+    assert "hardly fits the recording" in found.remarks[0]
 
 
 # Every file that people have

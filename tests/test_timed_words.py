@@ -105,7 +105,7 @@ def test_phonemes_fill_each_word_and_silence_what_is_between(speaker):
     assert [w.confidence for w in schedule.words] == [None, None, 0.7]
     told, mute = schedule.remarks
     assert told.endswith("the phonemes are estimated within each word")
-    assert mute.endswith("so the mouth rests: '♪'")
+    assert mute.endswith("words that cannot be read: '♪'")
     assert schedule.language == "english"
 
 
@@ -157,7 +157,7 @@ def test_words_are_performed_by_the_command(tmp_path, monkeypatch, capsys):
     Path("words.csv").write_text(TABLE)
     line = ["run", "--schedule", "words.csv", "-l", "english", "-c", "facefx", "-o", "line.csv"]
     assert main(line) == 0
-    assert "words of words.csv are timed, not their phonemes" in capsys.readouterr().err
+    assert "words.csv has times of words, but not of phonemes" in capsys.readouterr().err
     assert main([*line, "--notation", "ipa"]) == 2
     assert "leave out --notation" in capsys.readouterr().err
 

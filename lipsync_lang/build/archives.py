@@ -196,5 +196,5 @@ def _seek(source: BinaryIO, info: ZipInfo) -> None:
         raise BadZipFile(f"'{info.filename}' ends early")
     mark, name, further = HEAD.unpack(head)
     if mark != MARK:
-        raise BadZipFile(f"'{info.filename}' is not where its list says")
+        raise BadZipFile(f"'{info.filename}' is not at the position that the archive states")
     source.seek(name + further, 1)

@@ -26,7 +26,10 @@ def languages_of(
         name = own if path is None else path.stem
         same = [one for one in found.values() if one.name == name]
         if same:
-            faults.add(FILE, f"languages: {own} and {same[0].word} are one language, {name}")
+            faults.add(
+                FILE,
+                f"languages: {own} and {same[0].word} are the same language, {name}; state it once",
+            )
             continue
         also = [] if path is None else column_names(path)
         answers = dict.fromkeys(map(folded_language, [word or own, own, *also]))

@@ -284,9 +284,7 @@ class LineMaker:
         if isinstance(error, MemoryError):
             return f"{line.place}: out of memory; give fewer --workers, or split the line"
         kind = type(error).__name__
-        return (
-            f"{line.place}: an error in this program stopped it ({kind}: {error}); report the line"
-        )
+        return f"{line.place}: an internal error stopped it ({kind}: {error}); report the line"
 
     @cached_property
     def _folders(self) -> dict[str, str]:

@@ -151,7 +151,7 @@ def recordings_below(recordings: Path, folder: Path) -> tuple[list[FoundRecordin
             if suffix.lower() in AUDIO_SUFFIXES and not name.startswith("."):
                 found.append((suffix, FoundRecording(parts, stem)))
     if not found:
-        raise LipsyncError(f"{recordings}: holds no {', '.join(AUDIO_SUFFIXES)}; name another")
+        raise LipsyncError(f"{recordings}: contains no {', '.join(AUDIO_SUFFIXES)}; name another")
     usual = Counter(suffix for suffix, _ in found).most_common(1)[0][0]
     return [one for suffix, one in found if suffix.lower() == usual.lower()], usual
 

@@ -53,8 +53,8 @@ def _run_alone(jobs: deque[Job]) -> Iterator[Any]:
             deaths += 1
             if deaths >= MAX_DEATHS:
                 message = (
-                    "its worker process died, and died again with these lines alone (out of "
-                    "memory?); build them by themselves with --workers 1"
+                    "its worker process died twice, the second time with only these lines (out of "
+                    "memory?); build them separately with --workers 1"
                 )
                 yield LostBatch(jobs.popleft().batch, message)
                 deaths = 0

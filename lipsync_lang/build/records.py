@@ -232,7 +232,7 @@ def unusable(why: object = "it is damaged") -> LipsyncError:
     """Return the error of a record that no build wrote as it is."""
     return LipsyncError(
         f"{FOLDER}/{FILE}: the record of builds cannot be used ({why}); move it away: the next "
-        "build compares the files that are there with new ones, and keeps those that differ"
+        "build compares the existing files with new ones, and keeps those that differ"
     )
 
 
@@ -278,5 +278,5 @@ def _damaged(path: Path, error: sqlite3.DatabaseError) -> LipsyncError:
         )
     return LipsyncError(
         f"{path}: the record of builds cannot be used ({error}); move it away: the next build "
-        "compares the files that are there with new ones, and keeps those that differ"
+        "compares the existing files with new ones, and keeps those that differ"
     )

@@ -151,8 +151,8 @@ class ScriptPlanner:
                     what = f"the id '{name}' is used at {met[key]} already; each line needs its own"
                 else:
                     what = (
-                        f"the id '{name}' is '{spelled}' of {met[key]} in other letters, and one "
-                        "file on macOS and Windows; rename one"
+                        f"the id '{name}' differs from '{spelled}' of {met[key]} only in the form "
+                        "of its letters, so macOS and Windows use one file for both; rename one"
                     )
                 self._faults.add(place, what)
                 return False

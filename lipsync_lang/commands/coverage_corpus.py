@@ -86,7 +86,7 @@ def _paths(options: Namespace, word: str) -> tuple[Path, ...]:
     if options.corpus:
         return tuple(options.corpus)
     if not options.lines:
-        raise LipsyncError(f"what is to be counted? Name a script, or state `lines` in {FILE}")
+        raise LipsyncError(f"there is no script to count; name a file, or state `lines` in {FILE}")
     return tuple(Path(str(path).replace(WORD, word)) for path in options.lines)
 
 

@@ -47,10 +47,13 @@ def add_coverage(add: Add) -> None:
     )  # fmt: skip
     coverage_.add_argument(
         "--fail-under", metavar="PERCENT", type=float,
-        help="exit with 1 where less of what is spoken is authored",
+        help="exit with 1 if less of the speech is authored",
     )  # fmt: skip
     coverage_.add_argument(
-        "--against", metavar="OLD.json", type=Path, help="tell what changed since an older JSON"
+        "--against",
+        metavar="OLD.json",
+        type=Path,
+        help="show the changes since an older JSON report",
     )
     coverage_.add_argument("--all", action="store_true", help="list every bigram and line")
     add_values(coverage_)

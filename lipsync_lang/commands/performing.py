@@ -361,7 +361,10 @@ def transcribe(options: Namespace) -> int:
         print(speaker.manner.weak, file=sys.stderr)
     lost = [t for t in heard if t.unmapped or t.unread]
     for transcript in lost:
-        for what, which in (("no map for", transcript.unmapped), ("not read:", transcript.unread)):
+        for what, which in (
+            ("no mapping for", transcript.unmapped),
+            ("not read:", transcript.unread),
+        ):
             if which:
                 print(f"{transcript.text[:40]}: {what} {' '.join(which)}", file=sys.stderr)
     return FAULTS if any(t.unmapped for t in lost) else SOUND

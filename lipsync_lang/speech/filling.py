@@ -265,10 +265,10 @@ def _laid(
 def _told(timed: TimedWords, phrases: int, aligned: int) -> list[str]:
     """Return a remark on the origin of the phonemes."""
     how = "aligned with the recording" if aligned else "estimated"
-    told = f"words of {timed.source} are timed, not their phonemes; the phonemes are {how} "
+    told = f"{timed.source} has times of words, but not of phonemes; the phonemes are {how} "
     told += "within each word"
     if 0 < aligned < phrases:
-        told += f" ({phrases - aligned} of {phrases} phrases did not fit it: estimated)"
+        told += f" ({phrases - aligned} of {phrases} phrases did not fit it and are estimated)"
     return [told]
 
 
@@ -277,4 +277,4 @@ def _mute(timed: TimedWords, mute: Sequence[str]) -> list[str]:
     if not mute:
         return []
     shown = ", ".join(map(repr, mute[:MAX_SHOWN])) + (", ..." if len(mute) > MAX_SHOWN else "")
-    return [f"{timed.source}: words that are not read, so the mouth rests: {shown}"]
+    return [f"{timed.source}: the mouth rests during words that cannot be read: {shown}"]

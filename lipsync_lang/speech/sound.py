@@ -103,16 +103,16 @@ def _refuse_odd(path: str | Path, sound: Any, surplus: float) -> None:
         )
     if sound.frames > LONGEST * rate:
         raise SpeechError(
-            f"{path}: lasts {sound.frames / rate / 60:.0f} minutes, and {LONGEST / 60:.0f} are the "
-            "most; cut it into lines"
+            f"{path}: lasts {sound.frames / rate / 60:.0f} minutes, more than the maximum of "
+            f"{LONGEST / 60:.0f}; cut it into lines"
         )
     stated, size = sound.frames, Path(path).stat().st_size
     if stated > SAMPLES_PER_BYTE.get(sound.format, FLAC_SAMPLES_PER_BYTE) * size:
         raise SpeechError(f"{path}: states {stated:,} samples in {size:,} bytes; save it again")
     if sound.frames > MAX_SAMPLES or sound.channels > MAX_CHANNELS:
         raise SpeechError(
-            f"{path}: has {sound.frames:,} samples on {sound.channels} channels, and "
-            f"{MAX_SAMPLES:,} on {MAX_CHANNELS} are allowed; resample it to 48000 Hz, mono"
+            f"{path}: has {sound.frames:,} samples on {sound.channels} channels, more than "
+            f"{MAX_SAMPLES:,} samples or {MAX_CHANNELS} channels; resample it to 48000 Hz, mono"
         )
     if surplus:
         raise SpeechError(

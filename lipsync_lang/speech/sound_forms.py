@@ -50,7 +50,7 @@ def unread(path: Path, reason: str) -> str:
     if not head:
         return "the file is empty); copy or record it again"
     if _is_text(head):
-        return "the file has text); give the recording itself"
+        return "the file contains text); give the recording itself"
     return f"{reason}); save it as WAV, FLAC, OGG or MP3"
 
 

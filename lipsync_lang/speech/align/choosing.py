@@ -103,7 +103,7 @@ def _doubted(schedule: Schedule) -> Schedule:
     ]
     least = [place for _, place in sorted(words)[:SHOWN_WORDS]]
     told = (
-        f"text and recording hardly agree (confidence {sure:.2f}): is it the right text, in "
+        f"the text hardly fits the recording (confidence {sure:.2f}): is it the right text, in "
         f"{schedule.language}?" + (f" In doubt: {', '.join(least)}" if least else "")
     )
     return replace(schedule, remarks=(told, *schedule.remarks))

@@ -212,6 +212,6 @@ def _told(log: Path, code: int) -> str:
     lines = [line for line in lines if line and not _BAR.search(line)]
     last = [n for n, line in enumerate(lines) if "Error" in line or "ERROR" in line][-1:]
     shown = " ".join(lines[last[0] :] if last else lines[-MAX_SHOWN_LINES:])
-    words = f": {shown[-MAX_SHOWN_CHARS:]}" if shown else ", without a word"
+    words = f": {shown[-MAX_SHOWN_CHARS:]}" if shown else " without a message"
     how = f"ended with code {code}" if code > 0 else f"was ended by signal {-code}"
     return f"MFA {how}{words}"

@@ -166,7 +166,7 @@ def _bent(power: Floats, first: int, voice: SpokenVoice, seconds: float) -> Bent
     if len(kept) * HOP < len(voice.labels) * SHORTEST:
         raise SpeechError(
             f"the recording has {len(kept) * HOP:.2f} s of speech, too short for the "
-            f"{len(voice.labels)} phonemes of the text; is it another line's?"
+            f"{len(voice.labels)} phonemes of the text; check that they belong together"
         )
     fit = fitted(heard, kept, voice)
     labels, times, words = _laid(fit.edges, kept + first, voice, seconds)
