@@ -155,6 +155,16 @@ def test_a_pose_set_is_a_character_too(library):
     assert bare.path.name == "poseset.yaml"
 
 
+def test_a_face_is_found_in_other_letters_too(tmp_path):
+    for name in ("Big_Crab", "big-crab"):
+        put(tmp_path, f"characters/{name}.yaml", f"kind: character\nname: {name}\nposeset: crab\n")
+    finder = Finder(tmp_path, project=None)
+    assert finder.find("character", "Big_Crab").stem == "Big_Crab"
+    assert finder.find("character", "big-crab").stem == "big-crab"
+    assert finder.find("character", "BIG-CRAB").stem == "Big_Crab", "the first of several"
+    assert finder.find("poseset", "CRAB").parent.name == "crab"
+
+
 def test_a_characters_banks_are_no_characters(library):
     assert "anna-bank" not in {f.name for f in library.names("character")}
     banks = library.character_banks(library.character("anna"))

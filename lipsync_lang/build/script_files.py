@@ -17,7 +17,7 @@ from lipsync_lang.lines import Line, read_lines
 from lipsync_lang.lines.columns import (
     NAMES,
     SPEAKERS,
-    first_column,
+    known_column,
     lacking,
     language_column,
     stated_column,
@@ -133,8 +133,8 @@ def _table_rows(
 ) -> Iterator[ScriptRow]:
     texts = _text_columns(source, table, file, columns.text)
     taken = [at for _, at in texts]
-    name = _own_column(source, table, columns.id, NAMES, taken)
-    speaker = _own_column(source, table, columns.speaker, SPEAKERS, [*taken, name])
+    name = known_column(source, table.head, columns.id, NAMES, taken)
+    speaker = known_column(source, table.head, columns.speaker, SPEAKERS, [*taken, name])
     if name < 0:
         raise lacking(
             source,
@@ -156,14 +156,6 @@ def _said(source: LineFile, number: int | str, text: str) -> str:
     for remark in said.remarks:
         source.remark(f"{source.path}:{number}: {remark}")
     return said.text or (text.strip() if said.dropped else "")
-
-
-def _own_column(
-    source: LineFile, table: Table, asked: str | None, known: Sequence[str], taken: Sequence[int]
-) -> int:
-    if asked is None:
-        return first_column(table.head, known, taken)
-    return stated_column(source, table.head, asked)
 
 
 def _text_columns(

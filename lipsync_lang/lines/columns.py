@@ -54,6 +54,19 @@ def stated_column(source: "LineFile", head: Sequence[str], asked: str) -> int:
     raise lacking(source, head, f"has no column '{asked}'{hint}")
 
 
+def known_column(
+    source: "LineFile",
+    head: Sequence[str],
+    asked: str | None,
+    known: Sequence[str],
+    taken: Collection[int] = (),
+) -> int:
+    """Return the index of the stated column, or of the one with the first known name, or -1."""
+    if asked is None:
+        return first_column(head, known, taken)
+    return stated_column(source, head, asked)
+
+
 def text_column(head: Sequence[str]) -> int:
     """Return the index of the column that is most likely the text in any language, or -1."""
     known = first_column(head, TEXTS)

@@ -11,6 +11,7 @@ from lipsync_lang.lines.columns import (
     NAMES,
     SPEAKERS,
     first_column,
+    known_column,
     lacking,
     language_column,
     stated_column,
@@ -47,11 +48,7 @@ def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
     head = table.head
     text = _text(source, head)
     name = first_column(head, NAMES, [text])
-    speaker = (
-        first_column(head, SPEAKERS, [text, name])
-        if source.speaker is None
-        else stated_column(source, head, source.speaker)
-    )
+    speaker = known_column(source, head, source.speaker, SPEAKERS, [text, name])
     for number, row in table.rows:
         if text < len(row) and row[text].strip():
             yield source.line(number, row[text], name=cell(row, name), speaker=cell(row, speaker))
