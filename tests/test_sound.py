@@ -221,7 +221,7 @@ def header(channels=1, rate=RATE, size=800, stated=None):
     [
         (header(channels=0), "not a readable recording"),
         (header(rate=0), "not a readable recording|samples per second"),
-        (header(channels=300, size=600_000), "has 1,000 samples on 300 channels, more than .* channels"),
+        (header(channels=300, size=600_000), "has 1,000 samples on 300 channels, more than"),
         (header(stated=2**30), "before the end that its header states"),
     ],
     ids=["no channels", "no rate", "many channels", "more than there is"],
@@ -307,7 +307,7 @@ def test_speech_is_found_at_any_level_and_beside_a_constant(level):
 
 def test_a_small_file_that_unpacks_to_hours_of_samples_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(sound, "MAX_SAMPLES", len(TONE) - 1)
-    with pytest.raises(SpeechError, match="has 8,000 samples on 1 channels, more than 7,999 samples"):
+    with pytest.raises(SpeechError, match="has 8,000 samples on 1 channels, more than 7,999 "):
         read_audio(written(tmp_path / "a.flac"))
 
 
