@@ -664,7 +664,7 @@ def test_a_report_that_only_one_has_is_named():
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"format": "lipsync-lang coverage 2"}', "\0"])
 def test_an_older_document_must_be_one(packs, text):
-    with pytest.raises(LipsyncError, match=r"old.json: is no 'lipsync-lang coverage 1' document"):
+    with pytest.raises(LipsyncError, match=r"is not a 'lipsync-lang coverage 1' document"):
         read_document(write(packs / "old.json", text))
     with pytest.raises(LipsyncError, match="cannot be read"):
         read_document(packs / "gone.json")
@@ -725,7 +725,7 @@ def test_what_changed_is_told_for_each_column(both, packs):
     ended = both("--against", "old.json")
     assert "toy (one) on facefx:" in ended.out.partition("since")[2]
     assert "toy (two) on facefx:" in ended.out.partition("since")[2]
-    assert "only in one of the two" not in ended.out
+    assert "in only one of the documents" not in ended.out
     document = json.loads(both("--against", "old.json", "--format", "json").out)
     assert [change["column"] for change in document["since"]["reports"]] == ["one", "two"]
     assert document["since"]["reports"][0]["new"] == ["d-aa"]
@@ -746,7 +746,7 @@ def test_words_in_another_script_are_told_in_every_form_for_people(cli, packs, f
     assert "да" in shown
     assert "not counted" in shown
     if form == "text":
-        assert "in another script, read as it is there: да (1, script.txt:1)" in shown
+        assert "in another script, read by the voice: да (1, script.txt:1)" in shown
         assert "in another script, not counted: ми (1, script.txt:2)" in shown
 
 

@@ -144,7 +144,7 @@ def test_an_older_coverage_without_an_end_is_told(cli, folder):
     (folder / "a.txt").write_text("hello\n")
     told(
         cli("coverage", "a.txt", *PAIR, "--against", "/dev/zero"),
-        "/dev/zero: is larger than 1 MB; is it a coverage?",
+        "/dev/zero: is larger than 1 MB; check that it is a coverage document",
     )
 
 

@@ -12,7 +12,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
 
 MAX_DOCUMENT_BYTES = 256 * MIB_BYTES
-"""The largest corpora give a few MiB."""
+"""Maximum size of a document; the largest corpora give a few MiB."""
 
 
 def read_document(path: Path) -> Coverage:
@@ -23,14 +23,14 @@ def read_document(path: Path) -> Coverage:
     LipsyncError
         The file is missing, or is not a coverage document of this version.
     """
-    content = read_input(path, MAX_DOCUMENT_BYTES, mend="is it a coverage?")
+    content = read_input(path, MAX_DOCUMENT_BYTES, mend="check that it is a coverage document")
     try:
         return Coverage.model_validate_json(content)
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(step) for step in first["loc"])
         raise LipsyncError(
-            f"{path}: is no '{FORMAT}' document ({where or 'the whole'}: {first['msg']}); write "
+            f"{path}: is not a '{FORMAT}' document ({where or 'file'}: {first['msg']}); write "
             f"one with coverage ... --format json -o {path.name}"
         ) from None
 
@@ -57,7 +57,7 @@ def since(old: Coverage, new: Coverage, file: str) -> Coverage:
 
 
 def _left(document: Coverage, new: Coverage) -> Left:
-    """Return the work that a document leaves, at the pace of the newer one."""
+    """Return the work left in a document, with the minutes per bigram of the newer one."""
     return total_of(document.reports, new.minutes).left
 
 

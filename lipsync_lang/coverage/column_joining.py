@@ -1,4 +1,4 @@
-"""Joins the documents of several columns into one."""
+"""Joining of the documents of several columns into one."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,7 +20,7 @@ def joined(
     Parameters
     ----------
     documents : column and document; reports name their column if a language is in several
-    weights : of languages in the total, by name; others weigh 1
+    weights : weights of languages in the total, by name; the default is 1
     """
     if len(documents) == 1:
         return documents[0][1]
@@ -53,7 +53,7 @@ def joined(
 
 
 def _most(corpora: Iterable[Corpus]) -> Iterator[Tally]:
-    """Yield each speaker once: each column has the same rows."""
+    """Yield each speaker once, because all columns have the same rows."""
     found: dict[str, Tally] = {}
     for tally in (tally for corpus in corpora for tally in corpus.other_speakers):
         known = found.get(tally.what)
@@ -72,7 +72,7 @@ def _scripts(documents: Sequence[tuple[str | None, Coverage]]) -> Iterator[Scrip
 def _with_columns(
     documents: Sequence[tuple[str | None, Coverage]],
 ) -> Iterator[CoverageReport]:
-    """Yield all reports, with their columns where a language has several."""
+    """Yield all reports, with their columns if a language has several."""
     languages = [{report.language for report in document.reports} for _, document in documents]
     columns = Counter(language for found in languages for language in found)
     for column, document in documents:
@@ -84,7 +84,7 @@ def _with_columns(
 def shared_of(
     resolved: "Iterable[Report]", reports: Sequence[CoverageReport]
 ) -> tuple[Shared, ...]:
-    """Return what each language adds, with the number of bigrams that any report needs."""
+    """Return the bigrams that each language adds, with the number that any report needs."""
     added = {one.language: (one.added, one.extra) for one in resolved}
     return tuple(
         Shared(

@@ -1,8 +1,8 @@
-"""Counting a corpus: phonemes and bigrams of many lines, a batch at a time.
+"""Counts of a corpus: phonemes and bigrams of many lines, in batches.
 
-A bigram (a, b) of n phonemes is the code ``a * n + b``; silence is phoneme 0. Memory stays small:
-each line leaves the set of its bigrams, as small integers, and its text and place, which go to the
-disk when they are many.
+A bigram (a, b) of n phonemes is the code ``a * n + b``; silence is phoneme 0. Memory use is low:
+each line keeps the set of its bigrams, as small integers, and its text and place, which are moved
+to disk if there are many.
 """
 
 import json
@@ -37,22 +37,22 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Transcript
 
 BATCH_LINES = 1000
-"""Lines that a voice reads at a time."""
+"""Number of lines in a batch for a voice."""
 
 MAX_PLACES = 3
-"""Places that a bigram keeps."""
+"""Maximum number of places of a bigram."""
 
 MAX_MEMORY_BYTES = 2**24
-"""Text beyond this goes to the disk."""
+"""Maximum size of the text in memory; a larger text is moved to disk."""
 
 UINT16_VALUES = 2**16
 """Number of codes that two bytes hold."""
 
 MAX_WORD_CHARS = 40
-"""A longer word is not an example of a bigram."""
+"""Maximum length of an example word of a bigram."""
 
 SILENT, BREAK = 0, -1
-"""Ids of silence, and of a gap whose sound is unknown."""
+"""Ids of silence, and of a gap with an unknown sound."""
 
 
 class Pages:
@@ -129,18 +129,17 @@ class CorpusTotals:
 
 
 Takes = Callable[["Line"], bool]
-"""Tells whether a character speaks a line."""
+"""Predicate for the lines that a character speaks."""
 
 
 class Reading(NamedTuple):
-    """A language as it reads lines.
+    """A reading of lines: a language with its pronunciations.
 
     Parameters
     ----------
-    performer : reads the lines; the character matters by its own pronunciations and the trigrams
-        that it plays
-    scripts : that the language is written in; empty if unknown
-    takes : chooses the lines; None for all
+    performer : reads the lines; its character contributes pronunciations and trigrams
+    scripts : scripts of the language; empty if unknown
+    takes : predicate of the lines to count; None for all
     """
 
     performer: "Performer"
@@ -149,7 +148,7 @@ class Reading(NamedTuple):
 
 
 class SaidLine(NamedTuple):
-    """A line as a language speaks it: ids of common phonemes and breaks, and words."""
+    """A spoken line: ids of common phonemes and breaks, and words."""
 
     ids: list[int]
     words: list[str]
@@ -179,12 +178,12 @@ class Count:
         self._starts = array("Q", [0])
 
     def sets(self) -> "tuple[Ints, Ints]":
-        """Return the codes of all lines, without silence, and the index of each line's first."""
+        """Return the codes of all lines, without silence, and the start index of each line."""
         kind = np.uint16 if self._sets.typecode == "H" else np.uint32
         return np.frombuffer(self._sets, kind), np.frombuffer(self._starts, np.uint64)
 
     def add(self, start: int, lines: "Sequence[Line]") -> None:
-        """Count lines that are numbered from `start`."""
+        """Count lines with numbers from `start` on."""
         own = {n: line for n, line in enumerate(lines, start) if self._takes(line)}
         written = [line for line in own.values() if line.schedule is None]
         spelled = self.others.spelled(written)
@@ -229,7 +228,7 @@ class Count:
         return is_first
 
     def _count_trigrams(self, number: int, ids: "Ints") -> None:
-        """Count the trigrams of a line, as they play between breaks."""
+        """Count the trigrams of a line between breaks."""
         for part in np.split(ids, np.flatnonzero(ids == BREAK)):
             run = part[part != BREAK]
             for at in trigrams_in(run, self._performer.compiled.tables).tolist():
@@ -246,7 +245,7 @@ class Count:
     def _joined(
         self, parts: "Sequence[str]", heard: "Iterator[Transcript]", place: str
     ) -> SaidLine:
-        """Join the parts of a line, with a break between each two."""
+        """Join the parts of a line with breaks between them."""
         ids: list[int] = [SILENT]
         words: list[str] = []
         for number, part in enumerate(parts):
@@ -308,7 +307,7 @@ class Count:
 
 
 def _parts(line: "Line", spelled: "Spans") -> list[str]:
-    """Cut a line at parts whose sound is unknown: gaps, and words that are spelled."""
+    """Cut a line at parts with unknown sounds: gaps and spelled words."""
     parts, at = [], 0
     for start, stop in sorted([*spelled, *((gap, gap) for gap in line.gaps)]):
         parts.append(line.text[at:start].strip())

@@ -1,4 +1,4 @@
-"""Prints the JSON Schema of a coverage document, for `docs/reference/coverage.schema.json`.
+"""Printer of the JSON Schema of a coverage document, for `docs/reference/coverage.schema.json`.
 
 python -m lipsync_lang.coverage.document_schema > docs/reference/coverage.schema.json
 """

@@ -1,4 +1,4 @@
-"""The commands that put drafts of the next bigrams into banks."""
+"""Commands that write drafts of the next bigrams into banks."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -9,10 +9,10 @@ if TYPE_CHECKING:
 
 
 def draft_calls(items: "Sequence[WorkItem]") -> Iterator[str]:
-    """Yield as few commands as draft all items; those that stand in a bank of their own need none.
+    """Yield few commands that draft all items; items in a bank of their own need none.
 
-    A command drafts for one language and one pose set. Each takes the language that serves most of
-    what is left; of equals, the first.
+    A command drafts for one language and one pose set. Each command has the language that serves
+    most of the remaining items, or the first of several.
     """
     left: dict[str, list[WorkItem]] = {}
     for item in items:

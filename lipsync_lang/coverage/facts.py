@@ -1,4 +1,4 @@
-"""Base of the document's models, and the figures that reports and the total share."""
+"""Base of the document's models, and the common figures of reports and the total."""
 
 from pydantic import BaseModel, ConfigDict
 

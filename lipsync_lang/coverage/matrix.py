@@ -30,15 +30,15 @@ def coverage(  # noqa: PLR0913 two names, and what a call may change
     weights: Mapping[str, float] | None = None,
     cast: Mapping[str, Sequence[str]] | None = None,
 ) -> Coverage:
-    """Count the bigrams that lines need, and those that characters have.
+    """Count the bigrams that lines need, and compare them with the bigrams of characters.
 
     Parameters
     ----------
-    lines : to be spoken, such as `read_lines` yields; iterated over once
-    language, character : names or files, one or several: there is a report for each pair
-    paths : a folder to search for packs before all others, or several
-    minutes : to author a bigram
-    weights : of languages in the total, by name; others weigh 1
+    lines : spoken lines, such as those of `read_lines`; iterated over once
+    language, character : one or several names or files; each pair gets a report
+    paths : folders with priority in pack searches
+    minutes : minutes of work for a bigram
+    weights : weights of languages in the total, by name; the default is 1
     cast : the characters of each speaker, who speak that speaker's lines alone; all other lines are
         those of `character`. None if every character speaks every line
 
@@ -84,7 +84,7 @@ def _names(given: str | Path | Iterable[str | Path]) -> list[str | Path]:
 def _resolved(
     languages: Sequence[str | Path], characters: Sequence[str | Path], paths: Paths
 ) -> "list[tuple[Performer, str]]":
-    """Return a performer for each pair, with its character as it was given."""
+    """Return a performer for each pair, with the given name of its character."""
     from lipsync_lang.performing.resolving import resolve
 
     return [
@@ -95,7 +95,7 @@ def _resolved(
 
 
 class Readings:
-    """The different readings of the lines; pairs that count the same share one.
+    """The distinct readings of the lines; pairs with equal counts share one.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Readings:
         self._speakers: list[frozenset[str]] = []
 
     def index(self, performer: "Performer", character: str, pack: "Language") -> int:
-        """Return the index of the reading of a pair, which is added if it is new."""
+        """Return the index of the reading of a pair; a new one is added."""
         speakers = self._speakers_of(character)
         mine = performer.compiled
         for number, (reading, theirs) in enumerate(zip(self.found, self._speakers, strict=True)):

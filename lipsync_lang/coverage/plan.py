@@ -1,7 +1,7 @@
 """The order of authoring, from counts: rankings, shares, and short lists of lines.
 
-Bigrams are codes, that is, indices of counts. The most frequent comes first; of equals, the smaller
-code.
+Bigrams are codes, that is, indices of counts. The most frequent comes first; of equally frequent
+ones, the smaller code.
 """
 
 from collections.abc import Sequence
@@ -23,9 +23,9 @@ def ranked(counts: Ints) -> list[int]:
 
 
 def needed(counts: Sequence[int]) -> dict[str, int]:
-    """Return how many of the ranked counts cover each of the `PERCENTS`.
+    """Return the number of ranked counts that cover each of the `PERCENTS`.
 
-    The most frequent ones are the smallest set that covers a share of the occurrences.
+    The most frequent bigrams are the smallest set that covers a share of the occurrences.
     """
     running = list(accumulate(counts))
     total = running[-1] if running else 0
@@ -43,21 +43,21 @@ def affordable(minutes: float, hours: float = 1.0) -> int:
 
 
 def cover(sets: Ints, starts: Ints, wanted: Ints) -> list[tuple[int, list[int]]]:
-    """Choose few sets that together hold every wanted member.
+    """Choose few sets that together have every wanted member.
 
-    Greedy: the next set is the one with most missing members; of equals, the smallest, then the
-    first. At the end, sets whose wanted members are all in others are dropped. Gains are updated as
-    members are covered, so that each member is searched for once.
+    The greedy choice takes the set with most missing members, then the smallest, then the first.
+    At the end, redundant sets are dropped. Gains are updated as members are covered, so that each
+    member is searched for once.
 
     Parameters
     ----------
-    sets : all members of all sets, one set after the other; a set holds a member once
+    sets : members of all sets in sequence; a set has a member once
     starts : (n + 1,) index of each set's first member, and the length of `sets`
-    wanted : members to cover; those that no set holds are ignored
+    wanted : members to cover; members of no set are ignored
 
     Returns
     -------
-    Indices of the sets, in the order of choosing, with the members that each is the first to hold.
+    Indices of the sets in the order of choice, with the members that each adds.
     """
     inside = np.isin(sets, wanted)
     starts = np.asarray(starts, np.int64)
@@ -83,7 +83,7 @@ def _members(sets: Ints, starts: Ints, number: int) -> list[int]:
 
 
 def _spared(chosen: Sequence[int], sets: Ints, starts: Ints, wanted: Ints) -> list[int]:
-    """Drop sets whose wanted members are all in others; the last chosen is tried first."""
+    """Drop sets whose wanted members are all in other sets, beginning with the last choice."""
     asked = set(wanted.tolist())
     held = {n: asked.intersection(_members(sets, starts, n)) for n in chosen}
     times: dict[int, int] = {}

@@ -1,7 +1,7 @@
 """The coverage document: models of its parts, and the JSON Schema made of them.
 
-Counts are of bigrams as they occur. Bigrams with silence are counted apart, and no percentage
-elsewhere includes them. Percentages are of 100.
+Counts are occurrences of bigrams. Bigrams with silence are counted separately, and other
+percentages do not include them. Percentages are from 0 to 100.
 """
 
 from typing import Any, Literal
@@ -15,7 +15,7 @@ FORMAT: Literal["lipsync-lang coverage 1"] = "lipsync-lang coverage 1"
 
 
 class Tally(Fact):
-    """A name in the corpus, how often it occurs, and where first."""
+    """A name in the corpus, with its count and first place."""
 
     what: str
     count: int
@@ -53,7 +53,7 @@ class BigramNeed(Fact):
     count: int
     percent: float
     running: float
-    """Percent of all occurrences that this and all more frequent bigrams make up."""
+    """Percentage of all occurrences of this and all more frequent bigrams."""
     layer: str
     """Source of its curves: character, language, shared, like, draft or gap."""
     status: str
@@ -77,7 +77,7 @@ class BigramNeed(Fact):
 
 
 class TrigramNeed(Fact):
-    """A trigram that somebody drew, and how often the corpus plays it."""
+    """A drawn trigram, with its number of occurrences."""
 
     trigram: str
     count: int
@@ -90,7 +90,7 @@ class TrigramNeed(Fact):
 
 
 class Sentence(Fact):
-    """A line that shows bigrams which are not authored."""
+    """A line with bigrams that are not authored."""
 
     place: str
     text: str
@@ -125,7 +125,7 @@ class CoverageReport(Fact):
     sentences: tuple[Sentence, ...]
     """A short list of lines that have every bigram that is not authored."""
     unread: tuple[Tally, ...]
-    """Words, or characters, that nothing could read."""
+    """Words, or characters, that could not be read."""
     unmapped: tuple[Tally, ...]
     """Labels that the language does not map."""
     other_scripts: tuple[OtherScript, ...] = ()
@@ -133,7 +133,7 @@ class CoverageReport(Fact):
     column: str = ""
     """The column that was read; empty unless the language has several."""
     trigrams: tuple[TrigramNeed, ...] = ()
-    """Trigrams that are drawn, most frequent first; those that never play have a count of 0."""
+    """Drawn trigrams, most frequent first; unused ones have a count of 0."""
 
     @property
     def label(self) -> str:
@@ -160,15 +160,15 @@ class ReportChange(Fact):
     percent: tuple[float, float]
     """Authored share, before and now."""
     left: tuple[int, int]
-    """Bigrams to author, before and now."""
+    """Number of bigrams to author, before and now."""
     authored: tuple[str, ...]
     """Bigrams authored since."""
     lost: tuple[str, ...]
-    """Bigrams that were authored and are no longer."""
+    """Bigrams that are no longer authored."""
     new: tuple[str, ...]
     """Bigrams that the corpus did not need before."""
     gone: tuple[str, ...]
-    """Bigrams that the corpus needs no longer."""
+    """Bigrams that the corpus no longer needs."""
     column: str = ""
     """As in the report."""
 
@@ -184,7 +184,7 @@ class Since(Fact):
     file: str
     reports: tuple[ReportChange, ...]
     unmatched: tuple[str, ...]
-    """Language and character of reports that are in one of the two documents only."""
+    """Language and character of reports in only one of the two documents."""
     script: tuple[ScriptChange, ...] = ()
     """Lines that changed; empty if the older document has no digests."""
     left: tuple[Left, Left] | None = None

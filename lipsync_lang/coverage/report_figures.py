@@ -1,4 +1,4 @@
-"""Figures of a report: what counted lines need of a character."""
+"""Figures of a report, from counted lines and a character."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class CountFigures:
-    """A count, with the figures that are the same for every character."""
+    """A count, with the figures that do not depend on the character."""
 
     def __init__(self, counted: Count, pages: Pages) -> None:
         self.count = counted
@@ -33,7 +33,7 @@ class CountFigures:
     def trigrams(self, performer: "Performer") -> tuple[TrigramNeed, ...]:
         """Return the trigrams that a character plays, most frequent first.
 
-        Those of shades are left out, as bigrams of shades are.
+        Trigrams of shades are left out, like bigrams of shades.
         """
         compiled, counted = performer.compiled, self.count
         numbers = {name: number for number, name in enumerate(compiled.counted)}
@@ -64,7 +64,7 @@ class CountFigures:
 
         Parameters
         ----------
-        within : occurrences that authored trigrams play, by bigram
+        within : occurrences covered by authored trigrams, by bigram
         """
         total, running = int(counts.sum()), 0
         found = []
@@ -87,7 +87,7 @@ class CountFigures:
         return tuple(found)
 
     def sentences(self, missing: Sequence[int], names: Sequence[str]) -> tuple[Sentence, ...]:
-        """Return a short list of lines that together hold all missing bigrams."""
+        """Return a short list of lines that together have all missing bigrams."""
         sets, starts = self.count.sets()
         return tuple(
             Sentence(
@@ -107,14 +107,14 @@ def report_of(
     *,
     sentences: bool = True,
 ) -> CoverageReport:
-    """Return what lines that were counted need of a character.
+    """Return the report of counted lines for a character.
 
     Parameters
     ----------
-    performer : of the language that the lines were counted in
-    minutes : to author a bigram
-    title : of the language
-    sentences : False to leave out the short list of lines, which takes the longest
+    performer : performer of the counted language
+    minutes : minutes of work for a bigram
+    title : title of the language
+    sentences : False for no short list of lines, which takes most of the time
     """
     counted, phonemes = counted_lines.count, performer.compiled.counted
     names = [f"{a}-{b}" for a in phonemes for b in phonemes]
@@ -157,7 +157,7 @@ def report_of(
 
 
 def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
-    """Count the occurrences of bigrams that authored trigrams play in their place."""
+    """Count the occurrences of bigrams that authored trigrams replace."""
     found: Counter[str] = Counter()
     for one in trigrams:
         if authored(one.layer, one.status):
@@ -168,5 +168,5 @@ def _within(trigrams: Iterable[TrigramNeed]) -> Counter[str]:
 
 
 def _left(rows: Sequence[BigramNeed], total: int) -> float:
-    """Return the percentage of all occurrences that rows cover once they are drawn."""
+    """Return the percentage of all occurrences that rows cover after they are drawn."""
     return percent(sum(row.count - row.covered for row in rows), total)

@@ -1,4 +1,4 @@
-"""Digests of a script's lines, which tell what changed in it since an older document."""
+"""Digests of a script's lines, for a comparison with an older document."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from lipsync_lang.lines import Line
 
 MAX_COMPARED_LINES = 100_000
-"""Lines of a script whose digests a document holds; a larger script is not compared."""
+"""Maximum number of lines with digests; a larger script is not compared."""
 
 DIGEST_BYTES = 5
 
@@ -24,9 +24,9 @@ class ScriptLines(Fact):
     column: str = ""
     """The column that was read; empty unless it was stated."""
     named: dict[str, str]
-    """By the line's own name."""
+    """Digests by the line's own name."""
     unnamed: dict[str, str]
-    """By place, for lines without a name of their own."""
+    """Digests by place, for lines without a name of their own."""
 
 
 class ScriptChange(Fact):
@@ -37,15 +37,15 @@ class ScriptChange(Fact):
     lines: tuple[int, int]
     """Number of lines, before and now."""
     added: tuple[str, ...]
-    """Names, or places, of lines that are new."""
+    """Names, or places, of new lines."""
     removed: tuple[str, ...]
-    """Names, or former places, of lines that are gone."""
+    """Names, or former places, of removed lines."""
     changed: tuple[str, ...]
     """Names of lines with another text or speaker."""
 
 
 class ScriptDigests:
-    """Digests of lines, as they are read."""
+    """Collector of digests during the reading of lines."""
 
     def __init__(self) -> None:
         self._found: list[tuple[str, str, str]] = []
@@ -60,9 +60,9 @@ class ScriptDigests:
             self._found.append((line.name, line.place, _digest(line)))
 
     def lines(self, languages: Sequence[str]) -> tuple[ScriptLines, ...]:
-        """Return the digests of all lines; none of a script that is too large.
+        """Return the digests of all lines; none for a script that is too large.
 
-        A name that several lines have is no name of any.
+        A name that several lines share is ignored.
         """
         if not self._found:
             return ()
@@ -77,7 +77,7 @@ class ScriptDigests:
 def script_changes(
     old: Sequence[ScriptLines], new: Sequence[ScriptLines]
 ) -> Iterator[ScriptChange]:
-    """Yield the changes of the readings that both documents have; equal ones are one."""
+    """Yield the changes of the readings in both documents; equal changes are merged."""
     before = {(one.languages, one.column): one for one in old}
     groups: dict[ScriptChange, list[str]] = {}
     for now in new:
@@ -107,7 +107,7 @@ def _count(lines: ScriptLines) -> int:
 
 
 def _places(lines: ScriptLines, wanted: Counter[str]) -> Iterator[str]:
-    """Yield the places of lines with some digests, the last of equal lines first."""
+    """Yield the places of lines with given digests, the last of equal lines first."""
     for place, digest in reversed(lines.unnamed.items()):
         if wanted[digest] > 0:
             wanted[digest] -= 1

@@ -1,9 +1,9 @@
 """Words in a script that a language is not written in.
 
 The scripts of a language are those of its pack's own tests. A voice reads a word in another script
-as another language's, or it spells the word letter by letter. The two are told apart by comparing
-the sounds of the word with those of its letters. No actor spells, so spelled words are not counted;
-a pronunciation of the pack or the character says how they are spoken.
+as a word of another language, or it spells the word. A comparison of the sounds of the word with
+those of its letters distinguishes the two. Actors do not spell, so spelled words are not counted; a
+pronunciation in the pack or the character states their sounds.
 """
 
 import re
@@ -23,26 +23,26 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 Spans = list[tuple[int, int]]
-"""Start and stop of parts of a text."""
+"""Start and stop of each part of a text."""
 
 LETTERS = frozenset(("Lu", "Ll", "Lt", "Lo"))
 
 SPELLED_SIMILARITY = 0.9
-"""Least similarity of a spelled phrase to its letters; voices slur the names of letters."""
+"""Minimum similarity of a spelled phrase to its letters; voices slur the names of letters."""
 
 MAX_PHRASE_CHARS = 40
-"""Start of a phrase that is judged, and of a word that is named."""
+"""Maximum length of the judged start of a phrase, and of the named start of a word."""
 
 _PHRASE = re.compile(r"([^- m])(?:(?:\1|[ m])*\1)?m*")
-"""A phrase in one other script, over the classes of characters.
+"""Pattern of a phrase in one other script, over the classes of characters.
 
-Each other script has a class of its own; marks are `m`, ends `-`, all else is a space.
+Each other script has its own class; marks are `m`, ends are `-`, all else is a space.
 """
 
 
 @cache
 def script(character: str) -> str:
-    """Return the script of a letter, by its Unicode name; empty for all else.
+    """Return the script of a letter from its Unicode name; empty for other characters.
 
     The script is the first word of that name; other widths and styles count as the plain letter.
     """
@@ -62,7 +62,7 @@ class OtherScripts:
     Parameters
     ----------
     speaker : reads the lines
-    own : scripts that the language is written in; if empty, no script counts as another
+    own : scripts of the language; if empty, no other scripts are reported
     """
 
     def __init__(self, speaker: "Speaker", own: Iterable[str]) -> None:
@@ -73,7 +73,7 @@ class OtherScripts:
         self._read, self._spelled = TallyCounter(), TallyCounter()
 
     def spelled(self, lines: "Sequence[Line]") -> list[Spans]:
-        """Count the words of lines in other scripts; return the spans of those that are spelled."""
+        """Count the words of lines in other scripts; return the spans of spelled words."""
         spans = [self._phrases(line.text) for line in lines]
         self._judge(
             {
@@ -145,5 +145,5 @@ class OtherScripts:
 
 
 def _judged(phrase: str) -> str:
-    """Return the start of a phrase in small letters: voices may spell capitals on purpose."""
+    """Return the start of a phrase in lower case, because voices may spell capitals."""
     return phrase[:MAX_PHRASE_CHARS].lower()

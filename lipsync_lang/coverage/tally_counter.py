@@ -1,9 +1,9 @@
-"""Counts of names in a corpus, such as words that nothing can read."""
+"""Counts of names in a corpus, such as unreadable words."""
 
 from lipsync_lang.coverage.report import Tally
 
 MAX_NAMES = 10_000
-"""Different names that are counted; later ones are dropped."""
+"""Maximum number of distinct names; later ones are dropped."""
 
 
 class TallyCounter:

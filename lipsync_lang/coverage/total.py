@@ -1,12 +1,11 @@
-"""The work that all reports share, each piece counted once, and its order.
+"""The total of all reports: the work that is left, with shared work counted once, and its order.
 
-A piece of work is a bigram of a pose set. Drawn once in the pose set's bank, it serves every
-language that needs it and every face of that pose set. A bigram that stands as a draft in the bank
-of one language or one character is a piece of its own, since that draft plays before the shared
-bank.
+A work item is a bigram of a pose set. Drawn once in the pose set's bank, it serves every language
+that needs it and every face of that pose set. A draft in the bank of one language or one character
+is an item of its own, because it takes precedence over the shared bank.
 
-A piece weighs as much as it is heard: its share of what each language still lacks, averaged over
-the languages. Languages weigh the same unless weights are stated, as each player hears one.
+The gain of an item is its share of the missing occurrences of each language, averaged over the
+languages. Languages have equal weights by default, because each player hears one language.
 """
 
 from collections import Counter, defaultdict
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Piece(NamedTuple):
-    """Identity of a piece of work."""
+    """Identity of a work item."""
 
     bigram: str
     poseset: str
@@ -35,13 +34,13 @@ class WorkItem(Fact):
     bigram: str
     poseset: str
     bank: str
-    """The language or character whose own bank has a draft of it; empty for the shared bank."""
+    """The language or character with a draft of it in its own bank; empty for the shared bank."""
     count: int
     """Occurrences in all reports that nobody has drawn."""
     percent: float
     """Gain in authored speech in percentage points, averaged over the languages."""
     reaches: float
-    """Authored share once this and all items before it are drawn."""
+    """Authored percentage after this and all items before it are drawn."""
     languages: tuple[str, ...]
     """Languages that it serves."""
     characters: tuple[str, ...]
@@ -78,7 +77,7 @@ class Total(TotalFigures):
     """Weight of each language in percentages."""
     faces: tuple[FaceTotal, ...]
     ranking: tuple[WorkItem, ...] = ()
-    """The bigrams that are left, the one that gains most first."""
+    """The bigrams that are left, largest gain first."""
 
 
 def total_of(
@@ -88,8 +87,8 @@ def total_of(
 
     Parameters
     ----------
-    minutes : to author a bigram
-    weights : of languages, by name; others weigh 1
+    minutes : minutes of work for a bigram
+    weights : weights of languages by name; the default is 1
     """
     stated = weights or {}
     full = {report.language: float(stated.get(report.language, 1)) for report in reports}
@@ -169,7 +168,7 @@ def _ranking(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) 
 
 
 def piece_of(report: "CoverageReport", need: "BigramNeed") -> Piece:
-    """Return the piece of work that a bigram of a report belongs to."""
+    """Return the work item of a bigram of a report."""
     own = {"language": report.language, "character": report.character}
     return Piece(need.bigram, report.poseset, own.get(need.layer, ""))
 
@@ -179,7 +178,7 @@ def _names(found: Iterable[str]) -> tuple[str, ...]:
 
 
 def _worth(reports: "Sequence[CoverageReport]", weights: Mapping[str, float]) -> dict[str, float]:
-    """Return the percentage that one occurrence in each language is worth."""
+    """Return the percentage of one occurrence in each language."""
     heard: Counter[str] = Counter()
     for report in reports:
         heard[report.language] += report.occurrences

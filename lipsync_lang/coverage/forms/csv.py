@@ -3,8 +3,8 @@
 `rank_for_all` is the place in the ranking of all reports. A bigram that serves several reports has
 the same rank in each, and its hours in the first row alone: the sum of `hours` is the total.
 
-Words and file names come from the corpus. Spreadsheets would calculate text that begins like a
-formula, so an apostrophe stands before such text, as OWASP advises.
+Words and file names come from the corpus. Spreadsheets evaluate text that begins like a
+formula, so such text gets an apostrophe in front, as OWASP recommends.
 """
 
 import csv
@@ -57,7 +57,7 @@ def _row(report: "CoverageReport", one: "BigramNeed", silence: str) -> tuple[obj
 
 
 def _cell(value: object) -> object:
-    """Quote text that a spreadsheet would calculate; numbers stay numbers.
+    """Quote text that a spreadsheet would evaluate; numbers are unchanged.
 
     A carriage return becomes a line feed: Python's writer does not quote it, and readers end a row.
     """

@@ -16,8 +16,8 @@ class Asked:
 
     Parameters
     ----------
-    everything : all rows, where a form would shorten its lists
-    fail_under : percent that must be authored; None where nothing must
+    everything : True for all rows, instead of shortened lists
+    fail_under : percentage that must be authored; None for no minimum
     """
 
     everything: bool = False
@@ -31,7 +31,7 @@ FORMS: Extensions[Write] = Extensions(
     "coverage format",
     modules={name: f"{__package__}.{name}" for name in ("text", "json", "html", "csv", "junit")},
 )
-"""Functions that write a form, by its name."""
+"""Writer functions by the name of the form."""
 
 SUFFIXES = {".json": "json", ".html": "html", ".csv": "csv", ".xml": "junit"}
-"""The form of a file that is named without one; all other files are text."""
+"""Forms by the suffix of the file; all other files are text."""

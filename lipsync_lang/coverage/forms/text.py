@@ -1,4 +1,4 @@
-"""Text for a terminal: the total of all reports, then each report from its next bigrams on."""
+"""Text for a terminal: the total, and each report from its next bigrams on."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, TextIO
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from lipsync_lang.coverage.script_changes import ScriptChange
 
 MAX_ROWS = 20
-"""Rows of the ranking, unless all are asked for."""
+"""Number of rows of the ranking by default."""
 
 MAX_NAMES = 8
-"""Names that are shown of a longer list."""
+"""Maximum number of names of a list."""
 
 
 @FORMS.register("text")
 def write(coverage: "Coverage", out: TextIO, asked: Asked) -> None:
-    """Write all reports below each other, after their total and a table if there are several."""
+    """Write all reports; several reports are preceded by their total and a table."""
     blocks = [_read(coverage.corpus)]
     if len(coverage.reports) > 1:
         if coverage.total is not None:
@@ -87,7 +87,7 @@ def _report(report: "CoverageReport", minutes: float, *, everything: bool) -> li
 
 def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
     if not report.bigrams:
-        yield "these lines hold nothing that the language reads"
+        yield "the language reads nothing in these lines"
         return
     if not report.left.bigrams:
         yield "next: nothing; every bigram of these lines is authored"
@@ -155,7 +155,7 @@ def _facts(report: "CoverageReport") -> Iterator[str]:
     read = [one for one in report.other_scripts if one.counted]
     spelled = [one for one in report.other_scripts if not one.counted]
     if read:
-        yield f"in another script, read as it is there: {_tallies(read)}"
+        yield f"in another script, read by the voice: {_tallies(read)}"
     if spelled:
         yield f"in another script, not counted: {_tallies(spelled)}"
 
@@ -164,7 +164,7 @@ def _sentences(report: "CoverageReport", *, everything: bool) -> Iterator[str]:
     if not report.sentences:
         return
     shown = report.sentences if everything else report.sentences[:3]
-    yield f"{_count(len(report.sentences), 'line')} to try all that is left:"
+    yield f"{_count(len(report.sentences), 'line')} that use every unauthored bigram:"
     for one in shown:
         yield f"  {one.place}: {one.text or '(timed phonemes)'} ({len(one.bigrams)} new)"
     if len(shown) < len(report.sentences):
@@ -196,7 +196,7 @@ def _since(since: "Since") -> list[str]:
         lines += [f"  {line}" for line in _script_change(script, several=len(since.script) > 1)]
     for change in since.reports:
         lines += [f"  {line}" for line in _change(change)]
-    lines += [f"  {name}: only in one of the two" for name in since.unmatched]
+    lines += [f"  {name}: in only one of the documents" for name in since.unmatched]
     return lines
 
 

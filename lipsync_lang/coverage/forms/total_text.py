@@ -1,4 +1,4 @@
-"""The total of a coverage as text: figures, faces, and the bigrams to draw first for all."""
+"""The total of a coverage as text: figures, faces, and the ranking of bigrams."""
 
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lipsync_lang.coverage.total import Total, TotalFigures, WorkItem
 
 MAX_LANGUAGES = 3
-"""Languages that a row names before the rest is counted."""
+"""Maximum number of languages in a row."""
 
 
 def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Iterator[str]:
@@ -21,7 +21,7 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
 
     Parameters
     ----------
-    rows : of the ranking; None for all
+    rows : number of rows of the ranking; None for all
     """
     yield (
         f"all reports together: {total.authored.bigrams} of {total.needed} bigrams, "

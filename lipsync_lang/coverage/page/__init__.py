@@ -1,11 +1,11 @@
-"""The page: a coverage document as one HTML file to send to a producer.
+"""The page: a coverage document as one HTML file for a producer.
 
-The first report stands in the page, so that it can be read without a script; the parts of other
-reports lie beside it in `<template>` elements. A part that reports share, such as a language's
-ranking for every character, is written once. Characters differ in the states of bigrams: a digit
-each, which the script puts in.
+The page contains the first report, which is readable without a script; the parts of other reports
+are in `<template>` elements. A part that several reports share, such as a language's ranking for
+every character, is written once. Characters differ in the states of bigrams: one digit each, which
+the script inserts.
 
-The page loads nothing: its content security policy forbids that to the browser.
+The page loads no other files; its content security policy forbids it.
 """
 
 from lipsync_lang.coverage.page.assembling import page

@@ -1,4 +1,4 @@
-"""The page from its templates: what to draw next, all pairs side by side, and each report."""
+"""Assembly of the page from its templates: next bigrams, table of all pairs, each report."""
 
 import re
 from base64 import b64encode
@@ -22,23 +22,23 @@ from lipsync_lang.coverage.percentages import ranked_text
 
 TITLE = "What to draw next"
 MOST_ITEMS, MOST_NAMES = 60, 8
-"""Bigrams of the ranking for all languages, and names of a list of changes, that a page shows."""
+"""Maximum number of bigrams in the ranking for all languages, and of names in a list of changes."""
 
 MAX_LANGUAGES = 5
-"""Languages that a sentence names before the rest is counted."""
+"""Maximum number of languages in a sentence."""
 
 PARTS = (
     "summary", "next", "distribution", "running", "map", "ranked", "silence", "phonemes",
     "unused", "sentences", "unread",
 )  # fmt: skip
-"""Macros of `parts.html`, each of which writes one part of a report."""
+"""Macros of `parts.html`; each writes one part of a report."""
 
 
 class TightLayout(Extension):
-    """Makes a line break beside a tag or a block, with its indentation, no part of the page."""
+    """Pattern of a line break next to a tag or a block, with its indentation."""
 
     def preprocess(self, source: str, name: str | None, filename: str | None = None) -> str:
-        """Take the breaks out of a template."""
+        """Remove these line breaks from a template."""
         # Comments keep the breaks, so that Jinja's errors name the right line.
         del name, filename
         return re.sub(r"(?<=[>}])\s*\n\s*|\s*\n\s*(?=[<{])", r"{#\g<0>#}", source)
@@ -51,11 +51,11 @@ class MatrixRow:
     title: str
     addition: str
     reports: dict[str, ReportView]
-    """By character."""
+    """Cells by character."""
 
 
 class PartStore:
-    """The parts of all reports, each different part once, and the first report's painted.
+    """The distinct parts of all reports, with the states of the first report.
 
     Parameters
     ----------
@@ -73,16 +73,16 @@ class PartStore:
             }
             for report in reports
         ]
-        """For each report, the number of each part."""
+        """The numbers of the parts of each report."""
 
     def others(self) -> list[tuple[int, Markup]]:
-        """Return number and content of the parts that the first report has not."""
+        """Return number and content of the parts that the first report does not have."""
         shown = set(self.keys[0].values())
         return [(number, part) for part, number in self._numbers.items() if number not in shown]
 
 
 def page(document: Mapping[str, Any]) -> str:
-    """Return a coverage document as one HTML page that needs nothing else.
+    """Return a coverage document as one self-contained HTML page.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _environment() -> Environment:
 
 
 def own_file(name: str) -> str:
-    """Return a file of this folder, such as the style that other reports share."""
+    """Return a file of this folder, such as the style, which other reports share."""
     return (files(__package__) / name).read_text("utf-8")
 
 
@@ -151,7 +151,7 @@ def _parts(report: ReportView, macros: object) -> dict[str, Markup]:
 
 
 def _gain(report: ReportView) -> float:
-    """Return a hundred times the occurrences that the next hour of drawing covers."""
+    """Return the occurrences that the next hour of drawing covers, times 100."""
     following = report.document["next_hour"]
     return float(following["percent"] * report.document["occurrences"])
 
@@ -161,7 +161,7 @@ def _language(numbered: tuple[int, ReportView]) -> str:
 
 
 def _shared(document: Mapping[str, Any], reports: Iterable[ReportView]) -> str:
-    """Return the languages that add nothing to draw, and the additions of the others."""
+    """Return the languages without additional bigrams, and the additions of the others."""
     titles = {one.document["language"]: one.language for one in reports}
     groups: dict[str, list[str]] = {}
     for one in sorted(document["shared"], key=lambda one: bool(one["bigrams"])):
@@ -181,7 +181,7 @@ def _addition(shared: Mapping[str, Any] | None) -> str:
 
 
 def _matrix(document: Mapping[str, Any], reports: Iterable[ReportView]) -> list[MatrixRow]:
-    """Return a row for each language, and one more where a character has a second report."""
+    """Return a row for each language, and another for each further report of a character."""
     additions = {one["language"]: one for one in document["shared"]}
     rows: list[tuple[str, MatrixRow]] = []
     for report in reports:

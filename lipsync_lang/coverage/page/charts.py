@@ -1,7 +1,7 @@
-"""Charts of one report, as numbers that the templates draw: distribution, running total, map.
+"""Charts of one report, as numbers for the templates: distribution, running total, map.
 
-Shapes are SVG paths stretched to the width at hand: x in ranks, y in thousandths from the top.
-Text stands beside them as HTML, so that it keeps its size on a telephone.
+Shapes are SVG paths stretched to the available width: x in ranks, y in thousandths from the top.
+Text is separate HTML, so that it keeps its size on a telephone.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,15 +15,15 @@ from lipsync_lang.coverage.page.wording import NBSP
 
 HEIGHT = 1000
 SHADES, GAMMA = 9, 0.4
-"""Shades of the map, and the power that keeps rare bigrams apart."""
+"""Number of shades of the map, and the exponent that separates rare bigrams."""
 
 MAX_TICKS = 5
 LATE_SHARE = 0.78
-"""Share of the width beyond which a mark's label stands to its left."""
+"""Share of the width from which a mark's label is on its left."""
 
 ALL = "100"
 HANGING_HEIGHTS, STANDING_HEIGHTS = (0.7, 0.5, 0.3), (0.08, 0.26, 0.44)
-"""Heights at which the labels of marks end, from the first mark on; 0 is the top."""
+"""End heights of the labels of marks, from the first mark on; 0 is the top."""
 
 
 class Mark(NamedTuple):
@@ -65,7 +65,7 @@ def distribution(rows: Sequence[Row], codes: str, needed: Mapping[str, int]) -> 
     top = ceil(round(most / step, 6)) * step
     return Chart(
         "Distribution",
-        "How often each bigram is heard, the most heard first; coloured by status.",
+        "Occurrences of each bigram, most frequent first, coloured by status.",
         len(rows),
         [(f"s{code}", _outline(rows, codes, code, top)) for code in sorted(set(codes))],
         [_tick(n * step, n * step / top) for n in range(round(top / step) + 1)],
@@ -75,12 +75,12 @@ def distribution(rows: Sequence[Row], codes: str, needed: Mapping[str, int]) -> 
 
 
 def running(rows: Sequence[Row], needed: Mapping[str, int]) -> Chart:
-    """Chart the share of all occurrences that the first bigrams add up to."""
+    """Chart the running share of all occurrences, by rank."""
     line = "".join(f"V{HEIGHT - round(row['running'] * HEIGHT / 100)}h1" for row in rows)
     start = f"M0 {HEIGHT}{line}"
     return Chart(
         "Running total",
-        "What share of all that is heard the most heard bigrams make up together.",
+        "Share of all occurrences that the most frequent bigrams make up together.",
         len(rows),
         [("under", f"{start}V{HEIGHT}z"), ("line", start)],
         [_tick(percent, percent / 100) for percent in (0, 25, 50, 75, 100)],
@@ -109,7 +109,7 @@ def heat_map(
 
 
 def _outline(rows: Sequence[Row], codes: str, code: str, top: float) -> str:
-    """Return the outline of one status' bars; neighbours share a piece."""
+    """Return the outline of the bars of one status; adjacent bars share a piece."""
     pieces, rank = [], 0
     for key, group in groupby(zip(rows, codes, strict=True), key=lambda pair: pair[1]):
         heights = [HEIGHT - round(row["percent"] * HEIGHT / top) for row, _ in group]
@@ -121,7 +121,7 @@ def _outline(rows: Sequence[Row], codes: str, code: str, top: float) -> str:
 
 
 def _step(most: float) -> float:
-    """Return the smallest step of 1, 2, 5 or 10 times a power of ten that needs few ticks."""
+    """Return the smallest step of 1, 2, 5 or 10 times a power of ten with few ticks."""
     rough = most / MAX_TICKS
     size: float = 10.0 ** floor(log10(rough))
     return next(size * times for times in (1, 2, 5, 10) if size * times >= rough)
@@ -134,7 +134,7 @@ def _tick(percent: float, height: float) -> tuple[str, str]:
 def _marks(
     needed: Mapping[str, int], width: int, heights: Sequence[float], *, standing: bool
 ) -> list[Mark]:
-    """Mark where shares of all occurrences are reached; labels avoid each other's lines."""
+    """Mark the ranks at which shares of all occurrences are reached; labels avoid other marks."""
     shares = [share for share in needed if share != ALL]
     marks = []
     for share, height in zip(shares, heights, strict=False) if width else ():

@@ -1,4 +1,4 @@
-"""A report of the document, with the names and figures for the templates."""
+"""View of a report, with the names and figures for the templates."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from lipsync_lang.coverage.page.wording import gathered, percent
 from lipsync_lang.coverage.report import labelled
 
 MAX_PLACES = 3
-"""Places of a bigram that are named in its row."""
+"""Maximum number of places of a bigram in its row."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,11 +22,11 @@ class ReportView:
 
     Parameters
     ----------
-    document : the report as JSON holds it
-    states : of all reports together
-    minutes : to draw a bigram
-    folder : the folder of all files, which the page leaves out of places
-    painted : show the states of single bigrams; the script paints the reports without
+    document : the report as JSON data
+    states : states of all reports
+    minutes : minutes of work for a bigram
+    folder : common folder of all files, which places omit
+    painted : True to show the states of single bigrams; the script adds them to other reports
     """
 
     document: Mapping[str, Any]
@@ -47,7 +47,7 @@ class ReportView:
 
     @cached_property
     def title(self) -> str:
-        """The language, with its column where it has several."""
+        """The language, with its column if it has several."""
         return labelled(self.language, self.document.get("column", ""))
 
     @cached_property
@@ -57,7 +57,7 @@ class ReportView:
 
     @property
     def trigrams(self) -> Sequence[Row]:
-        """The trigrams that somebody drew, most frequent first."""
+        """The drawn trigrams, most frequent first."""
         return self.document.get("trigrams", ())  # type: ignore[no-any-return]
 
     @cached_property
@@ -82,16 +82,16 @@ class ReportView:
 
     @property
     def stack_description(self) -> str:
-        """The stack of shares in words."""
+        """The shares of the statuses in words."""
         names = [name for name, (_, heard) in self.shares.items() if heard]
         parts = [
             f"{percent(share)} {name}" for name, (_, share) in zip(names, self.stack, strict=True)
         ]
-        return ", ".join(parts) or "nothing is heard"
+        return ", ".join(parts) or "no bigrams"
 
     @cached_property
     def needed(self) -> dict[str, int]:
-        """The number of bigrams that cover each share of all occurrences, least share first."""
+        """The number of bigrams that cover each share of all occurrences, smallest share first."""
         needed: Mapping[str, int] = self.document["needed"]
         return {share: needed[share] for share in sorted(needed, key=float)}
 
@@ -114,14 +114,14 @@ class ReportView:
         return charts.heat_map(self.rows, list(self.document["phonemes"]))
 
     def other_scripts(self, *, counted: bool) -> list[Mapping[str, Any]]:
-        """Return the words in other scripts that are counted, or those that are not."""
+        """Return the counted or the uncounted words in other scripts."""
         words = self.document.get("other_scripts", ())
         return [word for word in words if word["counted"] == counted]
 
     def place(self, place: str) -> str:
-        """Return a place without the folder of all files."""
+        """Return a place without the common folder of all files."""
         return place.removeprefix(self.folder)
 
     def places(self, row: Row) -> str:
-        """Return the first places of a bigram, each file once."""
+        """Return the first places of a bigram, grouped by file."""
         return gathered(map(self.place, row["places"][:MAX_PLACES]))

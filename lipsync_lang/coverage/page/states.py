@@ -1,6 +1,6 @@
-"""The state of a bigram: the layer its curves come from, and their status.
+"""States of bigrams: the layer of their curves, and the status.
 
-A state is written as one character, its place in a list: `0`, `1` ... `9`, `a`, `b` ...
+A state is written as one character, which is its index in a list: `0`, `1` ... `9`, `a`, `b` ...
 """
 
 from collections.abc import Iterable, Mapping
@@ -12,31 +12,31 @@ from lipsync_lang.coverage.facts import AUTHORED
 from lipsync_lang.coverage.facts import BORROWED as LENT
 
 Row = Mapping[str, Any]
-"""A bigram of a report, as the document has it."""
+"""A bigram of a report in the document."""
 
 NONE = "gap"
-"""The status of bigrams without curves, for which the document leaves the status empty."""
+"""Status of bigrams without curves, which is empty in the document."""
 
 BORROWED = "borrowed"
-"""The status of curves that a person drew for a similar sound."""
+"""Status of curves that a person drew for a similar sound."""
 
 STATUSES = {
-    "approved": "a person has approved it",
-    "edited": "a person has drawn it",
-    BORROWED: "drawn by a person for a sound like it",
-    "fitted": "fitted to captures, seen by nobody",
-    "drafted": "drawn by the program, seen by nobody",
+    "approved": "approved by a person",
+    "edited": "drawn by a person",
+    BORROWED: "drawn by a person for a similar sound",
+    "fitted": "fitted to captures, not yet checked",
+    "drafted": "drafted by the program, not yet checked",
     NONE: "no curves at all",
 }
 LAYERS = {
     "character": "the character's own",
     "language": "of the language",
     "shared": "shared by all languages",
-    LENT: "lent by a sound like it",
-    "draft": "made from the poses",
+    LENT: "borrowed from a similar sound",
+    "draft": "drafted from the targets",
     NONE: "no curves at all",
 }
-"""In the order of legends; other names in the document come after these."""
+"""Layers in the order of legends; further names of a document follow."""
 
 CODES = digits + ascii_lowercase
 
@@ -68,12 +68,12 @@ class States:
         return CODES[self.layers.index(row["layer"])]
 
     def codes(self, rows: Iterable[Row]) -> str:
-        """Return the statuses of all bigrams, a space, then their layers."""
+        """Return the statuses of all bigrams, a space, and their layers, as characters."""
         pairs = [(self.status_code(row), self.layer_code(row)) for row in rows]
         return " ".join("".join(pair[half] for pair in pairs) for half in (0, 1))
 
     def legend(self, names: Iterable[str]) -> list[tuple[str, str]]:
-        """Return code and name of the statuses, or of the layers, that occur."""
+        """Return the codes and names of the statuses, or of the layers, that occur."""
         coded = zip(CODES, names, strict=False)
         return [(code, name) for code, name in coded if name in self.seen]
 
@@ -87,7 +87,7 @@ class States:
 
 
 def status(row: Row) -> str:
-    """Return the status of a bigram: `borrowed` and `gap` are told apart from its own."""
+    """Return the status of a bigram: `borrowed` and `gap` are distinguished."""
     if row["layer"] == LENT and row["status"] in AUTHORED:
         return BORROWED
     return str(row["status"] or NONE)

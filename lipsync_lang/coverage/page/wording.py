@@ -1,4 +1,4 @@
-"""Numbers and lists in the words of the page; a no-break space stands between number and unit."""
+"""Format of numbers and lists in the page; a no-break space separates number and unit."""
 
 from collections.abc import Iterable, Sequence
 from os.path import commonprefix
@@ -7,7 +7,7 @@ from lipsync_lang.coverage.percentages import percentage_text
 
 NBSP = "\N{NO-BREAK SPACE}"
 MAX_NAMES = 3
-"""Names in a list before the rest is counted."""
+"""Maximum number of names in a list."""
 
 TENTHS = 10
 
@@ -18,7 +18,7 @@ def percent(share: float) -> str:
 
 
 def hours(time: float) -> str:
-    """Write a time: `25 min`, `3.5 h`, `34 h`."""
+    """Format a time: `25 min`, `3.5 h`, `34 h`."""
     minutes = round(time * 60)
     if minutes < 60:  # noqa: PLR2004 of an hour
         return f"{minutes}{NBSP}min"
@@ -28,12 +28,12 @@ def hours(time: float) -> str:
 
 
 def count(number: int, noun: str, nouns: str = "") -> str:
-    """Write a number with its noun: `1 bigram`, `1,240 bigrams`."""
+    """Format a number with its noun: `1 bigram`, `1,240 bigrams`."""
     return f"{number:,}{NBSP}{noun if number == 1 else nouns or noun + 's'}"
 
 
 def listed(names: Sequence[str], shown: int = MAX_NAMES) -> str:
-    """Write names as a sentence does: `a`, `a and b`, `a, b and 3 more`."""
+    """Format names as a list in a sentence: `a`, `a and b`, `a, b and 3 more`."""
     most = list(names[:shown])
     if len(names) > shown:
         most.append(f"{len(names) - shown} more")
@@ -42,13 +42,13 @@ def listed(names: Sequence[str], shown: int = MAX_NAMES) -> str:
 
 
 def folder(paths: Sequence[str]) -> str:
-    """Return the folder that all paths lie in, with its separator; empty if there is none."""
+    """Return the common folder of all paths, with its separator; empty without one."""
     start = commonprefix(list(paths))  # noqa: RUF071 it is cut at a separator
     return start[: max(start.rfind("/"), start.rfind("\\")) + 1]
 
 
 def gathered(places: Iterable[str]) -> str:
-    """Write places, each file once: `act1.csv:3, 17; act2.csv:5`."""
+    """Format places, grouped by file: `act1.csv:3, 17; act2.csv:5`."""
     lines: dict[str, list[str]] = {}
     for place in places:
         file, colon, line = place.rpartition(":")
