@@ -49,6 +49,7 @@ TABLE = re.compile(r"<table>.*?</table>", re.DOTALL)
 CELL = re.compile(r"<t([hd])\b[^>]*>(.*?)</t\1>", re.DOTALL)
 LENGTHS = {250: "passage", 80: "sentence", 20: "words"}
 """Classes of columns by the characters that their longest cell exceeds, longest first."""
+WIDE = re.compile(r'<th class="(sentence|passage)"')
 
 TITLES = {"title": "{}", "edits": "Changes in {}", "shows": "From {}"}
 """The title of a block by its attribute."""
@@ -205,9 +206,15 @@ def _fence(block: re.Match[str]) -> str:
 
 
 def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Tell the tables how long their texts are, and where the address of a test may break."""
-    del page, config, files
-    return TABLE.sub(lambda found: _measured(found[0].replace(".py::", ".py::<wbr>")), html)
+    """Tell the tables how long their texts are, and where the address of a test may break.
+
+    On a page without sections a table of sentences has the place of the table of contents.
+    """
+    del config, files
+    html = TABLE.sub(lambda found: _measured(found[0].replace(".py::", ".py::<wbr>")), html)
+    if WIDE.search(html) and not any(title.children for title in page.toc):
+        page.meta["hide"] = ["toc"]
+    return html
 
 
 def _measured(table: str) -> str:

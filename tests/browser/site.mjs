@@ -50,7 +50,7 @@ const contrast = (page) => page.evaluate(() => {
     return 0.2126 * r + 0.7152 * g + 0.0722 * b;
   };
   let least = [99, ""];
-  for (const one of document.querySelectorAll("article :is(h1,h2,h3,p,li,td,th,a:not(.headerlink),code)")) {
+  for (const one of document.querySelectorAll("article :is(h1,h2,h3,p,li,td,th,a:not(.headerlink),code,pre span)")) {
     const text = [...one.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
     if (!text || !one.checkVisibility()) { continue; }
     const back = behind(one);
