@@ -278,7 +278,7 @@ def test_what_only_the_face_advises_fails_nothing(report):
     line = made(1, speed=20.0)
     text = report([Advised(**{name: getattr(line, name) for name in vars(line)})])
     assert "The build passes." in text
-    assert "1\N{NO-BREAK SPACE}line more is beyond what their face advises" in text
+    assert "1\N{NO-BREAK SPACE}line more is beyond the advice of their face" in text
 
 
 # Files

@@ -97,6 +97,15 @@ $ lipsync-lang who. What.
     ]
 
 
+def test_releases_of_the_changelog_stay_as_they_were(tmp_path):
+    text = "## [Unreleased]\n\n- New.\n\n## [0.1.0] - 2026-11-01\n\n- Old.\n"
+    assert read(tmp_path, "CHANGELOG.md", text) == [
+        (1, "[Unreleased]", False),
+        (3, "New.", True),
+    ]
+    assert [each[1] for each in read(tmp_path, "page.md", text)][-1] == "Old."
+
+
 def read(folder: Path, name: str, text: str) -> list[tuple[int, str, bool]]:
     path = folder / name
     path.write_text(text, encoding="utf-8")

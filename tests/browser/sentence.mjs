@@ -54,7 +54,7 @@ try {
   await page.mouse.down();
   for (const by of [4, 9, 14]) await page.mouse.move(x + by, y);
   await page.mouse.up();
-  await idle("Undo: boundary");
+  await idle("Undo: Move the boundary");
   const after = await times();
   result.moved = after.map((one, n) => Number((one - before[n]).toFixed(4)));
   await press("Escape");
@@ -65,14 +65,14 @@ try {
   result.undone = (await times()).map((one, n) => Number((one - before[n]).toFixed(4)));
   result.alike = (await drawn()) === plain;
   await press("Control+Shift+z");
-  await idle("Undo: boundary");
+  await idle("Undo: Move the boundary");
   await page.click("text=Original times");
-  await idle("Undo: original");
+  await idle("Undo: Restore the original");
   result.original = (await times()).map((one, n) => Number((one - before[n]).toFixed(4)));
 
   // by keys
   await press("Home", "]", "]", "ArrowRight", "Shift+ArrowRight");
-  await idle("Undo: boundary");
+  await idle("Undo: Move the boundary");
   result.nudged = (await times()).map((one, n) => Number((one - before[n]).toFixed(4)));
   await press("Escape");
 
@@ -97,7 +97,7 @@ try {
   // a word is emphasised, and a region has a track
   await page.mouse.click(box.x + 104 + 200, box.y + RULER + BAND / 2);
   await press("e");
-  await idle("Undo: emphasis");
+  await idle("Undo: Emphasis");
   result.word = await page.textContent(".word bdi");
   result.emphasis = (await timings()).words.map((one) => one.emphasis ?? 0);
   await page.fill(".word input[type=number] >> nth=1", "1.5");

@@ -66,7 +66,7 @@ def test_several_points_are_chosen_and_typed(used):
 def test_curves_are_copied_deleted_and_pasted(used):
     assert list(used["copied"]) == ["open"]
     assert list(used["gone"]["change"]["curves"]) == ["<b>round</b>"]
-    assert "open moves no more" in used["gone"]["tells"][-1]
+    assert "two points, so open is removed" in used["gone"]["tells"][-1]
     assert used["pasted"]["curves"]["open"] == used["copied"]["open"]
 
 

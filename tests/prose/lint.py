@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 
 import yaml
@@ -80,7 +81,7 @@ def rules() -> list[Rule]:
 
 def documents() -> list[Path]:
     """List all pages."""
-    return [page for page in _listed("*.md", "docs/**/*.md") if page.name != "CHANGELOG.md"]
+    return _listed("*.md", "docs/**/*.md")
 
 
 def modules() -> list[Path]:
@@ -110,7 +111,7 @@ def sentences(path: Path) -> Iterator[Sentence]:
     """Read a file by its kind."""
     match path.name.removesuffix(".jinja").rpartition(".")[2]:
         case "md":
-            return sentences_of_page(path)
+            return takewhile(_is_recent, sentences_of_page(path))
         case "py":
             return sentences_of_module(path, messages=not path.is_relative_to(ROOT / "tests"))
         case "js" | "mjs":
@@ -121,6 +122,11 @@ def sentences(path: Path) -> Iterator[Sentence]:
             return sentences_of_pack(path)
         case _:
             return sentences_of_comments(path)
+
+
+def _is_recent(sentence: Sentence) -> bool:
+    """Tell whether a sentence is no heading of a release: older entries of a changelog stay."""
+    return not (sentence.path.name == "CHANGELOG.md" and sentence.text.startswith("[0."))
 
 
 def findings(paths: Iterable[Path], vocabulary: list[Rule]) -> Iterator[Finding]:

@@ -91,7 +91,7 @@
     const button = pressed(cell, `Copy the command that writes the page of ${cell.textContent}`, async () => {
       try {
         await navigator.clipboard.writeText(command);
-        found.textContent = `copied: ${command}`;
+        found.textContent = `Copied: ${command}`;
       } catch {
         prompt("The command that writes the page of this line:", command);
       }

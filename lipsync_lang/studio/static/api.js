@@ -6,7 +6,7 @@ import { arraysOf, filled } from "./unpack.js";
 export class Refusal extends Error {
   /** @param {number} status @param {any} told */
   constructor(status, told) {
-    super(told.error ?? `the studio answered ${status}`);
+    super(told.error ?? `The studio answered ${status}`);
     this.status = status;
     this.told = told;
   }
@@ -18,7 +18,7 @@ async function asked(path, init) {
   try {
     answer = await fetch(`api/${path}`, init);
   } catch {
-    throw new Refusal(0, { error: "the studio does not answer; start it again in its terminal. Edits are kept" });
+    throw new Refusal(0, { error: "The studio does not answer. Start it again in its terminal. Your edits are kept." });
   }
   if (answer.ok) return answer;
   const told = await answer.json().catch(() => ({}));

@@ -4,7 +4,7 @@ import { made } from "./elements.js";
 
 /** Statuses with their sign and their words; the sign tells them apart without colours. */
 const STATUSES = {
-  approved: ["✓", "approved"], edited: ["●", "edited"], fitted: ["◦", "fitted to captures"], drafted: ["·", "drafted"], gap: ["×", "gap: nothing answers"], none: ["", "never spoken"],
+  approved: ["✓", "approved"], edited: ["●", "edited"], fitted: ["◦", "fitted to captures"], drafted: ["·", "drafted"], gap: ["×", "gap: no curves"], none: ["", "never spoken"],
 };
 /** Bigrams that are listed as wanted. */
 const MOST = 40;
@@ -25,9 +25,9 @@ export class BigramMatrix {
     this.table = made("table", { class: "matrix", role: "grid", "aria-label": "Bigrams: the first phoneme down, the second across" });
     this.info = made("p", { class: "matrix-info", role: "status" });
     this.legend = made("ul", { class: "matrix-legend", "aria-label": "Statuses" });
-    this.only = made("button", { type: "button", "aria-pressed": "false" }, "Only what is needed");
+    this.only = made("button", { type: "button", "aria-pressed": "false" }, "Only needed bigrams");
     this.wanted = made("ol", { class: "wanted" });
-    this.none = made("p", { class: "note" }, "No bigram that is needed is still a draft.");
+    this.none = made("p", { class: "note" }, "Every needed bigram is drawn.");
     place.append(made("section", { class: "bigram-matrix", "aria-label": "All bigrams" },
       made("div", { class: "row matrix-head" }, this.legend, this.only), this.info, made("div", { class: "matrix-scroll" }, this.table),
       made("aside", { "aria-label": "Next most wanted" }, made("h2", {}, "Next most wanted"), this.wanted, this.none)));

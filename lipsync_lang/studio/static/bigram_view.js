@@ -14,15 +14,15 @@ const STATUSES = ["drafted", "edited", "approved"];
 const UNDRAWN = ["drafted", "fitted"];
 
 tellKeys({
-  "n": "bigrams: the next one that is needed",
-  "w": "bigrams: all of them; Esc, too",
-  "j": "bigrams: go to this one in the line, or speak its word",
-  "1 2 3": "bigrams: mark as drafted, edited, approved",
-  "← → ↑ ↓": "curves: move the chosen points by 0.01; with Shift 0.05, with Alt 0.001",
-  "Tab, [ ]": "curves: the next point, the pose before and after",
-  "a, Delete": "curves: add a point, delete the chosen ones",
-  "Ctrl A, C, V": "curves: choose all points of the pose (with Shift of all poses), copy, paste",
-  "g, h, s": "curves: snap to 0.05, hide the pose, show it alone",
+  "n": "Bigrams: open the next bigram that is needed",
+  "w": "Bigrams: show all of them (also Esc)",
+  "j": "Bigrams: go to this bigram in the line, or speak its word",
+  "1 2 3": "Bigrams: mark as drafted, edited or approved",
+  "← → ↑ ↓": "Curves: move the chosen points by 0.01, with Shift 0.05, with Alt 0.001",
+  "Tab, [ ]": "Curves: choose the next point, or the previous or next pose",
+  "a, Delete": "Curves: add a point, or delete the chosen points",
+  "Ctrl A, C, V": "Curves: choose all points of the pose (with Shift, of all poses), copy, or paste",
+  "g, h, s": "Curves: snap to 0.05, hide the pose, or show it alone",
 });
 
 /** @typedef {import("./bigram_state.js").BigramState} BigramState */
@@ -48,14 +48,14 @@ export class BigramView {
     this.matrixData = null;
     this.head = made("div", { class: "bigram-head" });
     this.title = made("h2");
-    this.target = /** @type {HTMLInputElement} */ (made("input", { type: "text", class: "go", placeholder: "go to l-ow", "aria-label": "Bigram to go to", autocomplete: "off", spellcheck: "false" }));
+    this.target = /** @type {HTMLInputElement} */ (made("input", { type: "text", class: "go", placeholder: "Go to l-ow", "aria-label": "Bigram to go to", autocomplete: "off", spellcheck: "false" }));
     this.status = made("span", { class: "group status", role: "group", "aria-label": "Status" });
     this.word = this.#input("Word", "word");
     this.why = this.#input("Note", "why");
-    this.kind = this.#select("Kind of curve", [["", "curve: as the bank"], ["bspline", "curve: smooth"], ["linear", "curve: straight"]], "interpolation");
-    this.contact = this.#select("Contacts", [["hold", "contacts held"], ["free", "contacts free"]], "contact");
+    this.kind = this.#select("Kind of curve", [["", "Curve: as in the bank"], ["bspline", "Curve: smooth"], ["linear", "Curve: straight"]], "interpolation");
+    this.contact = this.#select("Contacts", [["hold", "Contacts held"], ["free", "Contacts free"]], "contact");
     /** Target of edits: the bank, or the character alone. */
-    this.into = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Edits are for" }, made("option", { value: "bank" }, "for every face"), made("option", { value: "character" }, "for this character")));
+    this.into = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Edits are for" }, made("option", { value: "bank" }, "For every face"), made("option", { value: "character" }, "For this character")));
     this.into.addEventListener("change", () => this.#base());
     this.origin = made("p", { class: "origin" });
     const board = made("div"), desk = made("div", { class: "bigram-view" }, this.head), curves = made("div");
@@ -107,8 +107,8 @@ export class BigramView {
     }));
     this.head.append(
       made("div", { class: "row" }, this.title, this.status, button("In the line", "Go to this bigram in the line, or speak its word (J)", () => this.#find()),
-        button("Next wanted", "Open the next bigram that is needed and not drawn (N)", () => this.next()),
-        button("All bigrams", "The matrix of all bigrams (W)", () => studio.go("bigrams")), this.target, this.origin),
+        button("Next needed", "Open the next bigram that is needed and not drawn (N)", () => this.next()),
+        button("All bigrams", "Show the matrix of all bigrams (W)", () => studio.go("bigrams")), this.target, this.origin),
       made("div", { class: "row" }, made("label", { class: "word" }, "Word", this.word), made("label", { class: "why" }, "Note", this.why), this.kind, this.contact, this.into),
     );
   }
@@ -232,7 +232,7 @@ export class BigramView {
     const wanted = this.matrixData?.wanted ?? [], at = wanted.findIndex((/** @type {any} */ one) => one.pair === this.pair);
     const next = wanted[at + 1] ?? wanted[0];
     if (next && next.pair !== this.pair) this.studio.go("bigrams", next.pair);
-    else this.studio.tell("Nothing is wanted: every bigram of the line and the script is drawn.");
+    else this.studio.tell("Nothing is left to draw: every bigram of the line and the script is drawn.");
   }
 
   /** Go to the bigram in the line, or speak its word. */
@@ -240,7 +240,7 @@ export class BigramView {
     const { studio, pair } = this, found = studio.take && spoken(studio.take, pair, studio.player.time);
     if (found) studio.reveal(found.seconds);
     else if (this.now.word) await studio.speak(this.now.word);
-    else studio.tell(`The line does not say ${pair}. Give it a word, and it can be spoken.`);
+    else studio.tell(`The line does not have ${pair}. Enter a word for it, and the studio can speak it.`);
   }
 
   /** @param {number} time within the bigram */

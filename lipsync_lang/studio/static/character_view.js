@@ -14,7 +14,7 @@ import { kindsOf, REGION } from "./tongue_view.js";
 /** Names in the address, and titles, of the sheets beside the sliders. @type {[string, string][]} */
 const SHEETS = [["poses", "Poses"], ["targets", "Targets"], ["rules", "Rules"], ["model", "Model"]];
 
-tellKeys({ "t": "character: take the sliders as the target of the chosen sound", "r": "character: all sliders to rest", "k": "character: keep the sliders within the constraints" });
+tellKeys({ "t": "Character: take the sliders as the target of the chosen sound", "r": "Character: move all sliders to rest", "k": "Character: keep the sliders within the constraints" });
 
 /** Sliders of poses, their pictures, and what a pose set states. */
 export class CharacterView {
@@ -42,7 +42,7 @@ export class CharacterView {
     this.visible = false;
     this.banner = made("div", { class: "banner", role: "status", hidden: "" });
     this.mixerPlace = made("section", { class: "mixer", "aria-label": "Poses" });
-    this.tabs = made("div", { class: "group sheet-tabs", role: "group", "aria-label": "What is edited" });
+    this.tabs = made("div", { class: "group sheet-tabs", role: "group", "aria-label": "Values to edit" });
     this.sheets = new Map(SHEETS.map(([name]) => [name, made("div", { class: `sheet ${name}` })]));
     place.append(this.banner, this.mixerPlace, made("section", { class: "sheets" }, this.tabs, ...this.sheets.values()));
     this.#buildMixer();
@@ -175,9 +175,9 @@ export class CharacterView {
     copy.addEventListener("click", () => studio.busy(async () => {
       const made_ = await studio.api.post("own");
       await studio.open(studio.state.language, studio.state.character);
-      studio.tell(`${made_.wrote.length} files copied to posesets/${told.poseset}; they can be edited now`);
+      studio.tell(`${made_.wrote.length} files copied to posesets/${told.poseset}. You can edit them now.`);
     }));
-    this.banner.replaceChildren(made("span", {}, `The pose set ${told.poseset} is installed; make a copy in this project to edit it. It performs the same, bit for bit.`), copy);
+    this.banner.replaceChildren(made("span", {}, `The pose set ${told.poseset} is installed. To edit it, make a copy in this project. The copy performs the same, bit for bit.`), copy);
   }
 
   /** Draw the pictures of the sheet. */

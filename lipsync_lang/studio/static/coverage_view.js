@@ -9,7 +9,7 @@ const LOOK = 400;
 const MOST = 100;
 /** Minutes for a bigram unless stated, as `lipsync-lang coverage` has it. */
 const MINUTES = "5";
-const STATUSES = { approved: "approved", edited: "edited", fitted: "fitted to captures", drafted: "drafted only", gap: "gap: nothing answers" };
+const STATUSES = { approved: "approved", edited: "edited", fitted: "fitted to captures", drafted: "drafted only", gap: "gap: no curves" };
 
 /** @typedef {{bigram: string, count: number, percent: number, layer: string, status: string, example: string, places: string[]}} Need */
 
@@ -28,16 +28,16 @@ export class CoverageView {
     this.sentences = null;
     this.choice = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Script" }));
     this.file = /** @type {HTMLInputElement} */ (made("input", { type: "file", hidden: "", "aria-label": "Script to open", accept: ".txt,.csv,.tsv,.xlsx,.json,.yaml,.yml,.po,.srt,.vtt,.rpy,.fountain,.md,.TextGrid" }));
-    this.column = /** @type {HTMLInputElement} */ (made("input", { type: "text", placeholder: "the likeliest", autocomplete: "off", spellcheck: "false" }));
+    this.column = /** @type {HTMLInputElement} */ (made("input", { type: "text", placeholder: "automatic", autocomplete: "off", spellcheck: "false" }));
     this.minutes = /** @type {HTMLInputElement} */ (made("input", { type: "number", min: "0.1", max: "600", step: "0.5", value: remembered("minutes") || MINUTES }));
     this.columnLabel = made("label", {}, "column", this.column);
     this.state = made("span", { role: "status", class: "row" });
-    this.covered = made("section", { class: "covered", "aria-label": "Share that is drawn" });
+    this.covered = made("section", { class: "covered", "aria-label": "Drawn share" });
     this.plan = made("section", { class: "plan", "aria-label": "What to draw next" });
     const quality = made("aside", { class: "quality", "aria-label": "Quality of the line" });
     this.quality = new QualityList(studio, quality);
-    const open = made("button", { type: "button", title: "Text, CSV, XLSX, PO, SRT, Ren'Py …; or drop one here" }, "Open a script …");
-    place.append(made("header", { class: "row" }, this.choice, open, this.file, this.columnLabel, made("label", {}, "minutes for a bigram", this.minutes), this.state), this.covered, this.plan, quality);
+    const open = made("button", { type: "button", title: "Text, CSV, XLSX, PO, SRT, Ren'Py…; or drop a file here" }, "Open a script…");
+    place.append(made("header", { class: "row" }, this.choice, open, this.file, this.columnLabel, made("label", {}, "minutes per bigram", this.minutes), this.state), this.covered, this.plan, quality);
     open.addEventListener("click", () => this.file.click());
     this.file.addEventListener("change", () => this.file.files?.[0] && this.#send(this.file.files[0]));
     this.choice.addEventListener("change", () => this.#choose(this.choice.value));
@@ -90,7 +90,7 @@ export class CoverageView {
       over(false);
       const [file] = event.dataTransfer?.files ?? [];
       if (file) this.#send(file);
-      else this.studio.tell("Drop a file: text, CSV, XLSX, PO, SRT …");
+      else this.studio.tell("Drop a file: text, CSV, XLSX, PO, SRT…");
     });
   }
 
@@ -142,7 +142,7 @@ export class CoverageView {
 
   #options() {
     const { script, offered } = this.told, names = script.sent ? [script.name, ...offered] : offered;
-    this.choice.replaceChildren(made("option", { value: "" }, names.length ? "no script" : "no script in this folder"), ...names.map((/** @type {string} */ one) => made("option", { value: one }, one)));
+    this.choice.replaceChildren(made("option", { value: "" }, names.length ? "No script" : "No script in this folder"), ...names.map((/** @type {string} */ one) => made("option", { value: one }, one)));
     this.choice.value = script.name;
     this.columnLabel.hidden = !/\.(csv|tsv|xlsx|ods)$/i.test(script.name);
   }
@@ -173,7 +173,7 @@ export class CoverageView {
     this.covered.replaceChildren(
       made("ul", { class: "facts" }, fact(percent(authored.percent), "of the speech is drawn"), fact(`${authored.bigrams} of ${kinds}`, "bigrams"),
         fact(`${left.hours.toLocaleString(undefined, { maximumFractionDigits: 1 })} h`, "left"),
-        ...(next_hour.bigrams ? [fact(`+${percent(next_hour.percent)}`, `by the next hour, ${next_hour.bigrams} bigrams`)] : [])),
+        ...(next_hour.bigrams ? [fact(`+${percent(next_hour.percent)}`, `in the next hour, ${next_hour.bigrams} bigrams`)] : [])),
       made("div", { class: "shares", role: "img", "aria-label": shown.map((one) => `${STATUSES[one]} ${percent((100 * status[one][1]) / occurrences)}`).join(", ") }, ...bars),
       made("ul", { class: "statuses" }, ...shown.map((one) => made("li", { class: one }, `${STATUSES[one]}: ${status[one][0]} bigrams, ${percent((100 * status[one][1]) / occurrences)}`))));
   }
@@ -183,19 +183,19 @@ export class CoverageView {
   #list() {
     const { report, state, script } = this.told;
     if (!report) {
-      this.plan.replaceChildren(made("div", { class: "empty" }, made("h2", {}, state === "counting" ? "Counting the script …" : "What will the character say?"),
-        made("p", {}, state === "counting" ? "Go on meanwhile: the other views work, and this one fills itself." : "Choose a script of this folder above, or drop one here: a text, a table (CSV, XLSX), subtitles, a PO file. Then this view says which bigrams it needs, which of them are drawn, and which to draw next.")));
+      this.plan.replaceChildren(made("div", { class: "empty" }, made("h2", {}, state === "counting" ? "Counting the script…" : "What will the character say?"),
+        made("p", {}, state === "counting" ? "You can use the other views meanwhile. This view appears when the count is done." : "Choose a script of this folder above, or drop one here: a text, a table (CSV, XLSX), subtitles, or a PO file. This view then lists the bigrams that the script needs, shows which are drawn, and ranks the next to draw.")));
       return;
     }
     const most = Math.max(1, ...report.plan.map((/** @type {Need} */ one) => one.count));
     const rows = report.plan.slice(0, this.all ? undefined : MOST), rest = report.plan.length - rows.length;
     const more = made("button", { type: "button" }, `Show ${rest} more`);
     more.addEventListener("click", () => { this.all = true; this.#list(); });
-    const parts = [made("h3", {}, "Draw next", made("small", {}, report.plan.length ? "the most frequent first; a click opens it" : "")), made("ol", { class: "needs" }, ...rows.map((/** @type {Need} */ one) => this.#need(one, most)))];
+    const parts = [made("h3", {}, "Draw next", made("small", {}, report.plan.length ? "the most frequent first; click one to open it" : "")), made("ol", { class: "needs" }, ...rows.map((/** @type {Need} */ one) => this.#need(one, most)))];
     if (!report.plan.length) parts.push(made("p", { class: "note" }, `Every bigram of ${script.name} is drawn.`));
     if (rest) parts.push(more);
     if (report.plan.length) parts.push(this.#sentenceList());
-    for (const [title, tallies] of /** @type {[string, any[]][]} */ ([["Nothing reads these words", report.unread], ["Nothing maps these sounds", report.unmapped], ["Words in another script", report.other_scripts]])) {
+    for (const [title, tallies] of /** @type {[string, any[]][]} */ ([["Words that cannot be read", report.unread], ["Sounds without a mapping", report.unmapped], ["Words in another script", report.other_scripts]])) {
       if (tallies.length) parts.push(made("h3", {}, title), made("ul", {}, ...tallies.map((one) => this.#tally(title, one))));
     }
     if (report.silence.length) parts.push(made("h3", {}, "Into and out of silence", made("small", {}, "not in the percentages")), made("ol", {}, ...report.silence.slice(0, MOST).map((/** @type {Need} */ one) => this.#need(one, report.silence[0].count))));
@@ -217,7 +217,7 @@ export class CoverageView {
 
   /** @param {string} title @param {any} one @returns {HTMLElement} */
   #tally(title, one) {
-    const name = made(title.includes("maps") ? "button" : "b", { dir: "auto" }, one.what);
+    const name = made(title.includes("mapping") ? "button" : "b", { dir: "auto" }, one.what);
     if (name instanceof HTMLButtonElement) {
       name.type = "button";
       name.addEventListener("click", () => this.studio.go("language", one.what));
@@ -226,10 +226,10 @@ export class CoverageView {
   }
 
   #sentenceList() {
-    const list = made("ol"), box = made("details", {}, made("summary", {}, "Lines of the script that together show all that is not drawn"), list);
+    const list = made("ol"), box = made("details", {}, made("summary", {}, "Lines of the script that together have all undrawn bigrams"), list);
     box.addEventListener("toggle", async () => {
       if (!(/** @type {HTMLDetailsElement} */ (box)).open || list.childElementCount) return;
-      list.replaceChildren(made("li", {}, "Looking …"));
+      list.replaceChildren(made("li", {}, "Searching…"));
       await this.studio.attempt(async () => {
         const { sentences } = await this.studio.api.get(`coverage/sentences?minutes=${this.minutes.value}`);
         list.replaceChildren(...sentences.map((/** @type {any} */ one) => {

@@ -309,7 +309,7 @@ export class CurveEditor {
     const curves = without(this.curves, this.chosen), gone = [...this.chosen.keys()].filter((pose) => !curves[pose]);
     const title = this.title("Delete"), [{ pose, index }] = all;
     this.chosen = new Map();
-    if (gone.length) this.does.tell?.(`A curve needs two points: ${gone.join(", ")} moves no more.`);
+    if (gone.length) this.does.tell?.(`A curve needs two points, so ${gone.join(", ")} is removed.`);
     this.#once(curves, title, "delete");
     if (curves[pose]) this.focusPoint(pose, Math.min(index, curves[pose].length - 1));
     else this.drawing.svg.focus({ preventScroll: true });
@@ -357,7 +357,7 @@ export class CurveEditor {
     const found = fromText(text ?? "") ?? fromText(clipboard.text);
     const fitting = Object.entries(found ?? {}).filter(([pose]) => this.poses.has(pose));
     if (!fitting.length) {
-      this.does.tell?.(found ? "The copied curves move poses that are not here." : "Nothing was copied yet: choose points and press Ctrl+C.");
+      this.does.tell?.(found ? "This character does not have the poses of the copied curves." : "Nothing is copied yet. Choose points and press Ctrl+C.");
       return;
     }
     const curves = Object.fromEntries(fitting);

@@ -18,7 +18,7 @@ export class CurveTools {
       return one;
     };
     const group = (/** @type {string} */ label, /** @type {HTMLElement[]} */ ...all) => made("span", { class: "group", role: "group", "aria-label": label }, ...all);
-    this.grid = button("Snap", "Snap to steps of 0.05 (G); Shift while dragging does the opposite", () => this.snapped());
+    this.grid = button("Snap", "Snap to steps of 0.05 (G). Hold Shift while dragging for the opposite.", () => this.snapped());
     this.delete = button("− Point", "Delete the chosen points (Delete)", () => editor.remove());
     this.haunts = made("span", { class: "group ghosts", role: "group", "aria-label": "Faint curves for comparison" });
     this.start = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Start from other curves" }));
@@ -26,8 +26,8 @@ export class CurveTools {
       editor.startFrom(this.start.value);
       this.start.value = "";
     });
-    const zoom = group("Zoom of the plot", button("−", "Show more (−)", () => editor.drawing.zoom(1 / 1.4)),
-      button("↔", "Show all (0)", () => editor.drawing.fit()), button("+", "Show less (+)", () => editor.drawing.zoom(1.4)));
+    const zoom = group("Zoom of the plot", button("−", "Zoom out (−)", () => editor.drawing.zoom(1 / 1.4)),
+      button("↔", "Show all (0)", () => editor.drawing.fit()), button("+", "Zoom in (+)", () => editor.drawing.zoom(1.4)));
     zoom.classList.add("zoom");
     place.append(
       ...this.inputs.map((input, axis) => made("label", {}, ["Time", "Value"][axis], input)),

@@ -19,12 +19,12 @@ const NEEDS = {
   loses: "Much is not shown: the nearest mouth differs",
   "": "Settled",
 };
-const FILTERS = [["", "every sound"], ["look", "what needs a look"], ["own", "stated in this file"], ["several", "several mouths"], ["mute", "mute"]];
+const FILTERS = [["", "All sounds"], ["look", "Needs review"], ["own", "Stated in this file"], ["several", "Several mouths"], ["mute", "Mute"]];
 
 tellKeys({
-  "↑ ↓": "language: the sound above and below",
-  "Enter": "language: edit the sound; Esc when done",
-  "v, t": "language: hear the sound in a word, show its mouth",
+  "↑ ↓": "Language: choose the sound above or below",
+  "Enter": "Language: edit the sound; press Esc when done",
+  "v, t": "Language: hear the sound in a word, or show its mouth",
 });
 
 /**
@@ -46,10 +46,10 @@ export class LanguageView {
     this.open = "";
     this.standing = "";
     this.title = made("h2");
-    this.search = /** @type {HTMLInputElement} */ (made("input", { type: "search", placeholder: "sound, mouth, word …", "aria-label": "Search the table", autocomplete: "off", spellcheck: "false" }));
+    this.search = /** @type {HTMLInputElement} */ (made("input", { type: "search", placeholder: "Sound, mouth, word…", "aria-label": "Search the table", autocomplete: "off", spellcheck: "false" }));
     this.notation = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Notation" }));
     this.filter = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": "Rows to show" }, ...FILTERS.map(([value, text]) => made("option", { value }, text))));
-    this.word = /** @type {HTMLInputElement} */ (made("input", { type: "text", placeholder: "try a word", "aria-label": "Word to try", dir: "auto", autocomplete: "off", spellcheck: "false", maxlength: "300" }));
+    this.word = /** @type {HTMLInputElement} */ (made("input", { type: "text", placeholder: "Try a word", "aria-label": "Word to try", dir: "auto", autocomplete: "off", spellcheck: "false", maxlength: "300" }));
     this.tried = made("div", { class: "tried", role: "status", "aria-label": "Transcription" });
     this.caveats = made("details");
     this.list = made("div", { class: "sounds", role: "region", "aria-label": "Sounds" });
@@ -109,7 +109,7 @@ export class LanguageView {
     const { language, revision = 0, text = "" } = this.studio.state, wanted = `${language} ${revision} ${text}`;
     if (wanted === this.asked) return;
     this.asked = wanted;
-    if (this.told?.name !== language) this.list.replaceChildren(made("p", { class: "note" }, "Reading the pack, and running its tests …"));
+    if (this.told?.name !== language) this.list.replaceChildren(made("p", { class: "note" }, "Reading the pack and running its tests…"));
     await this.studio.attempt(async () => {
       const told = await this.studio.api.get("language");
       if (this.asked !== wanted) return;
@@ -127,15 +127,15 @@ export class LanguageView {
   #first(told) {
     this.open = this.standing = "";
     this.word.value = "";
-    this.tried.replaceChildren(made("i", {}, "Type a word: its sounds and mouths stand here, with the edits that are not saved."));
+    this.tried.replaceChildren(made("i", {}, "Type a word to see its sounds and mouths, with your unsaved edits."));
     const names = [...told.notations, ...(told.automatic && !told.notations.includes("ipa") ? ["ipa"] : [])];
-    this.notation.replaceChildren(made("option", { value: "" }, "every notation"), ...names.map((one) => made("option", { value: one }, one)));
+    this.notation.replaceChildren(made("option", { value: "" }, "All notations"), ...names.map((one) => made("option", { value: one }, one)));
     this.notation.value = names.includes("ipa") ? "ipa" : told.read;
   }
 
   #head() {
     const { told } = this, look = told.rows.filter((/** @type {Sound} */ one) => one.need && one.need !== "loses").length;
-    const facts = [told.tag, told.extends ? `extends ${told.extends}` : "", `${told.rows.length} labels`, look ? `${look} need a look` : "", told.speaks ? "" : "no voice: times are estimated, and nothing sounds"];
+    const facts = [told.tag, told.extends ? `extends ${told.extends}` : "", `${told.rows.length} labels`, look ? `${look} need review` : "", told.speaks ? "" : "no voice: times are estimated, without sound"];
     this.title.replaceChildren(told.title, made("small", {}, facts.filter(Boolean).join(" · ")));
     this.caveats.hidden = !told.caveats.length;
     this.caveats.replaceChildren(made("summary", {}, `Known mistakes: ${told.caveats.length}`), made("ul", {}, ...told.caveats.map((/** @type {string} */ one) => made("li", {}, one))));
@@ -164,8 +164,8 @@ export class LanguageView {
       const some = shown.filter((one) => one.need === need);
       if (some.length) parts.push(made("h3", {}, made("b", {}, String(rows.filter((one) => one.need === need).length)), ` ${title}`), made("ul", {}, ...some.map((one) => this.#row(one))));
     }
-    if (rows.length > shown.length) parts.push(made("p", { class: "note" }, `${rows.length - shown.length} more; search for one.`));
-    if (!rows.length) parts.push(made("p", { class: "empty" }, this.told.rows.length ? "No sound is like that. Search for a label, a mouth or a word." : "This language has no table: speak a line in it, and its sounds stand here, mapped by their features."));
+    if (rows.length > shown.length) parts.push(made("p", { class: "note" }, `${rows.length - shown.length} more. Search to find one.`));
+    if (!rows.length) parts.push(made("p", { class: "empty" }, this.told.rows.length ? "No sound matches. Search for a label, a mouth or a word." : "This language has no table. Speak a line in it to list its sounds here, mapped by their features."));
     const focus = this.list.contains(document.activeElement) ? /** @type {HTMLElement} */ (document.activeElement).dataset.part : "";
     const { scrollTop } = this.list;
     this.list.replaceChildren(...parts);
@@ -176,9 +176,9 @@ export class LanguageView {
   /** @param {Sound} one @returns {HTMLElement} */
   #row(one) {
     const open = this.open === key(one), words = this.#describe(one);
-    const to = made("button", { type: "button", class: "to", "data-part": "to", "aria-expanded": String(open), title: "Edit" }, one.to.join(" ") || (one.need === "unmapped" ? "choose …" : "mute"));
+    const to = made("button", { type: "button", class: "to", "data-part": "to", "aria-expanded": String(open), title: "Edit" }, one.to.join(" ") || (one.need === "unmapped" ? "choose…" : "mute"));
     to.addEventListener("click", () => this.#edit(open ? "" : key(one)));
-    const hear = made("button", { type: "button", class: "hear", "data-part": "hear", dir: "auto", title: one.words.length ? `Hear it in: ${one.words.join(", ")} (V)` : "No word of the pack has it: the mouth moves without a voice (V)" }, one.words[0] ? `▶ ${one.words[0]}` : "▶ alone");
+    const hear = made("button", { type: "button", class: "hear", "data-part": "hear", dir: "auto", title: one.words.length ? `Hear it in: ${one.words.join(", ")} (V)` : "No word of the pack has this sound, so the mouth moves without a voice (V)" }, one.words[0] ? `▶ ${one.words[0]}` : "▶ alone");
     hear.addEventListener("click", () => this.hear(one));
     const show = made("button", { type: "button", "data-part": "show", title: "Show its mouth on the face (T)" }, "Show");
     show.addEventListener("click", () => this.pose(one));
@@ -214,7 +214,7 @@ export class LanguageView {
     if (one.words[0]) await studio.speak(one.words[0]);
     else {
       await studio.openLine("language/sound", { notation: one.notation, label: one.label });
-      studio.tell(`No word of the pack has ${one.label}: the mouth moves without a voice`);
+      studio.tell(`No word of the pack has ${one.label}, so the mouth moves without a voice`);
     }
     studio.player.seek(studio.take?.start ?? 0);
     studio.player.toggle();
@@ -256,7 +256,7 @@ export class LanguageView {
       if (this.word.value.trim() !== text) return;
       this.transcript = told;
       this.tried.replaceChildren(...told.words.map((/** @type {any} */ word) => made("span", { class: "word" }, ...this.#word(word, told))));
-      if (told.unread.length) this.tried.append(made("i", {}, `not read: ${told.unread.join(" ")}`));
+      if (told.unread.length) this.tried.append(made("i", {}, `Not read: ${told.unread.join(" ")}`));
     } catch (error) {
       this.tried.replaceChildren(made("i", {}, error instanceof Error ? error.message : String(error)));
     }
@@ -267,7 +267,7 @@ export class LanguageView {
     if (!word.labels.length) return [made("i", {}, word.text || "|")];
     const labels = word.labels.map((/** @type {any} */ { label, common }) => {
       const automatic = told.automatic[label];
-      const one = made("button", { type: "button", class: told.unmapped.includes(label) ? "unmapped" : "", title: automatic?.loses.length ? `by its features; not shown: ${automatic.loses.join(", ")}` : "Look for it in the table" },
+      const one = made("button", { type: "button", class: told.unmapped.includes(label) ? "unmapped" : "", title: automatic?.loses.length ? `by its features; not shown: ${automatic.loses.join(", ")}` : "Find it in the table" },
         made("span", {}, label), made("small", {}, word.pronounced ? "" : common.join(" ") || (told.unmapped.includes(label) ? "unmapped" : "mute")));
       one.addEventListener("click", () => this.find(label));
       return one;
@@ -303,7 +303,7 @@ export class LanguageView {
     const summary = refusal ? made("span", {}, "not run") : failed ? made("span", { class: "fails" }, `${failed} of ${tests.length} fail`) : made("span", { class: "passes" }, tests.length ? `all ${tests.length} pass` : "none");
     const rows = tests.toSorted((/** @type {any} */ a, /** @type {any} */ b) => Number(a.passed) - Number(b.passed));
     this.tests.replaceChildren(made("h3", { role: "status" }, "Tests: ", summary), ...(refusal ? [made("p", { class: "note" }, `${refusal}. Below, only the IPA of their sources is mapped.`)] : []),
-      ...(tests.length ? [] : [made("p", { class: "note" }, "The pack has no tests. Try a word above; if its mouths are right, keep it as a test: it is then run after each edit.")]),
+      ...(tests.length ? [] : [made("p", { class: "note" }, "The pack has no tests. Try a word above. If its mouths are right, keep it as a test, which then runs after each edit.")]),
       made("ol", {}, ...rows.map((/** @type {any} */ one) => this.#test(one))));
   }
 

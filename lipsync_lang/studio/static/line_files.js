@@ -57,15 +57,15 @@ export class LineFiles {
     const input = /** @type {HTMLInputElement} */ (made("input", { type: "text", dir: "auto", "aria-label": "Words of the recording", maxlength: "2000" }));
     input.value = this.studio.state.text ?? "";
     const button = (/** @type {string} */ value, /** @type {string} */ text) => made("button", { value, class: value === "find" ? "main" : "" }, text);
-    const form = made("form", { method: "dialog" }, made("h2", {}, `What is said in ${name}?`), input,
-      made("p", { class: "row" }, button("find", "Find its phonemes"), ...(this.studio.take ? [button("keep", "Keep the times of this line")] : []), button("", "Cancel")));
+    const form = made("form", { method: "dialog" }, made("h2", {}, `Words of ${name}`), input,
+      made("p", { class: "row" }, button("find", "Find its phonemes"), ...(this.studio.take ? [button("keep", "Keep the times of the line")] : []), button("", "Cancel")));
     const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { class: "recording", "aria-label": "Recording" }, form));
     document.body.append(dialog);
     dialog.showModal();
     return new Promise((done) => dialog.addEventListener("close", () => {
       dialog.remove();
       const { returnValue } = dialog, text = input.value.trim();
-      if (returnValue === "find" && !text) this.studio.tell("Type the words of the recording, so that its phonemes can be found", "fault");
+      if (returnValue === "find" && !text) this.studio.tell("Type the words of the recording to find its phonemes", "fault");
       done(returnValue === "find" && text ? text : returnValue === "keep" ? "" : null);
     }));
   }
@@ -77,7 +77,7 @@ export class LineFiles {
       const address = URL.createObjectURL(new Blob([content], { type: "text/plain" }));
       made("a", { href: address, download: name }).click();
       URL.revokeObjectURL(address);
-      this.studio.tell(`${name} is in the folder of your downloads`);
+      this.studio.tell(`Saved ${name} to your downloads`);
     });
   }
 }

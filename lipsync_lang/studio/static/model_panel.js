@@ -24,7 +24,7 @@ export class ModelPanel {
       this.file = file.files?.[0] ?? null;
       if (this.file) this.#try(this.file);
     });
-    const area = made("label", { class: "drop" }, made("b", {}, "Choose a model, or drop it here"), made("span", {}, "GLB with the shapes of the poses, at most 64 MB. It is put into the project, beside the character's pack."), file);
+    const area = made("label", { class: "drop" }, made("b", {}, "Choose a model, or drop it here"), made("span", {}, "GLB with the shapes of the poses, at most 64 MB. It is copied into the project, beside the character's pack."), file);
     area.addEventListener("dragover", (event) => event.preventDefault());
     area.addEventListener("drop", (event) => {
       event.preventDefault();
@@ -34,14 +34,14 @@ export class ModelPanel {
     if (this.character !== character) this.told.replaceChildren();
     this.character = character;
     this.place.replaceChildren(made("section", { class: "rule-part" }, made("h3", {}, "Model"),
-      made("p", {}, model ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.` : `${character} has no model: the poses of ${poseset} are shown by a drawn mouth.`),
+      made("p", {}, model ? `${character} is shown on ${model}${rig ? `, by the rig ${rig}` : ""}.` : `${character} has no model. A drawn mouth shows the poses of ${poseset}.`),
       area, this.told));
   }
 
   /** @param {File} file */
   async #try(file) {
     const { studio } = this;
-    this.told.replaceChildren(made("p", { class: "note" }, `Reading ${file.name} …`));
+    this.told.replaceChildren(made("p", { class: "note" }, `Reading ${file.name}…`));
     await studio.busy(async () => {
       try {
         const told = await studio.api.post(`model?name=${encodeURIComponent(file.name)}`, file);

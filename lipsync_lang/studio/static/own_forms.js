@@ -36,14 +36,14 @@ export class OwnForms {
   #said(told, { language, word, phonemes }) {
     const field = this.#field("Common phonemes", phonemes.join(" "), "in order, separated by spaces", async (value, input) => {
       const wanted = value.split(/[\s,]+/).filter(Boolean), unknown = wanted.filter((one) => !told.phonemes.includes(one));
-      input.setCustomValidity(!wanted.length ? "Name at least one" : unknown.length ? `Not of this language: ${unknown.join(", ")}` : "");
+      input.setCustomValidity(!wanted.length ? "Enter at least one phoneme" : unknown.length ? `Unknown in this language: ${unknown.join(", ")}` : "");
       if (!input.reportValidity()) return;
       await this.studio.edit([{ file: "character", at: ["pronunciations", language, word], value: wanted }], `Pronunciation of ${word}`);
       await this.#heard(word);
     });
     const speak = made("button", { type: "button" }, `▶ ${word}`);
     speak.addEventListener("click", () => this.studio.speak(word));
-    return [field, made("p", { class: "note" }, `Known here: ${told.phonemes.join(" ")}`), made("p", { class: "row" }, speak)];
+    return [field, made("p", { class: "note" }, `Phonemes of this language: ${told.phonemes.join(" ")}`), made("p", { class: "row" }, speak)];
   }
 
   /** @param {string} word that is spoken again, within its line if it has one */
@@ -56,7 +56,7 @@ export class OwnForms {
   #line(line) {
     const { studio } = this, { styles = [], regions = {} } = studio.state;
     const now = studio.settings.line === line.name;
-    const use = made("button", { type: "button", "aria-pressed": String(now), title: "Perform the line below with these edits and this delivery" }, now ? "Performed so" : "Perform the line so");
+    const use = made("button", { type: "button", "aria-pressed": String(now), title: "Perform the line below with these edits and this delivery" }, now ? "Applied to the line" : "Apply to the line");
     use.addEventListener("click", async () => {
       const { line: _, ...rest } = studio.settings;
       studio.settings = now ? rest : { ...rest, line: line.name };
@@ -66,7 +66,7 @@ export class OwnForms {
     const rows = (/** @type {"styles" | "dials"} */ kind, /** @type {string[]} */ names, /** @type {number} */ most, /** @type {string} */ hint) => names.map((name) =>
       this.#field(name, levels(line[kind][name]), hint, (value, input) => {
         const found = read(value, most);
-        input.setCustomValidity(found === undefined ? `Give a number from 0 to ${most}, or word and level: 0 0.5, 2 1` : "");
+        input.setCustomValidity(found === undefined ? `Enter a number from 0 to ${most}, or pairs of word and level: 0 0.5, 2 1` : "");
         if (!input.reportValidity()) return;
         const at = ["lines", line.name, kind, name];
         studio.edit([found === null ? { file: "character", at } : { file: "character", at, value: found }], `${name} of ${line.name}`);
@@ -74,7 +74,7 @@ export class OwnForms {
     const shares = rows("styles", styles.filter((/** @type {string} */ one) => one !== "neutral"), 1, "share of the style, 0 to 1");
     return [made("p", { class: "row" }, use), ...(shares.length ? [made("h3", {}, "Styles"), ...shares] : []),
       made("h3", {}, "Dials"), ...rows("dials", Object.keys(regions), 2, "1 is normal, 0 still, 2 twice as far"),
-      made("p", { class: "note" }, "One number for the whole line, or pairs of word and level with commas between: 0 0.5, 2.5 1 rises from the first word to the middle of the third.")];
+      made("p", { class: "note" }, "One number is for the whole line. Pairs of word and level, separated by commas, change within the line: 0 0.5, 2.5 1 rises from the first word to the middle of the third.")];
   }
 }
 

@@ -17,20 +17,20 @@ const SHADE_LATER = 50;
 const TURN = 0.5;
 
 const KEYS = {
-  "Space": "play and pause",
-  "← →": "a frame back and on; with Shift, ten frames",
-  ", .": "the phoneme before and after",
-  "; '": "the word before and after",
-  "Home End": "the beginning and the end",
-  "↑ ↓": "choose a pose, and see its reasons",
-  "1 2 4": "full, half and quarter speed",
-  "l": "loop the word at the playhead; in a pause, the whole line",
-  "c": "close-up of the mouth",
-  "o": "turn the face: front and side",
-  "a": "A or B: the other take comes to the front",
-  "n": "the next missed limit, or else the next remark",
-  "+ − 0": "show less time, more time, all",
-  "?": "these keys",
+  "Space": "Play or pause",
+  "← →": "Go back or forward by a frame, with Shift by ten",
+  ", .": "Go to the previous or next phoneme",
+  "; '": "Go to the previous or next word",
+  "Home End": "Go to the beginning or the end",
+  "↑ ↓": "Choose a pose, and see its reasons",
+  "1 2 4": "Play at full, half or quarter speed",
+  "l": "Loop the word at the playhead; in a pause, the whole line",
+  "c": "Show a close-up of the mouth",
+  "o": "Turn the face: front or side",
+  "a": "Switch between A and B",
+  "n": "Go to the next missed limit, or else the next remark",
+  "+ − 0": "Zoom in, zoom out, or show all",
+  "?": "Show or hide this list",
 };
 
 /** The page as a whole. */
@@ -368,7 +368,7 @@ async function start() {
     document.documentElement.dataset.ready = "";
   } catch (error) {
     the("trouble").hidden = false;
-    the("trouble").textContent = `This page cannot be shown here: ${error instanceof Error ? error.message : error}. A browser of 2023 or later is needed.`;
+    the("trouble").textContent = `This page cannot be shown here: ${error instanceof Error ? error.message : error}. This page needs a browser of 2023 or later.`;
     throw error;
   }
 }

@@ -22,7 +22,7 @@ export class Portrait {
     this.trouble = "";
     if (this.data.parts) {
       try { this.face = createFace(this.canvas, this.data); } catch (error) { this.trouble = String(error); }
-      if (!this.face) this.trouble ||= "this browser shows no 3D (WebGL2); a drawn mouth stands in";
+      if (!this.face) this.trouble ||= "This browser does not show 3D (WebGL2), so a drawn mouth is shown";
     }
     const channels = take.moved.curves;
     this.moments = channels.map((/** @type {any} */ one, /** @type {number} */ n) => Float32Array.from(channels, (_, k) => (k === n ? one.high : 0)));

@@ -40,7 +40,7 @@ export class QualityList {
     if (!take) {
       this.judged = null;
       this.summary.textContent = "";
-      this.list.replaceChildren(made("li", {}, "Speak a line below: its contacts, limits and stillness are judged here."));
+      this.list.replaceChildren(made("li", {}, "Speak a line below to judge its contacts, limits and stillness."));
       return;
     }
     if (take === this.judged) return;

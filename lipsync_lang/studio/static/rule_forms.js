@@ -51,11 +51,11 @@ export class RuleForms {
     this.rules = rules;
     const held = focusKey(this.place);
     this.place.replaceChildren(
-      part("Constraints", "Two poses that may not add up to more than a threshold; or one that is never above another. The lower in rank makes way.", this.#constraints()),
+      part("Constraints", "Two poses that may not add up to more than a threshold, or a pose that may not exceed another. The pose with the lower rank yields.", this.#constraints()),
       part("Ranks", "If two poses conflict, the one that is higher in this list yields. Poses that are not listed never yield. Drag a pose to move it, or use the arrow keys.", this.#priority()),
       part("Contacts", "Weights that certain sounds reach at any speed: lips that touch, teeth that show.", this.#contacts()),
-      part("Softness and anticipation", "Seconds over which a pose is rounded off, by region or its own; and by which it begins before its sound.", this.#softness()),
-      part("Speed", "Settings of the pose set; a character may change them.", this.#motion()));
+      part("Softness and anticipation", "Softness is the time over which a pose is rounded off, by region or by pose. Anticipation is the time by which a pose begins before its sound.", this.#softness()),
+      part("Speed", "Settings of the pose set. A character may change them.", this.#motion()));
     number(this.place);
     refocus(this.place, held);
     this.acts(this.acting);
@@ -120,7 +120,7 @@ export class RuleForms {
       put([...rest.slice(0, to), order[from], ...rest.slice(to)], `Rank of ${order[from]}`);
       /** @type {HTMLElement | null} */ (this.place.querySelector(`.ranks [data-at="${to}"]`))?.focus();
     };
-    const list = made("ol", { class: "ranks", "aria-label": "Ranks, the first yields to all below it" }, ...order.map((name, at) => {
+    const list = made("ol", { class: "ranks", "aria-label": "Ranks: the first yields to all below it" }, ...order.map((name, at) => {
       const row = made("li", { tabindex: "0", draggable: String(!off), "data-at": String(at), "aria-label": `${name}, rank ${at + 1} of ${order.length}` },
         made("span", { "aria-hidden": "true" }, "⠿"), made("span", { dir: "auto" }, name), actButton("×", `${name} never yields`, () => put(order.filter((_, n) => n !== at), `${name} never yields`), off));
       row.addEventListener("keydown", (event) => {
@@ -160,7 +160,7 @@ export class RuleForms {
         made("label", { class: "number-field wide" }, made("span", {}, "sounds"), phonemes),
         this.#levels(name, rule, "floor", "at least"), this.#levels(name, rule, "ceiling", "at most"));
     });
-    const name = /** @type {HTMLInputElement} */ (made("input", { type: "text", placeholder: "name of a new contact", "aria-label": "Name of a new contact" }));
+    const name = /** @type {HTMLInputElement} */ (made("input", { type: "text", placeholder: "Name of a new contact", "aria-label": "Name of a new contact" }));
     name.disabled = off;
     const add = () => {
       const own = name.value.trim(), pose = this.#names[0];

@@ -6,14 +6,14 @@ import { tellKeys } from "./studio_keys.js";
 const NUDGE = 0.005, FAR = 0.02, FINE = 0.001;
 
 tellKeys({
-  "[ ]": "sentence: choose the boundary before and after; then ← → move it by 5 ms, with Shift 20 ms, with Alt 1 ms",
-  "; '": "sentence: choose the word before and after",
-  "e": "sentence: emphasise the word, or no longer",
-  "↑ ↓": "sentence: choose a pose, and see its reasons",
-  "Enter": "sentence: open the bigram of the pose at the playhead",
-  "a": "sentence: A or B, the other take comes to the front",
-  "n": "sentence: the next finding of the check",
-  "Esc": "sentence: choose nothing",
+  "[ ]": "Sentence: choose the previous or next boundary; ← → then move it by 5 ms, with Shift 20 ms, with Alt 1 ms",
+  "; '": "Sentence: choose the previous or next word",
+  "e": "Sentence: emphasise the word, or stop emphasising it",
+  "↑ ↓": "Sentence: choose a pose, and see its reasons",
+  "Enter": "Sentence: open the bigram of the pose at the playhead",
+  "a": "Sentence: switch between A and B",
+  "n": "Sentence: go to the next finding of the check",
+  "Esc": "Sentence: clear the choice",
 });
 
 /** @param {import("./sentence_view.js").SentenceView} view @param {KeyboardEvent} event @returns {boolean} true if used */

@@ -95,15 +95,15 @@ export class SentenceView {
       return one;
     };
     const open = () => [fileButton("Open timings…", TIMINGS, (files) => this.files.open(files)), fileButton("Open sound…", RECORDINGS, (files) => this.files.open(files))];
-    this.swapButton = button("A/B", "The other take comes to the front (a)", () => this.swap());
-    this.original = button("Original times", "Put the boundaries back where they were opened or spoken", () => this.restore());
+    this.swapButton = button("A/B", "Switch between A and B (A)", () => this.swap());
+    this.original = button("Original times", "Restore the times as they were opened or spoken", () => this.restore());
     const tools = made("div", { class: "row tools" }, ...open(),
       made("span", { class: "group", role: "group", "aria-label": "Save the timings" },
         button("Save timings", "As JSON, with emphasis and stress", () => this.files.save("json")),
         button("TextGrid", "Save the timings as a TextGrid, for Praat", () => this.files.save("TextGrid"))),
       this.original, this.swapButton, this.at.parts);
     const figures = this.at.figures;
-    figures.append(this.at.judged, this.at.missed, made("details", {}, made("summary", {}, "What was measured"), this.at.measured));
+    figures.append(this.at.judged, this.at.missed, made("details", {}, made("summary", {}, "Other figures"), this.at.measured));
     const aside = made("aside", { class: "why", "aria-label": "Values and reasons" }, this.at.word, this.at.moment, this.at.bigrams, this.at.poses,
       made("details", { class: "delivery", open: "" }, made("summary", {}, "Delivery of the line"), this.at.line), figures);
     this.whole.append(tools, made("div", { class: "lines" }, this.at.overview, this.at.lanes, this.at.canvas, this.at.legend), aside);
@@ -170,7 +170,7 @@ export class SentenceView {
     this.#legend();
     this.#levels();
     this.#parts();
-    this.at.canvas.setAttribute("aria-label", `Timeline of: ${take.data.spoken.title}. Brackets choose a boundary, arrows move it; the values stand beside it.`);
+    this.at.canvas.setAttribute("aria-label", `Timeline of: ${take.data.spoken.title}. Brackets choose a boundary, and arrows move it. The values are beside it.`);
     clearTimeout(this.later);
     this.later = setTimeout(() => this.#check(), CHECK_LATER);
     this.moved = true;
@@ -253,7 +253,7 @@ export class SentenceView {
     const times = findingTimes(this.studio.take?.data.figures ?? []);
     const next = times.find((one) => one > this.studio.player.time + 0.01) ?? times[0];
     this.studio.player.pause();
-    if (next === undefined) this.studio.tell("The check has no remark on this line");
+    if (next === undefined) this.studio.tell("The check found nothing in this line");
     else this.reveal(next);
   }
 
@@ -313,7 +313,7 @@ export class SentenceView {
   #moved(boundary, from, to, merge) {
     const { labels } = this.studio.take?.data.spoken ?? { labels: [] };
     this.steps.push({
-      title: `boundary before ${labels[boundary] ?? "the end"}`, merge,
+      title: `Move the boundary before ${labels[boundary] ?? "the end"}`, merge,
       back: () => this.#move(boundary, from), forth: () => this.#move(boundary, to),
     });
   }
@@ -334,7 +334,7 @@ export class SentenceView {
     if (!take) return;
     const times = [...take.data.spoken.times];
     const forth = () => { this.studio.perform("original"); };
-    this.steps.push({ title: "original times", merge: "", back: () => { this.studio.perform("times", { times }); }, forth });
+    this.steps.push({ title: "Restore the original times", merge: "", back: () => { this.studio.perform("times", { times }); }, forth });
     forth();
   }
 
@@ -410,7 +410,7 @@ export class SentenceView {
     put(level);
     if (!done) return;
     this.emphasisBefore = -1;
-    if (level !== before) this.steps.push({ title: `emphasis of ${take.data.spoken.words[word][0]}`, merge: "", back: () => put(before), forth: () => put(level) });
+    if (level !== before) this.steps.push({ title: `Emphasis of ${take.data.spoken.words[word][0]}`, merge: "", back: () => put(before), forth: () => put(level) });
   }
 
   /** @param {"undo" | "redo"} way */
@@ -446,8 +446,8 @@ export class SentenceView {
       one.addEventListener("click", () => this.studio.openLine(`part/${to}`, {}));
       return one;
     };
-    parts.replaceChildren(button("◂", "The part before", part.number - 1),
-      made("span", {}, `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`), button("▸", "The part after", part.number + 1));
+    parts.replaceChildren(button("◂", "Previous part", part.number - 1),
+      made("span", {}, `part ${part.number + 1} of ${part.count} (the line lasts ${clock(part.seconds, 0)})`), button("▸", "Next part", part.number + 1));
   }
 }
 

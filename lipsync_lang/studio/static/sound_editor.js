@@ -32,8 +32,8 @@ export class SoundEditor {
       one.addEventListener("click", act);
       row.append(one);
     };
-    if (sound.to.length) button("Mute", "It moves nothing", () => this.#map([]));
-    if (sound.own && parent) button("As inherited", "Take this mapping out of the file; that of the pack that it extends holds", () => this.#edit(undefined));
+    if (sound.to.length) button("Mute", "This sound moves nothing", () => this.#map([]));
+    if (sound.own && parent) button("As inherited", "Remove this mapping from the file, and use that of the extended pack", () => this.#edit(undefined));
     button("Done", "Close (Esc)", () => this.does.close());
     const parts = [row];
     if (sound.to.length > 1) parts.push(this.#shares(sound));
@@ -49,7 +49,7 @@ export class SoundEditor {
 
   /** @param {string} name @param {number} at @returns {HTMLElement} */
   #select(name, at) {
-    const none = this.sound?.to.length ? (name ? "— take out —" : "＋ another …") : "choose a mouth …";
+    const none = this.sound?.to.length ? (name ? "— remove —" : "＋ another…") : "Choose a mouth…";
     const options = this.common.map((one) => made("option", { value: one.name }, this.#words(one)));
     if (name && !this.common.some((one) => one.name === name)) options.push(made("option", { value: name }, name));
     const select = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Mouth ${at + 1} of ${this.sound?.label}`, "data-field": `to-${at}` }, made("option", { value: "" }, none), ...options));
@@ -83,7 +83,7 @@ export class SoundEditor {
     input.addEventListener("change", () => {
       const parts = input.value.trim().split(/[\s,;/]+/).map(Number), whole = parts.reduce((sum, one) => sum + one, 0);
       const fit = parts.length === sound.to.length && parts.every((one) => one > 0) && Number.isFinite(whole);
-      input.setCustomValidity(fit ? "" : `Give ${sound.to.length} numbers above 0`);
+      input.setCustomValidity(fit ? "" : `Enter ${sound.to.length} numbers above 0`);
       if (!input.reportValidity()) return;
       const even = parts.every((one) => one === parts[0]);
       this.#map(sound.to, even ? [] : exact(parts.map((one) => one / whole)));
@@ -93,7 +93,7 @@ export class SoundEditor {
 
   /** @param {Sound} sound @returns {HTMLElement} */
   #reason(sound) {
-    const input = /** @type {HTMLInputElement} */ (made("input", { type: "text", value: sound.reason, dir: "auto", maxlength: "500", placeholder: sound.why || "a reason, where the mapping is not obvious", "data-field": "reason", autocomplete: "off" }));
+    const input = /** @type {HTMLInputElement} */ (made("input", { type: "text", value: sound.reason, dir: "auto", maxlength: "500", placeholder: sound.why || "A reason, if the mapping is not obvious", "data-field": "reason", autocomplete: "off" }));
     input.addEventListener("change", () => {
       const value = input.value.trim(), at = ["reasons", sound.label];
       if (value !== sound.reason) this.does.edit([value || !sound.own_reason ? { file: "language", at, value } : { file: "language", at }], `Reason of ${sound.label}`);

@@ -51,7 +51,7 @@ const SHADE_LATER = 600;
 const WARM_LATER = 800;
 /** Degrees of the view for a pixel of a drag. */
 const TURN = 0.5;
-const AGAINST = [["", "alone"], ["saved", "A/B: as saved"], ["keyframes", "A/B: keyframes"], ["dominance", "A/B: dominance"], ["held", "A/B: held"]];
+const AGAINST = [["", "No comparison"], ["saved", "A/B: as saved"], ["keyframes", "A/B: keyframes"], ["dominance", "A/B: dominance"], ["held", "A/B: held"]];
 
 /** The studio as a whole; views get it. */
 export class Studio {
@@ -107,7 +107,7 @@ export class Studio {
     this.state = this.project.state;
     fill(the("of-language"), this.project.languages, this.state.language);
     fill(the("of-character"), this.project.characters, this.state.character);
-    if (this.state.restored) this.tell(`${this.state.restored} unsaved edits of the last time are here again`);
+    if (this.state.restored) this.tell(`Restored ${this.state.restored} unsaved edits of the last session`);
     for (const one of this.state.notes ?? []) this.tell(one, "fault");
     if (this.state.language) await this.#opened(await face);
     await this.script.start();
@@ -178,7 +178,7 @@ export class Studio {
     });
     the("view").replaceChildren(made("section", { class: "empty" },
       made("h2", {}, "Choose a language and a character"),
-      made("p", {}, "Above stand all languages and characters that this folder and the installed packs have. Edits go into this folder only."),
+      made("p", {}, "The lists above hold all languages and characters of this folder and of the installed packs. Edits are saved in this folder only."),
       made("p", { class: "row" }, start, ...tours)));
   }
 
@@ -221,7 +221,7 @@ export class Studio {
     this.strip.shown = null;
     this.#drawStrip();
     for (const one of told.remarks) this.tell(one);
-    if (told.unread) this.tell(`not read: ${told.unread}`, "fault");
+    if (told.unread) this.tell(`Not read: ${told.unread}`, "fault");
     this.notify("take");
     this.wake();
   }

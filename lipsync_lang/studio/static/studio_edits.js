@@ -66,7 +66,7 @@ export class Edits {
       const title = this.studio.state[way];
       if (!title) return;
       this.studio.stated(await this.studio.api.post(way, { tab: this.studio.tab }));
-      this.studio.tell(`${way === "undo" ? "Undone" : "Done again"}: ${title}`);
+      this.studio.tell(`${way === "undo" ? "Undone" : "Redone"}: ${title}`);
       await this.studio.perform();
     });
   }
@@ -76,7 +76,7 @@ export class Edits {
     try {
       const told = await this.studio.api.post("save");
       this.studio.stated(told.state);
-      this.studio.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing is unsaved");
+      this.studio.tell(told.saved.length ? `Saved ${told.saved.join(", ")}` : "Nothing to save");
     } catch (error) {
       if (error instanceof Refusal && error.told.conflict) await this.settle(error.told.conflict);
       else this.#refused(error);
@@ -90,12 +90,12 @@ export class Edits {
   async settle(conflict) {
     const dialog = /** @type {HTMLDialogElement} */ (made("dialog", { "aria-label": "Conflict" }));
     const rows = conflict.map(({ key, what, mine, theirs }) => {
-      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Keep of ${what}`, "data-key": key },
-        made("option", { value: "mine" }, "keep mine"), made("option", { value: "theirs" }, "keep the file's")));
+      const pick = /** @type {HTMLSelectElement} */ (made("select", { "aria-label": `Version of ${what} to keep`, "data-key": key },
+        made("option", { value: "mine" }, "Keep mine"), made("option", { value: "theirs" }, "Keep the file's")));
       return made("li", {}, made("b", {}, what), " ", pick, made("details", {}, made("summary", {}, "Compare"), made("pre", {}, `mine:\n${mine}\n\nthe file's:\n${theirs}`)));
     });
-    const go = made("button", { type: "button", class: "main" }, "Save so"), no = made("button", { type: "button" }, "Not now");
-    dialog.append(made("h2", {}, "These were changed on the disk, too"), made("ul", {}, ...rows), made("p", { class: "row" }, go, no));
+    const go = made("button", { type: "button", class: "main" }, "Save"), no = made("button", { type: "button" }, "Not now");
+    dialog.append(made("h2", {}, "Also changed on the disk"), made("ul", {}, ...rows), made("p", { class: "row" }, go, no));
     document.body.append(dialog);
     dialog.showModal();
     const keep = await new Promise((done) => {

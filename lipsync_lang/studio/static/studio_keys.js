@@ -3,20 +3,20 @@
 import { made, the } from "./elements.js";
 
 const KEYS = {
-  "Space": "play and pause",
-  "← →": "a frame back and on; with Shift, ten frames (where no point is chosen)",
-  ", .": "the phoneme before and after",
-  "Ctrl Z, Ctrl Shift Z": "undo and redo",
-  "Ctrl S": "save",
-  "/": "type a line",
-  "Alt ↑, Alt ↓, o": "the line of the script before and after, and the list of all",
-  "Alt 1 … Alt 6": "the views, from left to right",
-  "l": "loop the word at the playhead",
-  "b": "the bigram at the playhead",
-  "f h p m": "the face from the front, half, in profile, and its mouth",
-  "x": "the tongue through the face, or the solid face",
-  "+ − 0": "less time, more time, all",
-  "?": "these keys",
+  "Space": "Play or pause",
+  "← →": "Go back or forward by a frame, with Shift by ten (if no point is chosen)",
+  ", .": "Go to the previous or next phoneme",
+  "Ctrl Z, Ctrl Shift Z": "Undo or redo",
+  "Ctrl S": "Save",
+  "/": "Type a line",
+  "Alt ↑, Alt ↓, o": "Open the previous or next line of the script, or the list of all",
+  "Alt 1 … Alt 6": "Open a view, counted from the left",
+  "l": "Loop the word at the playhead",
+  "b": "Open the bigram at the playhead",
+  "f h p m": "Turn the face to the front, half, or to the side, or show the mouth",
+  "x": "See the tongue through the face, or the solid face",
+  "+ − 0": "Zoom in, zoom out, or show all",
+  "?": "Show or hide this list",
 };
 
 /** Keys that views add, and what they do; two views may share a key. @type {[string, string][]} */

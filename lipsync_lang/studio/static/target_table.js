@@ -43,7 +43,7 @@ export class TargetTable {
     const cells = [...this.scroll.querySelectorAll("[data-cell]")], held = cells.indexOf(/** @type {Element} */ (document.activeElement));
     const key = held < 0 ? "" : cells[held].getAttribute("data-cell");
     const head = made("tr", {}, made("th", { scope: "col" }, "sound"), ...poses.map((pose) => made("th", { scope: "col", title: pose }, made("span", { dir: "auto" }, pose))));
-    this.scroll.replaceChildren(made("table", { role: "grid", "aria-label": "Targets: type a weight, Delete takes it out" },
+    this.scroll.replaceChildren(made("table", { role: "grid", "aria-label": "Targets: type a weight, or press Delete to remove it" },
       made("thead", {}, head), made("tbody", {}, ...phonemes.flatMap((one) => this.#rows(one)))));
     const first = this.#cell(this.phoneme || phonemes[0]?.name, this.step, this.pose || poses[0]) ?? this.scroll.querySelector("td");
     first?.setAttribute("tabindex", "0");
@@ -63,7 +63,7 @@ export class TargetTable {
     const { own, steps } = this.#given(phoneme), { name, title, example, like, replaced } = phoneme;
     return (steps.length ? steps : [{}]).map((step, number) => {
       const weights = weightsOf(step), { overall, poses } = dominanceOf(step);
-      const told = [title, example && `as in "${example}"`, like && `a shade of ${like}`, !own && steps.length && `as ${like}`, !steps.length && "no target", replaced && "the character has a target of its own instead"];
+      const told = [title, example && `as in "${example}"`, like && `a shade of ${like}`, !own && steps.length && `as ${like}`, !steps.length && "no target", replaced && "replaced by the character's own target"];
       const head = made("th", { scope: "row", title: told.filter(Boolean).join(", ") }, name, ...(steps.length > 1 ? [made("sub", {}, String(number + 1))] : []),
         ...(like ? [made("small", {}, own ? "" : ` as ${like}`)] : []), ...(replaced ? [made("small", {}, " replaced")] : []));
       const cells = this.poses.map((pose) => {
@@ -146,7 +146,7 @@ export class TargetTable {
   #tell() {
     const one = this.chosen();
     if (!one) {
-      this.detail.replaceChildren(made("p", { class: "note" }, "Choose a sound below: the face shows its target. Type weights into its row, or set the sliders and take them."));
+      this.detail.replaceChildren(made("p", { class: "note" }, "Choose a sound below, and the face shows its target. Type weights into its row, or set the sliders and take them."));
       return;
     }
     const { phoneme, steps, step } = one, { overall, poses } = dominanceOf(step), many = steps.length > 1;

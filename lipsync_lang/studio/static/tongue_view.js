@@ -16,7 +16,7 @@ const known = new WeakMap();
 export async function toggleTongue(studio, button) {
   const face = studio.portrait?.face;
   if (!face) {
-    studio.tell("There is no model here: the drawn mouth shows its tongue where the lips are open");
+    studio.tell("There is no model. The drawn mouth shows its tongue between the open lips.");
     return;
   }
   const on = face.through === null, kinds = on ? await kindsOf(studio, face) : null;

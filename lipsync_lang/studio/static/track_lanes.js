@@ -50,7 +50,7 @@ export class TrackLanes {
   #build(tracks) {
     this.lanes = tracks.map((track) => ({ track, svg: drawn("svg", { role: "group", "aria-label": `Track of ${track.name}`, height: TALL, tabindex: "-1" }) }));
     this.place.replaceChildren(...this.lanes.map((lane) => {
-      const away = made("button", { type: "button", title: "Take this track away", "aria-label": `Take the track of ${lane.track.name} away` }, "×");
+      const away = made("button", { type: "button", title: "Remove this track", "aria-label": `Remove the track of ${lane.track.name}` }, "×");
       away.addEventListener("click", () => this.does.set(lane.track, undefined, true));
       this.#listen(lane);
       return made("div", { class: "lane" }, made("span", { class: "lane-name" }, made("span", { dir: "auto", title: lane.track.name }, lane.track.name), away), lane.svg);

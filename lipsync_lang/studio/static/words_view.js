@@ -10,7 +10,7 @@ import { tellKeys } from "./studio_keys.js";
 /** Milliseconds after a change of the packs, before they are requested again. */
 const SETTLE = 120;
 
-tellKeys({ "n": "words: curves of the word at the playhead", "j": "words: go to this one in the line, or speak it" });
+tellKeys({ "n": "Words: draw curves for the word at the playhead", "j": "Words: go to this word in the line, or speak it" });
 
 /**
  * @typedef {import("./curve_points.js").Curves} Curves
@@ -35,7 +35,7 @@ export class WordsView {
     /** @type {Curves | null} */
     this.performed = null;
     this.list = made("nav", { class: "own", "aria-label": "Words and lines of the character" });
-    this.desk = made("section", { class: "own-desk", "aria-label": "What is open" });
+    this.desk = made("section", { class: "own-desk", "aria-label": "Open item" });
     this.head = made("div", { class: "row" });
     const curves = made("div", { class: "curves-place" });
     this.place = curves;
@@ -98,13 +98,13 @@ export class WordsView {
     };
     const note = (/** @type {string} */ text) => made("p", { class: "note" }, text);
     this.list.replaceChildren(
-      head("Words", "＋ at the playhead", "Curves for the word at the playhead, wherever it is said (N)", () => this.#addWord()),
-      ...(told.words.length ? [made("ul", {}, ...told.words.map(({ word, curves }) => this.#item(["word", word], word, poses(curves), { at: ["words", word] })))] : [note("Curves of the character's own for a whole word, wherever it is said.")]),
-      head("Pronunciations", "＋ at the playhead", "How the character says the word at the playhead", () => this.#addSaid()),
+      head("Words", "＋ at the playhead", "Curves for the word at the playhead, wherever it is spoken (N)", () => this.#addWord()),
+      ...(told.words.length ? [made("ul", {}, ...told.words.map(({ word, curves }) => this.#item(["word", word], word, poses(curves), { at: ["words", word] })))] : [note("The character's own curves for a whole word, wherever the word is spoken.")]),
+      head("Pronunciations", "＋ at the playhead", "Pronunciation of the word at the playhead", () => this.#addSaid()),
       ...(told.pronunciations.length ? [made("ul", {}, ...told.pronunciations.map(({ language, word, phonemes }) =>
-        this.#item(["said", language, word], word, `${language}: ${phonemes.join(" ")}`, { at: ["pronunciations", language, word] })))] : [note("Words that this character says in its own way.")]),
+        this.#item(["said", language, word], word, `${language}: ${phonemes.join(" ")}`, { at: ["pronunciations", language, word] })))] : [note("Words that this character pronounces in its own way.")]),
       head("Lines", "＋ new", "Edits and delivery of one line", () => this.#addLine()),
-      ...(told.lines.length ? [made("ul", {}, ...told.lines.flatMap((line) => this.#lineItems(line)))] : [note("Edits of single words and sounds of one line, its styles and dials. They hold for every recording of the line.")]),
+      ...(told.lines.length ? [made("ul", {}, ...told.lines.flatMap((line) => this.#lineItems(line)))] : [note("Edits of single words and sounds of one line, its styles and dials. They apply to every recording of the line.")]),
     );
   }
 
@@ -169,7 +169,7 @@ export class WordsView {
     const parts = [];
     if (curves) parts.push(button(this.#span() ? "In the line" : kind === "word" ? "Speak it" : "Not in this line", "Go to it in the line, or speak it (J)", () => this.#find()), button("As performed", "Start from the curves that the character performs without these", () => this.#restart()));
     if (line) parts.push(button("＋ word at the playhead", "Curves for one word of this line", () => this.#addEdit(line, false)), button("＋ sound at the playhead", "Curves for one sound of this line", () => this.#addEdit(line, true)));
-    const about = { word: "wherever it is said", edit: "in this line only", line: "delivery of one line", said: "how it is said" }[kind] ?? "";
+    const about = { word: "wherever it is spoken", edit: "in this line only", line: "delivery of one line", said: "pronunciation" }[kind] ?? "";
     this.head.replaceChildren(...(curves || line || said ? [made("h2", { dir: "auto" }, curves?.title ?? said?.word ?? name, made("small", {}, `${about}${told.file ? ` · ${told.file}` : ""}`)), ...parts] : []));
     if (!curves) return;
     this.known = curves.curves;
@@ -191,8 +191,8 @@ export class WordsView {
   #welcome() {
     const { take } = this.studio, told = /** @type {Told} */ (this.told);
     const nothing = !told.words.length && !told.pronunciations.length && !told.lines.length;
-    this.empty.replaceChildren(made("h2", {}, nothing ? `${told.character} has no words and lines of its own` : "Choose a word or a line"),
-      made("p", {}, take ? "Put the playhead on a word of the line below, and add it: its curves start as they are performed now." : "Speak a line below; then put the playhead on a word, and add it."));
+    this.empty.replaceChildren(made("h2", {}, nothing ? `${told.character} has no own words or lines yet` : "Choose a word or a line"),
+      made("p", {}, take ? "Move the playhead to a word of the line below, and add the word. Its curves start as they are performed now." : "Speak a line below. Then move the playhead to a word, and add the word."));
   }
 
   /** @returns {import("./own_spans.js").Span | null} where the line says what is open */
@@ -217,7 +217,7 @@ export class WordsView {
     this.performed = null;
     await this.#ghost();
     if (this.performed) await this.#send(this.performed, "Start as performed", "");
-    else this.studio.tell("The line does not say it. Speak a line with it first.");
+    else this.studio.tell("The line does not have it. Speak a line that does.");
   }
 
   // Edits
@@ -239,7 +239,7 @@ export class WordsView {
     const { take, player } = this.studio, { words = [], times = [] } = take?.data.spoken ?? {};
     const number = words.findIndex((/** @type {any} */ [, , stop]) => times[stop] > player.time);
     if (number < 0) {
-      this.studio.tell(take ? "There is no word at the playhead. Move it onto one." : "Speak a line first; then put the playhead on a word.");
+      this.studio.tell(take ? "There is no word at the playhead. Move the playhead to a word." : "Speak a line first. Then move the playhead to a word.");
       return null;
     }
     const [text, first, stop] = words[number];
@@ -314,7 +314,7 @@ export class WordsView {
     const span = this.#span(), [kind, name, word] = this.open;
     if (span) this.studio.reveal(span.from);
     else if (kind === "word" || kind === "said") await this.studio.speak(kind === "word" ? name : word);
-    else this.studio.tell("The line has no such word: speak the line that these edits are for.");
+    else this.studio.tell("The line does not have this word. Speak the line that these edits belong to.");
   }
 
   /** @param {number} time within the curves */

@@ -345,7 +345,7 @@ async function copy() {
 /** Forget this rater, for the next one at the same device; a second press is needed. */
 function another() {
   const one = button("another");
-  const sure = "Press again: the answers of this person leave this browser";
+  const sure = "Press again to remove the answers of this person from this browser";
   if (one.textContent !== sure) {
     one.textContent = sure;
     return;
