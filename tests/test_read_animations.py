@@ -87,7 +87,7 @@ def test_columns_may_be_spelled_otherwise_and_be_fewer(tmp_path):
     assert here["jawOpen"].tolist() == [0.1, 0.5, 0.2]
     assert here.fps == 50
     assert here.weights.sum() == pytest.approx(0.8)
-    assert any("has nothing for" in remark and "stay at rest" in remark for remark in remarks)
+    assert any("has no column for" in remark and "stay at rest" in remark for remark in remarks)
 
 
 def test_uneven_frames_are_laid_out_anew():
@@ -103,7 +103,7 @@ def test_percent_are_told_from_shares():
     recording = Recording("x", np.arange(3) / 60, ("open",), np.array([[0.0], [50], [100]]))
     here, remarks = fit(recording, performer(), LINE)
     assert here["open"].tolist() == [0, 0.5, 1]
-    assert "taken as percent" in remarks[0]
+    assert "read as percentages" in remarks[0]
 
 
 # Live Link Face
@@ -335,7 +335,7 @@ def test_a_file_of_another_face_says_what_it_has_and_what_is_wanted(tmp_path):
 
 def test_what_was_said_must_be_known(tmp_path):
     path = written(tmp_path, "a.csv", "time,open\n0,1\n1,1\n")
-    with pytest.raises(AnimationError, match="does not tell what was said"):
+    with pytest.raises(AnimationError, match="has no spoken text"):
         read_for(performer(), path)
 
 
@@ -371,7 +371,7 @@ def test_numbers_that_no_animation_has_are_told(name, tmp_path):
 def test_frames_apart_too_unevenly_are_refused_and_seldom_ones_have_a_rate():
     values = np.zeros((4, 1))
     apart = Recording("x", np.array([0.0, 0.01, 0.02, 80_000]), ("open",), values)
-    with pytest.raises(AnimationError, match="x: has 4 frames over 80000 s, too unevenly"):
+    with pytest.raises(AnimationError, match="x: has 4 frames over 80000 s, too uneven"):
         fit(apart, performer(), LINE)
     slow = Recording("x", np.array([0.0, 1000, 2000, 3000]), ("open",), values)
     assert fit(slow, performer(), LINE)[0].fps == pytest.approx(0.001)

@@ -1,1 +1,1 @@
-"""Quality of animations: measures with limits, and plain methods to compare with."""
+"""Quality of animations: measures with limits, and plain methods for comparison."""

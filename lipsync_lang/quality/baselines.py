@@ -1,4 +1,4 @@
-"""Plain methods of lip sync on the same targets, to compare a performance with.
+"""Plain methods of lip sync with the same targets, for comparison with a performance.
 
 Conventions: P poses, T frames, m targets of a phoneme; times are in seconds.
 """
@@ -24,20 +24,20 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models.pose_models import PhonemeTarget
 
 FALL_PER_SECOND = 50.0
-"""Decay of a target's dominance with distance; of 10 to 80, the value that follows three recordings
-of real mouths best."""
+"""Decay of a target's dominance with distance; of the values from 10 to 80, this one fits three
+recordings of real mouths best."""
 
 HOLD_SECONDS = 2 / 24
-"""Shortest hold of a shape in `held`: drawings last two frames of film."""
+"""Minimum hold of a shape in `held`: drawings last two frames of film."""
 
 
 def keyframes(
     performer: Performer, schedule: Schedule, fps: float = 60, library: Library | None = None
 ) -> Animation:
-    """Animate by one key per phoneme at its centre, straight lines between them.
+    """Animate with one key at the centre of each phoneme, and straight lines between keys.
 
     Most viseme tables work this way. A phoneme with several targets has a key for each, evenly
-    spread over its time. Bigrams are drafted from the same targets.
+    spaced over its time. Bigrams are drafted from the same targets.
 
     Returns
     -------
@@ -63,10 +63,10 @@ def keyframes(
 def dominance(
     performer: Performer, schedule: Schedule, fps: float = 60, library: Library | None = None
 ) -> Animation:
-    """Animate by targets that all pull on every frame, the weaker the farther away.
+    """Animate with a weighted mean of all targets in every frame; weights decay with distance.
 
-    Drafts of bigrams come from the same model. Here it covers a whole utterance: nothing is cut
-    into pairs, stitched, smoothed, held or limited::
+    Drafts of bigrams use the same model. Here it covers a whole utterance, without pairs,
+    stitching, smoothing, holds or limits::
 
         f(t) = sum_i D_i(t) T_i / sum_i D_i(t),   D_i(t) = dominance_i exp(-c |t - m_i|)
 
@@ -104,9 +104,9 @@ def dominance(
 def _targets(
     performer: Performer, library: Library | None
 ) -> "Mapping[str, tuple[PhonemeTarget, ...]]":
-    """Return the targets of the performer's character, found on the performer's own paths.
+    """Return the targets of the performer's character, from the performer's own paths.
 
-    A shade without a target has that of its parent.
+    A shade without a target has the target of its parent.
     """
     packs = library or Library(performer.paths)
     who = packs.character(performer.compiled.character).model
@@ -139,11 +139,11 @@ def _dominances(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> tup
 def held(
     performer: Performer, schedule: Schedule, fps: float = 60, library: Library | None = None
 ) -> Animation:
-    """Animate by one held shape at a time, as programs for drawn mouths do.
+    """Animate with one held shape at a time, like programs for drawn mouths.
 
     The shape of a target is its strongest pose, at its weight; the targets of a phoneme are evenly
-    spread over its time. Every shape stays for `HOLD_SECONDS` at least and delays the next one; a
-    shape whose time is over by then is dropped. Nothing is blended or limited.
+    spaced over its time. Every shape is held for at least `HOLD_SECONDS` and delays the next one; a
+    shape whose time has passed is dropped. There is no blending and no limit.
 
     Returns
     -------
@@ -170,7 +170,7 @@ def held(
 
 
 def _strongest(steps: "tuple[PhonemeTarget, ...]", performer: Performer) -> Floats:
-    """Return the targets with all but their strongest pose at 0: (m, P)."""
+    """Return the targets with only their strongest pose: (m, P)."""
     rows = [[step.weights.get(pose, 0.0) for pose in performer.poses] for step in steps]
     weights = np.array(rows or [[0.0] * len(performer.poses)])
     most = weights.argmax(axis=1)

@@ -1,4 +1,4 @@
-"""Judging a finished animation: every measure, held against the limits of its face."""
+"""Judgement of a finished animation: every measure, compared with the limits of its face."""
 
 from collections.abc import Iterator, Mapping
 from math import isfinite
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 Limits = Mapping[str, float]
-"""The highest acceptable value by the name of the measure."""
+"""Highest acceptable values by the name of the measure."""
 
 
 def check(
@@ -24,19 +24,19 @@ def check(
     limits: Limits | None = None,
     remarks: tuple[str, ...] = (),
 ) -> Quality:
-    """Measure an animation and hold it against limits.
+    """Measure an animation and compare it with limits.
 
     Parameters
     ----------
-    animation : of a performer's poses, or of its rig's channels
-    performer : of this face; by default the one that performed the animation
-    limits : by measure; they override those of the pose set and the character
+    animation : animation of a performer's poses, or of its rig's channels
+    performer : performer of this face; by default the one that performed the animation
+    limits : limits by measure; they override those of the pose set and the character
     remarks : notes to print with the result, such as those of the reader
 
     Raises
     ------
     LipsyncError
-        The animation has no performer and none is given, a limit is invalid
+        The animation has no performer and none is given, a limit is not a number
         of at least 0, or the animation is of another face.
 
     Examples
@@ -48,7 +48,7 @@ def check(
     """
     performer = performer or animation.performer
     if performer is None:
-        raise LipsyncError("this animation was not performed here; name a performer of its face")
+        raise LipsyncError("this animation has no performer; give a performer of its face")
     measures = load_measures()
     scene = scene_of(animation, performer)
     asked = {name: one.limit for name, one in measures.items()}

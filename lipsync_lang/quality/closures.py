@@ -20,13 +20,13 @@ from lipsync_lang.quality.measures import (
 from lipsync_lang.quality.take import Take
 
 SEARCH_SECONDS = 0.25
-"""A closure farther from a sound than this is not for the sound."""
+"""Maximum distance of a closure from its sound."""
 
 RULE_TOLERANCE = 1e-4
-"""Shortfall from a rule that rounding in files may cause."""
+"""Maximum shortfall from a rule by rounding in files."""
 
 MAX_CLOSURES = 8
-"""Closures that findings name."""
+"""Maximum number of closures in findings."""
 
 NO_CONTACT = "the pose set has no contacts"
 
@@ -36,18 +36,18 @@ def contacts(scene: Take) -> Iterable[Measured]:
     """Sounds that demand a contact and do not get it, for each contact.
 
     A sound gets its contact if two conditions hold at one frame, within half a frame of the sound.
-    All poses that the contact holds up reach 0.9 of their floors. All poses that it keeps down
-    are at most 0.05 above their ceilings. On a rig, the same holds for each channel, because its
-    gains pass floors and ceilings on. Sounds of bigrams that say `contact: free` demand nothing.
-    With contacts for lips and teeth and the rules below, these are the signs that Edwards,
-    Landreth, Fiume and Singh, "JALI" (2016), say no lip sync may lack::
+    All poses with a floor reach 0.9 of it. All poses with a ceiling are at most 0.05 above it. On
+    a rig, the same holds for each channel, because its gains transfer floors and ceilings. Sounds
+    of bigrams with `contact: free` demand nothing. Contacts for lips and teeth and the rules below
+    are the features that every lip sync needs, according to Edwards, Landreth, Fiume and Singh,
+    "JALI" (2016)::
 
         value = missed / demanded
     """
     unmade = scene.demanded & ~(scene.highest(scene.margin) >= 0)
     for number, (touch, count) in enumerate(zip(scene.face.touches, scene.wanted, strict=True)):
         if not count:
-            yield from unjudged("no sound of the line demands it", of=touch.name)
+            yield from unjudged("no sound of the line demands this contact", of=touch.name)
             continue
         missed = np.flatnonzero(unmade[number])
         yield Measured(
@@ -61,7 +61,7 @@ def contacts(scene: Take) -> Iterable[Measured]:
 
 
 def _missed(scene: Take, contact: int, missed: Ints) -> Iterator[Finding]:
-    """Name, for each sound without its contact, the pose that prevents it, at the best frame."""
+    """Yield a finding for each sound without its contact: the pose that prevents it."""
     least = scene.margin[contact]
     descriptions = {}
     for number, (a, b) in zip(missed.tolist(), scene.cuts[missed].tolist(), strict=True):
@@ -71,17 +71,17 @@ def _missed(scene: Take, contact: int, missed: Ints) -> Iterator[Finding]:
 
 
 def _short(scene: Take, contact: int, frame: int) -> str:
-    """Describe the pose that keeps a frame from making a contact."""
+    """Describe the pose that prevents a contact at a frame."""
     touch, part = scene.face.touches[contact], scene.face.bounded.part(contact)
     pose = int(scene.face.bounded.columns[part][scene.margins[part, frame].argmin()])
     value, low, high = scene.curves[pose, frame], touch.low[pose], touch.high[pose]
     wanted = f"{low:g} or more" if value < low else f"{high:g} or less"
-    return f"brings {scene.face.names[pose]} to {value:.2f}, where '{touch.name}' wants {wanted}"
+    return f"brings {scene.face.names[pose]} to {value:.2f}, but '{touch.name}' requires {wanted}"
 
 
 @measure("false_contacts", "of sounds", limit=0)
 def false_contacts(scene: Take) -> Iterable[Measured]:
-    """Sounds whose middle frame makes a contact that they do not demand, for each contact.
+    """Sounds with a contact at their middle frame that they do not demand, for each contact.
 
     Contacts that raise no pose are left out, because a face at rest makes them too::
 
@@ -98,7 +98,7 @@ def false_contacts(scene: Take) -> Iterable[Measured]:
     counts = zip(wrong.sum(axis=1).tolist(), others.sum(axis=1).tolist(), strict=True)
     for number, (touch, (count, sounds)) in enumerate(zip(scene.face.touches, counts, strict=True)):
         if not scene.face.raised[number]:
-            yield from unjudged("a face at rest makes it", of=touch.name)
+            yield from unjudged("a face at rest makes this contact", of=touch.name)
             continue
         made = np.flatnonzero(wrong[number]).tolist() if count else []
         yield Measured(
@@ -157,7 +157,7 @@ def _offsets(scene: Take, contact: int) -> Iterator[Offset]:
 
 
 def _covering(start: Floats, end: Floats, at: Floats) -> tuple[Floats, Floats]:
-    """Return start and end of the run that covers each time, or of the nearest run."""
+    """Return the start and end of the run that covers each time, or of the nearest run."""
     before = np.maximum(start.searchsorted(at, side="right") - 1, 0)
     after = np.minimum(before + 1, len(start) - 1)
     nearer = (start[after] - at < at - end[before]) & (at > end[before])
@@ -166,7 +166,7 @@ def _covering(start: Floats, end: Floats, at: Floats) -> tuple[Floats, Floats]:
 
 
 def _nearest(places: Floats, to: Floats) -> Ints:
-    """Return the index of the nearest of `places`, which rise, for each of `to`."""
+    """Return the index of the nearest of `places`, which ascend, for each of `to`."""
     if len(places) == 1:
         return np.zeros(len(to), np.intp)
     after = np.minimum(np.maximum(places.searchsorted(to), 1), len(places) - 1)
@@ -214,7 +214,7 @@ def closure_early(scene: Take) -> Iterable[Measured]:
 
 @measure("closure_offset", "s", limit=0.045)
 def closure_offset(scene: Take) -> Iterable[Measured]:
-    """Offset of the median closure, without its sign; `median` has the sign, above 0 for late.
+    """Absolute offset of the median closure; `median` is the signed offset, positive if late.
 
     It is::
 
@@ -229,16 +229,16 @@ def closure_offset(scene: Take) -> Iterable[Measured]:
 
 @measure("rules", "of sounds", limit=0)
 def rules(scene: Take) -> Iterable[Measured]:
-    """Phonemes that miss a rule of the pose set, for each rule.
+    """Phonemes that violate a rule of the pose set, for each rule.
 
     A rule names phonemes, a measure of the pose set, and a bound. At one frame of the
-    phoneme, half a frame wider, the measure must reach `at_least` or come down to `at_most`. The
-    limit is the rule's own `missed`::
+    phoneme, extended by half a frame, the measure must be at least `at_least` or at most
+    `at_most`. The limit is the rule's own `missed`::
 
         value = missed / phonemes of the rule
     """
     if not scene.rules:
-        yield from unjudged("the pose set states none")
+        yield from unjudged("the pose set has no rules")
     for name, rule in scene.rules.items():
         yield from _rule(scene, name, rule)
 
@@ -249,14 +249,14 @@ def _rule(scene: Take, name: str, rule: dict[str, Any]) -> Iterable[Measured]:
     if gains is None:
         return unjudged("channels of a rig have no measures", of=name)
     if not which.size:
-        return unjudged("no sound of the line is meant", of=name)
+        return unjudged("no sound of the line has this rule", of=name)
     shown = gains @ scene.curves
     room = np.minimum(shown - rule.get("at_least", -np.inf), rule.get("at_most", np.inf) - shown)
     best = scene.highest(room)[which]
     missed = ~(best >= -RULE_TOLERANCE)
     count = int(np.count_nonzero(missed))
     descriptions = {
-        int(number): f"misses it by {-short:.2f} of {rule['measure']}"
+        int(number): f"misses the rule by {-short:.2f} of {rule['measure']}"
         for number, short in zip(which[missed], best[missed], strict=True)
     }
     parts = {"kept": len(which) - count, "missed": count}

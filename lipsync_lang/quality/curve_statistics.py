@@ -1,6 +1,6 @@
 """Statistics of one curve, for measures of motion and for benchmarks.
 
-Conventions: a curve is (T,), in frames that are evenly spaced; shares are of 1.
+Conventions: a curve is (T,), in evenly spaced frames; shares are from 0 to 1.
 """
 
 import sys
@@ -11,25 +11,25 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Bools, Floats
 
 HIGH_HERTZ = 8.0
-"""Hardly any power of a captured jaw is above."""
+"""Frequency above which a captured jaw has hardly any power."""
 
 STILL_STEP = 0.015
-"""Moves from frame to frame below it are none, as a share of the curve's peak."""
+"""Minimum movement from frame to frame, as a share of the curve's peak."""
 
 SHUT_SHARE = 0.1
-"""A jaw below it is shut, as a share of the curve's peak."""
+"""Maximum level of a shut jaw, as a share of the curve's peak."""
 
 TURN_SHARE = 0.02
-"""A turn is visible if the curve returns by this share of its peak."""
+"""Minimum size of a visible turn, as a share of the curve's peak."""
 
 
 def peak(curve: Floats) -> float:
-    """Return the 99th percentile of a curve: its highest level, apart from single frames."""
+    """Return the 99th percentile of a curve: its highest level except for single frames."""
     return percentile(curve, 99) if curve.size else 0.0
 
 
 def percentile(values: Floats, per_cent: float) -> float:
-    """Return what `numpy.percentile` does, to the last bit, in a tenth of its time."""
+    """Return the result of `numpy.percentile`, to the last bit, in a tenth of its time."""
     place = (len(values) - 1) * (per_cent / 100)
     below = int(place)
     above, share = min(below + 1, len(values) - 1), place - below
@@ -45,7 +45,7 @@ def derivative(curve: Floats, fps: float, order: int) -> Floats:
 
 
 def high_share(curve: Floats, fps: float) -> float:
-    """Return the share of a curve's power, its mean aside, above `HIGH_HERTZ`."""
+    """Return the share of a curve's power above `HIGH_HERTZ`, without its mean."""
     window, above = _spectrum(len(curve), fps)
     power = np.abs(np.fft.rfft((curve - curve.mean()) * window)) ** 2
     return float(power[above].sum() / max(power.sum(), sys.float_info.min))
@@ -53,7 +53,7 @@ def high_share(curve: Floats, fps: float) -> float:
 
 @lru_cache(maxsize=64)  # the lengths of the lines of a script
 def _spectrum(count: int, fps: float) -> tuple[Floats, Bools]:
-    """Return the window of so many frames, and the part of the spectrum above `HIGH_HERTZ`."""
+    """Return the window for a number of frames, and the part of the spectrum above `HIGH_HERTZ`."""
     return np.hanning(count), np.fft.rfftfreq(count, 1 / fps) > HIGH_HERTZ
 
 
@@ -72,10 +72,10 @@ def turns(curve: Floats) -> int:
 
 
 def open_frames(curve: Floats) -> tuple[Bools, Bools]:
-    """Return the frames with the jaw open, and those of them in which it stands still: (T,) each.
+    """Return masks of the frames with the jaw open, and of the still frames among them: (T,) each.
 
-    A still frame is hardly moved to and hardly moved from, so that a peak is none, but a shelf is.
-    The first and the last frame count for neither.
+    A frame is still if it hardly differs from the frames on both sides, so a plateau is still and
+    a peak is not. The first and the last frame are in neither mask.
     """
     opened, still = np.zeros((2, len(curve)), bool)
     steps = np.abs(curve[1:] - curve[:-1])
@@ -94,8 +94,8 @@ def rise(curve: Floats, start: int, stop: int, share: float) -> int | None:
 
     Returns
     -------
-    The first frame from which the curve stays at `share` of its peak until it gets there within
-    the sound; None if the curve is 0 throughout
+    The first frame from which the curve stays above `share` of its peak until its peak in the
+    sound; None if the curve is always 0
     """
     top = curve[start:stop].max(initial=0.0)
     if top <= 0:

@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from lipsync_lang.resolver.compiled import Compiled
 
 FLOOR_SHARE = 0.9
-"""Share of a floor that makes a visible contact."""
+"""Minimum share of a floor for a visible contact."""
 
 OPENS_SHARE = 0.4
-"""Phonemes that open the mouth by this share of the widest one should be seen to open it."""
+"""Minimum opening of a phoneme that must visibly open the mouth, as a share of the widest one."""
 
 BLOCK_SHARE = 0.25
-"""Phonemes that show this share of a pose's highest, or of an opponent's, keep it from looking
-ahead."""
+"""Minimum share of the highest weight of a pose, or of an opponent's, in phonemes that prevent its
+anticipation."""
 
 
 class Touch(NamedTuple):
-    """A contact as bounds of columns; infinite bounds demand nothing."""
+    """A contact as bounds of columns; infinite bounds have no effect."""
 
     name: str
     phonemes: Bools
@@ -47,28 +47,28 @@ class Roles(NamedTuple):
     """The pose set's facts about its poses and phonemes, for measures of motion."""
 
     opening: Bools
-    """(C,) True for the columns that loudness opens (`intensity`); none is unknown."""
+    """(C,) True for the columns that loudness opens (`intensity`); all False if unknown."""
     ahead: Floats
-    """(C,) seconds by which a column looks ahead (`anticipate`)."""
+    """(C,) seconds of anticipation of each column (`anticipate`)."""
     opens: Bools
-    """(N,) True for common phonemes that open the mouth wide when said alone."""
+    """(N,) True for common phonemes that open the mouth wide if spoken alone."""
     begins: Floats
-    """(N, C) peak of each column in the first half of a phoneme said alone, of its highest."""
+    """(N, C) peak of each column in the first half of a phoneme spoken alone, of its maximum."""
     blocks: Bools
-    """(N, C) True for phonemes that keep a column from looking ahead."""
+    """(N, C) True for phonemes that prevent the anticipation of a column."""
 
 
 class Bounded(NamedTuple):
-    """The columns that contacts bound, contact by contact: B in all."""
+    """The bounded columns of all contacts in sequence: B in all."""
 
     columns: Ints
     """(B,)"""
     floor: Floats
-    """(B, 1) least that makes the contact visible."""
+    """(B, 1) minimum for a visible contact."""
     high: Floats
     """(B, 1)"""
     starts: Ints
-    """(contacts,) first of each contact."""
+    """(contacts,) index of the first column of each contact."""
 
     def part(self, number: int) -> slice:
         """Return the columns of a contact."""
@@ -98,7 +98,7 @@ class Face:
 
     @cached_property
     def raised(self) -> tuple[bool, ...]:
-        """Marks of the contacts that raise a column; a face at rest makes all others."""
+        """True for contacts that raise a column; a face at rest makes all others."""
         return tuple(bool(np.isfinite(touch.low).any()) for touch in self.touches)
 
     @cached_property
@@ -108,7 +108,7 @@ class Face:
 
     @cached_property
     def bounded(self) -> "Bounded":
-        """The columns that contacts bound, contact by contact."""
+        """The bounded columns of all contacts in sequence."""
         finite = [np.isfinite(t.low) | np.isfinite(t.high) for t in self.touches]
         columns = [np.flatnonzero(one) if one.any() else np.zeros(1, int) for one in finite]
         counts = [len(one) for one in columns]
@@ -143,7 +143,7 @@ def face_of(animation: "Animation", performer: "Performer") -> Face:
 
 
 _FACES: "WeakKeyDictionary[Performer, dict[tuple[str, ...], Face]]" = WeakKeyDictionary()
-"""Faces by their columns: the same for every animation of a performer."""
+"""Cache of faces by their columns, for all animations of a performer."""
 
 
 def _seen(columns: tuple[str, ...], performer: "Performer") -> Face:
@@ -153,8 +153,8 @@ def _seen(columns: tuple[str, ...], performer: "Performer") -> Face:
     if rig is not None and columns == tuple(one["name"] for one in rig["channels"]):
         return _rigged(performer, columns)
     raise LipsyncError(
-        f"the animation has other columns than {performer.character} has poses; read its file for "
-        f"this character (quality.fitting.read_for), or name the character it was made for"
+        f"the columns of the animation are not the poses of {performer.character}; read its file "
+        "for this character (quality.fitting.read_for), or name the character of the animation"
     )
 
 
@@ -199,7 +199,7 @@ def _meant(compiled: "Compiled") -> dict[str, Bools]:
 
 
 def _roles(compiled: "Compiled") -> Roles:
-    """Read roles off the bank: each phoneme is looked at in its own part of silence-phoneme."""
+    """Derive roles from the bank: each phoneme is examined in its own part of silence-phoneme."""
     tables, stated = compiled.tables, compiled.intensity or {"regions": ()}
     own = [pose for region in stated["regions"] for pose in compiled.regions.get(region, ())]
     opening = np.isin(np.arange(len(compiled.poses)), own)
@@ -220,7 +220,7 @@ def _roles(compiled: "Compiled") -> Roles:
 
 
 def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
-    """Return the face of a rig's channels; gains carry the bounds of contacts over to channels."""
+    """Return the face of a rig's channels; gains transfer the bounds of contacts to channels."""
     from lipsync_lang.rigs.driver import Driver
 
     compiled = performer.compiled
@@ -246,7 +246,7 @@ def _rigged(performer: "Performer", names: tuple[str, ...]) -> Face:
 
 
 def _bounds(rig: Any, floor: Floats, ceiling: Floats) -> tuple[Floats, Floats]:
-    """Return lower and upper bound of every channel while poses keep to floors and ceilings."""
+    """Return the lower and upper bound of every channel for poses within floors and ceilings."""
     up, down = np.maximum(rig.gains, 0), np.minimum(rig.gains, 0)
     low = np.clip(up @ floor + down @ ceiling, rig.low, rig.high)
     high = np.clip(up @ ceiling + down @ floor, rig.low, rig.high)

@@ -1,4 +1,4 @@
-"""Results of judging an animation: figures with findings, and a verdict."""
+"""Results of the judgement of an animation: figures with findings, and a verdict."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -7,14 +7,14 @@ from typing import Any, NamedTuple
 from lipsync_lang.errors import LipsyncError, did_you_mean
 
 LIMIT_TOLERANCE = 1e-3
-"""Share of a limit by which rounding in files may exceed it."""
+"""Maximum relative excess over a limit by rounding in files."""
 
 MAX_FINDINGS = 5
-"""Findings of one figure that text lists."""
+"""Maximum number of findings of a figure in text."""
 
 
 class Finding(NamedTuple):
-    """A place that counts against a figure."""
+    """A place in the animation that increases a figure."""
 
     at: float
     """Seconds."""
@@ -32,8 +32,8 @@ class Figure:
     unit : of value and limit
     limit : the highest acceptable value; None for no limit
     parts : components of the value, by pose, pair or count
-    findings : places that count against the figure, in order of time
-    why : the reason why it could not be judged; else empty
+    findings : places that increase the figure, in order of time
+    why : reason why it could not be judged; otherwise empty
     """
 
     name: str
@@ -135,7 +135,7 @@ class Quality:
 
 
 def describe(figure: Figure) -> str:
-    """Return a figure's value, limit and worst part in words."""
+    """Return a figure's value, limit and largest parts in words."""
     if figure.value is None:
         return f"not judged: {figure.why}"
     words = f"{figure.value:.4g} {figure.unit}".rstrip()

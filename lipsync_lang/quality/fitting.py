@@ -1,4 +1,4 @@
-"""Animations of other programs, as poses or rig channels of a performer, for `check` to read."""
+"""Readers of animations of other programs, as poses or rig channels of a performer, for `check`."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,25 +21,25 @@ if TYPE_CHECKING:
     from lipsync_lang.schedules.schedule import Schedule
 
 UNEVEN_FRAMES = 0.02
-"""Share of a frame by which intervals may differ; more uneven frames are resampled."""
+"""Maximum difference of intervals as a share of a frame; more uneven frames are resampled."""
 
 MAX_FPS = 240.0
-"""Files with more keys per second are resampled at this rate."""
+"""Maximum number of keys per second; files with more are resampled."""
 
 MAX_FRAMES = 1_000_000
-"""Frames at an even rate: more than an hour at the greatest one."""
+"""Maximum number of resampled frames: more than an hour at the highest rate."""
 
 MAX_FRAMES_EACH = 100
-"""The same for each frame of the file; a longer pause is not a recording of a line."""
+"""Maximum number of resampled frames per frame of the file; a longer pause is not within a line."""
 
 PERCENT_ABOVE = 5.0
-"""Weights above this are percentages, not shares of 1."""
+"""Weights above this are percentages, not fractions."""
 
 MAX_NAMES = 8
-"""Names that a remark lists."""
+"""Maximum number of names in a remark."""
 
 Read = tuple[Animation, tuple[str, ...]]
-"""An animation, and remarks on doubtful points."""
+"""An animation with remarks on doubtful points."""
 
 
 def read_for(
@@ -51,7 +51,7 @@ def read_for(
 ) -> Read:
     """Read an animation file as the poses of a performer, or as the channels of its rig.
 
-    Columns are found by name in any spelling, like the shapes of a model. Poses without a column
+    Columns are found by name in any spelling, like shapes of a model. Poses without a column
     stay at rest, and a remark names them.
 
     Parameters
@@ -69,8 +69,7 @@ def read_for(
     spoken = schedule or recording.schedule
     if spoken is None:
         raise AnimationError(
-            f"{recording.source}: does not tell what was said; give a TEXT, or timed phonemes "
-            "(`schedule`)"
+            f"{recording.source}: has no spoken text; give a TEXT, or timed phonemes (`schedule`)"
         )
     return fit(recording, performer, spoken, channels=channels)
 
@@ -86,7 +85,9 @@ def fit(
     animation = Animation(found.times, names, values, found.fps, schedule, channels=found.face)
     remarks = list(found.remarks)
     if found.missing:
-        told = f"{recording.source} has nothing for {some_names(found.missing)}; they stay at rest"
+        told = (
+            f"{recording.source} has no column for {some_names(found.missing)}; these stay at rest"
+        )
         remarks.append(told)
     return animation, tuple(remarks)
 
@@ -100,19 +101,19 @@ class PlacedColumns:
 
     face: "tuple[Channel, ...]"
     numbers: Ints
-    """(N,) numbers in `face` of those found, rising."""
+    """(N,) ascending indices in `face` of the columns found."""
     times: Floats
     """(T,) seconds."""
     fps: float
     values: Floats
     """(T, N) weights."""
     gains: Floats
-    """(C, P) weight of each pose in each of the face."""
+    """(C, P) weight of each pose in each column of the face."""
     remarks: tuple[str, ...]
 
     @property
     def missing(self) -> list[str]:
-        """Names of the face that have no column."""
+        """Names of the face without a column."""
         found = set(self.numbers.tolist())
         return [one.name for number, one in enumerate(self.face) if number not in found]
 
@@ -129,7 +130,7 @@ def placed_columns(
     Raises
     ------
     AnimationError
-        No column is of the face, or the frames are too uneven.
+        No column belongs to the face, or the frames are too uneven.
     """
     faces = _faces(performer)
     if channels:
@@ -153,7 +154,7 @@ def placed_columns(
     remarks = [*recording.remarks, *(f"{recording.source}: {d}" for d in shapes[best].doubts)]
     if values.max() > PERCENT_ABOVE:
         values = values / 100
-        remarks.append(f"{recording.source}: its weights run to 100, and are taken as percent")
+        remarks.append(f"{recording.source}: its weights are up to 100 and are read as percentages")
     times, fps = even_times(recording.source, recording.times)
     if times is not recording.times:
         values = np.column_stack([np.interp(times, recording.times, one) for one in values.T])
@@ -179,7 +180,7 @@ def _faces(performer: "Performer") -> "list[tuple[tuple[Channel, ...], Floats]]"
 
 
 def even_times(source: str, times: Floats) -> tuple[Floats, float]:
-    """Return evenly spaced times, and frames per second."""
+    """Return evenly spaced times, and their frames per second."""
     step = float(np.median(np.diff(times)))
     fps = min(1 / step, MAX_FPS)
     fps = round(fps) if fps >= 1 and abs(fps - round(fps)) < UNEVEN_FRAMES else fps
@@ -189,13 +190,13 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
     count = int(np.floor((times[-1] - times[0]) * fps + 1e-6)) + 1
     if count > min(MAX_FRAMES, MAX_FRAMES_EACH * len(times)):
         raise AnimationError(
-            f"{source}: has {len(times)} frames over {times[-1] - times[0]:g} s, too unevenly "
+            f"{source}: has {len(times)} frames over {times[-1] - times[0]:g} s, too uneven "
             "to judge; export it at an even rate"
         )
     return times[0] + np.arange(count) / fps, fps
 
 
 def some_names(names: "Iterable[str]") -> str:
-    """List the first few names."""
+    """Format the first few names as a list."""
     known = list(names)
     return ", ".join(known[:MAX_NAMES]) + (", ..." if len(known) > MAX_NAMES else "")

@@ -1,11 +1,11 @@
-"""Measures of how much a mouth moves as captured faces do.
+"""Measures of the likeness of a mouth's movement to captured faces.
 
 Conventions: the jaw is the sum of the columns that loudness opens, as the pose set states them
 (`intensity`). For statistics it is sampled at 30 frames per second, the rate of the captures, and
 divided by its 99th percentile, as the captures were.
 
-The figures of the captures are over many lines of one face. A line of a few seconds scatters
-widely around them, so each limit leaves it room, as its measure states.
+The figures of the captures are over many lines of one face. Lines of a few seconds
+vary widely around them, so each limit has a margin, which its measure states.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -33,32 +33,32 @@ CAPTURE_FPS = 30.0
 """Frames per second of the captures; jerk and power depend on it."""
 
 LEAST_FPS = 29.0
-"""An animation of fewer frames per second cannot be compared with captures."""
+"""Minimum frame rate for a comparison with captures."""
 
 LEAST_SECONDS = 2.0
-"""Speech shorter than this has too few movements for statistics."""
+"""Minimum length of speech for statistics."""
 
 HELD_SECONDS = 0.3
-"""Sounds longer than this may hold their shape."""
+"""Minimum length of sounds that may hold their shape."""
 
 LEAD_SECONDS = 0.1
-"""In running speech, lips begin to round this long before their sound, or longer."""
+"""Minimum time by which lips begin to round before their sound in continuous speech."""
 
 MAX_LEAD_SECONDS = 1.0
-"""Seconds before a sound in which the rise of a pose is searched."""
+"""Length of the search for the rise of a pose before its sound."""
 
 ONSET_SHARE = 0.1
-"""A pose has begun when it reaches this share of its peak in the sound."""
+"""Share of its peak in the sound at which a pose has begun."""
 
 ROUNDED_SHARE = 0.5
-"""Phonemes that begin with this share of the highest weight of a pose want it."""
+"""Minimum initial weight of a pose in phonemes that want it, as a share of its highest weight."""
 
 MAX_PLACES = 8
-"""Sounds that findings name."""
+"""Maximum number of sounds in findings."""
 
 
 class Jaw(NamedTuple):
-    """The jaw of a line as the captures have it."""
+    """The jaw of a line, sampled like the captures."""
 
     times: Floats
     """(F,) seconds, `CAPTURE_FPS` apart."""
@@ -67,27 +67,27 @@ class Jaw(NamedTuple):
 
 
 LEAST_SOUNDS = 3
-"""Medians are taken over no fewer sounds."""
+"""Minimum number of sounds for a median."""
 
 
 class Opening(NamedTuple):
-    """The columns that open the mouth, as one."""
+    """The sum of the columns that open the mouth."""
 
     curve: Floats
-    """(T,) their sum."""
+    """(T,) sum of these columns."""
     peak: float
 
 
 @once
 def _opening(scene: Take) -> Opening | str:
-    """Return the opening of the mouth, or the reason for none."""
+    """Return the opening of the mouth, or the reason why there is none."""
     roles = scene.face.roles
     if roles is None:
         return "channels of a rig have no roles; check the poses"
     if scene.motion.hold > 0:
         return "poses are shown one at a time"
     if not roles.opening.any():
-        return "the pose set does not say which poses open the mouth (`intensity`)"
+        return "the pose set does not state the poses that open the mouth (`intensity`)"
     curve: Floats = scene.curves[roles.opening].sum(axis=0)
     peak = statistics.peak(curve)
     return "the mouth does not open" if peak < VISIBLE_SHARE else Opening(curve, peak)
@@ -95,15 +95,15 @@ def _opening(scene: Take) -> Opening | str:
 
 @once
 def _jaws(scene: Take) -> list[Jaw] | str:
-    """Return the jaw as captures have it, or the reason why it cannot be compared.
+    """Return the jaw sampled like the captures, or the reason why it cannot be compared.
 
-    A rate of several times the captures' gives several jaws, each a frame later.
+    A multiple of the captures' frame rate gives several jaws, each one frame later.
     """
     opening = _opening(scene)
     if isinstance(opening, str):
         return opening
     if 1 / scene.frame < LEAST_FPS:
-        return f"captures have {CAPTURE_FPS:g} frames per second, this has fewer"
+        return f"the animation has fewer than the {CAPTURE_FPS:g} frames per second of captures"
     if scene.seconds < LEAST_SECONDS:
         return f"{scene.seconds:.1f} s of speech are too short; statistics need {LEAST_SECONDS:g} s"
     curve = opening.curve / opening.peak
@@ -122,8 +122,8 @@ def _judged(scene: Take, figure: Callable[[list[Jaw]], Iterable[Measured]]) -> I
 def jerk(scene: Take) -> Iterable[Measured]:
     """Jerk of the jaw: the 95th percentile of its third derivative.
 
-    Corners have much. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines scatter by up to
-    1.7 of that, which is the limit::
+    Corners have a large jerk. Captures have 1.1e4 to 1.3e4 over eight lines. Single lines reach
+    1.7 times that, which is the limit::
 
         value = 95th percentile over frames of |jaw'''(t)|,   jaw in shares of its peak
     """
@@ -132,7 +132,9 @@ def jerk(scene: Take) -> Iterable[Measured]:
         size = np.concatenate([statistics.derivative(j.curve, CAPTURE_FPS, 3) for j in jaws])
         times = np.concatenate([j.times[1:-2] for j in jaws])
         at = round(float(times[size.argmax()]), 4)
-        return one(statistics.percentile(size, 95), {}, [Finding(at, "the jaw jerks most")])
+        return one(
+            statistics.percentile(size, 95), {}, [Finding(at, "the highest jerk of the jaw")]
+        )
 
     return _judged(scene, figure)
 
@@ -141,8 +143,9 @@ def jerk(scene: Take) -> Iterable[Measured]:
 def high_power(scene: Take) -> Iterable[Measured]:
     """Share of the power of the jaw's spectrum above 8 Hz.
 
-    Nobody speaks so fast: it is corners and tremble. Captures have 0.010 to 0.012 over eight
-    lines. Smooth single lines of quick consonants reach 0.052; the limit is just above::
+    Speech is not that fast, so this power comes from corners and tremble. Captures have 0.010 to
+    0.012 over eight lines. Smooth single lines with quick consonants reach 0.052; the limit is
+    just above::
 
         value = power above 8 Hz / power,   Hann window, mean removed
     """
@@ -156,12 +159,12 @@ def high_power(scene: Take) -> Iterable[Measured]:
 
 @measure("shelves", "of open frames", limit=0.1)
 def shelves(scene: Take) -> Iterable[Measured]:
-    """Frames with the jaw open in which it stands still.
+    """Frames with an open jaw that stands still.
 
-    A frame is still if the jaw moves by less than 0.015 of its peak to it and from it, so a peak is
-    none, but a shelf is. Sounds longer than 0.3 s may hold and are left out. Captures have 0.01 to
-    0.02 over eight lines. The limit leaves a single line its slow turns; curves whose valleys are
-    filled have 0.2 to 0.4::
+    A frame is still if the jaw moves by less than 0.015 of its peak before and after it, so a
+    plateau is still and a peak is not. Sounds longer than 0.3 s may hold and are left out.
+    Captures have 0.01 to 0.02 over eight lines. The limit allows the slow turns of a single line;
+    curves with filled valleys have 0.2 to 0.4::
 
         value = still frames / frames with the jaw above 0.1 of its peak
     """
@@ -185,9 +188,9 @@ def shelves(scene: Take) -> Iterable[Measured]:
 
 
 def _still(scene: Take, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
-    """Return the frames with the jaw open, those in which it stands still, and their sounds.
+    """Return the frames with an open jaw, the still ones among them, and their sounds.
 
-    Sounds that last are left out: (F,) each.
+    Long sounds are left out. The shapes are (F,).
     """
     opened, still = statistics.open_frames(jaw.curve)
     owner = scene.track.bounds.searchsorted(jaw.times, side="right") - 1
@@ -200,8 +203,8 @@ def _still(scene: Take, jaw: Jaw, lasting: Bools) -> tuple[Bools, Bools, Ints]:
 def turns(scene: Take) -> Iterable[Measured]:
     """Turns of the jaw, larger than 0.02 of its peak, per second of the line.
 
-    Captures have 6.5 to 7.3. Fewer are mumbled or slow, so nothing is limited unless a pack says
-    so::
+    Captures have 6.5 to 7.3. Mumbled or slow lines have fewer, so only packs that state a limit
+    have one::
 
         value = turns / seconds
     """
@@ -215,9 +218,9 @@ def turns(scene: Take) -> Iterable[Measured]:
 
 @measure("lead_missing", "s", limit=0.05)
 def lead_missing(scene: Take) -> Iterable[Measured]:
-    """Time by which poses that look ahead begin later than 0.1 s before their sound.
+    """Delay of poses with anticipation, relative to 0.1 s before their sound.
 
-    A pose that looks ahead (`anticipate`) begins where it rises to a tenth of its peak in a sound
+    A pose with anticipation (`anticipate`) begins when it rises to a tenth of its peak in a sound
     that begins with it. Sounds in the 0.1 s before may not oppose the pose, be constrained with it,
     demand a contact that keeps it down, or want it too. Lips round 0.1 s and more before their
     vowel; the limit is half of that::
@@ -230,19 +233,19 @@ def lead_missing(scene: Take) -> Iterable[Measured]:
     if scene.motion.hold > 0:
         return unjudged("poses are shown one at a time")
     if not (roles.ahead > 0).any():
-        return unjudged("no pose of the pose set looks ahead")
+        return unjudged("no pose of the pose set has anticipation")
     leads = dict(_leads(scene, roles))
     if len(leads) < LEAST_SOUNDS:
-        return unjudged(f"fewer than {LEAST_SOUNDS} sounds let a pose look ahead")
+        return unjudged(f"fewer than {LEAST_SOUNDS} sounds allow the anticipation of a pose")
     middle = median(leads.values())
     late = sorted(leads, key=lambda number: leads[number])[:MAX_PLACES]
-    told = {number: f"is announced {leads[number]:.3f} s ahead" for number in late}
+    told = {number: f"begins {leads[number]:.3f} s ahead" for number in late}
     parts = {"median": round(middle, 6), "sounds": len(leads)}
     return one(max(0.0, LEAD_SECONDS - middle), parts, places(scene, told))
 
 
 def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
-    """Yield sounds and the seconds by which their poses lead, where nothing is in the way."""
+    """Yield sounds and the seconds by which their poses lead, for sounds without an obstacle."""
     track, times = scene.track, scene.times
     for pose in np.flatnonzero(roles.ahead > 0).tolist():
         wanted = (roles.begins[track.ids, pose] >= ROUNDED_SHARE) & scene.sounds
@@ -261,10 +264,10 @@ def _leads(scene: Take, roles: Roles) -> Iterator[tuple[int, float]]:
 
 @measure("shut_vowels", "of frames", limit=0.12)
 def shut_vowels(scene: Take) -> Iterable[Measured]:
-    """Frames with the jaw shut, of sounds beside a contact that should open the mouth.
+    """Frames with a shut jaw, in sounds beside a contact that should open the mouth.
 
-    These are the sounds that open the mouth wide when said alone. Captures keep the jaw shut for
-    0.08 of the time of vowels beside p b m f v; the limit is half as much again::
+    These are the sounds that open the mouth wide if spoken alone. Captures keep the jaw shut for
+    0.08 of the time of vowels beside p b m f v; the limit is 1.5 times that::
 
         value = frames with the jaw below 0.1 of its peak / frames of such sounds
     """
@@ -282,7 +285,7 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
     counts = np.bincount(scene.owner[closed], minlength=len(scene.track.ids))
     worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
     told = {
-        n: f"keeps the jaw up for {counts[n] * scene.frame:.3f} s"
+        n: f"keeps the jaw shut for {counts[n] * scene.frame:.3f} s"
         for n in worst.tolist()
         if counts[n]
     }
@@ -292,7 +295,7 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
 
 
 def _beside(scene: Take) -> Ints:
-    """Return the sounds that open the mouth and have a contact on either side."""
+    """Return the sounds that open the mouth and are next to a contact."""
     touched = _touched(scene)
     around = np.zeros(len(touched), bool)
     around[:-1] |= touched[1:]
@@ -308,7 +311,7 @@ def _touched(scene: Take) -> Bools:
 
 
 def _opens(scene: Take) -> Bools:
-    """Return True for the sounds that open the mouth when said alone: (n,)."""
+    """Return True for the sounds that open the mouth if spoken alone: (n,)."""
     roles = scene.face.roles
     if roles is None:
         return np.zeros(len(scene.sounds), bool)
@@ -320,10 +323,10 @@ def _opens(scene: Take) -> Bools:
 def opening_lag(scene: Take) -> Iterable[Measured]:
     """Time from the end of a sound with a contact until the mouth opens for the next sound.
 
-    The sounds are those that open the mouth wide when said alone and follow a contact. Each counts
-    the seconds until the jaw reaches 0.1 of its peak and stays above on its way to the top. A sound
-    that never does so counts whole. No capture states it:
-    released lips open with their sound, so the limit is half a frame of the captures::
+    The sounds open the mouth wide if spoken alone, and follow a contact. Each counts the seconds
+    until the jaw reaches 0.1 of its peak and stays above on its way to the peak. A sound that never
+    does so counts as a whole. The limit does not come from captures: released lips open with their
+    sound, so the limit is half a frame of the captures::
 
         value = median over such sounds of (jaw opens - sound begins), at least 0
     """
@@ -342,7 +345,7 @@ def opening_lag(scene: Take) -> Iterable[Measured]:
 
 
 def _lag(scene: Take, curve: Floats, level: float, number: int) -> float:
-    """Return the seconds from the start of a sound until the jaw opens and stays so to its peak."""
+    """Return the seconds from the start of a sound until the jaw opens and stays open."""
     around = scene.track.bounds[number - 1 : number + 2]
     _, start, end = map(float, around.tolist())
     far, here, there = scene.times.searchsorted(around).tolist()

@@ -1,8 +1,8 @@
-"""Measures of a finished animation: their registry, and the tools they share.
+"""Measures of a finished animation: their registry and common tools.
 
-Conventions: smaller values are better, so that one number limits each. Shares are of 1. Movement is
-in shares of a column's range, which is 1 for a pose. Figures in seconds hold at any frame rate, to
-within a frame.
+Conventions: smaller values are better, so that one number limits each. Shares are from 0 to 1.
+Movement is in shares of a column's range, which is 1 for a pose. Figures in seconds are valid at
+any frame rate, to within a frame.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -18,31 +18,31 @@ from lipsync_lang.quality.figures import Finding
 from lipsync_lang.quality.take import Take
 
 VISIBLE_SHARE = 0.05
-"""The smallest change of a pose that a viewer sees."""
+"""Smallest visible change of a pose."""
 
 FLICKER_SECONDS = 0.07
-"""A pose that moves and returns within this time flickers."""
+"""Maximum time of a flicker: a movement and its return."""
 
 SHORT_HOLD_SECONDS = 0.06
-"""A shape that stays shorter is hardly seen."""
+"""Minimum duration of a visible shape."""
 
 STILL_SPEED = 0.1
-"""Shares per second; a slower pose counts as still."""
+"""Minimum speed of a moving pose, in shares per second."""
 
 CONSTRAINT_TOLERANCE = 0.01
-"""Excess over a constraint that nobody sees."""
+"""Maximum invisible excess over a constraint."""
 
 FULL_TOLERANCE = 1e-3
-"""Distance from its maximum at which a pose counts as full."""
+"""Maximum distance of a full pose from its maximum."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A figure of a measure, before it gets its name and limit.
+    """A figure of a measure, before its name and limit are added.
 
     Parameters
     ----------
-    value : None if it cannot be judged; `why` then has the reason
+    value : None if it cannot be judged; then `why` has the reason
     of : the contact or rule, if the measure gives several figures
     limit : overrides the limit of the measure
     """
@@ -87,7 +87,7 @@ Found = TypeVar("Found")
 
 
 def once(find: Callable[[Take], Found]) -> Callable[[Take], Found]:
-    """Let a function of a scene be computed once, however many measures need it."""
+    """Cache the result of a function of a scene, which several measures need."""
 
     @wraps(find)
     def remembered(scene: Take) -> Found:
@@ -102,7 +102,7 @@ def once(find: Callable[[Take], Found]) -> Callable[[Take], Found]:
 
 @cache
 def load_measures() -> dict[str, Measure]:
-    """Return every measure by name, in the order of reports, whichever was imported first."""
+    """Return every measure by name, in the order of reports."""
     modules = [f"lipsync_lang.quality.{name}" for name in ("closures", "movement", "likeness")]
     for module in modules:
         import_module(module)
@@ -113,13 +113,13 @@ def load_measures() -> dict[str, Measure]:
 def one(
     value: float, parts: Mapping[str, float] | None = None, findings: Iterable[Finding] = ()
 ) -> list[Measured]:
-    """Return a list with the only figure of a measure."""
+    """Return a list with the single figure of a measure."""
     ordered = tuple(sorted(findings))
     return [Measured(float(value), parts or {}, ordered)]
 
 
 def unjudged(why: str, of: str = "") -> list[Measured]:
-    """Return a list with a figure that could not be judged."""
+    """Return a list with a figure without a value, and the reason."""
     return [Measured(None, of=of, why=why)]
 
 
@@ -144,7 +144,7 @@ def places(scene: Take, told: Mapping[int, str]) -> Iterator[Finding]:
 
 
 def named(names: Iterable[str], values: Floats, least: float = 0.0) -> dict[str, float]:
-    """Return the values above a least by name, the greatest first."""
+    """Return the values above a minimum by name, largest first."""
     listed = np.asarray(values).tolist()
     pairs = [(n, round(v, 6)) for n, v in zip(names, listed, strict=True) if v > least]
     return dict(sorted(pairs, key=lambda pair: -pair[1]))

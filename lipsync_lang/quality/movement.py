@@ -24,7 +24,7 @@ from lipsync_lang.quality.measures import (
 )
 from lipsync_lang.quality.take import Take
 
-SILENT = "nothing is said"
+SILENT = "the line has no sounds"
 
 
 @measure("constraints", "of frames", limit=0)
@@ -37,7 +37,7 @@ def constraints(scene: Take) -> Iterable[Measured]:
         value = frames with any broken / frames
     """
     if not scene.face.caps and not scene.face.at_most:
-        return unjudged("nothing is constrained")
+        return unjudged("the pose set has no constraints")
     over = _over(scene)
     highest = over.max(axis=1)
     if highest.max() <= CONSTRAINT_TOLERANCE:
@@ -89,10 +89,10 @@ def speed(scene: Take) -> Iterable[Measured]:
 
 @measure("jitter", "per second", limit=2)
 def jitter(scene: Take) -> Iterable[Measured]:
-    """Flickers per second of speech, of the pose with the most.
+    """Flickers per second of speech, for the pose with most flickers.
 
-    A flicker is a move of 0.05 or more and a move back of 0.05 or more, both within 0.07 s: a
-    single frame that stands out, or several that tremble::
+    A flicker is a movement of 0.05 or more and a movement back of 0.05 or more, both within
+    0.07 s. Examples are a single deviating frame and a tremble::
 
         value = max over poses of (flickers / seconds of sound)
     """
@@ -112,7 +112,7 @@ def jitter(scene: Take) -> Iterable[Measured]:
 def _flickers(scene: Take) -> tuple[Ints, Ints]:
     """Return the poses and frames at which a curve turns within a flicker.
 
-    A stroke is a move in one direction; a flicker is two in a row that are quick and visible.
+    A stroke is a movement in one direction; a flicker is two quick, visible strokes in sequence.
     """
     change, curves, times = scene.changes, scene.share, scene.times
     pose, frame = np.nonzero(np.abs(change) > 1e-6)  # noqa: PLR2004 rounding
@@ -131,7 +131,7 @@ def _flickers(scene: Take) -> tuple[Ints, Ints]:
 
 @once
 def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
-    """Return the runs of the strongest pose while a line is said: pose, first frame, past last.
+    """Return the runs of the strongest pose during speech: pose, first frame, frame past the last.
 
     The pose is -1 if none is visible.
     """
@@ -146,7 +146,7 @@ def _shapes(scene: Take) -> tuple[Ints, Ints, Ints]:
 
 @measure("changes", "per second")
 def changes(scene: Take) -> Iterable[Measured]:
-    """Changes of the strongest pose per second of speech. Limited only by pose sets that say so.
+    """Changes of the strongest pose per second of speech. Only some pose sets limit it.
 
     It is::
 
@@ -159,10 +159,10 @@ def changes(scene: Take) -> Iterable[Measured]:
 
 @measure("short_holds", "of stays")
 def short_holds(scene: Take) -> Iterable[Measured]:
-    """Stays of the strongest pose that are shorter than 0.06 s, the first and the last left out.
+    """Stays of the strongest pose that are shorter than 0.06 s, without the first and the last.
 
-    Limited only by pose sets that say so: blended poses change places all the time, while drawings
-    that do so flicker::
+    Only some pose sets limit it: the strongest of blended poses often changes, but drawings that
+    change so fast flicker::
 
         value = stays under 0.06 s / stays
     """
@@ -194,8 +194,8 @@ def _called(scene: Take, pose: int) -> str:
 def silence(scene: Take) -> Iterable[Measured]:
     """Largest movement of a pose in a pause.
 
-    Beside a sound, the mouth may move for `silence_reach` plus the time that a pose takes at its
-    top speed; only the rest of a pause counts::
+    Next to a sound, the mouth may move for `silence_reach` plus the duration of a pose's movement
+    at top speed; only the rest of a pause counts::
 
         value = max over poses and pauses of (max w - min w)
     """
@@ -232,9 +232,9 @@ def _quiet(scene: Take, room: float) -> Bools:
 
 @measure("saturation", "of frames")
 def saturation(scene: Take) -> Iterable[Measured]:
-    """Frames of speech with a pose at its maximum. Limited only by pose sets that say so.
+    """Frames of speech with a pose at its maximum. Only some pose sets limit it.
 
-    A curve that is cut off at 1 for long has lost its shape::
+    A curve that is clipped at 1 for long has lost its shape::
 
         value = frames of sound with any w(t) > 0.999 / frames of sound
     """
@@ -249,10 +249,10 @@ def saturation(scene: Take) -> Iterable[Measured]:
 
 @measure("still", "of frames")
 def still(scene: Take) -> Iterable[Measured]:
-    """Frames of speech in which no pose moves. Limited only by pose sets that say so.
+    """Frames of speech without a moving pose. Only some pose sets limit it.
 
-    A pose slower than 0.1 per second is still. Long sounds hold still; a mouth that is still for
-    most of a line jumps in between::
+    A pose slower than 0.1 per second is still. Long sounds are still, but a mouth that is still
+    for most of a line jumps in between::
 
         value = frames of sound with all |w'(t)| < 0.1 / frames of sound
     """

@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from lipsync_lang.quality.figures import Figure, Quality, describe
 
 Qualities = Mapping[str, Quality]
-"""Results by name; the first is the animation to judge, the others compare."""
+"""Results by name; the first is for the judged animation, the others are for comparison."""
 
 
 def as_text(qualities: Qualities) -> str:

@@ -1,7 +1,7 @@
-"""An animation and its phonemes, as arrays that every measure reads.
+"""An animation with its phonemes, as arrays for all measures.
 
 Conventions: curves are (C, T); a column is a pose or a channel of a rig. Times are in seconds and
-rise. The n phonemes are those of the track, silence first and last, with n + 1 bounds.
+ascend. The n phonemes are those of the track, with silence first and last, and n + 1 bounds.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from lipsync_lang.pipeline.track import Track
 
 CEILING_TOLERANCE = 0.05
-"""Share of a column's range by which nobody sees that a ceiling is exceeded."""
+"""Maximum invisible excess over a ceiling, as a share of the column's range."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Take:
 
     @cached_property
     def remembered(self) -> dict[Any, Any]:
-        """Values that several measures need, by the function that finds them."""
+        """Cache of values that several measures need, by function."""
         return {}
 
     @cached_property
@@ -110,9 +110,9 @@ class Take:
         return cuts
 
     def highest(self, values: Floats) -> Floats:
-        """Return the highest of (..., T) values in the frames of each phoneme: (..., n).
+        """Return the maximum of (..., T) values in the frames of each phoneme: (..., n).
 
-        It is nan for phonemes without frames.
+        It is NaN for phonemes without frames.
         """
         cuts = self.cuts
         padded = np.concatenate((values, values[..., -1:]), axis=-1)
@@ -121,7 +121,7 @@ class Take:
 
     @cached_property
     def margins(self) -> Floats:
-        """(B, T) margin of each column that a contact bounds, in shares of its range."""
+        """(B, T) margin of each bounded column of a contact, in shares of its range."""
         columns, floor, high, _ = self.face.bounded
         span, curves = self.face.span[columns, None], self.curves[columns]
         below = (high - curves) / span + CEILING_TOLERANCE
@@ -130,7 +130,7 @@ class Take:
 
     @cached_property
     def margin(self) -> Floats:
-        """(contacts, T) margin by which each frame makes a contact; below 0 if it does not."""
+        """(contacts, T) margin of each contact at each frame; negative without contact."""
         if not self.face.touches:
             return np.zeros((0, len(self.times)))
         margin: Floats = np.minimum.reduceat(self.margins, self.face.bounded.starts, axis=0)
@@ -152,7 +152,7 @@ class Take:
 
 
 def scene_of(animation: "Animation", performer: "Performer") -> Take:
-    """Return an animation as arrays, with its phonemes.
+    """Return an animation with its phonemes as arrays.
 
     Raises
     ------
@@ -163,9 +163,11 @@ def scene_of(animation: "Animation", performer: "Performer") -> Take:
     face = face_of(animation, performer)
     times, weights = animation.times, animation.weights
     if len(times) < 2:  # noqa: PLR2004 one frame does not move
-        raise LipsyncError("the animation has fewer than two frames; there is nothing to judge")
+        raise LipsyncError("the animation has fewer than two frames, which cannot be judged")
     if not np.isfinite(weights).all() or (times[1:] <= times[:-1]).any():
-        raise LipsyncError("the animation has times that do not rise, or weights that are none")
+        raise LipsyncError(
+            "the animation has times that do not rise, or weights that are not finite numbers"
+        )
     asked = animation.asked if animation.performer is not None else {}
     track = performer.track(animation.schedule, line=asked.get("line"), styles=asked.get("styles"))
     labels = animation.schedule.labels
