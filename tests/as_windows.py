@@ -1,4 +1,4 @@
-"""Run the command line in Windows' manner, as far as another system can imitate it.
+"""Imitate Windows on another system, and run the command line there.
 
     python tests/as_windows.py run "Hello" -l english -c facefx -o hello.csv
 
@@ -65,7 +65,7 @@ SHARING_VIOLATION, ACCESS_DENIED, INVALID_NAME, NO_PRIVILEGE = 32, 5, 123, 1314
 
 
 def asked_by_us(depth=2):
-    """Tell whether one of our modules asks, or the code of a test."""
+    """Return True if the caller is a module of the package or of the tests."""
     frame = sys._getframe(depth)  # noqa: SLF001
     return frame.f_globals.get("__name__", "").partition(".")[0] in (OURS, "__main__")
 
@@ -78,7 +78,7 @@ def refusal(number, winerror, path):
 
 
 def hide(module, names, **values):
-    """Let a module show other values to our modules than to all others."""
+    """Replace values of a module for the modules of the package only."""
 
     def shown(name):
         def get(self):
@@ -96,7 +96,7 @@ def hide(module, names, **values):
 
 
 def hide_modules():
-    """Let our modules find none of the modules that Windows lacks, and `msvcrt`."""
+    """Hide the modules that Windows lacks from the package, and provide `msvcrt`."""
     real = builtins.__import__
 
     def imported(name, values=None, *rest, **options):
@@ -118,7 +118,7 @@ def hide_modules():
 
 
 def opened(path):
-    """Tell whether this process has a file open."""
+    """Return True if this process has a file open."""
     for number in os.listdir("/proc/self/fd"):  # noqa: PTH208
         try:
             if os.path.samefile(f"/proc/self/fd/{number}", path):  # noqa: PTH121
@@ -129,7 +129,7 @@ def opened(path):
 
 
 def refuse_open(path):
-    """Refuse to take away or replace a file that is open."""
+    """Refuse to delete or replace an open file."""
     if os.path.isfile(path) and opened(path):  # noqa: PTH113
         raise refusal(errno.EACCES, SHARING_VIOLATION, path)
 
@@ -144,7 +144,7 @@ def refuse_name(path):
 
 
 def heed(event, values):
-    """Raise what Windows would, before this system acts."""
+    """Raise the errors of Windows before this system acts."""
     match event:
         case "open" if isinstance(values[0], (str, os.PathLike)):
             path, mode, flags = values
@@ -168,7 +168,7 @@ def heed(event, values):
 
 
 def become_windows():
-    """Change this process for good."""
+    """Make this process behave like Windows until it ends."""
     assert Path("/proc/self/fd").is_dir(), "it tells which files are open"
     multiprocessing.resource_tracker._HAVE_SIGMASK = False  # noqa: SLF001
     hide_modules()

@@ -38,11 +38,11 @@ bigrams:
 
 
 DEAD = ".{}.{:08x}-4194305-00000000.lipsync-tmp"
-"""Name of a temporary file of a process that cannot be: a larger number than systems give."""
+"""Name of a temporary file of an impossible process, whose number is too large."""
 
 
 def left_behind(folder, name="x.csv"):
-    """Put a file into a folder as a killed process of this machine leaves it."""
+    """Write a temporary file as a killed process of this machine leaves it."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / DEAD.format(name, crc32(os.uname().nodename.encode()))
     path.write_bytes(b"half")
@@ -84,7 +84,7 @@ class Game:
         self.write("posesets/facefx/banks/common.yaml", BANK.format(level=level))
 
     def build(self, *options):
-        """Build; return the exit code, the events by name, and what is said on stderr."""
+        """Build, and return the exit code, the events by name, and the text on stderr."""
         code = main(["build", "--json", *options])
         out, err = self.capsys.readouterr()
         events = [json.loads(line) for line in out.splitlines()]

@@ -1,4 +1,4 @@
-"""Captures made by the project: a known face speaks, and its curves are noted with errors."""
+"""Captures for tests: the curves of a known face, with errors."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ SOUNDS = tuple(
 )
 
 LEAST_SECONDS = 0.015
-"""Shortest sound that errors of timings leave."""
+"""Minimum length of a sound after errors of timings."""
 
 FPS = 60
 
@@ -30,7 +30,7 @@ def open_pair(language="english", character="facefx"):
 
 
 def random_lines(random, count, sounds=38):
-    """Return schedules of sounds in any order, of some four seconds each."""
+    """Return schedules of random sounds of about four seconds each."""
     return [
         ll.Schedule(
             ["_", *random.choice(SOUNDS, sounds), "_"],
@@ -62,7 +62,7 @@ def captured(performer, schedules, random=None, *, jitter=0.0, noise=0.0, speake
 
 
 def changed_face(pair, performer, random, schedules):
-    """Return a performer whose targets differ from a pair's at random: the truth of a fit."""
+    """Return a performer with randomly changed targets, as the truth of a fit."""
     face = FitFace.of(pair, lay_lines(performer, captured(performer, schedules), FPS))
     start = face.start
     weights, dominance = start.weights.copy(), start.dominance.copy()

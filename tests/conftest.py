@@ -1,4 +1,4 @@
-"""Shared by all tests: places of things, a cache of their own, and the command line."""
+"""Fixtures of all tests: folders, a separate cache, and the command line."""
 
 import gc
 import os
@@ -20,7 +20,7 @@ DATA = "LIPSYNC_LANG_TEST_DATA"
 
 
 def pytest_configure(config):
-    """Keep away from the user's cache and packs, even while tests are collected.
+    """Keep tests away from the user's cache and packs, even during collection.
 
     One cache serves the workers of a run: they are started later, and inherit the environment.
     """
@@ -65,7 +65,7 @@ def data():
 
 
 class Ended(NamedTuple):
-    """How a command ended."""
+    """Result of a command."""
 
     code: int
     out: str
@@ -74,7 +74,7 @@ class Ended(NamedTuple):
 
 @pytest.fixture
 def cli(capsys):
-    """Run a command in this process: what it returned, printed and said."""
+    """Run a command in this process, and return its exit code and its outputs."""
 
     def run(*arguments):
         capsys.readouterr()
@@ -92,6 +92,6 @@ def cli(capsys):
 
 @pytest.fixture(params=["compiled", "numpy"])
 def arithmetic(request, monkeypatch):
-    """Run the stages in the compiled kernel, where there is one, or in numpy."""
+    """Run the stages in the compiled kernel, if there is one, or in numpy."""
     if request.param == "numpy":
         monkeypatch.setattr(kernel, "compiled", None)

@@ -1,4 +1,4 @@
-"""The two lanes of tests: what belongs into which, and how large sweeps are in each.
+"""The two lanes of tests, and the sizes of sweeps in each.
 
 A test is in the quick lane (`make test`) unless it is marked `full`. Mark it where it takes more
 than a second of CPU, and either repeats for other data what a quick test holds already, or starts
@@ -33,7 +33,7 @@ settings.load_profile("quick")
 
 
 def swept(values: Iterable[Any], quick: int | Iterable[Any] = 1) -> list[Any]:
-    """Return the parameters of a sweep; those beyond the quick ones are in the full lane.
+    """Return the parameters of a sweep; only the quick ones are in the quick lane.
 
     Parameters
     ----------
@@ -54,5 +54,5 @@ def _in_full(value: Any) -> Any:
 
 
 def costly() -> settings:
-    """Return settings for a property whose examples take long: a quarter as many of them."""
+    """Return settings for a property with slow examples: a quarter as many."""
     return settings(max_examples=settings().max_examples // 4)

@@ -1,4 +1,4 @@
-"""A small, sound set of packs to break: its words are nobody's language."""
+"""A small, valid set of packs to break, in an invented language."""
 
 from pathlib import Path
 
@@ -141,7 +141,7 @@ TREE = {
 
 
 def plant(root: Path, *without: str) -> Path:
-    """Write the sound packs below a folder, except some files."""
+    """Write the valid packs into a folder, except some files."""
     for name, text in TREE.items():
         if name not in without:
             put(root, name, text)

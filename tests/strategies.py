@@ -1,4 +1,4 @@
-"""Hypothesis strategies: tables, tracks, motions and frame rates as packs may bring them about."""
+"""Hypothesis strategies: tables, tracks, motions and frame rates."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -22,7 +22,7 @@ SECONDS = st.one_of(st.floats(0.005, 0.3), st.floats(0.005, 3.0), st.just(0.005)
 """Lengths of phonemes."""
 
 ON_A_GRID = st.sampled_from([0.05, 0.1, 0.15, 0.2, 0.25, 0.5, 1.0])
-"""Lengths as an aligner writes them: boundaries lie on frames."""
+"""Lengths from an aligner, whose boundaries lie on frames."""
 
 RATES = st.one_of(
     st.sampled_from([60, 12, 15, 24000 / 1001, 24, 25, 30000 / 1001, 30, 50, 60, 100, 120, 240]),
@@ -38,17 +38,17 @@ def real():
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Line:
-    """Common phonemes in time, and the tables that know them."""
+    """Common phonemes in time, and their tables."""
 
     tables: Tables
     ids: np.ndarray
     times: np.ndarray
     edits: tuple[tuple[int, int, int], ...] = ()
-    """First phoneme, pose and seed of curves that a person laid over two phonemes."""
+    """First phoneme, pose and seed of curve edits over two phonemes."""
     shares: tuple[tuple[float, float], ...] = ()
     """For each style of the tables, its share at the line's start and at its end."""
     dials: tuple[tuple[int, float, float], ...] = ()
-    """Every so manieth pose, and its level at the line's start and at its end."""
+    """Step between scaled poses, and their level at the line's start and at its end."""
 
     def _repr_pretty_(self, printer, _):
         made = self.tables
@@ -72,7 +72,7 @@ class Line:
 
     @property
     def free(self):
-        """(B,) whether every bank that is heard waives a bigram's contacts."""
+        """(B,) True if every bank in use waives a bigram's contacts."""
         shares = zip(self.tables.styles[: len(self.shares)], self.shares, strict=True)
         heard = [style.free for style, share in shares if max(share) > 0]
         if not self.shares or sum(map(min, self.shares)) < 1:
@@ -101,7 +101,7 @@ def random_points(rng):
 
 @cache
 def pool():
-    """Curves to choose from, (500, RESOLUTION + 1): each takes as long as a whole line."""
+    """Cached curves, (500, RESOLUTION + 1), since each takes as long as a whole line."""
     rng, at = np.random.default_rng(0), np.linspace(0, 1, RESOLUTION + 1)
     return np.stack([bspline(random_points(rng)[None], at)[0].clip(0, 1) for _ in range(500)])
 
@@ -116,7 +116,7 @@ def random_curves(rng, poses):
 
 @st.composite
 def tables(draw):
-    """Tables that keep what packs guarantee.
+    """Random tables with the guarantees of packs.
 
     Contact poses outrank what they are constrained with, two of them have room for both floors,
     no ceiling lies on a pose that is held up, and `at_most` runs in no circle.
@@ -197,7 +197,7 @@ def _trigrams(rng, phonemes, silence, poses, share):
 
 
 def _needed(contacts, priority):
-    """Return the least threshold of each pair at which contacts can be kept: (P, P)."""
+    """Return the minimum threshold of each pair that allows all contacts: (P, P)."""
     floors = np.max([c.floor for c in contacts] or [np.zeros(len(priority))], axis=0)
     yields = np.where(priority[:, None] < priority, floors[:, None], floors)
     both = (floors[:, None] > 0) & (floors > 0)
@@ -205,7 +205,7 @@ def _needed(contacts, priority):
 
 
 def _style(rng, curves, free):
-    """Another manner of speaking, which changes some of the bigrams."""
+    """A style, which changes some of the bigrams."""
     own = rng.random(len(curves)) < 0.6
     own[0] = False
     changed = curves.copy()

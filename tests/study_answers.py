@@ -18,7 +18,7 @@ def study_of(  # noqa: PLR0913 a study has many parts
     seconds=2.0,
     seed=1,
 ):
-    """Return a study of each two methods on each line and character, with sides by chance."""
+    """Return a study of all pairs of methods on each line and character, with random sides."""
     chance = random.Random(seed)  # noqa: S311 no secret
     pairs = []
 
@@ -86,7 +86,7 @@ def submission(study, number, chooses, *, strength=3, seconds=6.0):
 
 
 def crowd(study, raters, share, *, spread=0.0, seed=0):
-    """Return submissions of raters who prefer our method with a share, raters apart by a spread.
+    """Return submissions of raters who prefer `ours` with a share that varies by a spread.
 
     The share of each rater is beta distributed with an intraclass correlation of `spread`.
     """

@@ -1,4 +1,4 @@
-"""Acceptance of a fit: item by item or all, never over what a person wrote, and undone again."""
+"""Acceptance of a fit: single items or all, without changes to a person's values, and undo."""
 
 import json
 from pathlib import Path
@@ -30,7 +30,7 @@ CURVES = "{open: [[0, 0], [1, 0.2]]}"
 
 @pytest.fixture(autouse=True)
 def anna(tmp_path, monkeypatch):
-    """The file of a character in a project, which is the current folder."""
+    """File of a character in a project, which is the current folder."""
     monkeypatch.chdir(tmp_path)
     return put(tmp_path, "characters/anna.yaml", ANNA) or tmp_path / "characters/anna.yaml"
 

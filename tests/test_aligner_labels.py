@@ -1,4 +1,4 @@
-"""Labels of aligners are known in every language; marks that nobody sees are no reason to stop."""
+"""Labels of aligners are known in every language, and invisible marks are ignored."""
 
 import csv
 from functools import cache
@@ -29,7 +29,7 @@ assert len(PHONES) > 40
 
 
 def notation(name):
-    """The IPA of a language, as a performer has it."""
+    """IPA notation of a language, from a performer."""
     silences = LIBRARY.common().model.rests
     return ready(tables_of(LIBRARY.language(name).model), silences, SILENT, IPA, SPELLING)[IPA]
 
@@ -42,7 +42,7 @@ def test_every_phone_of_an_aligner_is_known(name, source, phones):
 
 
 CODES = {"portuguese-br": "por", "portuguese-pt": "por"}
-"""Languages whose pack does not say the code by which Epitran knows them."""
+"""Epitran codes of languages whose pack does not state one."""
 
 
 @cache
@@ -77,7 +77,7 @@ NEAR = among(LIBRARY, automatic(LIBRARY, "ipa:x"))
 
 
 SHADES = {"\u031d", "˔", "\u031e", "˕", "\u031f", "˖", "\u0320", "˗"}
-"""Marks of a vowel a little closer, opener, further in front or back than its letter says."""
+"""Marks of a slightly closer, opener, fronted or backed vowel."""
 
 
 @pytest.mark.parametrize("mark", swept(UNSEEN, quick=[*UNSEEN][::24]))

@@ -1,4 +1,4 @@
-"""Alignment: a recording and its text become a schedule that says when each phoneme is said."""
+"""Alignment: a recording and its text become a schedule of timed phonemes."""
 
 import re
 from dataclasses import replace
@@ -47,7 +47,7 @@ def english():
 
 @pytest.fixture(scope="module")
 def spoken(english):
-    """Sound of the language's voice, and its times: by text."""
+    """Sound and schedule of the language's voice, by text."""
     return {text: english.speak(text) for text in TEXTS}
 
 
@@ -380,7 +380,7 @@ def test_a_frame_of_features_comes_every_hundredth_of_a_second():
 @full
 @given(st.integers(1, 4), st.integers(0, 20), st.integers(0, 2**32 - 1))
 def test_the_likeliest_way_is_the_best_of_all_ways(phones, more, seed):
-    """Best path of a chain, by trying every way to cut the frames."""
+    """Find the best path of a chain by trying every division of the frames."""
     random = np.random.default_rng(seed)
     frames = 3 * phones + min(more, 3)
     scores = random.normal(size=(frames, phones, 3)).astype(np.float32)
@@ -561,7 +561,7 @@ def test_every_label_of_ipa_is_heard_and_pressed_lips_are_heard_as_such(language
 
 
 def laid_by(monkeypatch, name, confidence):
-    """Stand in for an aligner with one that is so sure, or fails."""
+    """Replace an aligner with one of a given confidence, or one that fails."""
 
     class StandIn:
         def align(self, audio, text, speaker, model=None):  # noqa: ARG002 as aligners are called

@@ -37,7 +37,7 @@ every_file = pytest.mark.parametrize(
     "writer",
     [pytest.param(w, id=n, marks=[full] * (n in PICTURES)) for n, w in WRITERS.items()],
 )
-"""Every writer; those of pictures, which have tests of their own, in the full lane."""
+"""All writers; those of pictures have their own tests, and run in the full lane."""
 
 FPS = 30
 NOISE = np.random.default_rng(0).integers(-32768, 32767, 4000).astype(np.int16)
@@ -59,7 +59,7 @@ SUITED = {
     "rhubarb-tsv": ("rhubarb", FPS),
     "rhubarb-xml": ("rhubarb", FPS),
 }
-"""The character and the rate that a writer asks for; the others take any."""
+"""Character and frame rate for writers with requirements."""
 
 
 @pytest.fixture(scope="module")
@@ -109,7 +109,7 @@ def as_csv(content, animation):
 
 
 IN_DOUBT = st.integers(-300_000, 300_000).map(lambda n: (n + 0.5) / 1e5)
-"""Weights half way between two numbers of five digits, as near as floats come."""
+"""Weights half way between two numbers of five digits, as exact as floats can be."""
 
 
 @given(arrays(float, (3, 2), elements=st.floats(-360, 360) | IN_DOUBT))
@@ -175,7 +175,7 @@ def as_page(content, animation):
 
 
 def as_timings(name):
-    """Return a check that a file of timings holds the schedule, without stress and words."""
+    """Return a check that a file of timings contains the schedule, without stress and words."""
 
     def check(content, animation):
         found = find_reader(source := TimingFile(Path(f"line.{name}"), content), name).read(source)

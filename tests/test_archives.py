@@ -1,4 +1,4 @@
-"""Archives of outputs: what is in them, byte for byte, and nothing lost."""
+"""Archives of outputs: their content byte by byte, without losses."""
 
 import zipfile
 from contextlib import suppress
@@ -29,7 +29,7 @@ def path(tmp_path):
 
 
 def content(path):
-    """Members that another reader finds, each of them checked."""
+    """Members of an archive, as checked by another reader."""
     with zipfile.ZipFile(path) as archive:
         assert archive.testzip() is None
         return {name: archive.read(name) for name in archive.namelist()}

@@ -1,4 +1,4 @@
-"""Real mouths: the draft follows them better than keys at phoneme centres do."""
+"""Articulography: drafts follow real mouths better than keys at phoneme centres."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Common mistakes: every message names the problem, its place and the cure."""
+"""Common mistakes: every message names the problem, its place and its remedy."""
 
 import json
 import re
@@ -30,7 +30,7 @@ def performer():
 
 @pytest.fixture
 def read(tmp_path):
-    """Read JSON as a schedule: bytes as they are, anything else dumped."""
+    """Read JSON as a schedule; values other than bytes are converted to JSON first."""
 
     def from_json(document):
         path = tmp_path / "line.json"

@@ -1,4 +1,4 @@
-"""Changes by a layer: figures that can be checked by hand, and a picture of them."""
+"""Changes by a layer: figures with known values, and their picture."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Fits to captures: known faces are found again, and what does not generalise is refused."""
+"""Fits to captures: known faces are found again, and overfitted values are refused."""
 
 import io
 import json
@@ -36,7 +36,7 @@ LINES = 12
 
 @cache
 def example(character="facefx", lines=LINES, jitter=0.01, noise=0.02, seed=0):
-    """Return a pair, its performer, the true face, what it said, and captures of it."""
+    """Return a pair, its performer, the true face, its lines, and their captures."""
     random = np.random.default_rng(seed)
     pair, performer = open_pair(character=character)
     said = random_lines(random, lines)
@@ -52,7 +52,7 @@ def fitted(character="facefx"):
 
 
 def clean_error(fit, performer, truth, said):
-    """Return how far the fitted curves are from the true ones on timings without errors."""
+    """Return the error of the fitted curves on timings without errors."""
     lines = lay_lines(performer, captured(truth, said), FPS)
     return rms(fit.face.errors(fit.face.start, lines)), rms(fit.face.errors(fit.values, lines))
 
@@ -342,7 +342,7 @@ def test_rates_fall_for_long_captures():
 
 
 def save(folder, lines, truth, said):
-    """Write captures as a person has them: our CSV beside timings."""
+    """Write captures as CSV files with timings beside them."""
     folder.mkdir()
     for line, schedule in zip(lines, said, strict=True):
         animation = truth.perform(schedule, FPS)

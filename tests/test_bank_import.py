@@ -1,4 +1,4 @@
-"""Banks of SmartBody: read as it writes them, never run, and nothing lost without a word."""
+"""Banks of SmartBody: read in its forms, never executed, with a remark on every loss."""
 
 import json
 import sys
@@ -51,7 +51,7 @@ Shape open 6 0.30142 -0.0031 0.71463 0.27182 1.0062 0
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in an empty folder."""
+    """Change to an empty folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -75,7 +75,7 @@ def read(folder, text, name="bank.py"):
 
 
 def brought(folder, library, text, **options):
-    """Import a bank; return its bigrams as the file states them, and the import."""
+    """Import a bank, and return the bigrams of its file and the result."""
     path = folder / "bank.py"
     path.write_text(text, "utf-8")
     made = import_bank(library, [path], "facefx", **options)

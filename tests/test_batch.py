@@ -27,7 +27,7 @@ def mute(performer, schedule):
 
 @st.composite
 def schedules(draw, performer):
-    """Labels of any one notation, some of several sounds, some marked, some mute or unknown."""
+    """Labels of one notation: some with several sounds, some marked, some mute or unknown."""
     name = draw(st.sampled_from(sorted(performer.labels.notations)))
     table = sorted(performer.labels.notations[name].table)
     assert table, "a notation without labels says nothing"

@@ -1,4 +1,4 @@
-"""Sources of the curves of a bigram: their pack, the layers beneath, and the targets."""
+"""Sources of the curves of a bigram: their pack, the layers below, and the targets."""
 
 from dataclasses import replace
 

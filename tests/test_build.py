@@ -1,4 +1,4 @@
-"""Builds: what is made, what is made again and why, and what is never touched."""
+"""Builds: the lines that are made, the reasons, and the files that never change."""
 
 import os
 import sqlite3
@@ -380,7 +380,7 @@ def test_a_record_is_not_believed(built, column, value):
 
 
 def tamper(game, statement, value):
-    """Change the record of a project as a stranger may have."""
+    """Change the record of a project as another program may."""
     with closing(sqlite3.connect(game.folder / ".lipsync_lang/build.sqlite")) as base:
         base.execute(statement, (value,))
         base.commit()
@@ -488,7 +488,7 @@ def archived(game):
 
 
 def packed(game):
-    """Return the content of the archive by the ids of its lines; there is no other file."""
+    """Return the content of the archive, the only file, by the ids of its lines."""
     (file,) = (path for path in (game.folder / "takes").rglob("*") if path.is_file())
     with ZipFile(file) as archive:
         return {name.removesuffix(".csv"): archive.read(name) for name in archive.namelist()}

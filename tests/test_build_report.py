@@ -1,4 +1,4 @@
-"""Reports of a build: what fails it, the worst lines first, and pages that stay small and safe."""
+"""Reports of a build: causes of failure, the worst lines first, and small, safe pages."""
 
 import json
 import re

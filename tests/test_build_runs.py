@@ -41,7 +41,7 @@ def game(tmp_path, monkeypatch, capsys):
 
 
 def contents(folder):
-    """Return the digest of each output; pytest compares long bytes for minutes."""
+    """Return the digest of each output, since pytest compares long bytes slowly."""
     return {
         str(path.relative_to(folder)): blake2b(path.read_bytes()).hexdigest()
         for part in ("takes", "glb")
@@ -51,7 +51,7 @@ def contents(folder):
 
 
 def unbuilt(folder):
-    """Take away what builds made."""
+    """Delete the results of builds."""
     for part in ("takes", "glb", ".lipsync_lang"):
         rmtree(folder / part)
 

@@ -1,4 +1,4 @@
-"""Lines are timed by what they have, many at once; each keeps its place."""
+"""Timing of lines from their files, many at once and in order."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,7 @@ from lipsync_lang.speech import hearing
 
 
 class Voice:
-    """A speaker that says a text as one schedule, and remembers how often it was asked."""
+    """A speaker that returns one schedule for each text, and counts its calls."""
 
     asked = 0
 

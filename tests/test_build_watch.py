@@ -1,4 +1,4 @@
-"""`build --watch`: what begins a build, what does not, and what is said once."""
+"""`build --watch`: changes that begin a build, changes that do not, and its messages."""
 
 import os
 import signal
@@ -33,7 +33,7 @@ def game(tmp_path, monkeypatch, capsys):
 
 @pytest.fixture
 def watched(game, monkeypatch):
-    """Watch while steps change files; return what is said after each step.
+    """Watch while steps change files, and return the messages after each step.
 
     What changed is found by comparing the folder, and passes the filter, as in the real watcher.
     """

@@ -1,4 +1,4 @@
-"""The cache of compiled pairs: exact when warm, and never believed when in doubt."""
+"""The cache of compiled pairs: exact results, and no use of doubtful files."""
 
 import ast
 import json
@@ -29,19 +29,19 @@ PAIR = ("child", "anna")
 
 @pytest.fixture
 def store(tmp_path, monkeypatch):
-    """An empty cache, and a project folder with small packs to stand in."""
+    """An empty cache, and a project with small packs as the current folder."""
     monkeypatch.setenv(cache.CACHE_VARIABLE, str(tmp_path / "cache"))
     monkeypatch.chdir(plant(tmp_path / "project"))
     return tmp_path / "cache"
 
 
 def warm(language="child", character="anna", paths=()):
-    """Tell whether the cache answers."""
+    """Return True if the cache has the pair."""
     return cache.load(language, character, tuple(Path(p) for p in paths)) is not None
 
 
 def fill(*pair, **rest):
-    """Resolve a pair twice and return the cache's answer."""
+    """Resolve a pair twice, and return the cached pair."""
     ll.resolve(*(pair or PAIR), **rest)
     assert warm(*(pair or PAIR), **rest)
 
@@ -385,7 +385,7 @@ def test_what_is_damaged_is_not_believed(store):
 
 
 def forged(whole, change):
-    """Return a cache file whose head is changed and whose digest fits again."""
+    """Return a cache file with a changed header and a correct digest."""
     rest = whole[len(cache.MARK) + cache.DIGEST :]
     size = int.from_bytes(rest[:8], "little")
     head = json.loads(rest[8 : 8 + size])

@@ -1,4 +1,4 @@
-"""Captures: files of motion become lines of signals, and faulty ones are set aside by name."""
+"""Captures: files of motion become lines of signals, and faulty ones are listed."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Characters drafted from models: what is recognised, what is written, and that it speaks."""
+"""Characters drafted from models: recognition, files, and speech."""
 
 import json
 from pathlib import Path
@@ -28,20 +28,20 @@ LINE = [
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A project's folder, which is the current one."""
+    """Folder of a project, as the current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 def new(cli, *arguments):
-    """Make a character; what was said, and the pack."""
+    """Make a character, and return the messages and the pack."""
     ended = cli("characters", "new", *arguments)
     assert ended.code == 0, ended.err
     return ended.err, Library().character(arguments[0]).model
 
 
 def speak(cli, name):
-    """Let a character speak into its model; return the shapes and bones that move."""
+    """Animate the model of a character, and return the moving shapes and bones."""
     Path("line.json").write_text(json.dumps(LINE), "utf-8")
     ended = cli("validate", *(f for f in ("characters", "posesets") if Path(f).exists()))
     assert (ended.code, ended.out) == (0, ""), ended.out

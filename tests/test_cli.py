@@ -1,4 +1,4 @@
-"""The command line: data on stdout, words on stderr, 0 sound, 1 faults, 2 misuse."""
+"""The command line: data on stdout, messages on stderr, and exit codes 0, 1 and 2."""
 
 import csv
 import json
@@ -50,7 +50,7 @@ Object class = "TextGrid"
 
 
 def actions(made):
-    """List what a parser understands."""
+    """List the actions of a parser."""
     return made._actions  # noqa: SLF001 it tells no other way
 
 
@@ -70,7 +70,7 @@ every_command = pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in an empty folder with two schedules."""
+    """Change to a folder with two schedules."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "line.json").write_text(json.dumps(SCHEDULE), "utf-8")
     (tmp_path / "line.TextGrid").write_text(TEXTGRID, "utf-8")
@@ -675,7 +675,7 @@ ARGUMENTS = st.lists(
 
 
 def ends_well(arguments, capsys):
-    """Run a command and return its exit code; every problem must be reported in words."""
+    """Run a command, and return its exit code; every error must have a message."""
     try:
         code = main(arguments)
     except SystemExit as exit_:

@@ -1,4 +1,4 @@
-"""How much the command line says, what a shell completes, and names in any case."""
+"""Verbosity of the command line, completion in shells, and names in any case."""
 
 import json
 import logging

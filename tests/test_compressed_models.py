@@ -1,4 +1,4 @@
-"""Models that Draco or meshoptimizer compressed: the same points as plain, or an error in words."""
+"""Models compressed by Draco or meshoptimizer: the same points, or an error message."""
 
 import sys
 from functools import partial

@@ -1,4 +1,4 @@
-"""Coverage: what lines need, what a character has, and what to author next."""
+"""Coverage: needs of lines, bigrams of a character, and the next work."""
 
 import csv
 import io
@@ -60,7 +60,7 @@ trigrams:
 
 @pytest.fixture
 def packs(tmp_path, monkeypatch):
-    """A language without a voice, a bank, and the folder they lie in."""
+    """Folder with a language without a voice, and a bank."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path / "languages/toy.yaml", LANGUAGE)
     bank(tmp_path, "drafted")
@@ -219,7 +219,7 @@ def test_timed_phonemes_are_counted_as_they_are():
 
 
 def heard(told):
-    """Return how often each bigram is heard, those with silence among them."""
+    """Count each bigram, including those with silence."""
     return Counter({one.bigram: one.count for one in (*told.bigrams, *told.silence)})
 
 
@@ -276,7 +276,7 @@ def test_a_label_without_a_map_stands_between_its_neighbours(packs):
 WRITTEN = LANGUAGE.replace(
     "rules: [", "rules: [{from: да, to: [t, a]}, {from: м, to: m}, {from: и, to: i}, "
 ) + ("tests:\n- {text: ta mi, phonemes: [d, aa, bmp, ih]}\n")
-"""The toy language in Latin letters; of Cyrillic, it reads one word and spells another."""
+"""The toy language in Latin letters, with one known word and one spelled word in Cyrillic."""
 
 
 @pytest.mark.parametrize(
@@ -521,7 +521,7 @@ SHAPE = {
     "sentences": ["place", "text", "bigrams"],
     "shared": ["language", "phonemes", "bigrams"],
 }  # fmt: skip
-"""The keys that version 1 of the document has had from its start; others come after them."""
+"""First keys of version 1 of the document; new keys come after them."""
 
 
 @pytest.mark.usefixtures("packs")

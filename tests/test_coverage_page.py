@@ -1,4 +1,4 @@
-"""The page of a coverage document: whole, safe, small, and the same each time."""
+"""The page of a coverage document: complete, safe, small and reproducible."""
 
 import json
 import re
@@ -56,7 +56,7 @@ VOID = {"input", "link", "meta"}
 
 
 def made(languages=2, characters=2):
-    """A document as a project of some size has it: the numbers are invented."""
+    """A document of a project of realistic size, with invented numbers."""
     names, people = list(LANGUAGES)[:languages], list(CHARACTERS)[:characters]
     pairs = product(enumerate(names), enumerate(people))
     reports = [report(name, n, who, m) for (n, name), (m, who) in pairs]
@@ -174,7 +174,7 @@ def empty_report():
 
 
 def borrowed():
-    """A pair whose last sound is lent by another, which a person has drawn."""
+    """A pair whose last sound borrows from another sound with drawn curves."""
     one = report("english", 0, "facefx", 1)
     rows = [row | {"layer": "like", "status": "edited"} for row in one["bigrams"]]
     return one | {"bigrams": rows, "authored": {"bigrams": 0, "percent": 0}}
@@ -221,7 +221,7 @@ class Element:
 
 
 class Reader(HTMLParser):
-    """Builds the tree of a page, and fails where an element is not closed."""
+    """Builds the tree of a page, and fails if an element is not closed."""
 
     def __init__(self, content):
         super().__init__()
@@ -256,7 +256,7 @@ def parsed(text):
 
 
 class Shown:
-    """Text of the page for a report, as its script puts it together."""
+    """Text of the page for a report, as composed by its script."""
 
     def __init__(self, root, number):
         picker = root.one("select", id="picker")
@@ -334,7 +334,7 @@ def test_headings_go_down_a_step_at_a_time_and_every_picture_has_words(document)
 
 
 def facts(one):
-    """Yield the texts that a report's parts must hold, and in which part."""
+    """Yield the texts that the parts of a report must contain, with the part."""
     yield "summary", percent(one["authored"]["percent"])
     yield "summary", hours(one["left"]["hours"])
     yield "summary", count(one["left"]["bigrams"], "bigram")
@@ -510,7 +510,7 @@ NAMES = {"format", "layer", "status"}
 
 
 def spoiled(value, text):
-    """Put a text into every string of a document but the names of states."""
+    """Insert a text into every string of a document except the names of states."""
     if isinstance(value, dict):
         return {key: one if key in NAMES else spoiled(one, text) for key, one in value.items()}
     if isinstance(value, list):

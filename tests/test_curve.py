@@ -1,4 +1,4 @@
-"""The smooth curve of a bank: hand-derived values, golden ones, and what a B-spline always does.
+"""The smooth curve of a bank: derived values, golden values, and properties of B-splines.
 
 `golden/bspline.json` fixes the curve for every implementation, in whatever language. Written by
 this file's own de Boor, not by the code under test: ``python tests/test_curve.py`` writes it anew.
@@ -58,7 +58,7 @@ def slow(points, x):
 
 
 def cases():
-    """Control points whose curve no rounding can tear: t(u) rises everywhere."""
+    """Control points whose t(u) rises everywhere, so that rounding does not matter."""
     rng = np.random.default_rng(2013)
     for count in range(2, 10):
         even = np.linspace(0, 1, count)
@@ -87,7 +87,7 @@ def golden():
 
 
 def golden_text():
-    """One case a line, so that a difference is readable."""
+    """Text with a case on each line, for readable differences."""
     about = (
         "Clamped uniform B-spline of degree min(3, n - 1) in (t(u), v(u)): v where t(u) is the "
         "time, 0 outside the points. To be met within 1e-9."

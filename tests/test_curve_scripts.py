@@ -1,4 +1,4 @@
-"""The curves that the studio draws are those that are performed."""
+"""Curves in the studio equal the performed curves."""
 
 import json
 from pathlib import Path

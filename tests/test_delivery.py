@@ -1,4 +1,4 @@
-"""How a line is delivered: styles blended over neutral, regions scaled, poses one at a time."""
+"""Delivery of lines: styles blended over neutral, scaled regions, and poses one at a time."""
 
 import json
 from itertools import pairwise
@@ -101,7 +101,7 @@ def test_half_a_style_is_half_way_before_all_else(bare):
 
 
 def test_each_bank_is_warped_by_its_own_boundary(bare):
-    """At 0.3 of the angry curve the first sound ends, so W stands high already when it does."""
+    """The first sound ends at 0.3 of the angry curve, where W is high already."""
     times, angry = stitched(bare, styles={"angry": 1})
     w = angry[bare.poses.index("W")]
     at = np.abs(times - 0.45).argmin()

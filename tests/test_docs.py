@@ -1,4 +1,4 @@
-"""The documentation is true: pages, links, packs, commands and Python."""
+"""Documentation: pages, links, packs, commands and Python code are checked."""
 
 import ast
 import importlib.util
@@ -23,7 +23,7 @@ PAGES = sorted(p for p in [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 assert PAGES, "a sweep over nothing passes"
 
 FENCE = re.compile(r"^```(\w*)[ ]*([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-"""A fenced block: its language, what else its first line says, and its text."""
+"""A fenced block: its language, the rest of its first line, and its text."""
 
 TOLD = re.compile(r'(title|edits|shows)="([^"]+)"')
 """Relation of a block to a file: all of it, entries to put into it, or lines from it."""
@@ -41,7 +41,7 @@ NOT_RUN = {
     "uv": "installs an environment of its own",
     "npm": "installs what a test of its own finds installed",
 }
-"""Commands of a console block that a test passes over, and why."""
+"""Commands of console blocks that the tests skip, with the reason."""
 
 
 def named(page):
@@ -117,7 +117,7 @@ def test_links_lead_somewhere(page):
 
 
 def anchors(page):
-    """The anchors that a page's headings make."""
+    """Anchors of a page's headings."""
     headings = re.findall(r"^#+ (.+)$", FENCE.sub("", page.read_text("utf-8")), re.MULTILINE)
     plain = (re.sub(r"[^\w\- ]", "", heading.lower()) for heading in headings)
     return {heading.replace(" ", "-") for heading in plain}
@@ -164,12 +164,12 @@ def messages(module):
 
 
 def blocks(page):
-    """The fenced blocks of a page: language, what its first line says, text."""
+    """Fenced blocks of a page: language, the rest of the first line, text."""
     return FENCE.findall(page.read_text(encoding="utf-8"))
 
 
 def steps(page):
-    """The blocks of a page that do something."""
+    """Blocks of a page with an effect."""
     return [
         (language, told, text)
         for language, told, text in blocks(page)
@@ -183,7 +183,7 @@ def write(path, text):
 
 
 def needs(page):
-    """The packages a page's steps need beyond the bare installation."""
+    """Packages that a page's steps need beyond the bare installation."""
     done = "\n".join(text for language, _, text in steps(page) if language in ("console", "python"))
     found = set()
     if re.search(r"lipsync-lang (run|explain|live) ['\"\w]", done) or "ll.speak(" in done:
@@ -223,7 +223,7 @@ def test_what_a_page_does_can_be_done(page, tmp_path, monkeypatch, capsys):
 
 
 def follow(page, capsys):
-    """Do what a page says, in the folder at hand."""
+    """Follow the steps of a page in the current folder."""
     scope = {"__name__": "__main__"}
     for language, told, text in steps(page):
         if about := TOLD.search(told):
@@ -236,14 +236,14 @@ def follow(page, capsys):
 
 
 def bring_a_recording_and_a_head():
-    """Put the files beside the README that its reader has: a recording, and a head with shapes."""
+    """Provide the files of a reader of the README: a recording, and a head with shapes."""
     glb(Path("face.glb"), *LIBRARY.poseset("arkit").model.poses)
     text, pair = "Hello, people of the lake.", ["-l", "english", "-c", "facefx"]
     assert main(["run", text, *pair, "--cut", "-o", "take.wav"]) == 0
 
 
 def put(how, path, text):
-    """Do with a file what a reader does at a block with its name."""
+    """Change a file as a reader does at a block with its name."""
     if how == "title":
         write(path, text)
     elif how == "edits":
@@ -255,7 +255,7 @@ def put(how, path, text):
 
 
 def edited(text, entries):
-    """Lay entries over YAML: each takes the place of its like, or follows the one before it."""
+    """Merge entries into YAML: each replaces an equal one, or follows the one before it."""
     lines, at = text.splitlines(), len(text.splitlines())
     deep = len(entries) - len(entries.lstrip(" "))
     for entry in re.split(rf"\n(?= {{{deep}}}[^\s#])", entries.rstrip()):
@@ -273,7 +273,7 @@ def edited(text, entries):
 
 
 def out_of_order(wanted, there):
-    """Return the first line that does not follow the ones before it; None where all do."""
+    """Return the first line that is out of order; None if all are in order."""
     at = 0
     for line in wanted:
         if line.strip() == "...":
@@ -285,13 +285,13 @@ def out_of_order(wanted, there):
 
 
 def copy(source, target):
-    """Copy a folder of ours, as a reader beside the checkout does."""
+    """Copy a folder of the repository, as a reader with a checkout does."""
     ours = ROOT / Path(source).relative_to("../lipsync_lang")
     shutil.copytree(ours, Path(target) / ours.name)
 
 
 def console(told, text, capsys):
-    """Run the commands of a block; what it shows must be what they print, numbers aside."""
+    """Run the commands of a block, and compare their outputs with it, except for numbers."""
     wanted = re.search(r"exit=(\d)", told)
     parts = re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]
     assert parts, f"no command in a console block: {text}"
@@ -334,7 +334,7 @@ def run(words):
 
 
 def masked(text):
-    """Lines with every number, and the folder of the built-in packs, made the same."""
+    """Lines with numbers and the folder of the built-in packs replaced."""
     text = text.replace(f"{built_in()}/", ".../")
     lines = (re.sub(r"\d+(\.\d+)?", "#", line) for line in text.split("\n"))
     return [re.sub(r"\s+", " ", line).rstrip() for line in lines if line.strip()]
@@ -342,7 +342,7 @@ def masked(text):
 
 @pytest.mark.parametrize("page", PAGES, ids=named)
 def test_every_command_shown_is_one_that_is_run(page):
-    """A block in another language than console would not be run: only `make` text may be."""
+    """Commands in other blocks would not be run; only `make` may be in text blocks."""
     if page.name in MADE.PAGES:
         return
     for language, _, text in blocks(page):

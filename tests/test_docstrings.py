@@ -1,4 +1,4 @@
-"""Examples in the docstrings of what is public are run, and every public function has one."""
+"""Examples in public docstrings are run, and every public function has one."""
 
 import doctest
 import importlib.util

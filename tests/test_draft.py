@@ -1,4 +1,4 @@
-"""Drafts: complete, as high as their targets, and never in the way of what a person made."""
+"""Drafts: complete, as high as their targets, and below curves of a person."""
 
 from itertools import product
 
@@ -101,7 +101,7 @@ def test_equal_targets_stay_level_from_middle_to_middle(weight):
 
 
 def passage(made):
-    """When a rising curve is half way up."""
+    """Return the time at which a rising curve is half way up."""
     return AT[np.argmax(made >= 0.5 * made.max())]
 
 
@@ -131,7 +131,7 @@ def test_a_phoneme_without_a_say_takes_its_neighbours_shape():
 
 
 def written(folder, old, new):
-    """The built-in pose set with one line changed, in a folder of its own, without its model."""
+    """Return the built-in pose set with one changed line, without its model."""
     source = Library([], project=None).poseset("facefx").path
     text = "\n".join(
         line for line in source.read_text("utf-8").splitlines() if not line.startswith("model:")

@@ -1,4 +1,4 @@
-"""The pair that the studio performs: equal to the files compiled again, after any edit."""
+"""The edited pair of the studio equals the files compiled again, after any edit."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""A character's own words and lines, addressed by what is said."""
+"""Curve edits of a character, addressed by words and phonemes."""
 
 import numpy as np
 import pytest

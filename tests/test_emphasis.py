@@ -1,4 +1,4 @@
-"""Emphasis: marked words open the mouth wider, and their marks are never spoken."""
+"""Emphasis: marked words open the mouth wider, and marks are not spoken."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Inputs without an end, and those that are larger than any: each reader stops and says so."""
+"""Endless and oversized inputs: each reader stops with an error message."""
 
 import gzip
 import os
@@ -31,7 +31,7 @@ LIMITS = [
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Stand in an empty folder; limits are a tenth of a second's, not minutes'."""
+    """Change to an empty folder, with limits of a tenth of a second instead of minutes."""
     monkeypatch.chdir(tmp_path)
     for module, name in LIMITS:
         monkeypatch.setattr(module, name, MIB_BYTES)
@@ -51,7 +51,7 @@ def test_a_schedule_without_an_end_is_told(cli, device):
 
 @pytest.fixture
 def endless(folder):
-    """Make a pipe that never ends."""
+    """Make an endless pipe."""
     made = []
 
     def make(name, block=b"moi moi\n" * 1000):

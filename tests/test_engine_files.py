@@ -1,4 +1,4 @@
-"""Files for engines: their forms, as the programs that read them have them, and what is refused."""
+"""Files for engines: the forms that other programs read, and refusals."""
 
 import csv
 import json
@@ -62,7 +62,7 @@ def from_live_link(content, animation):
 
 
 def first(animation):
-    """The first frame, in files that count frames from their beginning."""
+    """First frame in files that count frames from their start."""
     return round((animation.times[0] + animation.begins) * animation.fps)
 
 
@@ -93,7 +93,7 @@ def from_unreal(content, animation):
 
 
 def clip_of(content):
-    """The clip of a Unity file; its tag is a directive that YAML need not know."""
+    """Clip of a Unity file, without the directive that YAML parsers may not know."""
     head, tag, start, text = content.decode("ascii").split("\n", 3)
     assert head == "%YAML 1.1"
     assert tag == "%TAG !u! tag:unity3d.com,2011:"
@@ -144,7 +144,7 @@ MAYA_RATES = {"game": 15, "film": 24, "pal": 25, "ntsc": 30, "show": 48, "palf":
 
 
 def from_maya(content, animation):
-    """Curves of straight lines; those with tangents are read in the tests of keys."""
+    """Curves of straight lines; the tests of keys read those with tangents."""
     head, *curves = re.split(r"^anim (\w+) .*$", content.decode("ascii"), flags=re.MULTILINE)
     unit = re.search(r"^timeUnit (\w+);$", head, re.MULTILINE)[1]
     rate = MAYA_RATES.get(unit, animation.fps)
@@ -176,7 +176,7 @@ every_engine = pytest.mark.parametrize("name", READERS)
 
 
 def shown(name, content, animation):
-    """Return (T, P) what a file shows at each frame of the animation; 0 where it lacks a shape."""
+    """Return the values of a file at each frame of the animation, (T, P); 0 for missing shapes."""
     read, _ = READERS[name]
     curves = read(content, animation)
     nothing = (animation.times, np.zeros(len(animation.times)))
@@ -248,7 +248,7 @@ def test_it_is_said_where_the_sound_begins_later_than_asked(name):
 
 
 def with_bone(animation):
-    """Return an animation with a bone beside its shapes, which moves."""
+    """Return an animation with shapes and a moving bone."""
     columns = (*animation.columns, Channel("nod", node="neck", rotation=(1, 0, 0)))
     weights = np.column_stack([animation.weights, np.linspace(0, 8, len(animation.times))])
     poses = (*animation.poses, "nod")

@@ -1,4 +1,4 @@
-"""Aligners and recognisers are named alone or with their model."""
+"""Names of aligners and recognisers, with and without a model."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def test_half_a_name_is_told(named):
 
 
 class Noted:
-    """An aligner and a recogniser that keep the model that they are given."""
+    """An aligner and a recogniser that record their model."""
 
     def align(self, audio, text, speaker, model=None):
         """Align a text."""

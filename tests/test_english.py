@@ -1,4 +1,4 @@
-"""English against the paper's Table 1, written out once more here, and against CMUdict."""
+"""English compared with the paper's Table 1, which is repeated here, and with CMUdict."""
 
 import re
 from itertools import chain
@@ -85,13 +85,13 @@ NOTATIONS = {name: notation(table) for name, table in ENGLISH["notations"].items
 
 
 SEEN = {"ae": "ah", "ng": "d"}
-"""Shades that Table 1 groups by their sound, and `like` by their looks."""
+"""Shades that Table 1 groups by sound, and `like` by appearance."""
 
 MOUTHS = {name: shade["like"] for name, shade in COMMON["shades"].items()} | SEEN
 
 
 def mouths(phonemes):
-    """Phonemes as Table 1 has them: without shades."""
+    """Phonemes of Table 1, without shades."""
     return [MOUTHS.get(phoneme, phoneme) for phoneme in phonemes]
 
 
@@ -128,7 +128,7 @@ OTHERWISE = {
     "a": "the vowel of cat, as British voices write it",
     "o": "the vowel of go, as an aligner writes it in India and Nigeria",
 }
-"""IPA letters that English writers use for another sound than the common phonemes mean."""
+"""IPA letters with another meaning in English transcriptions than in the common phonemes."""
 
 
 def test_common_sounds_and_english_agree():

@@ -1,4 +1,4 @@
-"""Plug-ins: what installed distributions bring, what stays out, and what it costs."""
+"""Plug-ins: extensions of installed distributions, refusals, and their cost."""
 
 import os
 import sys
@@ -32,7 +32,7 @@ every_kind = pytest.mark.parametrize("known", EVERY, ids=lambda known: known.gro
 
 @pytest.fixture
 def known(monkeypatch):
-    """A kind of extension of our own: `grey` comes with the program."""
+    """A kind of extension for tests, with the built-in name `grey`."""
     made = Extensions("colours", "colour")
     made.add("grey", "built in", "lipsync_lang.colours")
     monkeypatch.setitem(sys.modules, "colours", type(sys)("colours"))

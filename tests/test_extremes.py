@@ -1,4 +1,4 @@
-"""Lines and settings beyond reason: every promise holds at the edge of what packs may state."""
+"""Extreme lines and settings: every promise holds at the limits of packs."""
 
 from dataclasses import replace
 

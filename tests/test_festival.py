@@ -1,4 +1,4 @@
-"""Festival as a speech engine: what it says, when, and that it runs nothing of a text."""
+"""Festival as a speech engine: phonemes, times, and no execution of texts."""
 
 import shutil
 import wave
@@ -47,7 +47,7 @@ def test_a_line_is_phones_words_and_sound():
 
 @needs_festival
 def test_the_times_are_those_of_the_sound():
-    """An s hisses, and a pause is silent."""
+    """The sound of an s is noise, and a pause is silent."""
     schedule = speak("so, so")
     for label, start, end in zip(schedule.labels, schedule.times, schedule.times[1:], strict=False):
         low, high = (int(t * schedule.audio.rate) for t in (start, end))
@@ -115,7 +115,7 @@ def test_any_text_is_spoken_or_refused_with_a_reason(text):
 
 @needs_festival
 def test_all_its_phones_are_known_to_the_language():
-    """Every phone of its phone set, as its own lists have them."""
+    """Every phone of the phone sets in Festival's files."""
     radio = (
         "aa ae ah ao aw ax axr ay b ch d dh dx eh el em en er ey f g hh hv ih iy jh k l m n nx ng "
         "ow oy p r s sh t th uh uw v w y z zh"

@@ -31,7 +31,7 @@ FILES = {"README.md", FILE, "lines.csv", "characters/hero.yaml", ".gitignore"}
 STAGE = "kind: language\nformat: 1\nname: stage\ntag: en-x-stage\nextends: english\n"
 
 COMMENTED = re.compile(r"^# (\w+): (.+)$", re.MULTILINE)
-"""A field of the project file that is off."""
+"""A commented-out field of the project file."""
 
 
 @pytest.fixture
@@ -370,7 +370,7 @@ def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
 
 
 def one(check):
-    """The only part that a check finds."""
+    """Return the only part of a check."""
     (found,) = check()
     return found.state, found.told
 

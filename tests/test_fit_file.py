@@ -1,4 +1,4 @@
-"""Proposal files: what is written is read again, and a faulty one is refused with its place."""
+"""Proposal files: written files are read again, and faulty ones are refused with the place."""
 
 from io import StringIO
 

@@ -1,4 +1,4 @@
-"""The page of a fit: everything told, nothing run, small enough for many lines."""
+"""The page of a fit: complete, safe, and small enough for many lines."""
 
 import re
 from html.parser import HTMLParser
@@ -55,7 +55,7 @@ def proposal(*, accepted=True, **more):
 
 
 class Reader(HTMLParser):
-    """Collects tags, and text by the tag that it stands in."""
+    """Collects tags, and text by its tag."""
 
     def __init__(self, text):
         super().__init__()

@@ -1,4 +1,4 @@
-"""Packs that a fit writes: own targets and seconds of a character, and fitted bigrams."""
+"""Packs from a fit: targets and times of a character, and fitted bigrams."""
 
 import json
 import re

@@ -34,7 +34,7 @@ from lipsync_lang.render.plot_fonts import fonts_for, with_fonts
 pillow = pytest.mark.skipif(importlib.util.find_spec("PIL") is None, reason="needs Pillow")
 
 KHMER = "កខគ"
-"""Letters of a script that the usual fonts of matplotlib and Pillow lack."""
+"""Letters of a script that are missing from the default fonts of matplotlib and Pillow."""
 
 
 def forget():
@@ -44,7 +44,7 @@ def forget():
 
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
-    """A folder that is the only one with fonts."""
+    """The only folder with fonts."""
     monkeypatch.setattr(fonts, "FOLDERS", {"linux": (str(tmp_path),)})
     monkeypatch.setattr(fonts.sys, "platform", "linux")
     before = list(font_manager.fontManager.ttflist)
@@ -55,7 +55,7 @@ def installed(tmp_path, monkeypatch):
 
 
 def make_font(path, family, letters):
-    """Write a font whose letters are squares; the absent one is an empty frame."""
+    """Write a font with squares as letters, and an empty frame for missing ones."""
     pens = {}
     for name, corners in {"letter": (50, 550), ".notdef": (200, 300)}.items():
         pen, (low, high) = TTGlyphPen(None), corners
@@ -93,7 +93,7 @@ def strings(figure):
 
 
 def drawn(text):
-    """Draw a text; a letter without a glyph would be a warning, and so an error here."""
+    """Draw a text; a letter without a glyph would cause a warning, which is an error here."""
     with plot_fonts.quiet_fonts(), plot_fonts_context():
         figure = with_fonts(page(text))
         figure.savefig(BytesIO(), format="png")

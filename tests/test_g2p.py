@@ -1,4 +1,4 @@
-"""Text to phonemes: tokens, rules, lexicons, and how an engine's words find the user's."""
+"""Text to phonemes: tokens, rules, lexicons, and words of an engine matched with the text."""
 
 import string
 from unicodedata import normalize
@@ -75,7 +75,7 @@ def test_pieces_lie_in_the_text_in_order(text):
 
 
 def read(rules, labels, word):
-    """The labels of a word by some rules."""
+    """Return the labels of a word by some rules."""
     return Rewriter([Rule(*rule) for rule in rules], labels).read(word)
 
 
@@ -244,7 +244,7 @@ CLAUSE = [("h", "ə"), ("w", "ɜː")]
 
 
 def texts(found):
-    """The spelling and the labels of what was said."""
+    """Return the spelling and the labels of spoken words."""
     return [(said.text, "".join(said.labels)) for said in found]
 
 

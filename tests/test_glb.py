@@ -1,4 +1,4 @@
-"""Models and GLB: what is written is read back, and what the user's file holds is kept."""
+"""Models and GLB: written files are read back, and the content of a user's file is kept."""
 
 import json
 import math
@@ -49,7 +49,7 @@ def mesh(name, shapes, **rest):
 
 
 def document_of(*meshes, **rest):
-    """Return a document of one triangle and three shapes of it, with a node for each mesh."""
+    """Return a document of a triangle with three shapes, and a node for each mesh."""
     points = [[0, 0, 0], [1, 1, 0]]
     view = {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}
     rows = [view | {"byteOffset": 36 * n, "min": points[0], "max": points[1]} for n in range(4)]
@@ -82,7 +82,7 @@ FACE = document_of(mesh("Face", SHAPES), mesh("Teeth", ("open",)))
 
 
 def rich():
-    """Return a document with a bit of everything, and fields that nobody knows."""
+    """Return a document with fields of all kinds, and unknown fields."""
     document = deepcopy(FACE)
     document["meshes"][0] |= {"weights": [0, 0.25, 0.5]}
     document["nodes"] += [
@@ -795,7 +795,7 @@ ALL = (*JAW, *SLIDE, Channel("neck", node="Neck", rotation=(0, 0, 1)))
 
 
 def survives(content, folder):
-    """Write onto a model, which works or raises what the user can act on."""
+    """Write onto a model; either this works, or it raises an error for the user."""
     path = folder / "model.glb"
     path.write_bytes(content)
     weights = np.zeros((2, len(ALL)))

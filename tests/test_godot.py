@@ -1,4 +1,4 @@
-"""Godot: the form of .tres, and what a real Godot 3 makes of it and of our GLB."""
+"""Godot: the form of .tres, and the import of .tres and GLB files by a real Godot 3."""
 
 import importlib.util
 import json
@@ -29,10 +29,10 @@ SCRIPT = Path(__file__).parent / "consumers" / "godot.gd"
 PAGE_SCRIPT = SCRIPT.with_name("page.gd")
 PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "godot.md"
 PATIENCE = 120
-"""Seconds after which Godot hangs."""
+"""Time limit for Godot in seconds."""
 
 MIX_SECONDS = 0.1
-"""Most that a sound's position may be off: Godot mixes in parts."""
+"""Tolerance of a sound's position, since Godot mixes in blocks."""
 
 ODD = ('a "quoted" one', "back\\slash", "a:colon", "ein Mündchen", "]]>", "a/b", "{}", "100%")
 
@@ -84,7 +84,7 @@ def from_tres(content, animation):
 
 
 def holds(content, animation):
-    """The shapes of the one mesh that the model has, where there is a model."""
+    """Shapes of the only mesh of the model, if there is a model."""
     curves = from_tres(content, animation)
     assert curves
     for path, (times, values) in curves.items():
@@ -157,7 +157,7 @@ def test_what_a_tres_cannot_hold_is_told():
 
 @pytest.fixture
 def engine(tmp_path):
-    """Run a script of ours in Godot, in a project with files, and return what it says."""
+    """Run a test script in Godot, in a project with files, and return its output."""
     program = shutil.which("godot3-server")
     if program is None:
         pytest.skip("no godot3-server: nothing plays what we write for Godot")
@@ -191,7 +191,7 @@ def engine(tmp_path):
 
 @pytest.fixture
 def godot(tmp_path, engine):
-    """Play animations in Godot: what each track of each file is at some times."""
+    """Play animations in Godot, and return the values of each track at some times."""
 
     def played(times, files):
         project = tmp_path / "project"
@@ -206,7 +206,7 @@ def godot(tmp_path, engine):
 
 
 def imported(program, project, scenes, environment):
-    """Let Godot's editor import scenes, and end it: it does not always end by itself."""
+    """Import scenes in Godot's editor, and end it, since it may not end by itself."""
     editor = subprocess.Popen(
         [program, "--path", project, "--editor", "--quit"],
         env=environment,

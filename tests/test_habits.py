@@ -1,4 +1,4 @@
-"""Files that a project has: forms that platforms read, a README that people read."""
+"""Files of the project: forms for platforms, and a README for people."""
 
 import re
 import shlex
@@ -19,10 +19,10 @@ assert PAGES, "a sweep over nothing passes"
 assert HOOKS, "a sweep over nothing passes"
 
 MOST_WORDS = 700
-"""Words of the README, counted as `wc` does: marks of tables and links included."""
+"""Maximum number of words of the README, counted as `wc` does."""
 
 KINDS = {"input", "textarea", "dropdown", "checkboxes", "markdown"}
-"""Kinds of fields that issue forms may have."""
+"""Kinds of fields in issue forms."""
 
 
 def test_the_readme_is_short():
@@ -69,7 +69,7 @@ def test_the_request_form_names_commands_that_exist():
 
 
 def assert_command(command):
-    """Hold a command to its parser; words in capitals stand for the reader's own."""
+    """Check a command with its parser; words in capitals stand for the reader's own words."""
     from lipsync_lang.cli import parser
 
     parser().parse_args(shlex.split(command)[1:])

@@ -1,4 +1,4 @@
-"""Files of drawings that are shown one at a time: Rhubarb's three and Moho's."""
+"""Files of drawings that replace each other: the three of Rhubarb, and that of Moho."""
 
 import json
 from dataclasses import replace
@@ -38,7 +38,7 @@ def performed(character="rhubarb", fps=60, **rest):
 
 
 def plain(weights, fps=20, start=0.0, end=None, poses=None, **rest):
-    """Return an animation of some weights, (T, P), whose sound is as long as they are."""
+    """Return an animation of some weights, (T, P), with a sound of the same length."""
     weights = np.array(weights, float)
     times = start + np.arange(len(weights)) / fps
     end = times[-1] + 1 / fps if end is None else end
@@ -204,7 +204,7 @@ def test_rest_before_and_after_changes_nothing_of_what_is_shown(rows, long):
 
 
 def test_ages_of_rest_need_no_memory():
-    """A frame for each of their moments would not fit."""
+    """A frame for each moment would not fit into memory."""
     rest, shape, *_ = held(plain(np.ones((20, 1)), offset=1e9), "rest")
     assert (rest.name, shape) == ("rest", ("pose0", rest.end, pytest.approx(1e9 + 1)))
 

@@ -46,23 +46,23 @@ FLOORS = (
 """The house from the ground up. A room imports from the floors below it, never from its own."""
 
 PACKS = ("yaml", "models", "", "checking")
-"""The same within `packs`; the loose modules are between the models and what checks them."""
+"""Floors within `packs`; modules without a folder are between the models and the checks."""
 
 ALONE = {
     "pipeline": set(),
     "phonology": {"errors", "extensions", "files"},
     "schedules": {"errors", "extensions", "files"},
 }
-"""Rooms that keep even more to themselves than their floor asks for."""
+"""Rooms that import less than their floor allows."""
 
 
 def part(name):
-    """The part of the house that a module belongs to."""
+    """Return the part of the house with a module."""
     return name.split("/")[0].removesuffix(".py")
 
 
 def imports(tree):
-    """Yield the full names of what a module imports of ours."""
+    """Yield the full names of the package's modules that a module imports."""
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0, "imports are absolute"
@@ -153,7 +153,7 @@ def test_what_runs_beside_the_program_imports_nothing_of_it():
 
 @cache
 def names_of_packs():
-    """Return every name that belongs into packs, and what it names."""
+    """Return every name that belongs in packs, with its kind."""
     found = {}
     common = LIBRARY.common().model
     found.update(dict.fromkeys((p for p in common.phonemes if len(p) > 1), "common phoneme"))
@@ -175,12 +175,12 @@ def names_of_packs():
 
 
 def unmistakable(label):
-    """Tell whether a label can be nothing else: `ʃ` and `HH`, but neither `in` nor `s`."""
+    """Return True if a text can only be a label, such as `ʃ` and `HH`, but not `in` or `s`."""
     return not label.isascii() or (len(label) > 1 and label.isalpha() and label.isupper())
 
 
 TOLD_APART = {"language", "pose set", "pose"}
-"""Names that may not stand within longer text either."""
+"""Names that must not occur within longer text either."""
 
 ORDINARY = {
     "open": "a verb",
@@ -198,7 +198,7 @@ ORDINARY = {
     "he": "a pronoun",
     "letters": "what words are made of",
 }
-"""Names of packs that are English words: looked for alone, not within text."""
+"""Names of packs that are English words, which are searched for only as whole strings."""
 
 EXEMPT = {
     ("animations/readers/csv.py", "ms"): "milliseconds, at the head of a column",
@@ -250,11 +250,11 @@ EXEMPT = {
     ("speech/festival.py", "arpabet"): "the notation that its phone sets are in",
     ("phonology/labels.py", "label"): "letters of the IPA that are typed for one another",
 }
-"""(module, name or kind of name): why it may stand there; a cured one must go."""
+"""Reason for an exception by module and name; obsolete entries must be removed."""
 
 
 def texts(tree):
-    """Yield the strings of a module that the program uses: no docstrings, no format codes."""
+    """Yield the strings of a module without docstrings and format codes."""
     told = {id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Expr)}
     codes = {
         id(inner)
@@ -269,7 +269,7 @@ def texts(tree):
 
 
 def named(text):
-    """Yield the names of packs that a string is or holds."""
+    """Yield the names of packs in a string."""
     names = names_of_packs()
     if text in names:
         yield text
@@ -324,7 +324,7 @@ def test_only_formats_give_their_name_to_two_modules():
 
 
 def public(tree):
-    """Yield the classes and functions of a module that others may use."""
+    """Yield the public classes and functions of a module."""
     for node in tree.body:
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and not node.name.startswith("_"):
             if any(isinstance(d, ast.Name) and d.id == "overload" for d in node.decorator_list):

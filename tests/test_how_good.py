@@ -1,4 +1,4 @@
-"""The page "How good is it?": made of kept figures alone, each with its source."""
+"""The page "How good is it?": made only from kept figures, each with its source."""
 
 import copy
 import importlib
@@ -19,7 +19,7 @@ LINK = re.compile(r"\]\([^)]*\)|`[^`]*`")
 
 @pytest.fixture
 def made(root, monkeypatch):
-    """Import a script of docs or benchmarks, and forget it afterwards."""
+    """Import a script of docs or benchmarks, and unload it afterwards."""
     monkeypatch.syspath_prepend(root / "docs")
     monkeypatch.syspath_prepend(root / "benchmarks")
     yield importlib.import_module

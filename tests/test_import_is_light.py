@@ -1,4 +1,4 @@
-"""Importing costs next to nothing: heavy libraries come in when they are used."""
+"""The import of the package is light: heavy libraries are imported only for use."""
 
 import importlib
 import json
@@ -29,7 +29,7 @@ HEAVY = {
 
 
 def modules_after(code):
-    """Return the modules that are loaded once some code has run in a process of its own."""
+    """Return the modules that some code loads in a separate process."""
     command = f"import json, sys\n{code}\nprint(json.dumps(sorted(sys.modules)), file=sys.stderr)"
     options = {"capture_output": True, "encoding": "utf-8", "check": True, "timeout": 60}
     done = subprocess.run([sys.executable, "-c", command], **options)  # noqa: PLW1510
@@ -107,12 +107,12 @@ def test_writers_load_nothing_of_the_network():
 
 
 def exported():
-    """The functions and classes of the package's own that are public."""
+    """Public functions and classes of the package."""
     return [getattr(ll, name) for name in ll.__all__ if callable(getattr(ll, name))]
 
 
 def raised():
-    """Every error of the package's modules that somebody may catch."""
+    """All public errors of the package's modules."""
     for _, name, _ in pkgutil.walk_packages(ll.__path__, "lipsync_lang."):
         if name.split(".")[-1] not in UNIMPORTED and not name.endswith("_worker"):
             importlib.import_module(name)
@@ -124,11 +124,11 @@ def raised():
 
 
 UNIMPORTED = {"__main__"}
-"""Modules that do something when they are imported."""
+"""Modules with an effect at import."""
 
 
 def classes_in(hint):
-    """Yield our classes that an annotation names."""
+    """Yield the classes of the package in an annotation."""
     if isinstance(hint, type) and hint.__module__.startswith("lipsync_lang."):
         yield hint
     for inner in typing.get_args(hint):

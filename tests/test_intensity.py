@@ -134,7 +134,7 @@ def test_a_dial_of_two_visibly_opens_the_jaw(poseset):
 
 
 def test_a_sound_is_compared_with_its_own_class():
-    """Vowels are ten times as loud as stops in any voice; that alone stresses nothing."""
+    """Vowels are ten times as loud as stops in any voice, which is not stress."""
     schedule = line([300, 3000] * 5, labels=("P", "AA") * 5)
     found = levels(schedule, ["stop", "vowel"] * 5, 1.0, (0.5, 1.5), USUAL)
     assert found.values == pytest.approx(1, abs=0.03)

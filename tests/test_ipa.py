@@ -1,4 +1,4 @@
-"""Every segment of the IPA finds the common phoneme that looks most like it."""
+"""Every segment of the IPA is mapped to the common phoneme with the most similar look."""
 
 import csv
 import gzip
@@ -51,7 +51,7 @@ assert len(MARKS) > 100
 
 
 def near(*adds, **rest):
-    """The common phonemes of a language with some beyond the base."""
+    """Common phonemes of a language with additions to the base."""
     names = (*COMMON.base, *adds)
     return NearestPhonemes(FEATURES, {name: COMMON.phonemes[name].ipa for name in names}, **rest)
 
@@ -749,7 +749,7 @@ def language(root, name, tag, more=""):
 
 @pytest.fixture
 def finder(tmp_path):
-    """Languages with tags and aliases, beside only the built-in ones."""
+    """Languages with tags and aliases, besides the built-in languages."""
     language(tmp_path, "alpha", "qab", "aliases: [qab-AA, Alfa]\n")
     language(tmp_path, "beta", "qac-Latn", "aliases:  # several\n  - qac\n  - 'beta-one'  # old\n")
     language(tmp_path, "gamma", "qad-Hant", "aliases: [\n  qad-TW,\n  third]\n")

@@ -1,4 +1,4 @@
-"""Judgement of captures: sound ones pass, spoiled ones are set aside with the reason."""
+"""Judgement of captures: good ones pass, spoiled ones are set aside with the reason."""
 
 from dataclasses import replace
 from functools import cache
@@ -35,7 +35,7 @@ def spoken(number):
 
 @cache
 def capture(number=0, fps=60):
-    """A noisy face that speaks by another method than the shipped curves."""
+    """A noisy face that moves by another method than the shipped curves."""
     rng = np.random.default_rng(number)
     face = performer()
     moved = dominance(face, spoken(number), fps)
@@ -46,7 +46,7 @@ def capture(number=0, fps=60):
 
 
 def sensed(number=0):
-    """The same, as three measures of unknown scale."""
+    """The same face as three measures of unknown scale."""
     line, face = capture(number), performer()
     measures = face.compiled.measures
     gains = np.array([[one.get(pose, 0.0) for pose in face.poses] for one in measures.values()])

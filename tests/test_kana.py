@@ -1,4 +1,4 @@
-"""Japanese text in kana: readings, what belongs together, and what cannot be read."""
+"""Japanese text in kana: readings, grouping, and unreadable text."""
 
 import sys
 
@@ -15,7 +15,7 @@ needs_dictionary = pytest.mark.skipif(
 
 
 def read(text):
-    """The spellings alone, between slashes."""
+    """Return only the spellings, between slashes."""
     return "/".join(spelling for _, spelling in respell(text))
 
 
@@ -128,7 +128,7 @@ def test_without_the_dictionary_it_says_how_to_get_it(monkeypatch, missing):
 
 def test_what_cannot_be_traced_back_to_the_letters_is_one_piece(monkeypatch):
     class Lost:
-        """A dictionary that has read a sentence, but not which letters are which word."""
+        """A dictionary that reads a sentence without the letters of each word."""
 
         def g2p_mapping(self, *_, **__):
             raise ValueError

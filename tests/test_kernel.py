@@ -1,4 +1,4 @@
-"""The compiled kernel agrees with the stages in numpy, whatever it is given."""
+"""The compiled kernel agrees with the stages in numpy on any input."""
 
 import os
 import subprocess
@@ -19,7 +19,7 @@ from lipsync_lang.pipeline.prepare import prepare
 from lipsync_lang.pipeline.tables import RESOLUTION
 
 AGREED = 1e-11
-"""Weight by which the two may differ: sums in another order, over one block instead of many."""
+"""Tolerance of weights, since the kernel adds in another order, over one block."""
 
 needs_kernel = pytest.mark.skipif(
     kernel.compiled is None, reason="no C compiler built the kernel, or it is switched off"
@@ -39,13 +39,13 @@ def kept_of(performance):
 
 
 def usual():
-    """Return what the kernel keeps of a built-in pair."""
+    """Return a built-in pair as the kernel keeps it."""
     tables = real().compiled.tables
     return tables, kernel_plan.keep(tables, Motion(), prepare(tables, Motion(), 60.0), 60.0)
 
 
 def assert_agreement(line, motion, fps):
-    """The kernel agrees with numpy on a line, from its track and from its phonemes alike."""
+    """Compare the kernel with numpy on a line, from its track and from its phonemes."""
     performance = replace(line, edits=(), shares=()).perform(motion, fps)
     weights = performance.weights()
     assert np.abs(weights - in_numpy(performance)).max() <= AGREED
@@ -114,7 +114,7 @@ def test_threads_share_banks_and_plans():
 
 
 def faulty_phonemes(tables):
-    """Yield phonemes, times and dials that no line has, and the words of their refusal."""
+    """Yield invalid phonemes, times and dials, with the words of their refusal."""
     ids, times = np.array([1, 2, 3]), np.array([0, 0.1, 0.2, 0.3])
     poses, level = np.ones(len(tables.priority), bool), np.ones(2)
     for wrong in (-1, len(tables.pairs), 2**60, -(2**60)):

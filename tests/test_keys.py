@@ -1,4 +1,4 @@
-"""Keyframes: how far the lines between them may stray, and what of a curve they must keep."""
+"""Keyframes: the error of the lines between them, and the points that they must keep."""
 
 from dataclasses import replace
 from io import BytesIO
@@ -17,7 +17,7 @@ from lipsync_lang.animations.readers.glb import read_glb
 
 FLOAT = 1e-12
 FASTEST = 20.0
-"""Weights a second; faster than any pose set lets its poses move."""
+"""Speed in weights per second, faster than any pose set allows."""
 
 ERRORS = st.sampled_from([0.0, ROUNDING, 1e-3, ERROR, 0.05, 0.5])
 RATES = st.sampled_from([12.0, 24000 / 1001, 25.0, 30.0, 60.0, 120.0, 1000.0])
@@ -37,7 +37,7 @@ def tracks(draw):
 
 
 def between(times, values, frames):
-    """Return what straight lines between keys show at every frame."""
+    """Return the values of straight lines between keys at every frame."""
     return np.interp(times, times[frames], values[frames])
 
 
@@ -52,7 +52,7 @@ def test_no_frame_strays_by_more_than_the_error(track, error):
 @given(st.lists(st.floats(-1, 1), min_size=1, max_size=60), RATES, st.sampled_from([1e-3, ERROR]))
 @example([6.125e-7, 0.0062499, -0.0062499], 25.0, ERROR)
 def test_files_that_round_stay_within_the_error(steps, fps, error):
-    """Six decimals of seconds and weights, of a curve that is as fast as speech may be."""
+    """Times and weights have six decimals, and the curve is as fast as speech can be."""
     values = np.cumsum(np.array(steps) * FASTEST / fps).clip(0, 1)
     times = np.arange(len(values)) / fps
     frames = keyframes(times, values, error)

@@ -1,4 +1,4 @@
-"""One sound, many spellings: every spelling finds the same entry, and none finds another's."""
+"""Spellings of a sound: every spelling finds the same entry, and only that entry."""
 
 from unicodedata import normalize
 

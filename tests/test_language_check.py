@@ -1,4 +1,4 @@
-"""`languages check`: what the author of a language sees, without writing code."""
+"""`languages check`: a report for the author of a language, who need not write code."""
 
 import json
 from io import BytesIO

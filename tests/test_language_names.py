@@ -1,4 +1,4 @@
-"""Names of languages: tags, aliases, endonyms and the names that stores and engines use."""
+"""Names of languages: tags, aliases, endonyms and the names in stores and engines."""
 
 import pytest
 
@@ -44,7 +44,7 @@ STORE = {
     "ukrainian": "Українська",
     "vietnamese": "Tiếng Việt",
 }
-"""Steam's API language codes with the native names beside them, but Latin American Spanish."""
+"""Steam's API language codes with their native names, without Latin American Spanish."""
 
 CULTURES = (
     "zh-Hans",

@@ -1,4 +1,4 @@
-"""Every language pack: its tests hold, its inventory is whole, and every phoneme is tested."""
+"""Every language pack: its tests pass, its inventory is complete, and each phoneme has a test."""
 
 import csv
 import gzip
@@ -37,7 +37,7 @@ def table(pack, name):
 
 
 def becomes(labels, notation):
-    """Return the common phonemes that labels stand for; what is unknown stands for itself."""
+    """Return the common phonemes of labels; unknown labels stay as they are."""
     found = [(label, notation.find(label)) for label in labels]
     return [p for label, value in found for p in ((f"?{label}",) if value is None else value)]
 
@@ -50,7 +50,7 @@ def test_every_test_says_who_says_so(pack):
 
 @every_pack
 def test_what_the_sources_hear_becomes_what_the_tests_say(pack):
-    """The maps alone, whatever engine there is."""
+    """Only the maps are tested, without an engine."""
     wrong = {
         test.text: (" ".join(said), " ".join(test.phonemes))
         for test in pack.tests
@@ -62,7 +62,7 @@ def test_what_the_sources_hear_becomes_what_the_tests_say(pack):
 
 @pytest.mark.parametrize("pack", swept(LANGUAGES, quick=LANGUAGES[::9]), indirect=True)
 def test_text_becomes_what_the_tests_say(pack):
-    """Through the pack's own engine, as every text goes."""
+    """The text goes through the pack's own engine."""
     if pack.g2p is None:
         pytest.skip(f"{pack.name} does not read text")
     needs = [*NEEDS.get(pack.g2p.engine, []), *NEEDS.get(pack.g2p.respell, [])]

@@ -1,4 +1,4 @@
-"""Measures of motion beside captured faces: known values, who is judged, and what fails."""
+"""Measures of motion beside captured faces: known values, conditions, and failures."""
 
 from dataclasses import replace
 from functools import cache
@@ -31,12 +31,12 @@ LINES = {
         "ɛ:38 n:112 t:40 aʊ:174 t:40 ɪ:58 n:105 dʒ:35 ɔːɹ:200 dʒ:70 ə:77 _:7"
     ),
 }  # fmt: skip
-"""Sounds and their milliseconds, as a voice says the lines."""
+"""Sounds and their milliseconds, as a voice speaks the lines."""
 
 TWO = "_:300 t:90 uː:160 _:400 s:120 uː:160 _:400 k:90 uː:170 d:80 ɪ:120 n:90 s:100 _:300"
 
 OLD = {"softness": 0, "anticipate": 0, "smooth": "closing", "thresholds": "paper"}
-"""Motion before curves were rounded off."""
+"""Motion settings without rounded curves."""
 
 MOTION = {"jerk", "high_power", "shelves", "lead_missing", "shut_vowels", "opening_lag"}
 """The measures with a limit."""
@@ -59,7 +59,7 @@ def failed(quality):
 
 
 def moving(curve, fps=60, label="AA", *, seconds=None, who="facefx"):
-    """An animation in which the jaw alone moves, over many short vowels or one long one."""
+    """An animation in which only the jaw moves, over many short vowels or one long one."""
     end = (len(curve) - 1) / fps
     count = max(1, round(end / seconds)) if seconds else 1
     schedule = Schedule((label,) * count, np.linspace(0, end, count + 1), notation="arpabet")

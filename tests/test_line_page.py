@@ -1,4 +1,4 @@
-"""The page of a line: whole, safe, small, and true to what was performed."""
+"""The page of a line: complete, safe, small, and equal to the performance."""
 
 import json
 import re
@@ -72,7 +72,7 @@ class Elements(HTMLParser):
             self.texts.append((*self.found[-1], text))
 
     def text(self, name, **traits):
-        """Return the text of the only such element."""
+        """Return the text of the only element of a kind."""
         (text,) = [
             text for tag, own, text in self.texts if tag == name and traits.items() <= own.items()
         ]

@@ -1,4 +1,4 @@
-"""Lines: every format, markup, encodings, folders, and what cannot be read."""
+"""Lines: every format, markup, encodings, folders, and unreadable files."""
 
 import json
 from pathlib import Path
@@ -26,7 +26,7 @@ def read(*paths, **options) -> list[Line]:
 
 
 def refusal(path: Path) -> str:
-    """Fault of a file; `nothing` where it can be read."""
+    """Return the fault of a file; `nothing` if it can be read."""
     try:
         read(path, remark=lambda _: None)
     except LipsyncError as error:
@@ -246,10 +246,10 @@ Bye. #line:0a1e
         ],
     ),
 }
-"""By suffix, a file and what is said in it: line, name, speaker, text."""
+"""Example files by suffix, with their lines: place, name, speaker, text."""
 
 REMARKED = {".po"}
-"""Those of them of which something is left out with a remark."""
+"""Example files with a part that is left out with a remark."""
 
 
 def test_every_format_has_a_sample():
@@ -544,7 +544,7 @@ ROWS = {"<<" * 200_000: 1, "#a " * 200_000: 0, " " * 400_000 + "x": 1, "[[" * 99
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.strip()[:2])
 def test_yarn_of_any_form_is_read_in_one_pass(tmp_path, row):
-    """Rows like these would take hours where time grows with the square of their length."""
+    """Such rows would take hours if the time grew with the square of their length."""
     assert len(read(write(tmp_path / "a.yarn", f"---\n{row}\n"))) == ROWS[row]
 
 

@@ -1,4 +1,4 @@
-"""Long recordings: how much has been heard is told to whoever asks."""
+"""Progress of work on long recordings."""
 
 import io
 import sys

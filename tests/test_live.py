@@ -1,4 +1,4 @@
-"""Live: packets by their bytes, the clock, clients of a WebSocket, and what is refused."""
+"""Live: bytes of packets, the clock, clients of a WebSocket, and refusals."""
 
 import json
 import signal
@@ -118,7 +118,7 @@ def test_an_unknown_host_is_told(monkeypatch):
 
 
 class Time:
-    """A clock that only waiting moves."""
+    """A clock that moves only by waiting."""
 
     def __init__(self):
         self.now = 0.0
@@ -131,7 +131,7 @@ class Time:
 
 
 class Taken:
-    """An outlet that keeps what it gets."""
+    """An outlet that records frames and events."""
 
     def __init__(self, time):
         self.time, self.frames, self.told, self.at = time, [], [], []
@@ -359,7 +359,7 @@ def test_the_command_speaks_to_unreal_and_to_vmc(receiver):
 
 
 def sent(receiver, arguments):
-    """Run the command, and return what the receiver got."""
+    """Run the command, and return the data that the receiver got."""
     found = []
 
     def receive():

@@ -1,4 +1,4 @@
-"""Location of a text in a recording that holds other sound as well."""
+"""Location of a text in a recording with other sounds."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ SECONDS = 0.08
 
 
 def babble(seed):
-    """Sounds of three resonances each, over a buzz: speech enough for a spectrum."""
+    """Sounds of three resonances each over a buzz, which resemble speech in a spectrum."""
     random = np.random.default_rng(seed)
     time = np.arange(int(SECONDS * RATE)) / RATE
     parts = []

@@ -1,4 +1,4 @@
-"""Many recordings aligned or recognised: the same as one by one; a failing one spoils no other."""
+"""Many recordings at once: the same results as one by one, even if some fail."""
 
 import threading
 from dataclasses import replace
@@ -55,7 +55,7 @@ class BatchRuler(Ruler):
 
 @pytest.fixture(params=[Ruler, BatchRuler])
 def speaker(request, monkeypatch):
-    """A speaker of a language that is aligned by a ruler."""
+    """A speaker of a language with a ruler as its aligner."""
     monkeypatch.setitem(ALIGNERS.known, "ruler", request.param())
     monkeypatch.setitem(RECOGNISERS.known, "ruler", request.param())
     monkeypatch.setattr(Speaker, "of", lambda *_: made)
@@ -64,7 +64,7 @@ def speaker(request, monkeypatch):
 
 
 def plain(result):
-    """Return what two results are compared by."""
+    """Return the values of a result for comparisons."""
     if isinstance(result, SpeechError):
         return str(result)
     return repr(replace(result, audio=None)), result.times.tobytes(), result.words
@@ -144,7 +144,7 @@ TEXTS = ["Please buy five maps.", "", "Never say so of the old one, in 1999!", "
 
 @pytest.fixture(scope="module")
 def recordings():
-    """Recordings with their texts, of which the second is empty, and one is another's."""
+    """Recordings with their texts; the second text is empty, and one belongs to another."""
     pytest.importorskip("espeakng_loader")
     pytest.importorskip("soundfile")
     spoken = [one.audio for one in Speaker.of("english").speak_many(TEXTS[::2])]

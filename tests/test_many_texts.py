@@ -1,4 +1,4 @@
-"""Many texts spoken or read at once: the same as one by one, and a failing one spoils no other."""
+"""Many texts at once: the same results as one by one, even if some fail."""
 
 import sys
 from dataclasses import replace
@@ -36,7 +36,7 @@ TEXTS = ["", "moi", "a b", "no!", "why?", "*stop* it", "no!", "so? what!", "\0",
 
 
 class Beeps:
-    """A speech engine that says each letter in a tenth of a second, and fails at `!`."""
+    """A speech engine with a tenth of a second for each letter, which fails at `!`."""
 
     def speak(self, text, voice, *, words_per_minute=None):
         """Speak a text."""
@@ -64,7 +64,7 @@ class Spelling:
 
 @pytest.fixture
 def spelling(monkeypatch):
-    """Register the engines, and return that of letters."""
+    """Register the engines, and return the engine of letters."""
     made = Spelling()
     monkeypatch.setitem(ENGINES.known, "beeps", Beeps())
     monkeypatch.setitem(G2P_ENGINES.known, "spelling", lambda _settings: made)
@@ -78,7 +78,7 @@ def speaker(spelling):  # noqa: ARG001 registered
 
 
 def plain(result):
-    """Return what two results are compared by."""
+    """Return the values of a result for comparisons."""
     if isinstance(result, SpeechError):
         return str(result)
     audio = result.audio and (hash(result.audio.samples.tobytes()), result.audio.rate)
@@ -213,7 +213,7 @@ worker.main()
 
 @pytest.fixture
 def faulty(tmp_path):
-    """A speech engine that crashes, hangs or is killed where the text says so."""
+    """A speech engine that crashes, hangs or is killed if the text says so."""
     pytest.importorskip("espeakng_loader")
     worker = tmp_path / "faulty.py"
     worker.write_text(FAULTY, "utf-8")

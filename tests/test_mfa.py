@@ -1,4 +1,4 @@
-"""The Montreal Forced Aligner, played by a stand-in: its input, and the results."""
+"""The Montreal Forced Aligner, replaced by a stand-in: its input, and the results."""
 
 import os
 import signal
@@ -65,7 +65,7 @@ pathlib.Path(os.environ["MFA_STAND_IN_NOTES"], "said").write_text(
 
 
 class Played:
-    """Stands in for the program within this process; keeps what it is given."""
+    """Replaces the program within this process, and keeps its input."""
 
     def __init__(self, monkeypatch):
         self.given = []
@@ -262,7 +262,7 @@ def test_downloaded_models_are_suggested(tmp_path, monkeypatch, cli):
 
 
 def test_a_pack_names_no_model_file(played, tmp_path):
-    """MFA unpickles and evaluates what model files hold."""
+    """MFA unpickles and evaluates the content of model files."""
     model, words = tmp_path / "mine.zip", tmp_path / "mine.dict"
     model.touch()
     words.touch()
@@ -333,7 +333,7 @@ def test_a_failure_is_told_in_its_words(model, told):
 
 
 def gone(process):
-    """Return True once a process is not there, or only waits to be collected."""
+    """Return True if a process has ended, even if it is still listed."""
     try:
         state = Path(f"/proc/{process}/stat").read_text("utf-8").rpartition(")")[2].split()[0]
     except OSError:

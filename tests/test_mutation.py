@@ -1,4 +1,4 @@
-"""Slips of the hand in a shipped pack: located faults or a sound pack, never a crash.
+"""Typing errors in a shipped pack: located faults or a valid pack, never a crash.
 
 Edits are seeded by their number, so that one that fails can be run again.
 """
@@ -32,7 +32,7 @@ assert FILES, "a sweep over nothing passes"
 
 
 def edited(number: int) -> tuple[Path, bytes]:
-    """Return a shipped file, and what it holds after one to three slips."""
+    """Return a shipped file, and its content after one to three typing errors."""
     rng = Random(number)  # noqa: S311 repeatable, not secret
     path = rng.choices(FILES, [1 / (8_000 + file.stat().st_size) for file in FILES])[0]
     text = path.read_bytes().decode()
@@ -42,7 +42,7 @@ def edited(number: int) -> tuple[Path, bytes]:
 
 
 def compared(pack: Pack) -> list[Fault]:
-    """Run the checks that the kind of pack is due."""
+    """Run the checks of a kind of pack."""
     library, model = LIBRARY, pack.model
     common = library.common().model
     phonemes = set(common.phonemes)
@@ -82,7 +82,7 @@ def test_a_slip_gives_located_faults_or_a_sound_pack(first):
 
 @full
 def test_the_edits_do_break_packs():
-    """The sweep is worth something: most edits are faults, of many codes, and some are not."""
+    """The sweep is useful: most edits cause faults, with many codes, and some do not."""
     codes: dict[str, int] = {}
     sound = 0
     for number in range(0, EDITS, 8):

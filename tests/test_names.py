@@ -1,4 +1,4 @@
-"""Names of shapes in any spelling: what is the same is found, and nothing is taken twice unsaid."""
+"""Names of shapes in any spelling: equal names are found, with a remark on duplicates."""
 
 import re
 

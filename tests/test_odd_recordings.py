@@ -1,4 +1,4 @@
-"""Recordings as people have them: the same boundaries in any file, and a remark if nothing fits.
+"""Recordings in any form: the same boundaries, and a remark if the text does not fit.
 
 All of it is aligned by each aligner that needs nothing but this program.
 """
@@ -95,7 +95,7 @@ FORMS = {
 
 
 def as_file(path, sound, **how):
-    """Write a sound in a form of file."""
+    """Write a sound in a file format."""
     usual = {"rate": RATE, "channels": (1,), "gain": 1.0, "constant": 0.0}
     rate, channels, gain, constant = (how.pop(name, value) for name, value in usual.items())
     samples = resampled(sound, rate).samples / 2**15

@@ -1,4 +1,4 @@
-"""Messages name Python's arguments in Python, and the options of the command line there."""
+"""Messages name arguments in Python, and options on the command line."""
 
 import re
 
@@ -11,7 +11,7 @@ from lipsync_lang.commands.parser import parser
 from lipsync_lang.commands.spelling import OPTIONS, as_options
 
 AT_HOME = {"cli", "commands", "authoring", "build", "live"}
-"""Rooms of the command line, of what its commands draft, and of `build` and `live`."""
+"""Rooms of the command line, of its drafts, and of `build` and `live`."""
 
 ELSEWHERE = {
     "animations/keys.py": "reads what an option of the command line was given",
@@ -29,7 +29,7 @@ ELSEWHERE = {
     "speech/festival.py": "an option of another program",
     "speech/recognise/whisper_models.py": "an option of another program",
 }
-"""Modules whose strings may name options, and why."""
+"""Modules whose strings may name options, with the reason."""
 
 
 @pytest.mark.parametrize(("message", "told"), [

@@ -1,4 +1,4 @@
-"""Windows and macOS: no call that only POSIX has, and commands in Windows' manner.
+"""Windows and macOS: no calls that need POSIX, and commands with Windows imitated.
 
 Nothing here runs on Windows or macOS. A sweep over the source finds calls that they lack, and
 `as_windows.py` runs commands with as much of Windows as this system can imitate.
@@ -60,14 +60,14 @@ ALLOWED = {
     ("speech/align/mfa_command.py", "SIGKILL"): "after `killpg` was asked for",
     ("study/study_clips.py", "sched_getaffinity"): "asked for first",
 }
-"""(module, name): why it may stand there; a cured one must go."""
+"""Reason for an exception by (module, name); obsolete entries must be removed."""
 
 ALONE = {"fcntl", "selectors", "select", *as_windows.ABSENT}
-"""Modules to be named wherever they are imported."""
+"""Modules whose imports need an entry."""
 
 
 def posix_names(tree):
-    """Yield what a module uses that Windows lacks."""
+    """Yield the names in a module that Windows lacks."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
             if POSIX_ONLY.get(node.attr) == node.value.id:
@@ -100,7 +100,7 @@ def constant(node):
 
 
 def in_text_mode(called, node, words):
-    """Tell whether a call reads or writes text in an encoding that it does not state."""
+    """Return True if a call reads or writes text without a stated encoding."""
     if called in {"read_text", "write_text"}:
         return "encoding" not in words and len(node.args) < (1 if called == "read_text" else 2)
     if called in {"run", "Popen", "check_output"}:
@@ -247,7 +247,7 @@ needs_proc = pytest.mark.skipif(
     not Path("/proc/self/fd").is_dir(), reason="needs /proc to see which files are open"
 )
 ODD = "Mein Spiel – テスト"
-"""A folder's name with spaces, and letters of no single code page."""
+"""Name of a folder with spaces, and with letters of several code pages."""
 
 
 @pytest.fixture
@@ -263,7 +263,7 @@ def game(tmp_path):
 
 @pytest.fixture
 def start(game, tmp_path, monkeypatch):
-    """Run a command in the folder of the game; return what it printed, said and its code."""
+    """Run a command in the folder of the game, and return its outputs and its exit code."""
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path / "Ablage – キャッシュ"))
     for name in ("PYTHONIOENCODING", "PYTHONUTF8"):
         monkeypatch.delenv(name, raising=False)

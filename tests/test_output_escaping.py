@@ -1,4 +1,4 @@
-"""Odd names in every format: what a name holds never breaks the file it stands in."""
+"""Unusual names in every format: no name breaks the file that contains it."""
 
 import csv
 import json
@@ -65,7 +65,7 @@ NO_NAMES = {
     "wav": "a sound",
     "webm": "a video",
 }
-"""Formats that hold no text of ours."""
+"""Formats without names of the animation."""
 
 OWN_SHAPES = {
     "azure": "arkit",
@@ -74,7 +74,7 @@ OWN_SHAPES = {
     "rhubarb-tsv": "rhubarb",
     "rhubarb-xml": "rhubarb",
 }
-"""Formats whose shapes have names of their own, and who has these; all else is odd there, too."""
+"""Formats with their own names of shapes, and the pose set with these; other names are odd."""
 
 SPOKEN = ll.Schedule(
     ("P",) * len(ODD),
@@ -88,7 +88,7 @@ odd_writers = pytest.mark.parametrize("name", sorted(set(WRITERS) - set(NO_NAMES
 
 
 def odd(name, tmp_path):
-    """Return an animation in which all is called oddly that the format lets be."""
+    """Return an animation with unusual names wherever the format allows them."""
     if name in OWN_SHAPES:
         return ll.resolve("english", OWN_SHAPES[name]).perform(SPOKEN, fps=60)
     times = np.arange(len(ODD) * 6) / 60
@@ -159,7 +159,7 @@ TIMINGS = {"elan": "eaf", "textgrid": "TextGrid", "timings-csv": "csv", "timings
 
 
 def timings(suffix):
-    """Return what reads the words of timings; they hold no names of poses."""
+    """Return a reader of the words of timings, which have no names of poses."""
 
     def words(content, _):
         with TemporaryDirectory() as folder:
@@ -184,7 +184,7 @@ NAMES = {
     "usd": lambda content, animation: list(from_usda(content, animation)),
     "vtt": lambda content, animation: list(map(unescape, cues("vtt")(content, animation))),
 }
-"""Reader as strict as the programs of a file; it returns the names in the file."""
+"""Reader as strict as the programs for a file; it returns the names in the file."""
 
 ONE_LINE = [" ".join(name.split()) for name in ODD]
 
@@ -217,7 +217,7 @@ CHANGED = {
     "srt": [name.replace("-->", "→") for name in ONE_LINE],
     "vtt": ONE_LINE,
 }
-"""Formats that cannot hold some letters, and their replacements."""
+"""Formats that cannot contain some letters, and their replacements."""
 
 
 def test_every_writer_is_swept():

@@ -1,4 +1,4 @@
-"""Outputs: through links, into pipes and devices, never over what is read-only."""
+"""Outputs: through links, into pipes and devices, and never over read-only files."""
 
 import errno
 import json
@@ -25,7 +25,7 @@ from lipsync_lang.files.writing import atomic, write_all
 ROWS = [("HH", 0, 0.08), ("AH0", 0.08, 0.15), ("L", 0.15, 0.25), ("OW1", 0.25, 0.5)]
 SCHEDULE = json.dumps({"phonemes": [{"label": p, "start": a, "end": b} for p, a, b in ROWS]})
 OURS = {**os.environ, "PYTHONPATH": str(Path(writing.__file__).parents[2])}
-"""A process of our own runs this program, independent of the installed one."""
+"""Program for separate processes, independent of the installed one."""
 
 PROGRAM = (sys.executable, "-m", "lipsync_lang")
 RUN = ("run", "-l", "english", "-c", "facefx")
@@ -55,7 +55,7 @@ def names(folder):
 
 
 def program(*arguments, **more):
-    """Run the program in a process of its own."""
+    """Run the program in a separate process."""
     return subprocess.run(
         [*PROGRAM, *arguments], capture_output=True, check=False, timeout=300, env=OURS, **more
     )
@@ -63,7 +63,7 @@ def program(*arguments, **more):
 
 @contextmanager
 def listening(fifo):
-    """Read a pipe while the block runs; the list holds what came once it has ended."""
+    """Read a pipe while the block runs; afterwards the list contains the data."""
     heard = []
 
     def listen():
@@ -479,7 +479,7 @@ def test_a_reader_who_has_seen_enough_costs_no_file(folder):
 
 
 def on_terminal(*arguments):
-    """Run the program on a terminal of its own; return its exit code and all that came."""
+    """Run the program on a new terminal, and return its exit code and its output."""
     leader, follower = pty.openpty()
     with subprocess.Popen(
         [*PROGRAM, *arguments], stdout=follower, stderr=follower, env=OURS

@@ -1,4 +1,4 @@
-"""Changing packs by a dump of the whole document."""
+"""Changes of packs by a dump of the whole document."""
 
 import difflib
 

@@ -1,4 +1,4 @@
-"""The two parsers of YAML: packs are the same whichever reads them."""
+"""The two parsers of YAML: both read the same packs."""
 
 from pathlib import Path
 from random import Random
@@ -14,11 +14,11 @@ from lipsync_lang.packs.yaml.source import MAX_PACK_BYTES, scan
 HERE = Path("here.yaml")
 EDITS = 300
 PIECE = 400
-"""Characters of a pack that slips are made in, so that they fall close together."""
+"""Characters of a pack in which errors are made, so that they are close together."""
 
 
 def slow(path, content):
-    """Scan with ruamel.yaml alone, as where PyYAML comes without libyaml."""
+    """Scan with only ruamel.yaml, as if PyYAML had no libyaml."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(events, "has_libyaml", lambda: False)
         return scan(path, content)
@@ -41,7 +41,7 @@ def assert_same(path, content):
 
 
 def used(text):
-    """Return the parsers that were run for a text, by patching both."""
+    """Return the parsers that run for a text, by patching both."""
     seen = []
     with pytest.MonkeyPatch.context() as patch:
         for one in (by_libyaml, by_ruamel):

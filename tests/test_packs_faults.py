@@ -1,4 +1,4 @@
-"""Every way a pack can be wrong: its code, and the exact place it is reported at."""
+"""Every fault of packs: its code, and the exact place in the report."""
 
 import json
 import re
@@ -28,7 +28,7 @@ ANNA = "characters/anna.yaml"
 
 @dataclass(frozen=True)
 class Bad:
-    """A change to a sound pack: the old and the new text, and every fault that must result.
+    """A change to a valid pack: the old and the new text, and all resulting faults.
 
     A fault is (code, line, place) in the changed file, the place being a column or the text that
     starts there; `old` None adds or replaces the whole file.
@@ -357,7 +357,7 @@ UNKNOWN = {
     "target of an unknown shade",
     "phoneme in a bank",
 }  # fmt: skip
-"""These read all languages for one that declares the phoneme."""
+"""Faults whose check reads all languages, in search of one that declares the phoneme."""
 
 
 @pytest.mark.parametrize(

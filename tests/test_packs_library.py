@@ -1,4 +1,4 @@
-"""Places of packs, and what a library says of them."""
+"""Places of packs, and their descriptions in a library."""
 
 import subprocess
 import sys

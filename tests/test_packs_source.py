@@ -122,7 +122,7 @@ PLAIN = st.recursive(
 
 @given(PLAIN)
 def test_what_is_written_is_read(value):
-    """JSON is YAML, so the standard library writes what must be read back."""
+    """JSON is YAML, so values that the standard library writes are read back."""
     import json
 
     def plain(item):

@@ -1,4 +1,4 @@
-"""Faces of pages: points as in the pictures, and notes on surfaces that a page leaves out."""
+"""Faces of pages: points as in the pictures, and remarks on parts that a page leaves out."""
 
 import json
 from dataclasses import replace
@@ -27,7 +27,7 @@ def turned(tmp_path):
 
 
 def hung(tmp_path):
-    """Return a face that hangs on a bone which turns and is moved."""
+    """Return a face bound to a bone that turns and moves."""
     animation = turned(tmp_path)
     (jaw,) = animation.channels
     channels = (jaw, jaw._replace(name="slide", rotation=None, translation=(0.0, 0.5, 1.0)))

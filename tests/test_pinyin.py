@@ -1,4 +1,4 @@
-"""Chinese text in pinyin: readings, other text among hanzi, and text that cannot be read."""
+"""Chinese text in pinyin: readings, other text among hanzi, and unreadable text."""
 
 import csv
 from collections import Counter
@@ -25,14 +25,14 @@ SETTINGS = Settings(PACK.name, labels=tuple(LABELS), readings=READINGS)
 
 @pytest.fixture(scope="module")
 def read():
-    """The engine without a voice: foreign words go by their letters."""
+    """The engine without a voice, which reads foreign words by their letters."""
     make = engine("pypinyin", SETTINGS)
     return lambda text: next(iter(make([text])))
 
 
 @pytest.fixture(scope="module")
 def heard(read):
-    """The labels of a text, words apart by slashes; a pause is its punctuation."""
+    """Return the labels of a text, with words between slashes, and punctuation for pauses."""
     return lambda text: " / ".join(" ".join(word.labels) or word.text for word in read(text))
 
 
@@ -326,7 +326,7 @@ def test_whole_texts_are_read_without_a_gap(data):
 
 
 def test_what_an_aligner_writes_is_recognised_and_mapped(data):
-    """Tones and all, and the notation that cuts finals before n and ng."""
+    """Labels with tones are read, and so is the notation that splits finals before n and ng."""
     spoken = read_schedule(data / "alignments" / "mandarin_mfa" / "774.TextGrid")
     notations = {
         name: Notation({label: s.to for label, s in table.items()})
@@ -339,7 +339,7 @@ def test_what_an_aligner_writes_is_recognised_and_mapped(data):
 
 
 def test_it_shares_what_english_has_and_adds_one_phoneme():
-    """As the paper says of Mandarin in 5.4: one phoneme more, 43 bigrams more."""
+    """Section 5.4 of the paper on Mandarin: one more phoneme, 43 more bigrams."""
     report = resolve(PACK.name, "facefx").report
     assert (report.shared, report.extra) == (441, 43)
     assert set(PACK.adds) == {"yu"}

@@ -1,4 +1,4 @@
-"""Pictures of a line: every format, every label, any length, and nothing left behind."""
+"""Pictures of a line: every format, every label, any length, and no changed settings."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""The example of a distribution with a writer, a reader and a speech engine, as users get it."""
+"""The example distribution with a writer, a reader and a speech engine, after installation."""
 
 import json
 import os
@@ -25,7 +25,7 @@ tts: {engine: metronome, voice: "600"}
 
 @pytest.fixture(scope="module")
 def site(root, tmp_path_factory):
-    """Build the example without any network, and install it into a folder of its own."""
+    """Build the example without a network, and install it into a separate folder."""
     pytest.importorskip("hatchling", reason="the dev extra is not installed")
     folder = tmp_path_factory.mktemp("plug-in")
     shutil.copytree(root / "docs/examples" / NAME, folder / NAME)

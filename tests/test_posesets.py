@@ -1,4 +1,4 @@
-"""Every pose set that comes with the program speaks every language, and keeps its promises."""
+"""Every built-in pose set speaks every language, and keeps its promises."""
 
 from functools import cache
 from itertools import pairwise, product
@@ -20,7 +20,7 @@ EXACT = 1e-9
 FPS = 30
 WORDS = 8
 MAX_LINES = 90
-"""Lines of YAML that a pose set takes, comments and blank ones aside."""
+"""Maximum number of lines of YAML in a pose set, without comments and blank lines."""
 
 every_set = pytest.mark.parametrize("name", POSESETS)
 every_pair = pytest.mark.parametrize(
@@ -33,7 +33,7 @@ every_pair = pytest.mark.parametrize(
 """Every language on every pose set; each pose set once in the quick lane."""
 
 READERS = ("phonemizer", "pypinyin", "opencc", "pyopenjtalk", "thaiphon", "pythainlp")
-"""Engines that read the writing of some language, and have to be installed."""
+"""Engines for the writing of a language that must be installed."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Drafting pose sets, and showing them."""
+"""Drafts and descriptions of pose sets."""
 
 import json
 import struct
@@ -22,7 +22,7 @@ from lipsync_lang.rigs.shape_matching import places
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A project's folder, which is the current one."""
+    """Folder of a project, as the current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -57,7 +57,7 @@ def glb(path, *shapes):
 
 
 def new(cli, *arguments):
-    """Make a pose set; what was said, and the pack."""
+    """Make a pose set, and return the messages and the pack."""
     ended = cli("posesets", "new", *arguments)
     assert ended.code == 0, ended.err
     assert not ended.out
@@ -65,7 +65,7 @@ def new(cli, *arguments):
 
 
 def assert_it_speaks(cli, name):
-    """A pose set is sound and short, and something of it moves."""
+    """Check that a pose set is valid and short, and that it moves."""
     text = Path(f"posesets/{name}/poseset.yaml").read_text("utf-8")
     assert text.count("\n") <= MAX_LINES
     ended = cli("validate", f"posesets/{name}")

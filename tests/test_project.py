@@ -1,4 +1,4 @@
-"""A project's `lipsync.yaml`: what it states, where it is found, and what it may not do."""
+"""A project's `lipsync.yaml`: its fields, its place, and its limits."""
 
 import json
 from pathlib import Path

@@ -29,7 +29,7 @@ IN_BOTH = {
     "test_every_contact_is_seen_however_short_the_phoneme",
     "test_blocks_agree_with_the_whole",
 }
-"""Tests that stay quick with either arithmetic; the others are quick with the compiled one."""
+"""Tests that are quick with both arithmetics; the others are quick only when compiled."""
 
 
 def pytest_generate_tests(metafunc):
@@ -39,7 +39,7 @@ def pytest_generate_tests(metafunc):
 
 @pytest.fixture(autouse=True)
 def arithmetic(request, monkeypatch):
-    """Run the stages in the compiled kernel, where there is one, or in numpy."""
+    """Run the stages in the compiled kernel, if there is one, or in numpy."""
     if request.param == "numpy":
         monkeypatch.setattr(kernel, "compiled", None)
 
@@ -136,7 +136,7 @@ def test_a_lead_in_and_a_tail_last_a_quarter_of_a_second_at_most(preset, line, f
 
 
 def demanded(line, contact, track):
-    """The phonemes of a line that demand a contact: each one's span."""
+    """Return the spans of the phonemes of a line that demand a contact."""
     for place, index in enumerate(track.source):
         waived = line.free[track.rows[max(place - 1, 0) : place + 1]].any()
         if contact.phonemes[track.ids[place]] and not waived:
@@ -171,7 +171,7 @@ def test_floors_are_reached_in_full_for_42_ms_or_a_frame(line, motion, fps):
 
 
 def dilate(mask, ahead, back):
-    """Frames that see one of the mask within some frames ahead of them, or back."""
+    """Return the frames with a frame of the mask within some frames after or before them."""
     out = mask.copy()
     for at in np.flatnonzero(mask):
         out[max(0, at - ahead) : at + back + 1] = True
@@ -323,7 +323,7 @@ module = import_module("lipsync_lang.pipeline.perform")
 
 
 def weights_in_blocks(performance, block):
-    """Return the weights of a performance that is worked on so many frames at once."""
+    """Return the weights of a performance in blocks of some frames."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "BLOCK", block)
         patch.setattr(kernel_plan, "block_of", lambda _: block)

@@ -1,4 +1,4 @@
-"""Arguments of the public functions: one or several of a thing, files for names, and choices."""
+"""Arguments of the public functions: single values or lists, names or files, and choices."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Quality of a finished animation: known values, what does not change them, and what is noticed."""
+"""Quality of an animation: known values, invariances, and findings."""
 
 import json
 import xml.etree.ElementTree as ET
@@ -48,7 +48,7 @@ def performed(character="facefx", fps=60):
 
 
 def span(number):
-    """When a phoneme of the line starts and ends."""
+    """Return the start and the end of a phoneme of the line."""
     return line().times[number], line().times[number + 1]
 
 
@@ -61,7 +61,7 @@ def changed(animation, pose, change):
 
 
 def still(fps=60, seconds=2.0):
-    """An animation in which nothing moves, over one long vowel between silences."""
+    """An animation without movement, over one long vowel between silences."""
     schedule = Schedule(("_", "AA", "_"), np.array([0.0, 0.5, 1.5, seconds]), notation="arpabet")
     times = np.arange(round(seconds * fps) + 1) / fps
     weights = np.zeros((len(times), len(performer().poses)))

@@ -1,4 +1,4 @@
-"""Frame rates: what is written at any of them closes the mouth where it must be closed."""
+"""Frame rates: at all of them, written files close the mouth at contacts."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ from lipsync_lang.quality.check_animation import check
 RATES = (12, 23.976, 24, 25, 29.97, 30, 48, 60, 90, 120)
 
 ONLY = {"azure": (60,)}
-"""Rates of formats that have no others."""
+"""Fixed frame rates of formats."""
 
 SCHEDULE = ll.Schedule(
     ("P", "AA1", "B", "IY1", "_", "M", "AH0", "F", "AA1", "V", "P", "OW1", "M"),
@@ -35,18 +35,18 @@ DRAWABLE = ll.Schedule(
     np.delete(SCHEDULE.times, [10, 11]),
     notation="arpabet",
 )
-"""The same without two contacts on one frame, of which a drawing can show only one."""
+"""The same line without two contacts on one frame, since a drawing can show only one."""
 
 
 def seen(animation, weights):
-    """Return how many sounds make the contact that they demand, and how many do not."""
+    """Count the sounds that make their contact, and those that do not."""
     figures = check(replace(animation, weights=weights)).figures
     parts = [figure.parts for figure in figures if figure.name.startswith("contacts")]
     return sum(part["made"] for part in parts), sum(part["missed"] for part in parts)
 
 
 def by_reading(name, animation, tmp_path):
-    """Return (T, P) what our own reader finds in a file."""
+    """Return the values that the package's reader finds in a file, (T, P)."""
     path = tmp_path / f"line{WRITERS[name].suffix}"
     path.write_bytes(bytes_of(name, animation))
     there = read_animation(path)

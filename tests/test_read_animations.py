@@ -1,4 +1,4 @@
-"""Animations that others made: what is read, how it is laid on a face, and what is refused."""
+"""Animations of other programs: reading, transfer to a face, and refusals."""
 
 import json
 import struct

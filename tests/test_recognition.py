@@ -1,4 +1,4 @@
-"""Recognition: what is said in a recording that nobody wrote down."""
+"""Recognition of speech in recordings without a text."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Layers, statuses, gaps: what a language-character pair is made of."""
+"""Layers, statuses and gaps of a language-character pair."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Bigrams changed in a compiled pair, against the same files compiled again."""
+"""Changed bigrams of a compiled pair, compared with the same files compiled again."""
 
 import gc
 import weakref
@@ -23,7 +23,7 @@ from lipsync_lang.resolver.retouch import OpenPair
 
 HEAD = "kind: bank\nformat: 1\nname: {0}\nposeset: {1}\n{2}bigrams: {{}}\n"
 FILES = {"first": "", "second": "", "spoken": "language: {0}\n", "sad": "style: sad\n"}
-"""Banks beside those there are: two shared, one of a language, one of a style."""
+"""Additional banks: two shared ones, one of a language, and one of a style."""
 
 CHARACTER = "kind: character\nformat: 1\nname: mine\nposeset: {0}\nbigrams: {{}}\n"
 
@@ -41,7 +41,7 @@ def project(folder, poseset, language):
 
 
 def placeless(value):
-    """Return a value of a compiled pair without lines of files, and with arrays that compare."""
+    """Return a value of a compiled pair without line numbers, and with comparable arrays."""
     if isinstance(value, Origin):
         return value._replace(places=())
     if isinstance(value, Report):
@@ -116,7 +116,7 @@ LAYERED = [
     ("second", "ae-p", 0.5), ("sad", "ae-p", 0.6), ("mine", "yu-f", 0.7), ("sad", "a-b", 0.8),
     ("mine", "ae-b", 0.9), ("second", "b-ae", 1.0), ("first", "_-b", 0.5), ("spoken", "f-_", 0.5),
 ]  # fmt: skip
-"""Bigrams that hide each other: layers, files, shades and their parents, added sounds, styles."""
+"""Bigrams with precedence: layers, files, shades and their parents, added sounds, styles."""
 
 
 @pytest.mark.parametrize("order", swept([1, -1]))

@@ -1,4 +1,4 @@
-"""Rigs: channels of a model keep what poses keep, and packs state them in few words."""
+"""Rigs: channels of a model keep the promises of poses, and packs state them briefly."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -70,14 +70,14 @@ def test_names_in_braces_pair_off():
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Driven:
-    """Poses, and the channels that a rig makes of them."""
+    """Poses, and the channels that a rig derives from them."""
 
     weights: np.ndarray
     rig: Rig
     step: float
     channels: np.ndarray
     held: tuple = ()
-    """Floors of the contacts, and the frames that hold each."""
+    """Floors of the contacts, and the frames of each."""
 
     @property
     def asked(self):
@@ -90,7 +90,7 @@ class Driven:
 
 
 def some_rig(rng, poses, floors, *, signs=True):
-    """Channels as packs may state them: shapes, bones with and without a range, some that yield."""
+    """Random channels of packs: shapes, bones with and without a range, and yielding ones."""
     count = int(rng.integers(1, 13))
     gains = rng.uniform(0, 1.5, (count, poses)) * (rng.random((count, poses)) < 0.6)
     low, high = np.zeros(count), np.ones(count)
@@ -131,7 +131,7 @@ def performed(draw, *, signs=True, **settings):
 
 @st.composite
 def restless(draw):
-    """Channels of poses that are hardly ever slower than they may be; they are held throughout."""
+    """Channels of poses that move at nearly maximum speed, with contacts throughout."""
     rng = np.random.default_rng(draw(SEEDS))
     poses, frames, step = draw(st.integers(1, 5)), draw(st.integers(1, 80)), draw(STEPS)
     floors = rng.random(poses) * (rng.random(poses) < 0.4)
@@ -176,7 +176,7 @@ def test_no_channel_passes_the_one_it_yields_to(one):
 
 
 def bound(rig):
-    """Channels whose at_most partner, or the partner's, may be faster."""
+    """Channels whose direct or indirect at_most partner may be faster."""
     found = np.zeros(len(rig.low), bool)
     for channel, other in rig.at_most:
         found[channel] |= found[other] or rig.span[other] > rig.span[channel]
@@ -212,7 +212,7 @@ def test_what_a_contact_raises_stays_up_and_what_it_lowers_stays_down(one):
 
 @given(performed(signs=False, contacts="hold", limit="before"))
 def test_a_contact_has_its_share_of_every_shape(one):
-    """Its floors times the gains, at most 1, and at most what the channel yields to leaves.
+    """Floors times gains, at most 1, and at most the room beside the channel that it yields to.
 
     A floor with too little room above it may lose `GIVEN` to the softening of the poses.
     """
@@ -284,7 +284,7 @@ TIMES = np.cumsum([0.1, 0.06, 0.09, 0.05, 0.12, 0.3, 0.04, 0.1, 0.05, 0.08, 0.1,
 
 @cache
 def face(name, text=""):
-    """A performer of English on the built-in set that a rig is for."""
+    """A performer of English on the built-in pose set of a rig."""
     with TemporaryDirectory() as folder:
         poseset = next(rig.model.poseset for rig in RIGS if rig.model.name == name)
         put(Path(folder), "characters/face.yaml",
@@ -316,7 +316,7 @@ def test_every_rig_drives_a_line_and_keeps_its_promises(rig):
 
 
 NEAR = 0.06
-"""Remainder of a ceiling that a set of its own would keep exactly."""
+"""Tolerance of a ceiling, which a separate pose set would keep exactly."""
 
 
 @pytest.mark.parametrize("fps", [24, 60])

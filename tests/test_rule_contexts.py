@@ -1,4 +1,4 @@
-"""Contexts of spelling rules: what they mean, and that no pack can make one run away."""
+"""Contexts of spelling rules: their meaning, and their bounded work."""
 
 import sys
 
@@ -126,7 +126,7 @@ def test_repeats_that_cannot_run_away_are_allowed(text):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder of its own, and no cache."""
+    """An empty folder, without a cache."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", "off")
     return tmp_path

@@ -1,4 +1,4 @@
-"""Schedules: what they refuse, their words, and the readers that make them."""
+"""Schedules: refusals, words, and readers."""
 
 import json
 
@@ -162,7 +162,7 @@ assert READERS, "a sweep over nothing passes"
 ROWS = list(zip(LABELS, TIMES, TIMES[1:], strict=False))
 
 WORDS_ONLY = {".words", ".wrd"}
-"""Suffixes of files that time words alone."""
+"""Suffixes of files with times of words only."""
 
 EXAMPLES = {
     "json": json.dumps(
@@ -491,7 +491,7 @@ EXAMPLES = {
 """The same line in every input format."""
 
 ONLY_WORDS = {"aeneas", "elevenlabs", "subtitles", "transcriber", "whisper"}
-"""Formats that time words, and no phonemes."""
+"""Formats with times of words, but not of phonemes."""
 
 SHAPES = {
     "rhubarb": ("A", "C", "H", "F"),
@@ -514,7 +514,7 @@ WORDLESS = {
     "mbrola": "phonemes are all that there is",
     "moho": "drawings are all that there is",
 }
-"""Formats whose file has no words in it."""
+"""Formats whose example file has no words."""
 
 UNITS = {
     "azure": 1e7,
@@ -530,10 +530,10 @@ UNITS = {
     "polly": 1e3,
     "timit": 16e3,
 }
-"""Units per second of the examples that do not count seconds."""
+"""Units per second of examples with other units than seconds."""
 
 ROUNDED_SECONDS = {"voicevox": 0.0125}
-"""Formats whose sounds are rounded to frames of their engine, with how far the example is off."""
+"""Formats whose times are rounded to frames of an engine, with the error of the example."""
 
 
 def test_every_reader_has_an_example():

@@ -1,4 +1,4 @@
-"""Every reader of timings, on damaged files: a schedule, or a refusal that says where."""
+"""Every reader of timings on damaged files: a schedule, or a refusal with a place."""
 
 from itertools import pairwise
 from random import Random
@@ -19,7 +19,7 @@ VALUES = ("NaN", "-Infinity", "1e999", "-1", "9" * 5000, '"0.1"', "null", "[]", 
 
 
 def outcome(path, content, **options):
-    """Read a file; the result may only be timings or a refusal in words."""
+    """Read a file; the result must be timings or a refusal with a message."""
     path.write_bytes(content)
     try:
         return read_timings(path, **options)
@@ -30,7 +30,7 @@ def outcome(path, content, **options):
 
 
 def ways(name, tmp_path):
-    """Yield paths and options by which a file comes to a reader."""
+    """Yield paths and options with which a reader opens a file."""
     yield tmp_path / "line.unknown", {"read_as": name}
     yield from ((tmp_path / f"line{suffix}", {}) for suffix in READERS[name].suffixes)
 

@@ -1,4 +1,4 @@
-"""Shades: finer common phonemes, drafted by themselves, drawn and counted as their parents."""
+"""Shades: finer common phonemes with their own drafts, and with their parents' drawn curves."""
 
 import re
 from dataclasses import replace
@@ -48,7 +48,7 @@ CURVE = "[[0, 0], [0.5, 0.9], [1, 0]]"
 
 @pytest.fixture
 def packs(tmp_path):
-    """A folder with two languages, one without shades, and a face that three shades move."""
+    """A folder with two languages, one without shades, and a face with three shades."""
     put(tmp_path, "languages/finer.yaml", LANGUAGE)
     put(tmp_path, "languages/coarse.yaml", COARSE)
     face(tmp_path, TARGETS)
@@ -56,7 +56,7 @@ def packs(tmp_path):
 
 
 def face(folder, targets):
-    """Write `facefx` with no shades but the given ones."""
+    """Write `facefx` with only the given shades."""
     text = (built_in() / "posesets/facefx/poseset.yaml").read_text("utf-8")
     text = re.sub(rf"^  (?:{'|'.join(SHADES)}): .*\n", "", text, flags=re.MULTILINE)
     text = text.replace("model: model.glb", "").replace("\ntargets:\n", f"\ntargets:\n{targets}")

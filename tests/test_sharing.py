@@ -1,4 +1,4 @@
-"""The example of a distribution with a language, as those who install it get it."""
+"""The example distribution with a language, after installation."""
 
 import json
 import os
@@ -26,7 +26,7 @@ words: {kai: [kg, ay]}
 
 
 class Done(NamedTuple):
-    """How a command ended."""
+    """Result of a command."""
 
     code: int
     out: str
@@ -46,7 +46,7 @@ def example(root):
 
 @pytest.fixture(scope="module")
 def wheel(example, tmp_path_factory):
-    """Build the example without any network, away from the checkout."""
+    """Build the example without a network, outside the checkout."""
     pytest.importorskip("build", reason="the dev extra is not installed")
     pytest.importorskip("hatchling", reason="the dev extra is not installed")
     folder = tmp_path_factory.mktemp("sharing")
@@ -59,7 +59,7 @@ def wheel(example, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def site(wheel, tmp_path_factory):
-    """Install the wheel into a folder of its own."""
+    """Install the wheel into a separate folder."""
     folder = tmp_path_factory.mktemp("site")
     options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--no-index"]
     done = run(sys.executable, "-m", "pip", "install", *options, "--target", folder, wheel)
@@ -79,7 +79,7 @@ def start(site, tmp_path, monkeypatch):
 
 
 def listed(start):
-    """The Hawaiian packs that `languages list` knows, in order."""
+    """Hawaiian packs in `languages list`, in order."""
     done = start("languages", "list", "--json")
     assert (done.code, done.err) == (0, "")
     return [row for row in json.loads(done.out) if row["name"] == "hawaiian"]

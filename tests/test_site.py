@@ -1,4 +1,4 @@
-"""The documentation site: its navigation, and how it reads our pages."""
+"""The documentation site: its navigation, and its conversion of the pages."""
 
 import importlib.util
 import json
@@ -20,7 +20,7 @@ pytest.importorskip("mkdocstrings", reason="the site needs mkdocstrings, which i
 ROOT = Path(__file__).parents[1]
 FOREIGN = re.compile(r"^([a-z]+:)?//", re.IGNORECASE)
 LOADS = dict.fromkeys(("script", "img", "iframe", "source", "video"), "src") | {"link": "href"}
-"""The tags that load something, and the attribute that says what."""
+"""Tags that load files, and the attribute with the address."""
 
 
 def loaded(name):
@@ -37,7 +37,7 @@ assert PAGES, "a sweep over nothing passes"
 
 
 def entries(nav):
-    """Yield the addresses of a navigation, however deep they are."""
+    """Yield the addresses of a navigation at any depth."""
     for part in nav:
         for inner in part.values():
             if isinstance(inner, str):
@@ -175,7 +175,7 @@ class Built(HTMLParser):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Build the site strictly; it must have nothing to say."""
+    """Build the site strictly, without warnings."""
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", folder],
@@ -192,7 +192,7 @@ def pages(site):
 
 
 def leads(page, link):
-    """Return the file and the anchor that a link leads to."""
+    """Return the file and the anchor of a link."""
     parts = urlsplit(link)
     there = (page.parent / unquote(parts.path)).resolve() if parts.path else page
     return there, unquote(parts.fragment)

@@ -1,4 +1,4 @@
-"""Recordings: every usual form is read, and what is no recording is refused in words."""
+"""Recordings: every usual format is read, and other files are refused with a message."""
 
 import struct
 import sys
@@ -77,7 +77,7 @@ def test_a_voice_in_one_channel_is_heard_and_a_channel_can_be_chosen(tmp_path, n
 
 
 def test_channels_that_cancel_each_other_out_are_not_mixed(tmp_path):
-    """A plug that was soldered the wrong way round reverses one channel."""
+    """A plug with swapped wires reverses one channel."""
     quiet = written(tmp_path / "a.wav", np.stack([-(TONE // 2), TONE // 2 + TONE % 2], axis=1))
     assert np.abs(read_audio(quiet).samples).max() > 3900
     louder = written(tmp_path / "b.wav", np.stack([-(TONE // 10 * 9), TONE], axis=1))
@@ -209,7 +209,7 @@ def test_a_resampled_tone_is_the_same_tone():
 
 
 def header(channels=1, rate=RATE, size=800, stated=None):
-    """Return a WAV of silence whose header may lie."""
+    """Return a WAV of silence, with a header that may be false."""
     form = struct.pack("<HHIIHH", 1, channels, rate, rate * 2, 2, 16)
     body = b"WAVEfmt " + struct.pack("<I", 16) + form
     body += b"data" + struct.pack("<I", size if stated is None else stated) + bytes(size)
@@ -295,7 +295,7 @@ def test_quiet_and_loud_recordings_keep_their_tone(tmp_path, scale):
 
 @pytest.mark.parametrize("level", [0.001, 1.0])
 def test_speech_is_found_at_any_level_and_beside_a_constant(level):
-    """The level of a recording, and a constant voltage in it, are not heard."""
+    """The level of a recording and a constant offset in it have no effect."""
     rng = np.random.default_rng(1)
     voice = rng.normal(0, 1500, 2 * RATE) * np.repeat([1, 0.003, 1, 0.003], RATE // 2)
     plain = listen(samples_of(ll.Audio(voice.astype(np.int16), RATE))).spoken

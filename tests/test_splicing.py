@@ -1,4 +1,4 @@
-"""Changing values of packs in place."""
+"""Changes of values of packs in place."""
 
 from pathlib import Path
 
@@ -44,7 +44,7 @@ ODD = Path("odd.yaml")
 
 
 def changed(text, *changes, path=ODD):
-    """Return the lines that change, as `ndiff` marks them, after the data was compared."""
+    """Compare the data, and return the changed lines as `ndiff` marks them."""
     source = read_yaml(path, text.encode())
     expected = source.data
     for loc, value in changes:
@@ -55,7 +55,7 @@ def changed(text, *changes, path=ODD):
 
 
 def rows(before, after):
-    """Return the lines taken away and those put in; all others stand in both, in order."""
+    """Return the removed and the added lines; all others are in both texts, in order."""
     one, other = before.splitlines(), after.splitlines()
     head = next(
         (n for n, pair in enumerate(zip(one, other, strict=False)) if len({*pair}) > 1), None
@@ -301,7 +301,7 @@ ENTRIES = st.fixed_dictionaries(
 
 @st.composite
 def banks(draw):
-    """Text of a bank with comments, blank lines, both styles and either line end."""
+    """Text of a bank with comments, blank lines, both styles and both line ends."""
     lines = ["kind: bank  # c0", "format: 1", "name: odd", "poseset: face"]
     entries = draw(st.dictionaries(st.sampled_from(KEYS), ENTRIES, min_size=1, max_size=4))
     lines += [*draw(st.sampled_from([[], ["", "# c1"]])), "bigrams:   # c2"]
@@ -328,7 +328,7 @@ def banks(draw):
 
 
 def flow(value):
-    """Write a value in another hand than the program's."""
+    """Write a value in another form than that of the program."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key}:  {flow(one)}" for key, one in value.items()) + " }"
     if isinstance(value, list):
@@ -378,7 +378,7 @@ def lines_of(content):
 
 
 def untouched(content, loc):
-    """The lines outside the value at `loc`; comments number them, so that no two are alike."""
+    """Return the lines outside the value at `loc`, which differ by numbers in comments."""
     source = scan(ODD, content)
     lines = content.decode().splitlines()
     while len(loc) > 1 and (source.known(loc) < len(loc) or len(source.at(loc[:-1])) == 1):

@@ -1,4 +1,4 @@
-"""A stream gives the frames of the whole schedule, however it comes, in bounded memory."""
+"""A stream returns the frames of the whole schedule for any parts, in bounded memory."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -104,7 +104,7 @@ def test_frames_are_those_of_the_whole_however_it_comes(language, character, dat
 
 @dataclass
 class Standing:
-    """The part of a performer that stream frames use, over tables of any kind."""
+    """The part of a performer that stream frames use, over any tables."""
 
     made: object
     motion: object
@@ -281,7 +281,7 @@ def test_a_gap_is_silence_and_an_open_phoneme_lasts(performer):
 
 @pytest.mark.parametrize("character", ["facefx", "arkit", "crab", "oculus"])
 def test_a_frame_is_final_as_soon_as_its_delay_says(character):
-    """And not a frame later: a phoneme that starts by the delay after it makes it final."""
+    """A phoneme that starts after the delay makes the frame final, and not one frame later."""
     for stress in (None, False):
         stream = resolved("english", character).stream(60, notation="arpabet", stress=stress)
         stream.feed("_", 0, 2)

@@ -98,7 +98,7 @@ def test_events_of_a_voice_carry_their_marks():
 
 
 def test_reading_text_carries_the_marks_of_the_voice(monkeypatch, performer):
-    """The voice's reading of a text without sound has them too, through estimated times."""
+    """A voice's reading without sound has stress too, with estimated times."""
     monkeypatch.setattr(
         EspeakProcess,
         "transcribe",

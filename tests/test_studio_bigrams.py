@@ -1,4 +1,4 @@
-"""The studio's bigrams: their matrix, one with what lies beneath it, the file of its edits."""
+"""The studio's bigrams: the matrix, a bigram with its layers, and the file of its edits."""
 
 import pytest
 
@@ -159,7 +159,7 @@ def edit(workshop, *edits, path="edit"):
 
 
 def homes(workshop):
-    """Return the files with a drawn bigram, as the desk has them."""
+    """Return the files with a drawn bigram, with unsaved edits."""
     return {path.name: b"a-p" in content for path, content in workshop.desk.contents.items()}
 
 

@@ -1,4 +1,4 @@
-"""The coverage view's routes: the project's script, its count, and what is left to draw."""
+"""The coverage view's routes: the project's script, its count, and the bigrams to draw."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Edits in the studio: made, undone, saved, merged, and kept over a kill."""
+"""Edits in the studio: undo, saving, merging, and restoring after a crash."""
 
 import json
 
@@ -36,7 +36,7 @@ def edit(caller, value, title="Draw", at=("bigrams", "aa-bmp"), file="bank", **m
 
 
 def openings(caller):
-    """Return the numbers of the line's take, as they are sent."""
+    """Return the numbers of the line's take as sent."""
     return caller.post("take").content
 
 

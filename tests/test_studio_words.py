@@ -1,4 +1,4 @@
-"""The routes of words and lines: a character's own curves, pronunciations and deliveries."""
+"""The routes of words and lines: curve edits, pronunciations and deliveries."""
 
 import pytest
 

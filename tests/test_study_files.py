@@ -1,4 +1,4 @@
-"""Study files and answers: what is read, and what is named and set aside."""
+"""Study files and answers: reading, and faults that are listed and set aside."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Making a study: pairs are balanced and blind, clips alike, and a killed run goes on."""
+"""Making a study: balanced, blind pairs, uniform clips, and resumed runs."""
 
 import json
 import re
@@ -28,7 +28,7 @@ from lipsync_lang.study.study_page import PageTexts, origin_of, parse_asked, stu
 from lipsync_lang.study.study_pairs import in_balanced_order, laid_out, possible_pairs
 
 BOTH = ["zebra=keyframes", "yak=dominance"]
-"""Methods with names that stand nowhere else in a page."""
+"""Methods with names that occur nowhere else in a page."""
 
 NASTY = "</script><script>alert(1)</script>&\u2028{{CLIPS}}"
 
@@ -49,7 +49,7 @@ def lines(*names):
 
 @pytest.fixture
 def drawn(monkeypatch):
-    """Put tokens in place of videos; return the digests of what was rendered."""
+    """Write tokens instead of videos, and return the digests of rendered clips."""
     seen = []
 
     def render(clip, path):
@@ -473,7 +473,7 @@ def test_clips_of_a_pair_are_encoded_alike_and_play(tmp_path, monkeypatch):
 
 
 def probe(path):
-    """Return what ffmpeg says of the streams of a file."""
+    """Return ffmpeg's description of the streams of a file."""
     from imageio_ffmpeg import get_ffmpeg_exe
 
     command = [get_ffmpeg_exe(), "-nostdin", "-i", str(path), "-f", "null", "-"]

@@ -1,4 +1,4 @@
-"""Reports of studies: what counts, what is set aside and why, and the forms of a report."""
+"""Reports of studies: counted answers, answers set aside with a reason, and formats."""
 
 import json
 import re
@@ -21,7 +21,7 @@ REASONS = set(SortingRules().words)
 
 
 def by_taste(pair, question):
-    """Take our method but in every third pair, so that sides and methods vary."""
+    """Prefer `ours` except in every third pair, so that sides and methods vary."""
     del question
     return (pair["left"] == "ours") != (int(pair["pair"][1:]) % 3 == 0)
 
@@ -36,7 +36,7 @@ def changed(study, number=1, /, **changes):
 
 
 def with_answers(study, change, number=1):
-    """Return a submission whose answers a function has changed in place."""
+    """Return a submission after a function has changed its answers."""
     one = submission(study, number, by_taste)
     change(one["answers"])
     return one
@@ -117,7 +117,7 @@ SUBMISSIONS = {
     "a number": (7, "no answers", 0),
     "a list": ([], "no answers", 0),
 }
-"""Submissions that are set aside whole: the reason, and how many answers go with them."""
+"""Submissions that are set aside as a whole: the reason, and the number of answers."""
 
 
 @pytest.mark.parametrize("name", sorted(SUBMISSIONS))
@@ -149,7 +149,7 @@ ANSWERS = {
     "no answer at all": (lambda answers: answers.append(None), "out of range"),
     "a glance": (edit(0, seconds=1.9), "too fast"),
 }
-"""Answers that are set aside alone, and the reason."""
+"""Answers that are set aside individually, and the reason."""
 
 
 @pytest.mark.parametrize("name", sorted(ANSWERS))
@@ -323,7 +323,7 @@ def test_whatever_is_wrong_everything_is_counted_once(tmp_path_factory, kinds):
 # The paper
 
 PAPER = {"cartoon": 147, "high": 134, "male": 123, "female": 139}
-"""Choices for the paper's method, of 200: its differences 47, 34, 23 and 39 % (section 4.2)."""
+"""Choices of 200 for the paper's method: differences of 47, 34, 23 and 39 % (section 4.2)."""
 
 PRINTED = {"cartoon": 44.14, "high": 23.12, "male": 10.58, "female": 30.42}
 """Its chi-squares, "on 2 degrees of freedom"."""
@@ -435,7 +435,7 @@ def test_likeness_of_a_raters_choices_could_undo_the_papers_third_result():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A study of three methods, with answers of which some are set aside."""
+    """A study of three methods, in which some answers are set aside."""
     study = study_of(("ours", "theirs", "keys"), ("anna", "ben"), 4, checks=2)
     study["title"] = "<b>A & B</b>"
     study["methods"][2] = "<i>keys"
@@ -483,7 +483,7 @@ def test_json_holds_plain_values_and_the_reference_names_each(folder, root):
 
 
 class Page(HTMLParser):
-    """Elements of a page, and what they refer to."""
+    """Elements of a page, and their references."""
 
     def __init__(self, text):
         super().__init__()

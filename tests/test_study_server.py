@@ -1,4 +1,4 @@
-"""The server of a study: takes sound answers, refuses the rest, and loses nothing."""
+"""The server of a study: stores valid answers, refuses others, and loses none."""
 
 import http.client
 import json
@@ -220,7 +220,7 @@ def test_connections_beyond_the_most_are_dropped(folder, monkeypatch):
 
 
 def gives_the_page(port):
-    """Tell whether a server has a place, and wait a moment if it is full."""
+    """Return True if a server has a free place, and wait a moment if it is full."""
     try:
         return ask(port)[0] == 200
     except (OSError, http.client.HTTPException):

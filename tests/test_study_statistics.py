@@ -1,4 +1,4 @@
-"""Statistics of studies: against tables, textbooks, scipy and brute force."""
+"""Statistics of studies, compared with tables, textbooks, scipy and brute force."""
 
 import random
 from itertools import product
@@ -104,7 +104,7 @@ def test_raters_of_one_choice_each_are_a_binomial_test(trials, data):
 
 
 def choices_of(wins, methods=("ours", "theirs"), raters=10, strength=3):
-    """Return so many choices for each of two methods, by raters in turn."""
+    """Return a number of choices for each of two methods, by raters in turn."""
     pairs = [(0, 1)] * wins[0] + [(1, 0)] * wins[1]
     return [
         Choice(
@@ -207,7 +207,7 @@ LEAGUE = {
 
 
 def games(table):
-    """Return the choices that a table of wins counts."""
+    """Return the choices of a table of wins."""
     names = list(table)
     return [
         Choice(f"r{n}", f"{winner}{loser}", "l1", "anna", "q", winner, loser, 3)

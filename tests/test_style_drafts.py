@@ -1,4 +1,4 @@
-"""Styles drafted from the neutral bigrams: they show, keep every promise, and yield to banks."""
+"""Styles drafted from the neutral bigrams: visible, within all promises, and below banks."""
 
 import numpy as np
 import pytest

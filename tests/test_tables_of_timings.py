@@ -17,7 +17,7 @@ ROWS = [("HH", 0, 0.1), ("AY", 0.1, 0.3), ("M", 0.3, 0.4)]
 
 
 def read(text, name="line.csv", **asked):
-    """Read a text by what it holds and what it is called."""
+    """Read a text by its content and its name."""
     source = TimingFile(Path(name), text.encode(), **asked)
     return find_reader(source).read(source)
 

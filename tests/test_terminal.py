@@ -1,4 +1,4 @@
-"""Words of files reach a terminal as text, whichever command prints them, and spreadsheets too."""
+"""Texts of files are harmless in terminals and spreadsheets, for all commands."""
 
 import csv
 import io
@@ -13,7 +13,7 @@ from lipsync_lang.terminal import progress, safe_streams, spelled_out, wipe
 
 PAIR = ("-l", "english", "-c", "facefx")
 EVIL = "\x1b]0;title\x07\x1b[2J\x9b31m\x7f\u202egnp\u2066.exe\r"
-"""Sets a title, clears the screen, recolours in C1, rubs out, turns direction, and returns."""
+"""Text that sets a title, clears the screen, recolours, deletes, reverses and returns."""
 
 COMMANDING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
@@ -26,7 +26,7 @@ def harmless(*texts):
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
-    """Change to a folder with a schedule whose names hold commands."""
+    """Change to a folder with a schedule whose names contain terminal commands."""
     monkeypatch.chdir(tmp_path)
     rows = [("HH", 0, 0.08), ("AH0", 0.08, 0.25)]
     phonemes = [{"label": label, "start": a, "end": b} for label, a, b in rows]

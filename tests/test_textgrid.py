@@ -1,4 +1,4 @@
-"""TextGrids: every text form, every odd kind, and never a traceback."""
+"""TextGrids: every text form, unusual files, and never a traceback."""
 
 import struct
 from pathlib import Path
@@ -372,7 +372,7 @@ REFUSED = {
     "praatio/textgrid_to_merge": OTHER,
     "praatio/textgrid_to_merge_longfile": OTHER,
 }
-"""Files of many tools that hold no phones, or those of several speakers; all others are read."""
+"""Files of many tools without phones, or with several speakers; all others are read."""
 
 
 def test_files_by_many_tools_are_read_or_refused_with_the_reason(data):
@@ -435,7 +435,7 @@ def _heard(rows):
 
 
 def packed(text):
-    """A text as Praat packs it."""
+    """Return a text in Praat's binary form."""
     if text.isascii():
         return struct.pack(">h", len(text)) + text.encode()
     wide = text.encode("utf-16-be")

@@ -1,4 +1,4 @@
-"""The threat model: each row of its table is held by the test that the row names."""
+"""The threat model: each row of its table names an existing test."""
 
 import ast
 import os

@@ -1,4 +1,4 @@
-"""Files that time words alone: read, mended where rounded, and filled with phonemes."""
+"""Files with times of words only: reading, repair of rounded times, and phonemes."""
 
 from dataclasses import replace
 from pathlib import Path

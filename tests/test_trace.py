@@ -1,4 +1,4 @@
-"""Why a pose stands where it stands: names, places and values that can be looked up."""
+"""Explanations of weights: names, places and values that can be checked."""
 
 import json
 import re
@@ -27,7 +27,7 @@ TAKES = st.floats(0, 1)
 
 
 def there(place):
-    """The line that a place names, from its column on."""
+    """Return the line at a place, from its column on."""
     file, line, column = place.rsplit(":", 2)
     text = Path(file).read_text("utf-8").splitlines()
     return text[int(line) - 1], int(column)

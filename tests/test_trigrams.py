@@ -1,4 +1,4 @@
-"""Trigrams: which are played, what they change, and that nothing else changes."""
+"""Trigrams: those that are played, their effect, and no other changes."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -28,7 +28,7 @@ STREET = Schedule(("S", "T", "R", "IY", "T"), np.arange(6) / 10, notation="arpab
 
 
 def character(folder, entries, name="anna"):
-    """Write a character of facefx with some of its trigrams, or with more fields."""
+    """Write a character of facefx with some trigrams, or with more fields."""
     head = f"kind: character\nformat: 1\nname: {name}\nposeset: facefx\n"
     put(folder, f"characters/{name}.yaml", head + entries)
 
@@ -48,7 +48,7 @@ def performer(folder, name="anna", language="english", **settings):
 
 
 def played(made, schedule):
-    """Return the units that a schedule plays, in their order, each trigram twice."""
+    """Return the units that a schedule plays, in order, with each trigram twice."""
     origins = made.compiled.origins
     return [origins[row].name for row in made.track(schedule).rows.tolist()]
 
@@ -149,7 +149,7 @@ THIRD = RESOLUTION // 2
 
 
 def stitched(made, first, second):
-    """Write the larger of two bigrams over three phonemes as the curves of a trigram."""
+    """Return the maximum of two bigrams over three phonemes as the curves of a trigram."""
     numbers, tables = made.compiled.numbers(shades=True), made.compiled.tables
     pairs = (first, second)
     one, two = (tables.curves[tables.pairs[numbers[a], numbers[b]]] for a, b in pairs)
@@ -258,7 +258,7 @@ SPOKEN = st.lists(st.sampled_from(["S", "T", "R", "IY", "T", "IY", "_"]), min_si
 
 
 def assert_streamed(made, schedule, fps=60):
-    """The frames of a stream are those of the whole, though they are taken label by label."""
+    """Check that a stream that is fed label by label has the frames of the whole schedule."""
     stream, found = made.stream(fps, notation="arpabet", stress=False), []
     for label, (start, end) in zip(schedule.labels, pairwise(schedule.times.tolist()), strict=True):
         stream.feed(label, start, end)

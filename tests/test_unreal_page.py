@@ -16,7 +16,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "unreal.md"
 
 @pytest.fixture
 def unreal(monkeypatch):
-    """Stand in for the editor: what a script asks of it is recorded."""
+    """Replace the editor with a stand-in that records calls."""
     module = MagicMock(spec_set=[
         "AnimSequence", "AnimSequenceFactory", "AnimationLibrary", "AssetToolsHelpers",
         "EditorAssetLibrary", "FrameNumber", "FrameRate", "load_asset", "log",

@@ -1,4 +1,4 @@
-"""USD: the form of .usda, and what the library of USD itself makes of it."""
+"""USD: the form of .usda, and its import by the USD library."""
 
 import re
 from dataclasses import replace
@@ -66,7 +66,7 @@ def SkelRoot "Root" (
     }
 }
 """
-"""A model that binds what we write, as a studio does: its shapes in another order."""
+"""A model for the written animation, with its shapes in another order."""
 
 
 def bytes_of(animation):

@@ -1,4 +1,4 @@
-"""Interjections, stutters, words drawn out, abbreviations and numerals: read as sounds."""
+"""Interjections, stutters, lengthened words, abbreviations and numerals, read as sounds."""
 
 import pytest
 

@@ -202,7 +202,7 @@ def test_sparse_and_normalised_values_are_read(tmp_path):
 
 
 def boned(tmp_path, *values):
-    """A square that hangs on a skull and a jaw, and an animation of the jaw in degrees."""
+    """A square bound to a skull and a jaw, and an animation of the jaw in degrees."""
     maker = Maker()
     inverse = np.tile(np.eye(4), (2, 1, 1))
     inverse[1, 3, 1] = -1.0
@@ -452,7 +452,7 @@ def test_a_head_with_many_shapes_is_drawn(data):
 
 @pytest.fixture
 def ffmpeg(monkeypatch):
-    """The ffmpeg that comes with the extra; videos are small."""
+    """Return the ffmpeg of the extra, and make videos small."""
     reason = "videos need imageio-ffmpeg, an extra"
     found = pytest.importorskip("imageio_ffmpeg", reason=reason)
     pytest.importorskip("PIL", reason=reason)
@@ -462,14 +462,14 @@ def ffmpeg(monkeypatch):
 
 @pytest.fixture
 def stills(monkeypatch):
-    """Pillow; stills are small."""
+    """Require Pillow, and make stills small."""
     found = pytest.importorskip("PIL.Image", reason="stills need Pillow, an extra")
     monkeypatch.setattr(sheet, "CELL", SIZE)
     return found
 
 
 def asked(ffmpeg, path, *rest):
-    """Return what ffmpeg makes of a file, and what it says of it."""
+    """Return ffmpeg's decoded data of a file, and its description."""
     command = [ffmpeg.get_ffmpeg_exe(), "-nostdin", "-hide_banner", "-i", path, *rest]
     done = subprocess.run(command, capture_output=True, check=False)
     return done.stdout, done.stderr.decode()
@@ -486,7 +486,7 @@ def sound_of(ffmpeg, path):
 
 
 def as_video(content, animation):
-    """A sweep of all writers reads their files so; `NEEDS` says what it takes."""
+    """Checks of files in the sweep of all writers; `NEEDS` lists their packages."""
     import imageio_ffmpeg
 
     with TemporaryDirectory() as folder:

@@ -32,7 +32,7 @@ def spoken(schedule):
 
 
 def guessed(schedule):
-    """Remark about an end that the file does not have."""
+    """Remark on an end that is missing from the file."""
     return [told for told in schedule.remarks if "it is given 0.08 s" in told]
 
 

@@ -1,4 +1,4 @@
-"""Notations of mouth shapes: data that every language reads, and that nothing guesses."""
+"""Notations of mouth shapes: read in every language, and never guessed."""
 
 from dataclasses import replace
 
@@ -51,10 +51,10 @@ DRAWN_OTHERWISE = {
     ("oculus", "nn"): "n is drawn as DD, which is d, t and n",
     ("preston-blair", "U"): "w is drawn as WQ, whose lips are rounder",
 }
-"""(notation, shape): why the phoneme it is read as is drawn as another shape."""
+"""Reason why the phoneme of a (notation, shape) is drawn as another shape."""
 
 DRAWN_AS = {name: name for name in VISEMES} | {"sapi-visemes": "sapi", "azure": "sapi"}
-"""By notation, the pose set that has its shapes, if there is one."""
+"""Pose set with the shapes of a notation, if there is one."""
 
 SAME = {("oculus", "I"): "ih", ("oculus", "O"): "oh", ("oculus", "U"): "ou"}
 """Two names of one shape."""

@@ -1,4 +1,4 @@
-"""Confidence of a warp: what raises it, and what lowers it."""
+"""Confidence of a warp: evidence for and against it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Aligning by warping: any language's voice, bent to a recording of the same text."""
+"""Alignment by warping: the voice of any language, warped to a recording of the same text."""
 
 from dataclasses import replace
 from importlib.util import find_spec
@@ -41,12 +41,12 @@ def speakers():
 
 @pytest.fixture(scope="module")
 def recording():
-    """Another voice, slower: the test must find its own times."""
+    """A recording by another, slower voice, with its true times."""
     return speak(TEXT, "en-us+f3", words_per_minute=130)
 
 
 def errors(found, true, notation=None):
-    """Seconds by which the starts of sounds that both have after the same sound are apart."""
+    """Return time differences between starts of sounds with the same sound before them."""
     names = [
         [(notation or {}).get(label, label) for label in one.labels if label != SILENCE]
         for one in (found, true)
@@ -66,7 +66,7 @@ def errors(found, true, notation=None):
 
 
 def gapped(schedule, at, seconds):
-    """A recording with a pause put in at a boundary, of faint noise."""
+    """A recording with a pause of faint noise at a boundary."""
     sample = int(schedule.times[at] * schedule.audio.rate)
     hum = np.random.default_rng(1).integers(-3, 4, int(seconds * schedule.audio.rate))
     samples = schedule.audio.samples

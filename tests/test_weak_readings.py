@@ -1,4 +1,4 @@
-"""A language whose text is often read wrongly says so, once, wherever text is read."""
+"""A language with unreliable readings of text gives one warning for every use."""
 
 import pytest
 

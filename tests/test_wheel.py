@@ -67,14 +67,14 @@ def installed_in(python, folder, dist):
 
 @pytest.fixture(scope="module")
 def installed(dist, tmp_path_factory):
-    """The programs of an environment that has the wheel and what it requires, no more."""
+    """Programs of an environment with only the wheel and its requirements."""
     folder = tmp_path_factory.mktemp("environment")
     return installed_in(sys.executable, folder, dist)
 
 
 @pytest.fixture
 def start(installed, tmp_path, monkeypatch):
-    """Run the installed command in an empty folder, with nothing of the checkout around."""
+    """Run the installed command in an empty folder outside the checkout."""
     for name in ("PYTHONPATH", "LIPSYNC_LANG_PATH", "VIRTUAL_ENV"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("LIPSYNC_LANG_CACHE", str(tmp_path.with_name("wheel-cache")))
@@ -83,7 +83,7 @@ def start(installed, tmp_path, monkeypatch):
 
 
 def hatch_build():
-    """Return what the build hook defines."""
+    """Return the module of the build hook."""
     return runpy.run_path(str(Path(__file__).parents[1] / "hatch_build.py"))
 
 
@@ -96,7 +96,7 @@ def members(archive):
 
 
 def tracked(root, *folders):
-    """List the files of some folders of the checkout that belong into a release."""
+    """List the files of some folders of the checkout that belong in a release."""
     found = {path for folder in folders for path in (root / folder).rglob("*") if path.is_file()}
     return {p.relative_to(root).as_posix() for p in found if "__pycache__" not in p.parts}
 

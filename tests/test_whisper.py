@@ -21,7 +21,7 @@ RATE = 16_000
 
 
 def sound(*pieces):
-    """Loud pieces and pauses, by turns, of so many seconds."""
+    """Return a sound of loud parts and pauses in turn, with their lengths in seconds."""
     noise = np.random.default_rng(0)
     loud = [
         (3000 if number % 2 == 0 else 10) * noise.standard_normal(round(seconds * RATE))
@@ -97,7 +97,7 @@ def segment(*words, no_speech=0.1, compression=1.0):
 
 
 class Model:
-    """A model of two languages that hears what it is told to."""
+    """A model of two languages that returns given segments."""
 
     supported_languages = ("en", "de")
     hf_tokenizer = SimpleNamespace(token_to_id=lambda sign: 1 if sign != "<|yue|>" else None)
@@ -113,7 +113,7 @@ class Model:
 
 @pytest.fixture
 def model(monkeypatch):
-    """Return a function that puts a model of some segments into Whisper's place."""
+    """Return a function that replaces Whisper with a model of some segments."""
 
     def align_many(_, pairs, aligner=None):  # noqa: ARG001
         for audio, text in pairs:
@@ -261,7 +261,7 @@ def test_the_folder_of_a_model_is_relative_to_its_pack(tmp_path):
 
 @pytest.fixture
 def installed(monkeypatch):
-    """Stand in for faster-whisper, which is heavy to import."""
+    """Replace faster-whisper, which is slow to import."""
     engine = SimpleNamespace(WhisperModel=lambda *_, **__: pytest.fail("a model was loaded"))
     monkeypatch.setitem(sys.modules, "faster_whisper", engine)
 

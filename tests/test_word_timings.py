@@ -1,4 +1,4 @@
-"""Files that time words alone: subtitles, Whisper's relatives, ElevenLabs, aeneas, Transcriber."""
+"""Files with times of words only: subtitles, Whisper's variants, ElevenLabs, aeneas and others."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Work that grows no faster than it must: calls, transactions, renames and opened files."""
+"""Amounts of work: calls, transactions, renames and opened files."""
 
 import os
 import sqlite3
@@ -20,10 +20,10 @@ FEW_AND_MANY = 4, 24
 """Lines of two games."""
 
 MAX_READ_PACKS = 10
-"""Packs that an unchanged build reads; those of a pair are 5, some for the script and its cache."""
+"""Maximum number of packs that an unchanged build reads; a pair has 5."""
 
 MAX_PLANNING_CALLS = 400
-"""Calls that an unchanged line may take."""
+"""Maximum number of calls for an unchanged line."""
 
 LONG_AGO = 1_000_000_000
 """A time stamp too old to be doubted."""
@@ -33,7 +33,7 @@ LONG_AGO = 1_000_000_000
 
 
 def calls(act):
-    """Count the calls of functions, those in C included, the second time that something is done."""
+    """Count the calls of functions, including those in C, of the second run of an action."""
     count = 0
 
     def called(_frame, event, _argument):
@@ -90,7 +90,7 @@ def test_calls_of_a_stream_do_not_grow_with_what_was_said_before():
 
 
 class Opened:
-    """The files that this process opens while it is active, by whichever function."""
+    """Files that this process opens while the object is active, by any function."""
 
     active = None
 
@@ -105,7 +105,7 @@ class Opened:
         type(self).active = None
 
     def below(self, folder, suffix=""):
-        """Return the files of a folder that were opened, each as often as it was."""
+        """Return the opened files of a folder, each as often as it was opened."""
         start = f"{folder}{os.sep}"
         return [path for path in self.paths if path.startswith(start) and path.endswith(suffix)]
 
@@ -121,12 +121,12 @@ class Opened:
 
 @pytest.fixture(scope="module", autouse=True)
 def _hook():
-    """Listen to what is opened, for the rest of the process: Python has no way to stop."""
+    """Record opened files until the process ends, since Python cannot remove the hook."""
     sys.addaudithook(Opened.heard)
 
 
 class Large(Game):
-    """A game of so many lines, each with a recording; the first alone has the bigram l-ow."""
+    """A game with lines and recordings, in which only the first line has the bigram l-ow."""
 
     def __init__(self, folder, capsys, lines):
         super().__init__(folder, capsys)

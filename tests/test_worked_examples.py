@@ -58,7 +58,7 @@ def line(ids, times, made, motion):
 
 EVERY_PAIR = [(a, b) for a in range(3) for b in range(3) if a or b]
 RAMP = make_tables(dict.fromkeys(EVERY_PAIR, AT[:, None]))
-"""Every bigram shows where in its normalised time one is."""
+"""Bigrams whose curves show the normalised time."""
 
 
 def positions(track, made, *times):

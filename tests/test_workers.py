@@ -1,4 +1,4 @@
-"""Batches here, in processes and on a cluster: all results, once, and the same bytes."""
+"""Batches in this process, in others and on a cluster: all results once, with equal bytes."""
 
 import os
 import re
@@ -206,7 +206,7 @@ def test_who_stops_early_leaves_no_process():
 
 
 def alive(process):
-    """Return True for a process that runs; one that nobody has waited for does not."""
+    """Return True for a running process, but not for one that has ended and is still listed."""
     try:
         state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""X-SAMPA is read wherever IPA is, from data, and neither is taken for the other."""
+"""X-SAMPA is read in all places for IPA, from data, and the two are not confused."""
 
 from unicodedata import normalize
 
@@ -24,13 +24,13 @@ SILENT = (("_", 1.0),)
 assert len(LANGUAGES) > 50
 
 LETTERS = {}
-"""IPA, and the sign that is written for it."""
+"""IPA letters and their X-SAMPA signs."""
 for sign, meant in SIGNS.items():
     LETTERS.setdefault(normalize("NFD", key(meant)), sign)
 
 
 def spelled(label):
-    """A label of the IPA in X-SAMPA; None where it has no sign for a part of it."""
+    """Return an IPA label in X-SAMPA; None if a part of it has no sign."""
     out, rest = "", normalize("NFD", key(label))
     while rest:
         longest = max(
@@ -43,7 +43,7 @@ def spelled(label):
 
 
 def notations(name):
-    """The notations of a language, as a performer has them; shapes aside."""
+    """Notations of a language from a performer, without shapes."""
     pack = LIBRARY.language(name).model
     silences = LIBRARY.common().model.rests
     return ready(tables_of(pack), silences, SILENT, IPA, SPELLING)

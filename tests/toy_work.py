@@ -1,4 +1,4 @@
-"""Work for batches: of a module, because processes and clusters import it by name."""
+"""Work for batches, in a module because processes and clusters import it by name."""
 
 import os
 import signal
@@ -24,7 +24,7 @@ def refused(batch):
 
 
 def deadly(batch):
-    """End the process on one batch, however often it is run."""
+    """End the process on one batch, in every run."""
     if batch == FATAL:
         os.kill(os.getpid(), signal.SIGKILL)
     return batch

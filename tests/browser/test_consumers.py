@@ -1,4 +1,4 @@
-"""Our GLB in other programs: the Khronos validator, and three.js in a browser."""
+"""GLB files in other programs: the Khronos validator, and three.js in a browser."""
 
 import json
 import os
@@ -38,7 +38,7 @@ every_model = pytest.mark.parametrize("name", [*MADE, *SHIPPED, HEAD])
 
 
 def found(*packages):
-    """Return node and the folder of packages, or skip and say what is missing."""
+    """Return node and the folder of packages, or skip the test and name the missing part."""
     node, folder = shutil.which("node"), os.environ.get(MODULES)
     if node is None:
         pytest.skip("node is not installed")
@@ -57,7 +57,7 @@ def chromium():
 
 
 def run(*command):
-    """Return the JSON that a script prints, and fail with what it says."""
+    """Return the JSON output of a script, or fail with its error output."""
     done = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=300, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     return json.loads(done.stdout)
@@ -131,7 +131,7 @@ def test_a_browser_plays_what_we_wrote(name, written):
 
 
 def compare(channels, state, row):
-    """Hold what the browser shows at one time against our weights."""
+    """Compare the shapes in the browser at one time with the written weights."""
     compared = 0
     for channel, value in zip(channels, row, strict=True):
         if channel.translation is not None:

@@ -1,4 +1,4 @@
-"""The editor of curves and the matrix of bigrams in a browser: what hands on them report."""
+"""The curve editor and the matrix of bigrams in a browser: their events."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def used():
 
 
 def steps(changes):
-    """Return the names of the steps, and which changes end one."""
+    """Return the names of the steps, and the changes that end one."""
     return len({change["merge"] for change in changes}), [change["done"] for change in changes]
 
 

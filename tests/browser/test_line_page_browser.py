@@ -25,7 +25,7 @@ HERE = Path(__file__).parent
 
 @pytest.fixture
 def show(tmp_path):
-    """Use the page of an animation, and return what came of it."""
+    """Use the page of an animation in a browser, and return the results."""
 
     def show(animation, closed, opened):
         node, modules = found("playwright-core")
@@ -45,7 +45,7 @@ def performed(character, *texts):
 
 
 def moments(animation, measure="aperture"):
-    """Return the seconds at which the mouth is most closed and most open."""
+    """Return the times at which the mouth is most closed and most open."""
     gains = animation.performer.compiled.measures[measure]
     opening = np.sum([gain * animation[pose] for pose, gain in gains.items()], axis=0)
     return [round(float(animation.times[at]), 2) for at in (opening.argmin(), opening.argmax())]
@@ -75,7 +75,7 @@ def test_the_scripts_keep_to_the_rules():
 
 
 def assert_alike(pixels, animation, seconds):
-    """Hold the pixels of a page's face against the picture of the same moment."""
+    """Compare the pixels of a page's face with the picture of the same moment."""
     swept, side = staged(sweep(animation)), 64
     artist = Artist(staged(animation), 4 * side, framed(swept), swept)
     begins = float(animation.times[0]) - float(animation.timeline[0])

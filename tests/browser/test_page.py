@@ -1,4 +1,4 @@
-"""The coverage page in a browser: its script does what a reader asks, and nothing else."""
+"""The coverage page in a browser: sorting, filtering and no other requests."""
 
 import json
 from pathlib import Path
@@ -16,7 +16,7 @@ REPORT, SOUGHT = 3, "bmp"
 
 @pytest.fixture
 def show(tmp_path):
-    """Use the page of a document, and return what came of it."""
+    """Use the page of a document in a browser, and return the results."""
 
     def show(document):
         node, modules = found("playwright-core")
@@ -31,7 +31,7 @@ def show(tmp_path):
 
 
 def ranking(rows):
-    """Return what the first seven columns say."""
+    """Return the texts of the first seven columns."""
     return [
         [
             str(rank), row["bigram"], f"{row['count']:,}", f"{row['percent']:.2f}",

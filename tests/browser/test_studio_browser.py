@@ -25,7 +25,7 @@ TOKEN = "a-token-for-the-tests"  # noqa: S105 of a server that nobody else reach
 
 
 class Studio:
-    """A studio in a process of its own, in a folder of its own."""
+    """A studio in its own process and its own folder."""
 
     def __init__(self, folder, *arguments):
         self.folder, self.arguments = folder, arguments
@@ -64,7 +64,7 @@ def studio(tmp_path, request):
 
 
 class Story:
-    """A story that runs in the browser; the test may act between its parts."""
+    """A script that runs in the browser; the test can act between its parts."""
 
     def __init__(self, studio, name):
         node, modules = found("playwright-core")
@@ -90,7 +90,7 @@ class Story:
         self.process.stdin.flush()
 
     def end(self):
-        """Return what the story tells at its end: no errors, no request to another place."""
+        """Return the results of the script, after a check for errors and foreign requests."""
         out = self.process.stdout.read()
         self.process.wait(timeout=300)
         assert self.process.returncode == 0

@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 
 @pytest.fixture
 def story(tmp_path):
-    """Tell a story of `studio_tables.mjs` in a project, and return what came of it."""
+    """Run a script of `studio_tables.mjs` in a project, and return the results."""
     node, modules = found("playwright-core")
     (tmp_path / "languages").mkdir()
     pack = PACK.format(name="toy").replace("p: d", "p: bmp")

@@ -49,7 +49,7 @@ def study(tmp_path, monkeypatch):
 
 
 def answered(study, address, folder):
-    """Answer a study's page, and hold what it exports against the study."""
+    """Answer a study's page, and check its export against the study."""
     node, modules = found("playwright-core")
     shown = run(node, HERE / "study.mjs", modules, chromium(), address, folder)
     assert shown["said"] == []

@@ -26,7 +26,7 @@ APART_SECONDS = 0.02
 
 @pytest.fixture
 def played(tmp_path, monkeypatch, capsys):
-    """Return what a browser shows of the page's files."""
+    """Return the state of the page in a browser over time."""
     node, modules = found("three", "playwright-core")
     if importlib.util.find_spec("espeakng_loader") is None:
         pytest.skip("nothing speaks: espeakng_loader is an extra")
@@ -41,7 +41,7 @@ def performed(fps):
 
 
 def held(animation, seconds, weights):
-    """Hold the weights of shapes against an animation at a time of its sound."""
+    """Compare the weights of shapes with an animation at a time of its sound."""
     wanted = [np.interp(seconds, animation.times, animation[pose]) for pose in animation.poses]
     np.testing.assert_allclose([weights[pose] for pose in animation.poses], wanted, atol=1e-4)
 

@@ -1,4 +1,4 @@
-"""Ask a real Blender what it makes of our files.
+"""Import files into a real Blender, and compare the results.
 
 Blender as a module needs Python 3.11 and an environment of its own, so this is no test of the
 suite; run it where an exporter has changed::
@@ -23,7 +23,7 @@ import bpy
 CLOSE = 1e-4
 TIMES = 12
 WHOLE = 60
-"""Frames per second of the scene that our model is imported to."""
+"""Frames per second of the scene into which the model is imported."""
 
 
 def say(text):
@@ -31,7 +31,7 @@ def say(text):
 
 
 def weights(document, seconds):
-    """Return the weights of each shape at a time, between the frames that were written."""
+    """Return the interpolated weights of each shape at a time."""
     place = (seconds - document["start"]) * document["fps"]
     first = min(max(int(place), 0), len(document["frames"]) - 2)
     before, after = document["frames"][first : first + 2]
@@ -53,7 +53,7 @@ def evaluated(frame):
 
 
 def compare(what, document, first):
-    """Hold Blender's values against ours; `first` is the frame at which the sound begins."""
+    """Compare Blender's values with the weights; `first` is the first frame of the sound."""
     render = bpy.context.scene.render
     rate = render.fps / render.fps_base
     length = (len(document["frames"]) - 1) / document["fps"]

@@ -1,1 +1,1 @@
-"""Every reader against inputs that no program wrote: sound files with seeded damage."""
+"""Fuzz tests: every reader on damaged files, with a seed."""

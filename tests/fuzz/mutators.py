@@ -1,4 +1,4 @@
-"""Seeded damage: bytes, slips of the hand in text, and values within JSON, GLB and YAML.
+"""Seeded damage: bytes, typing errors in text, and values in JSON, GLB and YAML.
 
 Each function takes a random generator and a content, and gives another content. The same seed
 gives the same damage.
@@ -12,7 +12,7 @@ from copy import deepcopy
 from random import Random
 
 MOST_BYTES = 200_000
-"""A mutated input stays below this; sizes of their own have tests of their own."""
+"""Maximum size of a mutated input; other tests cover large files."""
 
 INSERTS = [
     ":", ": ", "-", "- ", "[", "]", "{", "}", ",", "#", " #", "'", '"', "&a ", "*a", "!", "!!int ",
@@ -32,7 +32,7 @@ NUMBERS = [
     "9" * 5000, "86400", "1e15", "4294967296", "18446744073709551616", "0x10", "1_0", "1,5", "٣",
     "²", "", "true", "None", "+-1", "1e", ".", "1e9", "0.0000001", "-5.5",
 ]  # fmt: skip
-"""Numbers for any text that holds some."""
+"""Numbers for texts with numbers."""
 
 NAMES = ["../../x", "/etc/passwd", "nul\0", "\x1b[2J", "\u202e", "a" * 30_000, "", "é", "\ud800"]
 
@@ -46,10 +46,10 @@ ODD = [
 WORDS = [
     struct.pack("<I", one) for one in (0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0xFFFF, 0x10000)
 ] + [struct.pack("<f", one) for one in (float("nan"), float("inf"), -1e38, 3e38, 1e-45)]
-"""Four bytes that lie about a length, or are no number."""
+"""Four bytes for a false length or an invalid number."""
 
 ENCODINGS = ["utf-16", "utf-16-le", "utf-16-be", "utf-32", "utf-8-sig", "latin-1", "utf-7"]
-"""Encodings that a file may come in."""
+"""Encodings of files."""
 
 GLB_JSON, GLB_BINARY = 0x4E4F534A, 0x004E4942
 
@@ -77,13 +77,13 @@ def swap(rng: Random, text: str) -> str:
 
 
 def insert(rng: Random, text: str) -> str:
-    """Type a mark that means something to a parser."""
+    """Insert a character with a meaning for parsers."""
     at = rng.randrange(len(text))
     return text[:at] + rng.choice(INSERTS) + text[at:]
 
 
 def lines(rng: Random, text: str) -> str:
-    """Drop, repeat, move, indent or cut off a line."""
+    """Delete, repeat, move, indent or truncate a line."""
     rows = text.splitlines(keepends=True)
     one, other = rng.randrange(len(rows)), rng.randrange(len(rows))
     kind = rng.randrange(5)
@@ -101,7 +101,7 @@ def lines(rng: Random, text: str) -> str:
 
 
 def value(rng: Random, text: str) -> str:
-    """Put another value behind a colon or into a list."""
+    """Replace a value after a colon or in a list."""
     places = [at for at, letter in enumerate(text) if letter in ":,["]
     at = rng.choice(places or [len(text) - 1]) + 1
     stop = at
@@ -134,7 +134,7 @@ def nest(rng: Random, text: str) -> str:
 SLIPS: tuple[Callable[[Random, str], str], ...] = (
     delete, duplicate, swap, insert, insert, lines, lines, value, value, value,
 )  # fmt: skip
-"""Slips of somebody who edits a pack."""
+"""Errors of a person who edits a pack."""
 
 TEXT_DAMAGE = (*SLIPS, number, number, number, field, field, nest)
 
@@ -143,7 +143,7 @@ TEXT_DAMAGE = (*SLIPS, number, number, number, field, field, nest)
 
 
 def flip(rng: Random, content: bytes) -> bytes:
-    """Turn a bit round."""
+    """Flip a bit."""
     changed = bytearray(content)
     changed[rng.randrange(len(changed))] ^= 1 << rng.randrange(8)
     return bytes(changed)
@@ -216,7 +216,7 @@ def _places(tree: object) -> list[tuple[object, object]]:
 
 
 def dumped(tree: object) -> bytes:
-    """Return JSON, with what only Python reads of it."""
+    """Return JSON, including values that only Python accepts."""
     return json.dumps(tree, ensure_ascii=True).encode()
 
 
@@ -230,7 +230,7 @@ def parsed(content: bytes) -> object:
 
 
 def glb(rng: Random, content: bytes) -> bytes:
-    """Change a field of a GLB's JSON, or its binary data, and let all lengths fit."""
+    """Change a field of a GLB's JSON, or its binary data, and correct all lengths."""
     length = struct.unpack_from("<I", content, 12)[0]
     text, rest = content[20 : 20 + length], content[20 + length :]
     if rest[8:] and rng.random() < 0.3:

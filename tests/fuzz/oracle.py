@@ -1,4 +1,4 @@
-"""The judge of one input: only errors in words escape, no warning, and work stays in a budget.
+"""Judge of one input: only package errors, no warnings, and work within a budget.
 
 Work is counted in Python's own calls, and memory in bytes that Python and numpy ask for. Both are
 the same on every machine; no clock is read. An alarm ends an input that hangs in C.
@@ -15,24 +15,24 @@ from types import FrameType
 from lipsync_lang import LipsyncError
 
 CALLS, CALLS_PER_BYTE = 400_000, 1_000
-"""Calls that reading may take, whatever the input, and for each byte of it."""
+"""Maximum number of calls of a reader: a constant, and an amount for each byte."""
 
 BYTES, BYTES_PER_BYTE = 64 * 2**20, 1_000
-"""Memory that reading may take, whatever the input, and for each byte of it."""
+"""Maximum memory of a reader: a constant, and an amount for each byte."""
 
 MOST_CHARS = 5_000
 """Longest message."""
 
 HANG_SECONDS = 300
-"""After which an input is given up; a guard, not a measure."""
+"""Time limit of an input; a safeguard, not a measurement."""
 
 
 class Failure(BaseException):
-    """An input that something other than an error in words came of; nothing catches it."""
+    """A fault that the input caused; readers do not catch it."""
 
 
 def judge(read: Callable[[Path], object], path: Path) -> str | None:
-    """Read a file; return what is wrong with how it ended, or None.
+    """Read a file, and return the fault of the reader, or None.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def judge(read: Callable[[Path], object], path: Path) -> str | None:
 
 
 class _Counter:
-    """Counts calls, and ends what takes more than its budget."""
+    """Counts calls, and ends a reader that exceeds its budget."""
 
     def __init__(self, budget: int) -> None:
         self.left = budget
@@ -100,7 +100,7 @@ def _hangs(number: int, frame: FrameType | None) -> None:
 
 
 def _line(frame: FrameType | None) -> str:
-    """Return the line of ours that a frame is in, or was called from."""
+    """Return the line of the package in which a frame is, or from which it was called."""
     while frame is not None and "lipsync_lang" not in frame.f_code.co_filename:
         frame = frame.f_back
     if frame is None:
@@ -109,7 +109,7 @@ def _line(frame: FrameType | None) -> str:
 
 
 def _where(error: BaseException) -> str:
-    """Return the last line of ours that an error passed."""
+    """Return the last line of the package in a traceback."""
     found, at = "outside", error.__traceback__
     while at is not None:
         if "/lipsync_lang/" in at.tb_frame.f_code.co_filename:

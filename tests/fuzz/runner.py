@@ -1,4 +1,4 @@
-"""Mutated inputs for every target, and by hand a run of any length.
+"""Runner of mutated inputs for every target, also as a program for long runs.
 
 `python -m fuzz.runner --inputs 20000 --seed 7 --keep` in the folder `tests` prints each kind of
 failure once, and keeps its smallest input in the corpus.
@@ -24,7 +24,7 @@ from lipsync_lang import LipsyncError
 
 
 class Finding(NamedTuple):
-    """An input that fails, and how."""
+    """An input that fails, and its fault."""
 
     target: str
     number: int
@@ -33,7 +33,7 @@ class Finding(NamedTuple):
     content: bytes
 
     def keep(self) -> Path:
-        """Put the input into the corpus."""
+        """Write the input into the corpus."""
         name = sha256(self.content).hexdigest()[:10] + self.suffix
         path = HERE / "corpus" / self.target / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -43,14 +43,14 @@ class Finding(NamedTuple):
 
 @cache
 def folder_of(name: str) -> Path:
-    """Return the folder of a target's files; it is gone when the process ends."""
+    """Return the temporary folder of a target's files."""
     folder = TemporaryDirectory(prefix="lipsync-lang-fuzz-")
     atexit.register(folder.cleanup)
     return Path(folder.name, name.replace("/", "-"))
 
 
 def put(target: Target, content: bytes, suffix: str) -> Path:
-    """Write an input where the target wants it."""
+    """Write an input to the place for its target."""
     folder = folder_of(target.name)
     folder.mkdir(exist_ok=True)
     path = target.place(folder, suffix)
@@ -59,13 +59,13 @@ def put(target: Target, content: bytes, suffix: str) -> Path:
 
 
 def judged(target: Target, content: bytes, suffix: str) -> str | None:
-    """Let a target read a content; return what is wrong, or None."""
+    """Let a target read a content, and return the fault, or None."""
     return judge(target.read, put(target, content, suffix))
 
 
 @cache
 def warm(name: str) -> int:
-    """Read the sound files once, so that imports and caches are no work of an input's.
+    """Read the valid files once, so that imports and caches do not count for an input.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def warm(name: str) -> int:
 
 
 def count_for(target: Target, total: int, among: Collection[Target]) -> int:
-    """Return how many of all inputs a target gets."""
+    """Return the number of inputs for a target."""
     return ceil(total * target.share / sum(one.share for one in among))
 
 
@@ -105,7 +105,7 @@ def findings(target: Target, seed: int, count: int) -> Iterator[Finding]:
 
 
 def main() -> int:
-    """Run by hand; 1 where anything failed."""
+    """Run as a program; return 1 if an input failed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--inputs", type=int, default=20_000, help="over all targets")
     parser.add_argument("--seed", type=int, default=0)

@@ -1,4 +1,4 @@
-"""A target for each reader: found in the registries, so that a new reader is one at once.
+"""Targets of the fuzz tests: every reader of the registries.
 
 A target wants a sound file or two, in `seeds/GROUP/NAME/`; inputs that once failed are in
 `corpus/GROUP/NAME/`.
@@ -57,7 +57,7 @@ LINE = Schedule.from_intervals(
 
 @dataclass(frozen=True)
 class Target:
-    """One reader that is handed damaged files.
+    """A reader that receives damaged files.
 
     Parameters
     ----------
@@ -74,12 +74,12 @@ class Target:
 
     @property
     def seeds(self) -> list[Path]:
-        """Sound files."""
+        """Valid files."""
         return _files(HERE / "seeds" / self.name)
 
     @property
     def corpus(self) -> list[Path]:
-        """Inputs that once failed."""
+        """Inputs that failed in the past."""
         return _files(HERE / "corpus" / self.name)
 
 
@@ -89,7 +89,7 @@ def _files(folder: Path) -> list[Path]:
 
 @cache
 def targets() -> dict[str, Target]:
-    """Return every target by its name."""
+    """Return all targets by name."""
     return {one.name: one for one in _found()}
 
 
@@ -171,7 +171,7 @@ PLACES = {
     "project": "lipsync.yaml",
     "readout": "captures/readout.yaml",
 }
-"""The file of a sound tree that is damaged."""
+"""File to damage in a valid tree of packs."""
 
 assert PLACES["character"] in TREE
 

@@ -1,4 +1,4 @@
-"""Readers give a result or an error in words for any input, within a budget of work.
+"""Readers return a result or raise a package error for any input, within a budget.
 
 `LIPSYNC_LANG_FUZZ_SEED` repeats a run of the full lane; the seed is in the name of its tests.
 `CONTRIBUTING.md` says how to add an input that failed.
@@ -76,7 +76,7 @@ NO_TARGET = {
     "commands/studies.py": "a plain text",
     "speech": "what engines and models installed on purpose have written; recordings are a target",
 }
-"""Modules that open files and have no target of their own, and why."""
+"""Modules that open files without a target, with the reason."""
 
 HAVE_TARGETS = {
     "animations/readers/animation_readers.py",
@@ -100,7 +100,7 @@ HAVE_TARGETS = {
     "study/answer_texts.py",
     "study/study_file.py",
 }
-"""Modules that open files and are reached by a target."""
+"""Modules that open files within the target of another module."""
 
 
 @pytest.mark.parametrize("name", TARGETS)
