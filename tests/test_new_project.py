@@ -25,7 +25,7 @@ def record(game, *names):
 
 
 def new(cli, *more):
-    return cli("build", "new", "vo", "script.csv", "-c", "facefx", *more)
+    return cli("new", "--recordings", "vo", "--from", "script.csv", *more)
 
 
 def stated(game):
@@ -110,8 +110,8 @@ def test_what_has_nothing_in_common_is_told_with_what_there_is(cli, game):
 )
 def test_what_cannot_be_told_is_asked_for(cli, game, arguments, told):
     record(game, "vo/intro_1.wav", "script.txt", "empty/a.txt")
-    more = () if "-c" in arguments else ("-c", "facefx")
-    ended = cli("build", "new", *arguments, *more)
+    recordings, table, *more = arguments
+    ended = cli("new", "--recordings", recordings, "--from", table, *more)
     assert ended.code == 2
     assert told in ended.err
     assert not (game / "lipsync.yaml").exists()
@@ -131,3 +131,38 @@ def test_faults_of_the_script_are_told_at_once(cli, game):
     ended = new(cli, "-l", "en")
     assert ended.code == 1
     assert "script.csv:5: the id 'a/b' has a '/'" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ((), "give the NAME of the new folder, or --recordings FOLDER and --from TABLE"),
+        (("--recordings", "vo"), "--recordings FOLDER and --from TABLE belong together"),
+        (("game", "--from", "script.csv"), "--recordings FOLDER and --from TABLE belong together"),
+        (("game", "--recordings", "vo", "--from", "script.csv"), "leave one of the two out"),
+        (("game", "-c", "crab", "-c", "arkit"), "a new folder has one character"),
+    ],
+)
+def test_a_folder_and_recordings_are_two_ways_to_begin(cli, game, arguments, told):
+    record(game, "vo/intro_1.wav")
+    ended = cli("new", *arguments)
+    assert (ended.code, ended.out) == (2, "")
+    assert told in ended.err
+    assert {path.name for path in game.iterdir()} == {"script.csv", "vo"}
+
+
+def test_recordings_are_made_on_several_characters(cli, game):
+    record(game, "vo/intro_1.wav")
+    assert new(cli, "-l", "en", "-c", "crab", "-c", "arkit").code == 0
+    assert 'cast: {"*": [crab, arkit]}' in stated(game)
+
+
+def test_characters_of_a_folder_of_packs_are_known(cli, game):
+    record(game, "vo/intro_1.wav", "packs/characters/bob.yaml")
+    character = "kind: character\nformat: 1\nname: bob\nposeset: crab\n"
+    (game / "packs/characters/bob.yaml").write_text(character)
+    assert cli("new", "out", "-c", "bob").code == 2
+    assert cli("new", "out", "-c", "bob", "--path", "packs").code == 0
+    assert "character: bob" in (game / "out/lipsync.yaml").read_text("utf-8")
+    ended = new(cli, "-l", "en", "-c", "bob", "--path", "packs")
+    assert 'cast: {"*": bob}' in stated(game), ended.err

@@ -100,7 +100,7 @@ class ProjectBuild:
         found = file or find_project()
         if found is None:
             raise LipsyncError(
-                f"this folder has no {FILE}; `lipsync-lang build new FOLDER TABLE` writes one"
+                f"this folder has no {FILE}; `lipsync-lang new NAME` makes a folder with one"
             )
         project, folder = load_project(found).model, found.absolute().parent
         chosen = selection or Selection()

@@ -1,15 +1,14 @@
-"""Options of `build`, which makes all lines of a script, and of `build new`."""
+"""Options of `build`, which makes all lines of a script."""
 
 import argparse
 from pathlib import Path
 
 from lipsync_lang.commands import build
-from lipsync_lang.commands.new_project_command import new
 from lipsync_lang.commands.shared_options import Add, add_path
 
 
 def add_build(add: Add) -> None:
-    """Add `build` and `build new`."""
+    """Add `build`."""
     made = add(
         "build",
         build.build,
@@ -20,16 +19,6 @@ def add_build(add: Add) -> None:
     _add_how(made.add_argument_group("how to make them"))
     add_path(made)
     made.set_defaults(in_project=False)
-    actions = made.add_subparsers(title="actions", metavar="ACTION", required=False)
-    new_ = actions.add_parser(
-        "new",
-        help="write the project for a folder of recordings and a table",
-        description="Write the project for a folder of recordings and a table.",
-        epilog="example:\n  lipsync-lang build new vo script.csv -l english -c facefx",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    new_.set_defaults(command=new)
-    _add_new(new_)
 
 
 def _add_which(which: argparse._ArgumentGroup) -> None:
@@ -76,18 +65,3 @@ def _add_how(how: argparse._ArgumentGroup) -> None:
         help="write a report: .html, .xml (JUnit) or .json; may be repeated [the project's]",
     )  # fmt: skip
     how.add_argument("--json", action="store_true", help="print events as JSON, one on each line")
-
-
-def _add_new(made: argparse.ArgumentParser) -> None:
-    made.add_argument("recordings", metavar="FOLDER", type=Path, help="the folder of recordings")
-    made.add_argument("table", metavar="TABLE", type=Path, help="the script, one row for each line")
-    made.add_argument(
-        "-l", "--language", metavar="LANGUAGE", dest="new_language",
-        help="the language of the recordings [from their folders or a column]",
-    )  # fmt: skip
-    made.add_argument(
-        "-c", "--character", metavar="CHARACTER", action="append", required=True, dest="characters",
-        help="a character or a pose set for every line; may be repeated",
-    )  # fmt: skip
-    add_path(made)
-    made.set_defaults(in_project=False)

@@ -1,17 +1,57 @@
-"""The command that writes the project of a folder of recordings."""
+"""The command that makes a project: a new folder, or the project file of recordings that exist."""
 
 import sys
 from argparse import Namespace
 from pathlib import Path
 
 from lipsync_lang.commands.output import FAULTS, SOUND, count, tell_written
+from lipsync_lang.commands.starting import lacking
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.project import FILE
 
 
 def new(options: Namespace) -> int:
+    """Make a project folder, or write the project file of recordings and their table."""
+    given = [option is not None for option in (options.recordings, options.table)]
+    if any(given) != all(given):
+        raise LipsyncError("--recordings FOLDER and --from TABLE belong together; give both")
+    if all(given) and options.name is not None:
+        raise LipsyncError(
+            f"NAME '{options.name}' makes a new folder, and --recordings and --from a project in "
+            "the folder that holds both; leave one of the two out"
+        )
+    if all(given):
+        return _of_recordings(options)
+    if options.name is None:
+        raise LipsyncError(
+            "give the NAME of the new folder, or --recordings FOLDER and --from TABLE to make a "
+            "project of both in this folder"
+        )
+    if len(options.characters) > 1:
+        raise LipsyncError(f"a new folder has one character; add others to `cast` in its {FILE}")
+    return _folder(options)
+
+
+def _folder(options: Namespace) -> int:
+    """Make a project folder, and print its files and the next commands."""
+    from lipsync_lang.build.project_folder import make_project
+    from lipsync_lang.packs.library import Library
+
+    library = Library(options.path, project=None)
+    character = next(iter(options.characters), None)
+    for path in make_project(options.name, Path(), library, options.new_language, character):
+        tell_written(path)
+    folder = f'"{options.name}"' if " " in options.name else options.name
+    print(f"next: cd {folder}, then: lipsync-lang build", file=sys.stderr)
+    for line in lacking(("speech",)):
+        print(line, file=sys.stderr)
+    return SOUND
+
+
+def _of_recordings(options: Namespace) -> int:
     """Write `lipsync.yaml`, and print the numbers of its lines and the faults of the script."""
     from lipsync_lang.build.new_project import new_project
+    from lipsync_lang.build.project_folder import starter
     from lipsync_lang.build.script import read_script
     from lipsync_lang.files import write_all
     from lipsync_lang.packs.finding import Finder
@@ -23,7 +63,7 @@ def new(options: Namespace) -> int:
     finder = Finder(options.path, here)
     drafted = new_project(
         options.recordings, options.table, folder=here, finder=finder,
-        language=options.new_language, characters=options.characters,
+        language=options.new_language, characters=options.characters or [starter().character],
     )  # fmt: skip
     write_all({path: lambda stream: stream.write(drafted.text.encode())}, durable=True)
     tell_written(path)

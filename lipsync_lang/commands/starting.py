@@ -1,12 +1,11 @@
-"""The screen of `lipsync-lang` without a command, and the command that makes a project folder."""
+"""The screen of `lipsync-lang` without a command."""
 
 import os
-import sys
 from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.commands.output import SOUND, tell_written
+from lipsync_lang.commands.output import SOUND
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.extras import Extra, extras, install_line
 from lipsync_lang.packs.project import find_project
@@ -25,26 +24,9 @@ SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
 
 def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options
     """Print what the program does, and commands to go on with."""
-    lacking = _lacking()
-    lines = [TITLE, "", *_next_steps(), *([""] if lacking else []), *lacking, "", MORE]
+    missing = lacking()
+    lines = [TITLE, "", *_next_steps(), *([""] if missing else []), *missing, "", MORE]
     print("\n".join(lines))
-    return SOUND
-
-
-def new(options: Namespace) -> int:
-    """Make a project folder, and print its files and the next commands."""
-    from lipsync_lang.build.project_folder import make_project
-    from lipsync_lang.packs.library import Library
-
-    made = make_project(
-        options.name, Path(), Library(project=None), options.new_language, options.new_character
-    )
-    for path in made:
-        tell_written(path)
-    folder = f'"{options.name}"' if " " in options.name else options.name
-    print(f"next: cd {folder}, then: lipsync-lang build", file=sys.stderr)
-    for line in _lacking(("speech",)):
-        print(line, file=sys.stderr)
     return SOUND
 
 
@@ -100,7 +82,7 @@ def _stated(path: Path) -> "Project | None":
         return None
 
 
-def _lacking(names: tuple[str, ...] = SHOWN_IN_NEXT_STEPS) -> list[str]:
+def lacking(names: tuple[str, ...] = SHOWN_IN_NEXT_STEPS) -> list[str]:
     """Return a line for each of some extras that is not installed, with the way to install it."""
     known = {one.name: one for one in extras()}
     missing: list[Extra] = [known[name] for name in names if known[name].missing()]
