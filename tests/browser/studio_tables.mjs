@@ -103,17 +103,21 @@ const stories = {
     await page.click("text=＋ new");
     await page.waitForFunction(() => document.querySelectorAll(".own li").length === 2);
     await page.fill("[data-field=jaw]", "0.5");
+    const loaded = page.waitForResponse((answer) => answer.url().endsWith("/words"));
     await page.press("[data-field=jaw]", "Enter");
     await page.waitForFunction(() => document.querySelector("#undo").title.includes("jaw"));
     const unnamed = await nameless(page);
     await page.fill("[data-field=jaw]", "three");
+    await loaded;
+    await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
+    const typed = await page.inputValue("[data-field=jaw]");
     await page.press("[data-field=jaw]", "Enter");
     const refused = await page.$eval("[data-field=jaw]", (one) => one.validationMessage);
     await page.evaluate(() => document.activeElement.blur());
     await page.click("#save");
     await page.waitForFunction(() => document.querySelector("#save").textContent === "Saved");
     const items = await page.$$eval(".own li a", (all) => all.map((one) => one.firstChild.textContent));
-    return { opened, sounds, refused, items, unnamed };
+    return { opened, sounds, typed, refused, items, unnamed };
   },
 };
 

@@ -79,6 +79,9 @@ def test_a_word_and_a_line_of_the_character_are_edited_and_saved(story, tmp_path
     assert told["opened"] == "#words/word%3Apa"
     assert told["sounds"] == ["p", "a"]
     assert told["items"] == ["pa", "ma-pa-may"]
+    assert told["typed"] == "three", (
+        "an answer of the server leaves a field alone that somebody types in"
+    )
     assert "from 0 to 2" in told["refused"]
     saved = read_yaml(tmp_path / "characters" / "crab.yaml").data
     assert set(saved["words"]) == {"pa"}

@@ -11,12 +11,17 @@ export class OwnForms {
     this.studio = studio;
     this.load = load;
     this.place = made("form", { "aria-label": "Delivery or pronunciation" });
+    /** What the form shows, as one text. */
+    this.shown = "";
     this.place.addEventListener("submit", (event) => event.preventDefault());
   }
 
   /** @param {Told} told @param {Line | undefined} line @param {Told["pronunciations"][number] | undefined} said */
   show(told, line, said) {
-    const within = this.place.contains(document.activeElement) ? document.activeElement?.getAttribute("data-field") : "";
+    const held = this.place.contains(document.activeElement) ? document.activeElement : null;
+    const within = held?.getAttribute("data-field"), shown = JSON.stringify([line?.name, said?.language, said?.word]);
+    if (shown === this.shown && held instanceof HTMLInputElement && held.value !== held.defaultValue) return; // typing goes on
+    this.shown = shown;
     this.place.hidden = !line && !said;
     this.place.replaceChildren(...(line ? this.#line(line) : said ? this.#said(told, said) : []));
     if (within) /** @type {HTMLElement | null} */ (this.place.querySelector(`[data-field="${CSS.escape(within)}"]`))?.focus();
@@ -28,6 +33,7 @@ export class OwnForms {
     input.addEventListener("change", () => {
       input.setCustomValidity("");
       does(input.value.trim(), input);
+      if (input.validity.valid) input.defaultValue = input.value;
     });
     return made("label", {}, made("span", {}, text), input);
   }
