@@ -212,7 +212,7 @@ LIES = {
     "a filter of other rows": ({"filter": "QUATERNION"}, "buffer view 0 quaternion rows are 8"),
     "data past the end": ({"byteOffset": 10**6}, "buffer view 0 lies past the end of its data"),
     "no length": ({"byteLength": None}, "buffer view 0 lies past the end of its data"),
-    "another buffer": ({"buffer": 1}, "keeps its data in several places"),
+    "another buffer": ({"buffer": 1}, "has its data in several buffers"),
     "cut data": ({"byteLength": 40}, "buffer view 0 .*-[123]"),
 }
 
@@ -300,13 +300,13 @@ DRACO_LIES = {
     "endless points": (
         None,
         lambda own: number_of_bytes(own, b"\xff\xff\xff\xff\x0f"),
-        "holds 726 corners of 4294967295 points, and states 726 of 144",
+        "has 726 corners of 4294967295 points, but states 726 of 144",
     ),
     "an endless header": (None, lambda own: number_of_bytes(own, b"\xff" * 30), "end within their"),
     "fewer corners stated": (
         lambda document, _: document["accessors"][3].update(count=3),
         None,
-        "holds 726 corners of 144 points, and states 3 of 144",
+        "has 726 corners of 144 points, but states 3 of 144",
     ),
     "more corners stated": (
         lambda document, _: document["accessors"][3].update(count=729),
@@ -333,7 +333,7 @@ DRACO_LIES = {
         None,
         "accessor 1 states 143 values, and has 144",
     ),
-    "no view": (lambda _, packed: packed.update(bufferView=99), None, "buffer view 99 lies in no"),
+    "no view": (lambda _, packed: packed.update(bufferView=99), None, "buffer view 99 has no"),
     "no names": (lambda _, packed: packed.pop("attributes"), None, "its meshes cannot be read"),
 }
 

@@ -592,11 +592,11 @@ def test_meshes_that_no_node_shows_cannot_be_moved(animate):
         ),
         (
             {"buffers": [{"byteLength": 149}]},
-            "148 bytes of binary data, fewer than it says; .* exp",
+            "148 bytes of binary data, fewer than it states; .* exp",
         ),
         (
             {"buffers": [{"byteLength": "9"}]},
-            "148 bytes of binary data, fewer than it says; .* exp",
+            "148 bytes of binary data, fewer than it states; .* exp",
         ),
     ],
 )
@@ -682,13 +682,16 @@ NOT_MODELS = {
     "torn json": (b'{"a": ', "its JSON cannot be read: .*; it is damaged"),
     "magic": (b"glTF", "ends after 4 bytes; copy or download it again"),
     "cut": (GOOD[:-7], rf"ends after {len(GOOD) - 7} of {len(GOOD)} bytes; copy or download"),
-    "longer": (GOOD + b"abcd", rf"has {len(GOOD) + 4} bytes, but says that it has {len(GOOD)}"),
+    "longer": (GOOD + b"abcd", rf"has {len(GOOD) + 4} bytes, but its header states {len(GOOD)}"),
     "version": (GOOD[:4] + b"\1" + GOOD[5:], "is GLB version 1; export .*version 2"),
     "huge part": (
         GOOD[:12] + b"\xf0\xff\xff\xff" + GOOD[16:],
         "in the middle of a part of 42949672",
     ),
-    "first part": (GOOD[:16] + b"BIN\0" + GOOD[20:], "does not begin with JSON, as GLB does"),
+    "first part": (
+        GOOD[:16] + b"BIN\0" + GOOD[20:],
+        "does not begin with JSON, which GLB requires",
+    ),
     "torn part": (
         struct.pack("<4s2I", b"glTF", 2, len(GOOD) + 3) + GOOD[12:] + b"abc",
         "middle of",
@@ -708,7 +711,7 @@ NOT_MODELS = {
     "meshes": (whole(meshes={"a": 1}), "its meshes are not a list of objects; it is damaged"),
     "mesh": (whole(meshes=[1]), "its meshes are not a list of objects; it is damaged"),
     "nodes": (whole(nodes=None), "its nodes are not a list of objects"),
-    "node's mesh": (whole(nodes=[{"mesh": 2}]), "node 0 shows a mesh that is not there"),
+    "node's mesh": (whole(nodes=[{"mesh": 2}]), "node 0 has a mesh that does not exist"),
     "node's name": (whole(nodes=[{"name": 2}]), "the name of node 0 is not text"),
     "mesh's name": (one_mesh(name=["a"]), "the name of a mesh is not text"),
     "primitives": (one_mesh(primitives=None), "the primitives of 'Face' are not a list of o"),
@@ -719,7 +722,7 @@ NOT_MODELS = {
     ),
     "names": (one_mesh(extras={"targetNames": [1, 2, 3]}), "'Face': .* not a list of texts"),
     "names' form": (one_mesh(extras={"targetNames": "abc"}), "'Face': .* not a list of texts"),
-    "fewer names": (one_mesh(extras={"targetNames": ["a"]}), "'Face': has 3 morph .* but names 1"),
+    "fewer names": (one_mesh(extras={"targetNames": ["a"]}), "'Face': has 3 morph .* but 1 names"),
     "repeats": (
         one_mesh(extras={"targetNames": ["a", "b", "a"]}),
         "'Face': several morph targets share a name: a; give every morph target a name of its own",

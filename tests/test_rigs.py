@@ -364,7 +364,7 @@ def test_a_rig_drives_no_poses_but_its_own():
     performer = face("facefx-to-arkit")
     animation = performer.perform(Schedule(SAID, TIMES, notation="arpabet"))
     other = replace(animation, poses=animation.poses[::-1])
-    with pytest.raises(LipsyncError, match="drives other poses"):
+    with pytest.raises(LipsyncError, match="needs the poses of face"):
         performer.rigged(other)
 
 

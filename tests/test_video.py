@@ -361,13 +361,13 @@ def test_a_face_is_looked_at_from_its_front(tmp_path, rotation, front):
         ),
         (
             lambda d: d["accessors"][0].update(type="VEC9"),
-            "0 holds numbers of an unknown",
+            "0 has numbers of an unknown",
         ),
         (lambda d: d["meshes"][0]["primitives"][0].update(material=7), "its meshes cannot be read"),
         (lambda d: d["scenes"][0].update(nodes=[7]), "its meshes cannot be read"),
         (lambda d: d["scenes"][0].update(nodes=[]), "shows no surfaces"),
         (lambda d: d["meshes"][0]["primitives"][0].update(mode=1), "shows no surfaces"),
-        (lambda d: d["bufferViews"][0].update(buffer=1), "keeps its data in several places"),
+        (lambda d: d["bufferViews"][0].update(buffer=1), "has its data in several buffers"),
     ],
 )
 def test_a_model_that_cannot_be_drawn_says_why(tmp_path, change, told):

@@ -48,7 +48,7 @@ MAX_VALUES = 2**26
 
 
 class ViewBytes(NamedTuple):
-    """Place of a buffer view: its bytes are `data[start : start + length]`."""
+    """Position of a buffer view: its bytes are `data[start : start + length]`."""
 
     data: bytes | memoryview
     start: int
@@ -118,7 +118,7 @@ class Accessors:
     def unpack(self, primitive: Json) -> None:
         """Decode the Draco data of a primitive, so that its accessors can be read.
 
-        A primitive with plain data beside the Draco data keeps to the plain data.
+        If a primitive also has plain data, the plain data is used.
 
         Raises
         ------
@@ -145,7 +145,7 @@ class Accessors:
 
     def _row(self, number: object) -> Json:
         if not is_index(number, len(self._rows)):
-            fail(self.path, f"names accessor {_shown(number)}, but has {len(self._rows)}")
+            fail(self.path, f"refers to accessor {_shown(number)}, but has only {len(self._rows)}")
         row: Json = self._rows[number]
         return row
 
@@ -157,7 +157,7 @@ class Accessors:
 
     @contextmanager
     def _decoding(self, what: str, extension: str) -> Iterator[None]:
-        """Tell the errors of a decoder with the place."""
+        """Raise the errors of a decoder with their place."""
         try:
             yield
         except MissingDecoderError:
@@ -176,7 +176,7 @@ class Accessors:
         """Validate the shape and type of an accessor, and add its size to the total."""
         kind, width = row.get("componentType"), WIDTHS.get(str(row.get("type")))
         if not is_index(kind, max(COMPONENT_TYPES) + 1) or kind not in COMPONENT_TYPES or not width:
-            self._fail(what, "holds numbers of an unknown kind")
+            self._fail(what, "has numbers of an unknown type")
         # A stored value takes a byte or more; sparse-only accessors hold offsets of stored points.
         count = row.get("count")
         if not is_index(count, self._stored + 1) or count == 0:
@@ -191,7 +191,7 @@ class Accessors:
         offset, size = row.get("byteOffset", 0), shape[1] * dtype.itemsize
         step = size if stride is None else stride
         if not is_index(step, LARGEST_STRIDE + 1) or step < size:
-            self._fail(what, f"lies {_shown(step)} bytes apart, and takes {size}")
+            self._fail(what, f"has values {_shown(step)} bytes apart, but each takes {size} bytes")
         reach = (shape[0] - 1) * step + size
         if not is_index(offset, length) or offset + reach > length:
             self._fail(what, "lies past the end of its data")
@@ -206,9 +206,9 @@ class Accessors:
         return values.astype(dtype)
 
     def _span(self, what: str, number: object) -> ViewBytes:
-        """Locate a view, and decode it where it is compressed."""
+        """Locate a view, and decode it if it is compressed."""
         if not is_index(number, len(self._views)):
-            self._fail(what, "lies in no buffer view")
+            self._fail(what, "has no buffer view")
         view = self._views[number]
         packed = next((name for name in MESHOPT if name in _extensions(view)), None)
         if packed is None:
@@ -235,7 +235,7 @@ class Accessors:
     def _place(self, what: str, view: Json) -> tuple[int, int]:
         """Return the checked offset and length in bytes of a view."""
         if view.get("buffer", 0) != 0:
-            fail(self.path, "keeps its data in several places", "export the model as GLB")
+            fail(self.path, "has its data in several buffers", "export the model as GLB")
         start, length = view.get("byteOffset", 0), view.get("byteLength")
         total = len(self._binary)
         if not is_index(start, total + 1) or not is_index(length, total - start + 1):
@@ -248,15 +248,15 @@ class Accessors:
             self._fail(what, "has sparse values that are not an object")
         few, places, others = (sparse.get(name) for name in ("count", "indices", "values"))
         if not isinstance(places, dict) or not isinstance(others, dict):
-            self._fail(what, "has sparse values without their places")
+            self._fail(what, "has sparse values without indices")
         if not is_index(few, len(values) + 1) or few == 0:
             self._fail(what, f"replaces {_shown(few)} of {len(values)} values")
         kind = places.get("componentType")
         if not is_index(kind, max(INDICES) + 1) or kind not in INDICES:
-            self._fail(what, "has sparse values whose places are of an unknown kind")
+            self._fail(what, "has sparse values with indices of an unknown type")
         where = self._values(what, places, (few, 1), np.dtype(COMPONENT_TYPES[kind]))[:, 0]
         if int(where.max()) >= len(values):
-            self._fail(what, f"replaces value {where.max()} of {len(values)}")
+            self._fail(what, f"replaces value {where.max()}, but has only {len(values)}")
         changed = values.copy()
         changed[where] = self._values(what, others, (few, values.shape[1]), values.dtype)
         return changed

@@ -22,16 +22,16 @@ MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 INSTALL = 'to read it: pip install "lipsync-lang[models]"; or export it without compression'
 
 BYTES_PER_BYTE = 1024
-"""Decoded bytes per compressed byte at most: meshoptimizer keeps 256 rows of a word in a byte."""
+"""Maximum decoded bytes per compressed byte: meshoptimizer stores 256 rows of a word in a byte."""
 
 NUMBERS_PER_BYTE = 64
-"""Corners and points per compressed byte at most; heads have 2, and a flat grid has 10."""
+"""Maximum corners and points per compressed byte; heads have 2, and a flat grid has 10."""
 
 DRACO_START = (b"DRACO\x02\x02\x01", 11)
 """Signature of a mesh in bitstream 2.2, which glTF requires, and the size of the header."""
 
 EDGEBREAKER = 1
-"""Draco's encoding method with a further byte before the counts; the other is sequential."""
+"""Draco's encoding method with another byte before the counts; the other method is sequential."""
 
 
 class MissingDecoderError(Exception):
@@ -106,7 +106,7 @@ def draco_mesh(data: bytes, corners: int, points: int) -> DracoMesh:
     faces, own = _draco_counts(data)
     if 3 * faces > corners or own > points:
         raise ValueError(
-            f"holds {3 * faces} corners of {own} points, and states {corners} of {points}"
+            f"has {3 * faces} corners of {own} points, but states {corners} of {points}"
         )
     if corners + points > NUMBERS_PER_BYTE * len(data):
         raise ValueError(f"states {corners} corners of {points} points in {len(data)} bytes")

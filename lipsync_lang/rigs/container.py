@@ -98,7 +98,7 @@ def _container(path: Path, stream: BinaryIO, size: int) -> tuple[bytes, tuple[Ch
     if len(rest) == MOST_CHUNKS:
         fail(path, f"has more than {MOST_CHUNKS} parts")
     if first.kind != JSON_CHUNK:
-        fail(path, "does not begin with JSON, as GLB does")
+        fail(path, "does not begin with JSON, which GLB requires")
     stream.seek(first.start)
     return stream.read(first.length).rstrip(b"\0 "), tuple(rest)
 
@@ -124,7 +124,7 @@ def _check_header(path: Path, head: bytes, size: int) -> None:
     if length > size:
         fail(path, f"ends after {size} of {length} bytes", "copy or download it again")
     if length < size:
-        fail(path, f"has {size} bytes, but says that it has {length}")
+        fail(path, f"has {size} bytes, but its header states {length}")
 
 
 def _chunks(path: Path, stream: BinaryIO, size: int) -> Iterator[Chunk]:
@@ -158,7 +158,7 @@ def binary_of(path: Path, document: Json, chunks: Sequence[Chunk]) -> bytes:
     data = _first(path, chunks) if uri is None else _decoded(path, uri)
     length = first.get("byteLength", 0)
     if isinstance(length, bool) or not isinstance(length, int) or not 0 <= length <= len(data):
-        fail(path, f"has {len(data)} bytes of binary data, fewer than it says")
+        fail(path, f"has {len(data)} bytes of binary data, fewer than it states")
     return data
 
 
@@ -193,7 +193,7 @@ def read_chunk(path: Path, chunk: Chunk) -> bytes:
     except OSError as error:
         fail(path, f"cannot be read: {error.strerror}", "check the path")
     if len(data) < chunk.length:
-        fail(path, "has changed while it was read", "try again")
+        fail(path, "changed while it was read", "try again")
     return data
 
 

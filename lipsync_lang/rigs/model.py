@@ -16,13 +16,13 @@ from typing import NoReturn, TypeGuard
 from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
 
 LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
-"""Document lists that are read or extended."""
+"""Lists of the document that are read or extended."""
 
 MAX_KNOWN_BYTES = 32 * 2**20
-"""Larger models are read again for each animation, and take no memory in between."""
+"""Maximum size of a cached model; larger models are read again for each animation."""
 
 SETTLED_SECONDS = 2.0
-"""A file that did not change for so long shows its next change by its times."""
+"""Minimum age of a file whose times show its next change reliably."""
 
 FEW = 12
 """Maximum number of names in a message."""
@@ -117,10 +117,10 @@ def read_model(path: Path, *, bones: bool = False) -> Model:
 
 
 def known_model(path: Path, *, bones: bool = False) -> Model:
-    """Read the metadata of a model; a file that many lines are written into is read once.
+    """Read the metadata of a model, with a cache for files that many lines are written into.
 
-    A file is known by its times, size and number. One changed a moment ago is read again, because
-    clocks of file systems are coarse. Errors are those of `read_model`.
+    A file is identified by its times, size and number. A recently changed file is read again,
+    because clocks of file systems are coarse. Errors are those of `read_model`.
     """
     try:
         there = path.stat()
@@ -191,7 +191,7 @@ def _check_nodes(path: Path, document: Json) -> None:
         if not isinstance(node.get("name", ""), str):
             fail(path, f"the name of node {number} is not text")
         if "mesh" in node and not is_index(node["mesh"], count):
-            fail(path, f"node {number} shows a mesh that is not there")
+            fail(path, f"node {number} has a mesh that does not exist")
 
 
 def is_index(value: object, count: int) -> TypeGuard[int]:
@@ -261,7 +261,7 @@ def _shapes(path: Path, label: str, row: Json) -> tuple[str, ...]:
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         fail(path, f"'{label}': the names of its morph targets are not a list of texts")
     if len(names) != count:
-        fail(path, f"'{label}': has {count} morph targets, but names {len(names)}")
+        fail(path, f"'{label}': has {count} morph targets, but {len(names)} names")
     _check_names(path, label, names)
     return tuple(names)
 

@@ -65,7 +65,7 @@ class Match:
 
     @property
     def enough(self) -> bool:
-        """True if the match shows enough poses to be chosen unasked."""
+        """True if the match shows enough poses for the automatic choice."""
         return self.shown >= LEAST_SHOWN * len(self.poses)
 
     @property

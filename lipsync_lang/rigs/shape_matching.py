@@ -117,14 +117,14 @@ def _deal(
             rivals = numbers[:1]
         if len(rivals) > 1:
             others = ", ".join(f"'{names[n]}'" for n in rivals[1:])
-            yield f"'{shape}' is taken for '{names[rivals[0]]}', but fits {others} as well"
+            yield f"'{shape}' is used for '{names[rivals[0]]}', but also fits {others}"
     winners = ((n, s) for n, s in pairs if n in found.shared.get(s, wanting[s][:1]))
     for number, group in groupby(winners, key=lambda pair: pair[0]):
         first, *more = (shape for _, shape in group)
         found.shapes[number] = [first, *more] if rule in MANY else [first]
         if more and rule not in MANY:
             alike = ", ".join(f"'{shape}'" for shape in more)
-            yield f"'{names[number]}' is taken to be '{first}', but {alike} is spelled alike"
+            yield f"'{names[number]}' is '{first}', but {alike} has a similar spelling"
 
 
 class _Index:
@@ -244,7 +244,7 @@ def _variants(shapes: Sequence[str]) -> Iterator[tuple[str, int, str]]:
 
 
 MAX_PREFIX_WORDS = 32
-"""Words of a prefix that names may share; a name of thousands would cost their square."""
+"""Maximum number of words of a common prefix, because the time is quadratic in it."""
 
 
 def _shared(names: Sequence[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Piecewise cubic curves by keys with slopes, as animation editors and glTF have them.
+"""Piecewise cubic curves of keys with slopes, as in animation editors and glTF.
 
 Between two keys at times a and b, with values p and q and slopes m and n per second, a curve is a
 cubic Hermite polynomial::

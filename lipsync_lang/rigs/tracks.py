@@ -15,16 +15,16 @@ from lipsync_lang.rigs.splines import Spline, sample
 Floats = npt.NDArray[np.float64]
 
 VALUES_PER_KEY = {"LINEAR": 1, "STEP": 1, "CUBICSPLINE": 3}
-"""Values per key of each interpolation; a spline key has a tangent on each side of its value."""
+"""Number of values per key of each interpolation; a spline key also has two tangents."""
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3, "weights": None}
 """Components of each node property; the number of weights depends on the mesh."""
 
 SPLINE_SECONDS = 1 / 240
-"""Seconds between the points of the straight lines that stand for a cubic spline."""
+"""Seconds between the points of the straight lines that approximate a cubic spline."""
 
 STEP_SECONDS = 1e-4
-"""Seconds between the two keys of a step, because tracks have only straight lines."""
+"""Seconds between the two keys of a step, because tracks are linear."""
 
 
 class Drive(NamedTuple):
@@ -69,7 +69,7 @@ def drives(
         if node is None or not isinstance(path, str) or path not in paths or path not in PATHS:
             continue  # glTF requires this: extensions define targets of their own
         if not is_index(node, len(nodes)) or not is_index(number, len(samplers)):
-            fail(where, "a channel of its animation names a node or sampler that is not there")
+            fail(where, "a channel of its animation has a node or sampler that does not exist")
         times, values = _keys(accessors, samplers[number])
         if values.shape[1] != (PATHS[path] or values.shape[1]):
             fail(where, f"its animation has {values.shape[1]} numbers for a {path}")
@@ -83,7 +83,7 @@ def _keys(accessors: Accessors, sampler: Json) -> tuple[Floats, Floats]:
     values = accessors[sampler.get("output")].astype(np.float64)
     way = sampler.get("interpolation", "LINEAR")
     if not isinstance(way, str) or way not in VALUES_PER_KEY:
-        fail(where, f"its keys are joined in an unknown way ('{str(way)[:20]}')")
+        fail(where, f"its keys have an unknown interpolation ('{str(way)[:20]}')")
     if times.shape[1] != 1:
         fail(where, "its animation has times of several numbers")
     times = times[:, 0]
