@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 
+MAX_KNOWN = 24
+"""Known words in a hint."""
+
 MAX_MESSAGE_CHARS = 4_000
 """A name within a file may be of any length; the middle of a longer message is cut out."""
 
@@ -70,8 +73,14 @@ def did_you_mean(word: str, known: "Iterable[str]") -> str:
         near = alike
     if near:
         return f"did you mean '{near[0]}'?"
-    shown = ", ".join(names[:24]) + (", ..." if len(names) > 24 else "")  # noqa: PLR2004 a line's worth
-    return f"known: {shown}" if names else "there are none"
+    return f"known: {shortlist(names, MAX_KNOWN)}" if names else "there are none"
+
+
+def shortlist(names: "Iterable[str]", most: int) -> str:
+    """List the first names, and the number of the others."""
+    every = list(names)
+    more = f" and {len(every) - most} more" if len(every) > most else ""
+    return ", ".join(every[:most]) + more
 
 
 def refuse_other(name: str, value: object, choices: object) -> None:

@@ -214,7 +214,7 @@ def _load(entry_point: "EntryPoint") -> None:
     Extensions.origin = distribution(entry_point)
     try:
         entry_point.load()
-    except (Exception, SystemExit) as error:  # noqa: BLE001 whatever a stranger's module does
+    except (Exception, SystemExit) as error:  # noqa: BLE001 a plug-in may raise anything
         for kind, name in Extensions.journal[start:]:
             kind.known.pop(name, None)
             kind.origins.pop(name, None)

@@ -43,7 +43,7 @@ class Acceptance:
     """The items that were asked for and were not accepted."""
 
 
-def accept_fit(  # noqa: PLR0913 what is accepted, for whom, and how freely
+def accept_fit(  # noqa: PLR0913 the items, the character and options
     library: "Library",
     proposal: "FitProposal",
     character: str,

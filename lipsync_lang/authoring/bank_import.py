@@ -28,7 +28,7 @@ from lipsync_lang.banks.write import (
     done,
     make_room,
 )
-from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean
+from lipsync_lang.errors import LipsyncError, OutputError, did_you_mean, shortlist
 from lipsync_lang.files import atomic
 from lipsync_lang.pipeline.curve import bspline
 from lipsync_lang.pipeline.tables import RESOLUTION
@@ -97,7 +97,7 @@ class Imported:
         }
 
 
-def import_bank(  # noqa: PLR0913 what is read, what it is for, and where it goes
+def import_bank(  # noqa: PLR0913 the sources, the target and options
     library: "Library",
     files: Sequence[Path],
     character: str,
@@ -214,11 +214,10 @@ def _refuse_foreign(pairs: Mapping[Any, Any], poseset: "models.PoseSet", names: 
     """Raise an error if no shape of the bank is a pose of the pose set."""
     shapes = dict.fromkeys(shape for diphone in pairs.values() for shape in diphone.shapes)
     if shapes and not any(shape in names.poses for shape in shapes):
-        listed = ", ".join(visible(shape) for shape in [*shapes][:FEW])
-        more = ", ..." if len(shapes) > FEW else ""
+        listed = shortlist(map(visible, shapes), FEW)
         raise LipsyncError(
             f"no shape of this bank is a pose of {poseset.name}; select its pose set, or map its "
-            f"shapes with --map THEIRS=OURS. Its shapes: {listed}{more}. The poses of "
+            f"shapes with --map THEIRS=OURS. Its shapes: {listed}. The poses of "
             f"{poseset.name}: {', '.join(poseset.poses)}"
         )
 

@@ -347,7 +347,7 @@ def _number(value: float) -> float:
         return math.inf if value > 0 else -math.inf
 
 
-def _key(  # noqa: PLR0913, PLR0917 what a key is, and where it stands
+def _key(  # noqa: PLR0913, PLR0917 a key, and its place in the file
     diphone: Diphone, shape: str, time: float, weight: float, remarks: Remarks, line: int
 ) -> None:
     if math.isfinite(time) and math.isfinite(weight):

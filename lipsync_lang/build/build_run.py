@@ -107,7 +107,7 @@ def locked(folder: Path, tell: Tell) -> Iterator[None]:
         os.close(held)
 
 
-def make(  # noqa: PLR0913 a plan, its means, and where to tell
+def make(  # noqa: PLR0913 a plan, workers and callbacks
     plan: BuildPlan,
     maker: LineMaker,
     needs: Needs,

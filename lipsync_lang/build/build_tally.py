@@ -88,7 +88,7 @@ class FigureTally:
         self.over += not passed
         if value > self.worst:
             self.worst, self.worst_line = value, line
-        if limit not in self.limits and len(self.limits) < 2:  # noqa: PLR2004 two are not the same
+        if limit not in self.limits and len(self.limits) < 2:  # noqa: PLR2004 a second limit means that they vary
             self.limits.add(limit)
         if limit > 0:
             bar = ceil(value / limit * MIDDLE) - 1

@@ -75,7 +75,7 @@ def _client(address: str) -> "Iterator[Client]":
         logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are told by us, once
     warnings.filterwarnings("ignore", "Sending large graph")
 
-    class Calm(distributed.Client):  # type: ignore[misc]
+    class Calm(distributed.Client):  # type: ignore[misc]  # a class without types
         """Client that does not wait 20 s, when it is deleted, for a scheduler that is not there."""
 
         def __del__(self) -> None:

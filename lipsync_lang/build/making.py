@@ -155,7 +155,7 @@ class LineMaker:
         found: list[Animation | Exception]
         try:
             found = [*performer.perform_many([said for _, said in sound], fps, lines=names)]
-        except Exception:  # noqa: BLE001 each line has its own
+        except Exception:  # noqa: BLE001 each line reports its own error
             found = [
                 attempt(partial(performer.perform, said, fps, line=name))
                 for (_, said), name in zip(sound, names, strict=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lipsync_lang.build.project_text import Layout, project_text
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files.names import folded_name
 from lipsync_lang.lines.columns import SPEAKERS, first_column, text_column
 from lipsync_lang.lines.line_readers import LineFile, by_suffix, line_files
@@ -85,7 +85,7 @@ class NewProject(NamedTuple):
     matches: tuple[str, ...]
 
 
-def new_project(  # noqa: PLR0913 what a draft is made of
+def new_project(  # noqa: PLR0913 the parts of a draft
     recordings: Path,
     table: Path,
     *,
@@ -311,7 +311,6 @@ def _matches(
     told = [f"{len(matching):,} of {len(found):,} recordings have a line"]
     for what, of, some in (("recording", "line", loose), ("line", "recording", silent)):
         if some:
-            more = ", ..." if len(some) > SHOWN else ""
             many = f"{len(some):,} {what}{'s' * (len(some) > 1)}"
-            told.append(f"{many} without a {of}: {', '.join(some[:SHOWN])}{more}")
+            told.append(f"{many} without a {of}: {shortlist(some, SHOWN)}")
     return tuple(told)

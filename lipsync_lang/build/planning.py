@@ -97,7 +97,7 @@ class BuildPlan:
         return tuple(path for step in self.steps for path in step.kept)
 
 
-def plan(  # noqa: PLR0913 the lines, what is known of them, and what is asked for
+def plan(  # noqa: PLR0913 the lines, records and options
     lines: Sequence[PlannedLine],
     folder: Path,
     records: Records,

@@ -60,7 +60,7 @@ def attempt(call: Callable[[], Made]) -> Made | Exception:
     """Return the result of a call, or its error, which concerns only one line."""
     try:
         return call()
-    except Exception as error:  # noqa: BLE001 whatever it is, the other lines are made
+    except Exception as error:  # noqa: BLE001 the other lines are still made
         return error
 
 

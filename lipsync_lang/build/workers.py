@@ -45,7 +45,7 @@ class LostBatch(Generic[Batch]):
     message: str
 
 
-def run_batches(  # noqa: PLR0913 work, and where it is done
+def run_batches(  # noqa: PLR0913 the work, and settings of the workers
     work: Callable[..., Result],
     batches: Iterable[Batch],
     *,

@@ -37,7 +37,7 @@ class Captures(NamedTuple):
     set_aside: tuple[SetAside, ...]
 
 
-def read_captures(  # noqa: PLR0913 each says one thing that the files may not
+def read_captures(  # noqa: PLR0913 facts that files may lack
     performer: "Performer",
     paths: str | Path | Iterable[str | Path],
     *,

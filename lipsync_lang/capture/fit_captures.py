@@ -56,7 +56,7 @@ class CaptureFit:
     """The values of the proposal's items; for a refused fit, those of the full fit."""
 
 
-def fit_captures(  # noqa: PLR0913 the pair, its captures, and how to go on
+def fit_captures(  # noqa: PLR0913 the pair, its captures and options
     pair: "OpenPair",
     performer: "Performer",
     captured: "Sequence[CapturedLine]",

@@ -17,7 +17,7 @@ from lipsync_lang.capture.fit_mentions import with_mentions
 from lipsync_lang.capture.fit_motion import MotionGroups, fit_motion
 from lipsync_lang.capture.fit_targets import fit_targets
 from lipsync_lang.capture.fit_values import FitFace, FitValues
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 MOST_FOLDS = 5
@@ -100,8 +100,7 @@ def _parts(by: By, names: Sequence[str]) -> Iterator[Fold]:
         left = known[part::count]
         tested = tuple(n for n, name in enumerate(names) if name in left)
         kept = tuple(n for n, name in enumerate(names) if name not in left)
-        more = f" and {len(left) - SHOWN_NAMES} more" if len(left) > SHOWN_NAMES else ""
-        yield Fold(by, ", ".join(left[:SHOWN_NAMES]) + more, kept, tested)
+        yield Fold(by, shortlist(left, SHOWN_NAMES), kept, tested)
 
 
 def run_fits(task: FitTask, kept: Sequence[Sequence[int]], workers: int) -> Iterator[FitValues]:

@@ -89,7 +89,7 @@ def _filled(name: str, poses: Ints) -> Callable[[FitValues, float], FitValues]:
     def put(values: FitValues, value: float) -> FitValues:
         changed: Floats = getattr(values, name).copy()
         changed[poses] = value
-        filled: FitValues = replace(values, **{name: changed})  # type: ignore[arg-type]
+        filled: FitValues = replace(values, **{name: changed})  # type: ignore[arg-type]  # a field by name
         return filled
 
     return put

@@ -205,7 +205,7 @@ def _weights_moved(target: Target, step: int) -> tuple[Target, Floats]:
     return Target(weights, target.dominance), change
 
 
-def _difference(  # noqa: PLR0913, PLR0917 two sets of targets, and where they differ
+def _difference(  # noqa: PLR0913, PLR0917 two sets of targets, and their difference
     face: FitFace, targets: list[Target], moved: list[Target], side: int, now: Floats, size: Floats
 ) -> Floats:
     sides = (moved, targets) if side == 0 else (targets, moved)

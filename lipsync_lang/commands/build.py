@@ -12,12 +12,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lipsync_lang.commands.build_watch import MadeByBuilds, StandingRemarks, watch_project
 from lipsync_lang.commands.output import FAULTS, SOUND, count
+from lipsync_lang.errors import shortlist
 from lipsync_lang.terminal import progress, wipe
 
 if TYPE_CHECKING:
     from lipsync_lang.build.build_run import BuildOutcome
     from lipsync_lang.build.planning import BuildPlan
     from lipsync_lang.build.project_build import ProjectBuild
+
+MAX_NAMED = 3
+"""Reasons or paths in a line."""
 
 SHOWN_LINES = 20
 """Lines of one kind that text lists."""
@@ -163,8 +167,7 @@ def _listed(plan: "BuildPlan", project: "ProjectBuild", *, as_events: bool) -> i
 
 
 def _reasons(reasons: tuple[str, ...]) -> str:
-    shown = ", ".join(reasons[:3])
-    return f"{shown} and {len(reasons) - 3} more" if len(reasons) > 3 else shown  # noqa: PLR2004
+    return shortlist(reasons, MAX_NAMED)
 
 
 class Ended(NamedTuple):
@@ -256,7 +259,7 @@ def _kept(paths: Any) -> str:
 
 
 def _some(paths: Any) -> str:
-    return ", ".join(paths[:3]) + (", ..." if len(paths) > 3 else "")  # noqa: PLR2004 a glance
+    return shortlist(paths, MAX_NAMED)
 
 
 def _tell_all(lines: Any) -> None:

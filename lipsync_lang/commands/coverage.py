@@ -14,7 +14,7 @@ from lipsync_lang.commands.coverage_corpus import (
 from lipsync_lang.commands.output import FAULTS, SOUND, tell_written
 from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.commands.spelling import as_options
-from lipsync_lang.errors import LipsyncError, OutputError
+from lipsync_lang.errors import LipsyncError, OutputError, shortlist
 from lipsync_lang.files import STANDARD_STREAM
 from lipsync_lang.terminal import progress, wipe
 
@@ -88,10 +88,9 @@ def _tell_speakers(found: "Coverage", default: list[str]) -> None:
     """Remark on speakers that have no character of their own."""
     others = found.corpus.other_speakers
     if others:
-        names = ", ".join(f"{one.what} ({one.count})" for one in others[:MAX_NAMES])
-        more = f" and {len(others) - MAX_NAMES} more" if len(others) > MAX_NAMES else ""
+        names = shortlist((f"{one.what} ({one.count})" for one in others), MAX_NAMES)
         print(
-            f"speakers that `cast` does not name get {' and '.join(default)}: {names}{more}",
+            f"speakers that `cast` does not name get {' and '.join(default)}: {names}",
             file=sys.stderr,
         )
 

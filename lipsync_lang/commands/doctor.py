@@ -56,7 +56,7 @@ def _checked(check: Callable[[], Iterator[CheckedPart]]) -> list[CheckedPart]:
     """Return the findings of a check; a check that fails is a broken part."""
     try:
         return list(check())
-    except Exception as error:  # noqa: BLE001 a check may meet anything, and has to tell it
+    except Exception as error:  # noqa: BLE001 any error in a check is its finding
         part = check.__name__.strip("_").replace("_", " ")
         return [CheckedPart(part, BROKEN, f"{type(error).__name__}: {error}")]
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lipsync_lang.performing.performer import Performer
 
 
-def coverage(  # noqa: PLR0913 two names, and what a call may change
+def coverage(  # noqa: PLR0913 two names, and options by keyword
     lines: "Iterable[Line]",
     language: str | Path | Iterable[str | Path],
     character: str | Path | Iterable[str | Path],

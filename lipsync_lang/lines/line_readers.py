@@ -141,7 +141,7 @@ def _warn(remark: str) -> None:
     warnings.warn(remark, stacklevel=3)
 
 
-def read_lines(  # noqa: PLR0913 what to read, and what may be stated of it
+def read_lines(  # noqa: PLR0913 the files, and options by keyword
     paths: str | Path | Iterable[str | Path],
     *,
     column: str | None = None,

@@ -127,8 +127,9 @@ def _rows(rows: object) -> list[tuple[Any, Any, Any]]:
 
 def _refuse_long(stream: Stream, seconds: object) -> None:
     known = stream.known
-    number = isinstance(seconds, (int, float)) and not isinstance(seconds, bool)
-    if known is not None and number and seconds - known > MAX_OWN_SECONDS:  # type: ignore[operator]
+    if known is None or isinstance(seconds, bool) or not isinstance(seconds, (int, float)):
+        return
+    if seconds - known > MAX_OWN_SECONDS:
         raise LipsyncError(
             f"{known:g} to {seconds:g} s is longer than {MAX_OWN_SECONDS:g} s; "
             "give times in seconds, and send long pauses in parts"

@@ -133,7 +133,7 @@ def _kept(performer: "Performer", fps: float) -> "Kept | None":
     return keep(shown, motion, prepare(shown, motion, fps), fps)
 
 
-def _animation(  # noqa: PLR0913, PLR0917 what an animation holds
+def _animation(  # noqa: PLR0913, PLR0917 the fields of an animation
     performer: "Performer",
     schedule: "Schedule",
     times: Floats,

@@ -122,7 +122,7 @@ def second(here: str, value: object) -> float:
     """Return a time as a float; other values are errors."""
     is_number = isinstance(value, (int, float, np.integer, np.floating))
     try:
-        number = float(value) if is_number and not isinstance(value, bool) else nan  # type: ignore[arg-type]
+        number = float(value) if is_number and not isinstance(value, bool) else nan  # type: ignore[arg-type]  # a number
     except OverflowError:
         number = nan
     if not isfinite(number):

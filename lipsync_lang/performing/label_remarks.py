@@ -3,6 +3,7 @@
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from lipsync_lang.errors import shortlist
 from lipsync_lang.phonology.labels import normalise
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
@@ -90,5 +91,4 @@ def _notation(reader: "LabelReader", schedule: Schedule) -> "Iterator[str]":
 
 
 def _list(names: "Iterator[str] | list[str]") -> str:
-    shown = list(names)
-    return ", ".join(shown[:MAX_SHOWN]) + (", ..." if len(shown) > MAX_SHOWN else "")
+    return shortlist(names, MAX_SHOWN)

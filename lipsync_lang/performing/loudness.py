@@ -42,7 +42,7 @@ _NEAR = (0.25, 0.5, 0.25)
 """Smoothing weights of the previous, current and next sound."""
 
 
-def loudness_dial(  # noqa: PLR0913, PLR0917 what is heard, and how it counts
+def loudness_dial(  # noqa: PLR0913, PLR0917 the loudness, and settings for it
     compiled: "Compiled",
     schedule: "Schedule",
     classes: Sequence[str],

@@ -20,7 +20,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-from lipsync_lang.errors import PackError, refuse_other
+from lipsync_lang.errors import PackError, refuse_other, shortlist
 from lipsync_lang.packs.finding import Paths, is_model, located
 from lipsync_lang.performing.label_reader import Unknown
 from lipsync_lang.performing.performer import Performer
@@ -31,7 +31,11 @@ Gaps = Literal["error", "rest"]
 """Treatments of bigrams without a match."""
 
 
-def resolve(  # noqa: PLR0913 two names, and what a call may change
+MAX_SHOWN_GAPS = 12
+"""Bigrams in a message."""
+
+
+def resolve(  # noqa: PLR0913 two names, and options by keyword
     language: str | Path,
     character: str | Path,
     *,
@@ -113,7 +117,7 @@ def _on_model(
 
 
 def _gap_message(report: Report) -> str:
-    shown = ", ".join(report.gaps[:12]) + (", ..." if len(report.gaps) > 12 else "")  # noqa: PLR2004
+    shown = shortlist(report.gaps, MAX_SHOWN_GAPS)
     return (
         f"{report.character} has no curves for {len(report.gaps)} bigrams of "
         f"{report.language}: {shown}. Give {report.poseset} targets for their phonemes, "

@@ -54,7 +54,7 @@ class Spelled(Notation):
         return self.silence if found is None and self.is_silence(label) else found
 
 
-def ready(  # noqa: PLR0913, PLR0917 what a language has
+def ready(  # noqa: PLR0913, PLR0917 the tables of a language
     tables: Mapping[str, Mapping[str, Value]],
     silences: Collection[str],
     silence: Value,

@@ -302,7 +302,7 @@ def frames_until(edge: float, sound: float, reach: float, lead: int, fps: float)
     return max(math.ceil(edge * fps - 1e-6), reached, held + lead if lead else reached)
 
 
-def perform(  # noqa: PLR0913 what is said, and how
+def perform(  # noqa: PLR0913 the phonemes, and settings of their delivery
     tables: Tables,
     track: Track,
     motion: Motion,

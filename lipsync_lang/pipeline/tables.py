@@ -187,7 +187,7 @@ def _padded(content: bytes) -> bytes:
 
 
 @lru_cache(maxsize=8)
-def _unpacked(  # noqa: PLR0913, PLR0917 what a pickle holds, in its order
+def _unpacked(  # noqa: PLR0913, PLR0917 the fields of a pickle, in its order
     packed: bytes,
     layout: tuple[tuple[str, tuple[int, ...]], ...],
     names: tuple[str, ...],

@@ -82,7 +82,7 @@ class Track:
         return middle + np.array(seconds), np.array(place)
 
 
-def lay_track(  # noqa: PLR0913, PLR0917 phonemes in time, and what is known of them
+def lay_track(  # noqa: PLR0913, PLR0917 timed phonemes, and the tables of a pair
     ids: Ints,
     times: Floats,
     source: Ints,

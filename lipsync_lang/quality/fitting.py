@@ -8,7 +8,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.readers.animation_readers import Recording, read_animation
-from lipsync_lang.errors import AnimationError
+from lipsync_lang.errors import AnimationError, shortlist
 from lipsync_lang.pipeline.arrays import Floats, Ints
 from lipsync_lang.rigs.driver import Driver
 from lipsync_lang.rigs.shape_matching import placed
@@ -198,5 +198,4 @@ def even_times(source: str, times: Floats) -> tuple[Floats, float]:
 
 def some_names(names: "Iterable[str]") -> str:
     """Format the first few names as a list."""
-    known = list(names)
-    return ", ".join(known[:MAX_NAMES]) + (", ..." if len(known) > MAX_NAMES else "")
+    return shortlist(names, MAX_NAMES)

@@ -52,7 +52,7 @@ PATIENCE = 2.0
 T = TypeVar("T")
 
 
-def film(  # noqa: PLR0913 what is shown, and how it is packed
+def film(  # noqa: PLR0913 the animation, and settings of the film
     animation: Animation,
     out: BinaryIO,
     kind: str,

@@ -13,6 +13,7 @@ from math import isfinite
 from pathlib import Path
 from typing import NoReturn, TypeGuard
 
+from lipsync_lang.errors import shortlist
 from lipsync_lang.rigs.container import EXPORT, Chunk, Json, fail, open_model
 
 LISTS = ("accessors", "animations", "buffers", "bufferViews", "images", "meshes", "nodes")
@@ -140,8 +141,7 @@ def _known(path: Path, bones: bool, _state: tuple[int, ...]) -> Model:  # noqa: 
 
 def some(names: Iterable[str]) -> str:
     """Format a few names for a message."""
-    known = list(names)
-    return ", ".join(known[:FEW]) + (", ..." if len(known) > FEW else "")
+    return shortlist(names, FEW)
 
 
 # The document

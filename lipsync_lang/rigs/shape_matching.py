@@ -216,7 +216,7 @@ class _Spelt(NamedTuple):
 
 def _places_of_sides(words: Sequence["re.Match[str]"]) -> Iterator[int]:
     """Yield candidate positions of the side: last word, first word, a word that stands alone."""
-    if len(words) < 2:  # noqa: PLR2004 a side of nothing
+    if len(words) < 2:  # noqa: PLR2004 one word has no side
         return
     last = len(words) - 1
     for number in (last, 0, *range(1, last)):

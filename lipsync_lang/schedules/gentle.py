@@ -7,10 +7,14 @@ remark names them.
 
 import re
 
+from lipsync_lang.errors import shortlist
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import reader
+
+MAX_SHOWN_WORDS = 8
+"""Words in a remark."""
 
 PLACE = re.compile(r"_[BEIS]$")
 """A phone at the beginning, end or inside of a word, or a single phone."""
@@ -47,7 +51,7 @@ def read_gentle(source: TimingFile) -> Schedule:
         spans.append(LabelRow(text, start, at))
     if lost and not rows:
         raise source.fault("no word was found in the recording; align it again")
-    shown = ", ".join(lost[:8]) + (f" and {len(lost) - 8} more" if len(lost) > 8 else "")  # noqa: PLR2004
+    shown = shortlist(lost, MAX_SHOWN_WORDS)
     told = [f"{source.path}: not found in the recording, so the mouth rests: {shown}"]
     return schedule_of(source, rows, words=spans, remarks=told if lost else ())
 

@@ -15,7 +15,7 @@ Start = tuple[str, float, int | None]
 """A label, its start time, and its line in the file."""
 
 
-def shapes_of(  # noqa: PLR0913 each says one thing that a format may
+def shapes_of(  # noqa: PLR0913 optional parts of a format
     source: TimingFile,
     rows: Iterable[LabelRow],
     *,

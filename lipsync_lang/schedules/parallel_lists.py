@@ -6,7 +6,7 @@ from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.timing_file import TimingFile
 
 
-def listed_rows(  # noqa: PLR0913 each says one thing that a format may
+def listed_rows(  # noqa: PLR0913 optional parts of a format
     source: TimingFile,
     labels: object,
     starts: object,

@@ -39,7 +39,7 @@ class LabelRow(NamedTuple):
     line: int | None = None
 
 
-def schedule_of(  # noqa: PLR0913 each says one thing that a format may
+def schedule_of(  # noqa: PLR0913 optional parts of a format
     source: TimingFile,
     rows: Iterable[LabelRow],
     *,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from lipsync_lang.errors import did_you_mean
+from lipsync_lang.errors import did_you_mean, shortlist
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timed_words import are_words, words_of_rows
@@ -175,5 +175,4 @@ def _sure(tiers: list[Tier]) -> list[Tier]:
 
 
 def _list(tiers: Sequence[Tier]) -> str:
-    shown = ", ".join(f"'{tier.name}'" for tier in tiers[:MAX_NAMES])
-    return shown + (", ..." if len(tiers) > MAX_NAMES else "")
+    return shortlist((f"'{tier.name}'" for tier in tiers), MAX_NAMES)

@@ -61,7 +61,7 @@ def reader(
     return register
 
 
-def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
+def read_schedule(  # noqa: PLR0913 facts that a file may lack
     path: str | Path,
     notation: str | None = None,
     *,
@@ -105,7 +105,7 @@ def read_schedule(  # noqa: PLR0913 each says one thing that a file may not
     return found
 
 
-def read_timings(  # noqa: PLR0913 each says one thing that a file may not
+def read_timings(  # noqa: PLR0913 facts that a file may lack
     path: str | Path,
     notation: str | None = None,
     *,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.errors import SpeechError, shortlist
 from lipsync_lang.packs.finding import Paths
 from lipsync_lang.schedules.schedule import DOUBTFUL, SILENCE, SNAP_SECONDS, Audio, Schedule, Word
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
@@ -276,5 +276,5 @@ def _mute(timed: TimedWords, mute: Sequence[str]) -> list[str]:
     """Return a remark on words without phonemes, if there are any."""
     if not mute:
         return []
-    shown = ", ".join(map(repr, mute[:MAX_SHOWN])) + (", ..." if len(mute) > MAX_SHOWN else "")
+    shown = shortlist(map(repr, mute), MAX_SHOWN)
     return [f"{timed.source}: the mouth rests during words that cannot be read: {shown}"]

@@ -46,7 +46,7 @@ def align(
     values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Iterator[Schedule]: ...
-def align(  # noqa: PLR0913 a recording, its text, a language, and how it is heard
+def align(  # noqa: PLR0913 a recording, its text, a language, and options
     audio: Recording | Iterable[Recording],
     text: str | Iterable[str],
     language: str | Path,

@@ -552,7 +552,7 @@ def speak(
     values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Iterator[Schedule]: ...
-def speak(  # noqa: PLR0913 a text, a language, and how it is said
+def speak(  # noqa: PLR0913 a text, a language, and options by keyword
     text: str | Iterable[str],
     language: str | Path,
     *,

@@ -155,7 +155,7 @@ class Desk:
         """Load a file before its first edit, to make that edit faster."""
         self._sheets.setdefault(path, self._sheet(path))
 
-    def change(  # noqa: PLR0913 each is a fact of one edit
+    def change(  # noqa: PLR0913 the fields of an edit
         self,
         title: str,
         edits: Sequence[Edit],

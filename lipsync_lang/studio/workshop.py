@@ -82,7 +82,7 @@ class Workshop:
     script : lines of the project; None for none
     """
 
-    def __init__(  # noqa: PLR0913 a folder, packs, and how their lines are said
+    def __init__(  # noqa: PLR0913 a folder, packs, and settings of lines
         self,
         project: Path,
         paths: Sequence[Path] = (),

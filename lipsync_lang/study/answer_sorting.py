@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.study.answer_texts import parse_document, texts_of
 from lipsync_lang.study.comparisons import Choice
 from lipsync_lang.study.study_file import (
@@ -377,9 +377,7 @@ def _grouped(dropped: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
 
 
 def _named(names: Iterable[str], shown: int = 5) -> str:
-    every = list(names)
-    more = f" and {len(every) - shown} more" if len(every) > shown else ""
-    return ", ".join(every[:shown]) + more
+    return shortlist(names, shown)
 
 
 def _shown(value: Any, most: int = 40) -> str:

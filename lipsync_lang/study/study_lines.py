@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, shortlist
 
 if TYPE_CHECKING:
     from lipsync_lang.lines import Line
@@ -76,7 +76,7 @@ def _recorded(
     files = files_by_stem(folder)
     without = [line.name for line in lines if line.name not in files]
     if without:
-        some = ", ".join(without[:SHOWN_NAMES]) + (", ..." if len(without) > SHOWN_NAMES else "")
+        some = shortlist(without, SHOWN_NAMES)
         remark(f"{folder}: has no recordings with the names {some}; these lines are left out")
     found = [line for line in lines if line.name in files]
     if not found:

@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from lipsync_lang.errors import LipsyncError
+from lipsync_lang.errors import LipsyncError, shortlist
 from lipsync_lang.files import write_all
 from lipsync_lang.study.methods import Method, StudyCharacter, lacks, spoilt
 from lipsync_lang.study.study_clips import Clip, render_clips
@@ -133,8 +133,7 @@ class _Stage:
         for method in plan.methods:
             without = [line.name for line in plan.lines if lacks(method, line.name)]
             if without:
-                some = ", ".join(without[:SHOWN_NAMES])
-                some += ", ..." if len(without) > SHOWN_NAMES else ""
+                some = shortlist(without, SHOWN_NAMES)
                 self.remarks.append(
                     f"method '{method.name}' has no file for {some}; these lines are left out"
                 )

@@ -7,6 +7,7 @@ from lipsync_lang.coverage.facts import authored
 from lipsync_lang.coverage.forms.report_forms import FORMS, Asked
 from lipsync_lang.coverage.forms.total_text import headline, total_lines
 from lipsync_lang.coverage.percentages import percentage_text, ranked_text
+from lipsync_lang.errors import shortlist
 from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
@@ -232,8 +233,7 @@ def _tallies(found: "Sequence[Tally]") -> str:
 
 
 def _few(names: Sequence[str]) -> str:
-    more = f" and {len(names) - MAX_NAMES} more" if len(names) > MAX_NAMES else ""
-    return ", ".join(names[:MAX_NAMES]) + more
+    return shortlist(names, MAX_NAMES)
 
 
 def _count(number: int, thing: str) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.coverage.drafting import draft_calls
 from lipsync_lang.coverage.percentages import percentage_text, ranked_text
 from lipsync_lang.coverage.plan import affordable
+from lipsync_lang.errors import shortlist
 from lipsync_lang.text_table import columns
 
 if TYPE_CHECKING:
@@ -108,5 +109,4 @@ def serves(item: "WorkItem", total: "TotalFigures") -> str:
     names = item.languages
     if len(names) == len(total.languages) > 1:
         return f"all {len(names)}"
-    more = f" and {len(names) - MAX_LANGUAGES} more" if len(names) > MAX_LANGUAGES else ""
-    return ", ".join(names[:MAX_LANGUAGES]) + more
+    return shortlist(names, MAX_LANGUAGES)

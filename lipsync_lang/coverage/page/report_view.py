@@ -53,17 +53,17 @@ class ReportView:
     @cached_property
     def rows(self) -> Sequence[Row]:
         """The bigrams, most frequent first."""
-        return self.document["bigrams"]  # type: ignore[no-any-return]
+        return self.document["bigrams"]  # type: ignore[no-any-return]  # JSON
 
     @property
     def trigrams(self) -> Sequence[Row]:
         """The drawn trigrams, most frequent first."""
-        return self.document.get("trigrams", ())  # type: ignore[no-any-return]
+        return self.document.get("trigrams", ())  # type: ignore[no-any-return]  # JSON
 
     @cached_property
     def silence(self) -> Sequence[Row]:
         """The bigrams with silence, most frequent first."""
-        return self.document["silence"]  # type: ignore[no-any-return]
+        return self.document["silence"]  # type: ignore[no-any-return]  # JSON
 
     @cached_property
     def shares(self) -> dict[str, tuple[int, int]]:

@@ -255,7 +255,7 @@ def check_bank(
     yield from check_bigrams(bank, bank.model.trigrams, poseset, phonemes, field="trigrams")
 
 
-def check_character(  # noqa: PLR0913 what is known of others
+def check_character(  # noqa: PLR0913 the packs that a character refers to
     character: "Pack[Character]",
     poseset: PoseSet,
     phonemes: Collection[str],
@@ -437,7 +437,7 @@ def check_pose(pack: "Pack[Any]", loc: Loc, pose: str, known: Collection[str]) -
         yield pack.fault(loc, "P201", what, hint, key=pose == loc[-1])
 
 
-def _phoneme(  # noqa: PLR0913 what a place may say of a phoneme
+def _phoneme(  # noqa: PLR0913 the phoneme, its place and options
     pack: "Pack[Any]",
     loc: Loc,
     label: str,

@@ -243,8 +243,9 @@ class _Builder:
         plain = not event.style
         if event.tag is not None:
             self._tagged(line, column, event.tag)
-        if event.style == '"' and _NOT_TEXT.search(text):
-            bad = f"U+{ord(_NOT_TEXT.search(text).group()):04X}"  # type: ignore[union-attr]
+        control = _NOT_TEXT.search(text) if event.style == '"' else None
+        if control is not None:
+            bad = f"U+{ord(control.group()):04X}"
             self._note(line, column, "P005", f"control character {bad} in quotes", "delete it")
             text = _NOT_TEXT.sub("?", text)
         frame = self.frames[-1] if self.frames else None

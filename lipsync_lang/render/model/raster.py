@@ -71,7 +71,7 @@ def area(corners: Floats) -> Floats:
     return found
 
 
-def fill(  # noqa: PLR0913, PLR0917 a triangle has no less to it
+def fill(  # noqa: PLR0913, PLR0917 the buffers and a triangle
     keys: Keys,
     window: Window,
     corners: Floats,

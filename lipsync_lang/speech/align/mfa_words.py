@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lipsync_lang.errors import SpeechError
+from lipsync_lang.errors import SpeechError, shortlist
 from lipsync_lang.phonology.labels import recognise
 from lipsync_lang.schedules.schedule import SILENCE, Schedule
 
@@ -100,7 +100,5 @@ def _filled(schedule: Schedule, inside: dict[int, Labels]) -> Schedule:
 def _remark(names: Sequence[str], what: str) -> str:
     if not names:
         return ""
-    some = list(dict.fromkeys(names))
-    more = ", ..." if len(some) > MAX_SHOWN_WORDS else ""
-    listed = ", ".join(some[:MAX_SHOWN_WORDS])
-    return f"the MFA dictionary lacks {listed}{more}: {what}; add the missing words to it"
+    listed = shortlist(dict.fromkeys(names), MAX_SHOWN_WORDS)
+    return f"the MFA dictionary lacks {listed}: {what}; add the missing words to it"

@@ -140,7 +140,7 @@ def _surest(power: Floats, voice: SpokenVoice, seconds: float) -> "Bent":
             if best.confidence >= SURE:
                 break
     if best is None:
-        assert failed is not None  # noqa: S101 nothing was found
+        assert failed is not None  # noqa: S101 without a result there is an error
         raise failed
     if best is whole:
         return best

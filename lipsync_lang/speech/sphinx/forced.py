@@ -247,7 +247,7 @@ def _loop(sound: Listening) -> _Loop:
     )
 
 
-def _likeliest(  # noqa: PLR0913, PLR0917 what a way depends on
+def _likeliest(  # noqa: PLR0913, PLR0917 the scores, the graph and options
     model: AcousticModel,
     scores: Singles,
     loop: _Loop,

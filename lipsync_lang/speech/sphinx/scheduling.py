@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from lipsync_lang.errors import shortlist
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Word
 from lipsync_lang.speech.sound import resampled
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE
@@ -155,5 +156,4 @@ def doubts(heard: Sequence[HeardPhoneme], sayings: Sequence[Saying]) -> list[str
 
 def listed(places: Sequence[str]) -> str:
     """List the first places in a remark, and the number of the others."""
-    more = len(places) - SHOWN
-    return ", ".join(places[:SHOWN]) + (f" and {more} more" if more > 0 else "")
+    return shortlist(places, SHOWN)
