@@ -1,5 +1,7 @@
 """The coverage view's routes: the project's script, its count, and the bigrams to draw."""
 
+import json
+
 import pytest
 
 pytest.importorskip("starlette", reason="the studio needs Starlette")
@@ -138,3 +140,114 @@ def test_an_empty_script_is_no_crash(workshop, caller):
     told = counted(workshop, caller)
     assert (told["state"], told["fault"]) == ("failed", "empty.txt has no lines to count")
     assert caller.api("coverage/sentences").status == 422
+
+
+# The same script in the project's commands
+
+GAME = """kind: project
+format: 1
+name: game
+languages: {toy: klingt, other: andere}
+lines: script.csv
+columns: {text: "{language}", speaker: wer}
+cast: {Anna: facefx, Ben: [facefx, crab], "*": crab}
+"""
+
+SCRIPT = """id,wer,klingt,andere
+1,Anna,ma pa,am
+2,anna,ay ma,pam
+3,Ben,pa pa ay,ma
+4,Cleo,am am,ay
+5,,may,pay
+"""
+
+FIGURES = ("lines", "words", "occurrences", "authored", "left", "needed", "unread", "unmapped")
+
+
+@pytest.fixture
+def game(workshop, monkeypatch):
+    """The project of a game, with its folder as the current one."""
+    folder = workshop.project
+    other = PACK.format(name="other").replace("p: d", "p: bmp")
+    (folder / "languages" / "other.yaml").write_text(other, "utf-8")
+    (folder / "lipsync.yaml").write_text(GAME, "utf-8")
+    (folder / "script.csv").write_text(SCRIPT, "utf-8")
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def agrees(workshop, caller, report):
+    """Check that the view tells the figures of a report."""
+    caller.post("coverage", {"name": "script.csv"})
+    told = counted(workshop, caller)
+    assert told["state"] == "ready", told["fault"]
+    shown = told["report"]
+    assert {one: shown[one] for one in FIGURES} == {one: report[one] for one in FIGURES}
+    assert shown["next_hour"]["percent"] == report["next_hour"]["percent"]
+    rows = {row["bigram"]: row for row in report["bigrams"]}
+    assert shown["kinds"] == len(rows)
+    for need in shown["plan"]:
+        row = rows.pop(need["bigram"])
+        assert need == {key: row[key] for key in need}
+    assert all(row["status"] in {"edited", "approved"} for row in rows.values())
+    return told
+
+
+@pytest.mark.usefixtures("game")
+def test_the_view_counts_what_the_command_counts(workshop, caller, cli):
+    reports = json.loads(cli("coverage", "--format", "json").out)["reports"]
+    pairs = [(one["language"], one["character"], one["lines"]) for one in reports]
+    assert pairs == [
+        ("toy", "facefx", 3), ("toy", "crab", 3), ("other", "facefx", 3), ("other", "crab", 3)
+    ]  # fmt: skip
+    for report, (language, character, _) in zip(reports, pairs, strict=True):
+        workshop.open(language, character)
+        told = agrees(workshop, caller, report)
+        assert told["remarks"] == [f"counts the lines that `cast` gives to {character}"]
+
+
+@pytest.mark.usefixtures("game")
+def test_a_face_without_a_role_speaks_every_line_as_a_stated_one_does(workshop, caller, cli):
+    options = ("-l", "toy", "-c", "arkit", "--format", "json")
+    (report,) = json.loads(cli("coverage", *options).out)["reports"]
+    assert report["lines"] == 5
+    workshop.open("toy", "arkit")
+    assert agrees(workshop, caller, report)["remarks"] == []
+
+
+def test_another_face_or_cast_is_a_count_of_its_own(game, workshop, caller):
+    workshop.open("toy", "facefx")
+    caller.post("coverage", {"name": "script.csv"})
+    assert counted(workshop, caller)["report"]["lines"] == 3
+    workshop.open("toy", "crab")
+    assert counted(workshop, caller)["report"]["occurrences"] == 10
+    (game / "lipsync.yaml").write_text(GAME.replace("Ben: [facefx, crab]", "Ben: facefx"), "utf-8")
+    assert counted(workshop, caller)["report"]["lines"] == 2
+
+
+def test_a_speaker_without_a_face_is_the_fault_of_the_command(game, workshop, caller, cli):
+    (game / "lipsync.yaml").write_text(GAME.replace(', "*": crab', ""), "utf-8")
+    workshop.open("toy", "facefx")
+    caller.post("coverage", {"name": "script.csv"})
+    fault = counted(workshop, caller)["fault"]
+    assert "script.csv:5: no character for 'Cleo'" in fault
+    assert fault in cli("coverage", "-l", "toy").err
+
+
+def test_a_sent_script_has_no_columns_of_the_project(game, workshop, caller):
+    assert game
+    workshop.open("toy", "crab")
+    caller.post(
+        "coverage/script", b"speaker,Toy,other\nAnna,ma,pa\nCleo,ay,am\n", {"name": "a.csv"}
+    )
+    told = counted(workshop, caller)
+    assert (told["fault"], told["report"]["lines"]) == ("", 1)
+
+
+def test_the_column_of_the_open_language_is_found(game, workshop, caller):
+    (game / "lipsync.yaml").unlink()
+    (game / "table.csv").write_text("id,other,Toy\n1,pay,ma\n2,pay,ma\n", "utf-8")
+    for language, occurrences in (("toy", 2), ("other", 4)):
+        workshop.open(language, "crab")
+        caller.post("coverage", {"name": "table.csv"})
+        assert counted(workshop, caller)["report"]["occurrences"] == occurrences

@@ -9,7 +9,7 @@ from lipsync_lang.packs.answers import column_names
 from lipsync_lang.packs.finding import POSESET, Finder
 from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
-from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, unique
+from lipsync_lang.packs.speaker_faces import OTHERS, SpeakerFaces, stated_faces, unique
 from lipsync_lang.phonology.language_names import folded_language
 
 
@@ -41,9 +41,7 @@ class Cast:
     """The characters of each speaker."""
 
     def __init__(self, project: Project, finder: Finder, faults: ScriptFaults) -> None:
-        stated = dict(project.cast)
-        if project.character and OTHERS not in stated:
-            stated[OTHERS] = (project.character,)
+        stated = stated_faces(project)
         if not stated:
             faults.add(FILE, "names no character; state `character: NAME` or `cast: {...}`")
         self._faces = SpeakerFaces(

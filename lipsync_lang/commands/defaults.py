@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.packs.project import FILE, NARRATOR, find_project, load_project
-from lipsync_lang.packs.speaker_faces import OTHERS
+from lipsync_lang.packs.speaker_faces import OTHERS, stated_faces
 
 if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
@@ -85,15 +85,16 @@ def _take_script(options: Namespace, project: "Project", folder: Path) -> None:
     """Take the script of a project: its files, languages, columns and cast."""
     if not options.language:
         options.language = list(project.languages)
-        options.words = dict(project.languages)
+    options.words = dict(project.languages)
     if not options.column:
         options.text_column = project.columns.text
     options.lines = [Path(os.path.relpath(folder / stated)) for stated in project.lines]
     options.speaker_column = project.columns.speaker
     options.encoding = options.encoding or project.encoding
     if project.cast and not options.character:
-        options.cast = {name: list(own) for name, own in project.cast.items() if name != OTHERS}
-        options.character = list(project.cast.get(OTHERS, ()))
+        stated = stated_faces(project)
+        options.character = list(stated.pop(OTHERS, ()))
+        options.cast = {name: list(own) for name, own in stated.items()}
 
 
 def _setting(name: str, value: object) -> str:

@@ -1,6 +1,10 @@
 """The characters of each speaker, as a project's `cast` names them."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lipsync_lang.packs.models import Project
 
 OTHERS = "*"
 """The speaker that stands for all others."""
@@ -36,6 +40,14 @@ class SpeakerFaces:
         """Return the message for a speaker without characters."""
         who = f"'{speaker}'" if speaker else "no speaker"
         return f"no character for {who}; add the speaker or '{OTHERS}' to `cast`"
+
+
+def stated_faces(project: "Project") -> dict[str, tuple[str, ...]]:
+    """Return the `cast` of a project, whose `character` speaks for all others by default."""
+    stated = dict(project.cast)
+    if project.character and OTHERS not in stated:
+        stated[OTHERS] = (project.character,)
+    return stated
 
 
 def unique(names: Iterable[str]) -> tuple[str, ...]:

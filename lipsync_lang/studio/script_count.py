@@ -24,6 +24,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.lines import read_lines
 from lipsync_lang.lines.line_readers import by_suffix
 from lipsync_lang.packs.finding import FOLDERS
+from lipsync_lang.studio.script_reading import ScriptReading, reading_of
 from lipsync_lang.studio.workshop import Workshop
 
 if TYPE_CHECKING:
@@ -59,18 +60,24 @@ class _Run:
     dropped: bool = False
     thread: Thread | None = None
 
-    def work(self, path: Path, column: str | None, scripts: Iterable[str]) -> None:
+    def work(self, path: Path, reading: ScriptReading, scripts: Iterable[str]) -> None:
         """Count a script; an error becomes `fault`."""
+        if reading.cast:
+            self.remarks.append(f"counts the lines that `cast` gives to {reading.character}")
         pages = Pages()
         finalize(self, pages.__exit__, None, None, None)
         try:
             lines = read_lines(
                 path,
-                column=column,
+                column=reading.column,
+                encoding=reading.encoding,
                 remark=self.remarks.append,
                 cleaning=self.performer.cleaning,
+                names=reading.names,
+                speaker=reading.speaker,
             )
-            corpus, counts = count(self._seen(lines), [Reading(self.performer, scripts)], pages)
+            own = Reading(self.performer, scripts, reading.takes)
+            corpus, counts = count(self._seen(lines), [own], pages, reading.faces)
             if corpus.lines:
                 self.figures = CountFigures(counts[0], pages)
             else:
@@ -168,7 +175,8 @@ class ScriptCount:
         if self._path is None:
             return
         performer = workshop.performer
-        key = self._key(performer)
+        reading = reading_of(workshop, self.column, sent=self.sent)
+        key = self._key(performer, reading)
         if self._run is not None and self._run.key == key:
             return
         if self._run is not None:
@@ -176,11 +184,11 @@ class ScriptCount:
         run = self._run = _Run(key, replace(performer))
         pack = workshop.library().language(performer.compiled.language)
         run.thread = Thread(
-            target=run.work, args=(self._path, self.column, scripts_of(pack.model)), daemon=True
+            target=run.work, args=(self._path, reading, scripts_of(pack.model)), daemon=True
         )
         run.thread.start()
 
-    def _key(self, performer: "Performer") -> object:
+    def _key(self, performer: "Performer", reading: ScriptReading) -> object:
         assert self._path is not None  # noqa: S101 only called with a script
         try:
             with self._path.open("rb") as stream:
@@ -188,8 +196,8 @@ class ScriptCount:
         except OSError as error:
             raise LipsyncError(f"{self.name} cannot be read: {error.strerror}") from None
         compiled = performer.compiled
-        reading = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
-        return digest, self.column, reading, tuple(compiled.report.trigrams)
+        sounds = (compiled.manner, compiled.words, compiled.notations, compiled.counted)
+        return digest, reading, sounds, tuple(compiled.report.trigrams)
 
     def wait(self) -> None:
         """Wait until the count is done."""

@@ -1,0 +1,94 @@
+"""The reading of a script as the studio's project states it: its column and its speakers."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lipsync_lang.packs.answers import column_names
+from lipsync_lang.packs.project import find_project, load_project
+from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
+
+if TYPE_CHECKING:
+    from lipsync_lang.coverage.corpus import Takes
+    from lipsync_lang.packs.finding import Finder
+    from lipsync_lang.packs.models import Project
+    from lipsync_lang.studio.workshop import Workshop
+
+
+@dataclass(frozen=True)
+class ScriptReading:
+    """The reading of a script for the open pair; two equal readings count the same lines.
+
+    Parameters
+    ----------
+    column : of a table, by name or number; None for the one that is named after the language
+    names : of the language, which a column may have
+    speaker : column of the speakers; None for the likeliest
+    encoding : of the file; None for UTF-8, or what the file's mark says
+    cast : speakers with their characters; empty if the open character speaks every line
+    character : the open one
+    """
+
+    column: str | None
+    names: tuple[str, ...] = ()
+    speaker: str | None = None
+    encoding: str | None = None
+    cast: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    character: str = ""
+
+    @property
+    def faces(self) -> SpeakerFaces | None:
+        """The characters of the speakers; None if the open character speaks every line."""
+        return SpeakerFaces(dict(self.cast)) if self.cast else None
+
+    @property
+    def takes(self) -> "Takes | None":
+        """The choice of the open character's lines; None for every line."""
+        faces = self.faces
+        return None if faces is None else lambda line: self.character in faces.of(line.speaker)
+
+
+def reading_of(workshop: "Workshop", column: str | None, *, sent: bool) -> ScriptReading:
+    """Return the reading of a script for the open pair.
+
+    A character that the project's `cast` does not name speaks every line: somebody chose it.
+
+    Parameters
+    ----------
+    column : that the user states; None for the project's, or the language's own
+    sent : True for a script from elsewhere, which has no columns of the project
+
+    Raises
+    ------
+    LipsyncError
+        The project file is unsound.
+    """
+    file = find_project(workshop.project)
+    project = None if file is None else load_project(file).model
+    word, names = _names(workshop, project)
+    if project is None:
+        return ScriptReading(column, names)
+    character = workshop.character
+    faces = SpeakerFaces(stated_faces(project) if project.cast else {})
+    cast = tuple(faces.stated.items()) if character in faces.characters else ()
+    if sent:
+        return ScriptReading(column, names, cast=cast, character=character)
+    stated = project.columns.text and project.columns.text.replace("{language}", word)
+    return ScriptReading(
+        column or stated, names, project.columns.speaker, project.encoding, cast, character
+    )
+
+
+def _names(workshop: "Workshop", project: "Project | None") -> tuple[str, tuple[str, ...]]:
+    """Return the project's word for the open language, and the names that a column may have."""
+    given, finder = workshop.language, workshop.library().finder
+    paths = () if ":" in given else finder.lookup("language", given)
+    languages = {} if project is None else project.languages
+    own = [one for one in languages if one == given or (paths and _finds(finder, one) == paths)]
+    word = next((languages[one] or one for one in own), given)
+    known = column_names(Path(paths[0])) if paths else []
+    return word, tuple(dict.fromkeys([word, given, *known]))
+
+
+def _finds(finder: "Finder", language: str) -> tuple[str, ...]:
+    return () if ":" in language else finder.lookup("language", language)
