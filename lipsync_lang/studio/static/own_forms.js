@@ -11,7 +11,7 @@ export class OwnForms {
     this.studio = studio;
     this.load = load;
     this.place = made("form", { "aria-label": "Delivery or pronunciation" });
-    /** What the form shows, as one text. */
+    /** Names of the open line or pronunciation, as one text. */
     this.shown = "";
     this.place.addEventListener("submit", (event) => event.preventDefault());
   }
