@@ -26,8 +26,8 @@ class LiveAddress(NamedTuple):
 def parse_address(text: str) -> LiveAddress:
     """Parse ``livelink:HOST:PORT``, ``vmc:HOST:PORT``, ``ws:HOST:PORT`` or ``-``.
 
-    Host and port may be left out: this machine, and the port that the receiver usually listens at.
-    An IPv6 address is in brackets.
+    The defaults are this machine and the usual port of the receiver. An IPv6 address is in
+    brackets.
 
     >>> parse_address("vmc:192.168.1.20:39540")
     LiveAddress(kind='vmc', host='192.168.1.20', port=39540)

@@ -2,12 +2,12 @@
 
 A message is a JSON object with one of these:
 
-- `text`: a text to speak for everybody, after those before it;
+- `text`: a text to speak for all receivers, after the texts before it;
 - `phonemes`: rows of label, start and end in seconds (null while it lasts), `known_until`, `revise`
-  and `finish: true`, for a stream of the client's own. The answer holds its new final frames;
-  the next message after `finish` opens another stream.
+  and `finish: true`, for a stream of this client. The answer contains its new final frames;
+  the next message after `finish` opens a new stream.
 
-A message that cannot be read is answered by `error`; nothing else comes of it.
+The answer to a message that cannot be read is `error`, and the message has no other effect.
 """
 
 import json

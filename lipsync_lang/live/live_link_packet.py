@@ -3,8 +3,8 @@
 One packet a frame, numbers big-endian: the version in a byte, the device and the subject as text
 after their length in bytes, the frame's number, the share of a frame past it, numerator and
 denominator of the rate, the count of values in a byte, and the values as floats: 52 ARKit shapes,
-then the rotations of head and eyes, which speech leaves at 0. In the order of the values, left
-comes before right throughout; the app's recordings have two pairs the other way round.
+then the rotations of head and eyes, which speech leaves at 0. Left shapes always come before right
+ones; the recordings of the app have two pairs in the opposite order.
 """
 
 import struct

@@ -1,8 +1,8 @@
 """Live player: performs utterances as frames in real time.
 
-Times are seconds. One utterance follows the other. Frames are sent when they are due, late ones
-at once. An utterance that is there before the frames of the one before it run out goes on in
-the same stream; otherwise the mouth comes to rest in between.
+Times are seconds. Utterances follow each other. Frames are sent when they are due, and late ones
+at once. An utterance that arrives before the frames of the previous one run out continues the
+same stream; otherwise the mouth comes to rest in between.
 """
 
 from collections.abc import Callable, Mapping, Sequence

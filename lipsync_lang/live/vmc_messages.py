@@ -1,7 +1,7 @@
 """Messages of the VMC protocol (Virtual Motion Capture) over UDP, in bundles of OSC.
 
 One bundle a frame: a `/VMC/Ext/Blend/Val` with name and weight for each pose, then
-`/VMC/Ext/Blend/Apply`, which shows them. `/VMC/Ext/OK` before them says that the sender is there.
+`/VMC/Ext/Blend/Apply`, which shows them. `/VMC/Ext/OK` before them announces the sender.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -28,7 +28,7 @@ def vmc_messages(
     Parameters
     ----------
     poses : the name of each weight
-    renamed : other names for some, as the receiver's model has them
+    renamed : other names for some poses, from the receiver's model
 
     Raises
     ------

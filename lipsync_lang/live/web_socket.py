@@ -1,7 +1,7 @@
 """WebSocket server: sends frames to all clients, which send texts or phonemes.
 
-It listens where the user says, which is this machine alone by default. Pages of other sites are
-refused by their `Origin`: a page of the web could otherwise make the character speak.
+It listens at the user's address, by default only for this machine. Pages of other sites are
+refused by their `Origin`, since a page on the web could otherwise make the character speak.
 """
 
 import asyncio

@@ -1,7 +1,7 @@
 """Batch: many schedules become animations.
 
-Each is what it would be alone, to the bit: labels are mapped all at once, each by itself, and the
-stages see one schedule at a time.
+Each animation equals that of a single schedule bit by bit: labels are mapped all at once but
+independently, and the stages process one schedule at a time.
 """
 
 from collections.abc import Mapping, Sequence

@@ -1,14 +1,14 @@
 """Expressions on top of speech: the sum of a smile and a spoken line.
 
-Weights add up, and speech has the right of way: an expression fills the room that is left.
+Weights add up, and speech takes precedence: an expression fills the remaining room.
 
-- A contact wins. While lips or teeth touch, an expression adds nothing to a pose that the contact
-  keeps down; before and after, it fades with the weights that make the contact.
-- A constraint wins. An expression adds no more to a pose than its pairs leave.
-- A shape that speech does not move keeps the weight of the expression.
+- A contact takes precedence. While lips or teeth touch, an expression adds nothing to a pose that
+  the contact keeps low; before and after, it fades with the weights that make the contact.
+- A constraint takes precedence. An expression adds no more to a pose than its pairs allow.
+- A shape that speech does not move has the weight of the expression.
 
-Speech itself is never lowered, so what it kept by itself it keeps. Speed and acceleration are no
-longer bound by the motion's limits where an expression fades.
+Weights of speech are never lowered, so its contacts and constraints still hold. While an expression
+fades, speed and acceleration may exceed the limits of the motion.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
 """Heard: the phonemes of a stream that coming frames can still depend on.
 
-Times are seconds. Labels are numbered from the first one heard; those that no frame needs any more
-are forgotten, so that hours need no more room than seconds.
+Times are seconds. Labels are numbered from the first one of the stream. Labels that no frame needs
+any more are forgotten, so hours take no more memory than seconds.
 """
 
 from bisect import bisect_right
@@ -232,7 +232,7 @@ class Heard:
         ----------
         silence_reach : seconds of a silence that a bigram uses
         linear : True if bigrams are stretched evenly, so that the length of the next sound counts
-        emphasis : True if words yet to come may have emphasis
+        emphasis : True if later words may have emphasis
         """
         time = self._bigrams(silence_reach, linear=linear)
         if self.levels is not None:

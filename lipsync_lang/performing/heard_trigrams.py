@@ -1,8 +1,8 @@
 """Heard trigrams: the sounds of a stream that begin a trigram, or can still begin one.
 
-Of two trigrams that share a bigram the first plays, so whether one plays depends on those before
-it. No two begin at neighbouring sounds: a window that begins where none began a sound earlier
-chooses as the whole does.
+If two trigrams share a bigram, the first one plays, so each trigram depends on those before it. No
+two trigrams begin at neighbouring sounds. Therefore a window makes the same choice as the whole
+line if no trigram begins one sound before the window.
 """
 
 from typing import TYPE_CHECKING

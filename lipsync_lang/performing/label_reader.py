@@ -191,7 +191,7 @@ class LabelReader:
     def stresses(self, sounds: LabelSounds) -> Ints:
         """Return the stress of each vowel: 0 for none, 1 or 2; empty if nothing marks any.
 
-        A mark before a consonant belongs to the vowel after it, as the IPA writes stress. Where
+        A mark before a consonant belongs to the vowel after it, as the IPA writes stress. If
         some vowels are marked, the others have no stress.
 
         Returns

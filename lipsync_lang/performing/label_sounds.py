@@ -1,7 +1,7 @@
 """Label sounds: converts the labels of many schedules at once, in a few array operations.
 
-Conventions: times are seconds; (n,) is labels, (m,) their sounds, m being larger where a label has
-several. A mark of stress is -1 where there is none.
+Conventions: times are seconds; (n,) is labels, (m,) their sounds; a label can have several sounds.
+A mark of stress is -1 for no mark.
 """
 
 from collections.abc import Callable, Mapping, Sequence

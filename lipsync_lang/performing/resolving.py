@@ -10,8 +10,8 @@ and recorded as the origin of the bigram:
 5. a bigram fitted to captures, in layers 1 to 4,
 6. a draft from the phoneme targets of the character, or else of the pose set.
 
-A pair with shades is looked up finest first, down to the pair of their parents, and drafted only if
-nobody drew any of these.
+A pair with shades is looked up from the finest pair to the pair of their parents, and drafted only
+if none of these is drawn.
 
 Pairs without a match are gaps. They are errors by default, or rest on request.
 """
@@ -52,7 +52,7 @@ def resolve(  # noqa: PLR0913 two names, and options by keyword
     ----------
     language : name, tag, alias or file of a language pack; ENGINE:CODE for a language without one
     character : name or file of a character, or of a pose set for its default character; or a model
-        (.glb, .gltf), for the pose set and rig that show most on its shapes
+        (.glb, .gltf), with the pose set and rig that fit its shapes best
     paths : one or several folders with priority in pack searches
     gaps : treatment of bigrams without a match: `error` or `rest`
     unknown : treatment of unmapped labels: `error`, `rest`, or `nearest` for IPA, by its

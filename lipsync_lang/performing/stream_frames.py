@@ -1,7 +1,7 @@
 """Stream frames: the final frames of a stream, and their weights.
 
 Times are seconds; frames are counted from the first of the stream. The stages run on a window
-around the frames, as far as they look back and ahead.
+around the frames, within their look-back and look-ahead.
 """
 
 from math import isinf

@@ -5,7 +5,7 @@ good deal wider.
 
 Speakers lower the jaw further for stressed vowels (Summers 1987, "Effects of stress and final
 consonant voicing on vowel production"; Erickson 2002, "Articulation of extreme formant patterns for
-emphasized vowels"). The pose set states by how much; its amounts are far below those of emphasis.
+emphasized vowels"). The pose set states the amounts, which are far below those of emphasis.
 """
 
 from collections.abc import Mapping, Sequence

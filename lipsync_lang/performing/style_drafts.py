@@ -1,6 +1,6 @@
 """Banks of drafted styles: neutral curves, scaled and offset as the pose set states.
 
-A bank is as large as the neutral one, so it is made when a style is first heard.
+A bank is as large as the neutral one, so it is made for the first use of a style.
 """
 
 from collections.abc import Collection
@@ -21,7 +21,7 @@ def with_drafts(compiled: "Compiled", heard: Collection[str]) -> Tables:
 
     Parameters
     ----------
-    heard : styles to draft; the banks of the others stay neutral, and are not to be heard
+    heard : styles to draft; the banks of the others stay neutral, and must not be used
     """
     tables = compiled.tables
     sounding = _sounding(compiled)

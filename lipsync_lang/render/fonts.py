@@ -1,7 +1,7 @@
 """Fonts for the text of pictures: installed fonts with its letters, or fonts to install.
 
 No library lists fonts for all pictures: matplotlib draws plots, and Pillow draws sheets. So the
-folders of the system are searched here, and the library that draws says which letters a file has.
+folders of the system are searched here, and the drawing library tests the letters of a file.
 """
 
 import logging
@@ -77,7 +77,7 @@ def find_fonts(letters: frozenset[str], coverage: Coverage) -> FoundFonts:
     Parameters
     ----------
     letters : characters, alone or with their marks, as `letters_of` gives them
-    coverage : how the drawing library looks into a font file
+    coverage : function of the drawing library that finds the letters of a font file
     """
     wanted = {path: coverage(path, letters) for path in font_files()}
     chosen: list[Path] = []
@@ -118,7 +118,7 @@ def _rank(path: Path) -> tuple[int, bool, int, str]:
 def letters_of(texts: Iterable[str]) -> frozenset[str]:
     """Return the letters of texts: characters alone, and characters with the marks on them.
 
-    A mark needs a font that has its character too, because they are drawn as one.
+    A mark needs a font that also has its character, because both are drawn together.
     """
     found = {letter for text in texts for letter in split_letters(text)}
     return frozenset(found | {letter[0] for letter in found})

@@ -1,7 +1,7 @@
 """Fonts of matplotlib's figures: installed fonts that contain each letter.
 
-matplotlib draws a letter in the first font of a list that has it. The list is its usual font,
-followed by fonts for the letters that this one lacks. Fonts are searched only if it lacks some.
+matplotlib draws a letter in the first font of a list that contains it. The list is the default
+font, followed by fonts for its missing letters. Fonts are searched only if letters are missing.
 """
 
 import logging
@@ -33,9 +33,9 @@ def quiet_fonts() -> Iterator[None]:
 def with_fonts(page: "Callable[[], Figure]") -> "Figure":
     """Make a figure with fonts for all its letters.
 
-    The figure is made again if the usual font lacks some, because labels are placed by the width
+    The figure is made again if the default font lacks letters, since labels are placed by the width
     of their text. The caller restores matplotlib's settings. Letters that no font has become "…",
-    and a warning of the log says once which font to install.
+    and the log has one warning with the font to install.
     """
     figure = page()
     found = fonts_for(letters_of(_strings(figure)))

@@ -70,7 +70,7 @@ def film(  # noqa: PLR0913 the animation, and settings of the film
     kind : a name in `CODECS`
     size : side of a frame in pixels; `SIZE` by default
     codec : options of the encoder, instead of those in `CODECS`
-    framing : animation of the same model that camera and light are set for; by default, this one
+    framing : animation of the same model for camera and light; by default, this one
 
     Raises
     ------
@@ -109,7 +109,7 @@ def find_ffmpeg() -> str:
     Raises
     ------
     OutputError
-        It is not installed.
+        ffmpeg is not installed.
     """
     try:
         from imageio_ffmpeg import get_ffmpeg_exe

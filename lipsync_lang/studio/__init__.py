@@ -1,5 +1,5 @@
 """Studio: the editor in the browser, and the page of a line, which shares its modules.
 
 `static` holds plain ES modules without a build step. Python gathers the data of a line, packs its
-arrays and puts both into one HTML file that needs nothing else.
+arrays and writes both into one self-contained HTML file.
 """

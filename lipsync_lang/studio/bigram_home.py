@@ -29,8 +29,8 @@ def bigram_home(
     Raises
     ------
     LipsyncError
-        An installed character, or a bank of one language, states the bigram: a common bank would
-        lie beneath it.
+        An installed character or a bank of one language states the bigram, and would take
+        precedence over a common bank.
     """
     row = shelf.row(pair)
     if row.place is not None and stated(shelf, row) == "-".join(pair):

@@ -1,8 +1,8 @@
 """Unsaved edits of pack files: undone, kept in a journal, merged with the disk, and saved.
 
-A desk knows files by absolute path, and reads one when it is first edited. Each edit sets, inserts
-or deletes a value at a location; every text in between is a sound pack. Texts share the parts that
-an edit leaves alone, so that undo can reach back without end.
+A desk identifies files by absolute path, and reads a file at its first edit. Each edit sets,
+inserts or deletes a value at a location; every text in between is a valid pack. Texts share the
+parts that an edit does not change, so the number of undo steps is unlimited.
 """
 
 import os
@@ -60,14 +60,14 @@ class Desk:
 
     Parameters
     ----------
-    journal : the file that keeps unsaved edits; None keeps them in memory alone
+    journal : file of unsaved edits; None keeps them only in memory
     shipped : folders whose files are never edited; None is those of installed distributions
 
     Attributes
     ----------
     revision : grows by each change
     restored : number of edits found in the journal
-    notes : what the user should know about the journal
+    notes : messages to the user about the journal
 
     Example
     -------
@@ -170,12 +170,12 @@ class Desk:
 
         Parameters
         ----------
-        title : what is done, for undo
+        title : name of the change for undo
         seen : revision that the tab has shown; None accepts any
         tab : the tab that asks
         merge : successive changes of one tab with the same key are undone as one
         create : text of files that do not exist yet
-        check : is called with the changed files as they would be; its error refuses the edits
+        check : receives the changed files before the edit; its error refuses the edits
 
         Raises
         ------
@@ -184,7 +184,7 @@ class Desk:
         PackFaults
             A pack would be faulty; nothing changes.
         LipsyncError
-            A file cannot be read, or may not be edited.
+            A file cannot be read, or must not be edited.
         """
         create = create or {}
         locs = [(path, tuple(loc)) for path, loc, _ in edits]
@@ -323,7 +323,7 @@ class Desk:
         PackFaults
             A file is faulty on the disk, or would be with the edits; nothing is written.
         OutputError
-            A file cannot be written; nothing is.
+            A file cannot be written; no file changes.
         """
         wanted = self.contents if files is None else set(files)
         sheets = [sheet for path, sheet in self._sheets.items() if path in wanted and sheet.edited]

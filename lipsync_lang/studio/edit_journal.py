@@ -1,6 +1,6 @@
 """Journal of unsaved edits, from which the studio restores them after a crash.
 
-Each line is JSON. A line is appended at each edit, so a kill loses at most the line being written.
+Each line is JSON. Each edit appends a line, so a crash loses at most the last line.
 """
 
 import json
@@ -42,7 +42,7 @@ class JournalKeeper:
 
     Attributes
     ----------
-    stale : True if the content of a file in it is no longer that of the disk
+    stale : True if the disk has other content of a file than the journal
     """
 
     def __init__(self, path: Path, lines: int, opened: set[Path]) -> None:

@@ -16,8 +16,8 @@ class EditedPair:
 
     Parameters
     ----------
-    pair : as it was compiled or retouched last
-    revision : of the desk
+    pair : pair as last compiled or updated
+    revision : revision of the desk
     beside : unsaved contents of files without bigrams
     written : nanoseconds at which files without unsaved edits were written; None for a missing one
     """
@@ -45,7 +45,7 @@ class EditedPair:
 
         Parameters
         ----------
-        contents : every unsaved file, the texts among them
+        contents : every unsaved file, including the texts
 
         Raises
         ------

@@ -50,8 +50,8 @@ Face = dict[str, Any]
 def face_data(animation: Animation, pack: ArrayPack) -> Face:
     """Return the model of an animation as JSON data, with its arrays in a pack.
 
-    `unshown` lists what the page cannot show of the model; without a drawable model, there is
-    nothing else.
+    `unshown` lists the parts of the model that the page cannot show; it is the only field if the
+    model cannot be drawn.
     """
     if animation.model is None:
         return {"unshown": []}

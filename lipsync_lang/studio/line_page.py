@@ -1,8 +1,8 @@
 """HTML page of a line: its sound, its face, its curves and their explanations.
 
-Text of packs and schedules is data, never markup: it stands in a JSON element with every ``<``
-escaped, and the script shows it as text. The policy of the page allows its own script and style, by
-their hashes, and no request at all.
+Text of packs and schedules is data, never markup: it is in a JSON element with every ``<`` escaped,
+and the script shows it as text. The policy of the page allows only its own script and style, by
+their hashes, and no requests.
 """
 
 import json
@@ -40,7 +40,7 @@ def line_page(
 
     Parameters
     ----------
-    performer : of the face of an animation that was performed elsewhere
+    performer : performer of the face, for an animation from another program
     qualities : figures by the name of the animation in `against`, "" for the first; None to
         measure them here
 

@@ -93,7 +93,7 @@ def merged(
     Returns
     -------
     The text with both changes, the text of the disk, the open conflicts, and the locations whose
-    edits are given up
+    edits are dropped
     """
     own, other = differences(base, mine.data), differences(base, theirs.data)
     conflicts: list[MergeConflict] = []

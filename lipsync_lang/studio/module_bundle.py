@@ -1,6 +1,6 @@
 """Bundle of ES modules in one script, for self-contained pages.
 
-Each module becomes a function of its own, so that names never clash. Only two forms are known:
+Each module becomes a function, so that names never clash. Only two forms are supported:
 ``import { a, b } from "./other.js";`` and ``export`` before a function, a class or a constant.
 Comments in the form of JSDoc, which hold the types, stay in the source.
 """

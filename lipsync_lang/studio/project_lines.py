@@ -1,4 +1,4 @@
-"""Lines of the project's script, as the studio lists and opens them.
+"""Lines of the project's script, for the list and the open line of the studio.
 
 A list holds the lines of the open language. A line opens on the open character if the script gives
 the line to it, and otherwise on the first character of the line. A character that the script gives
@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
 
 MAX_LISTED = 100
-"""Lines in one answer."""
+"""Maximum number of lines in a response."""
 
 MAX_READ_AGAIN = 10_000
-"""Lines of a script that is read again for each line that is opened."""
+"""Maximum number of lines of a script that is read again when a line is opened."""
 
 ByCharacter = dict[str, PlannedLine]
 """A line in one language, on each of its characters."""
 
 
 class ProjectLines:
-    """Lines of the script that a project states, read when they are first asked for.
+    """Lines of the script of a project, read on the first request.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class ProjectLines:
     def __init__(self, file: Path | None = None, paths: Iterable[Path] = ()) -> None:
         self._file, self._paths = file, tuple(paths)
         self._lines: dict[str, dict[str, ByCharacter]] = {}
-        """By language and name, in the order of the script."""
+        """Lines by language and name, in the order of the script."""
         self._characters: set[str] = set()
 
     def read(self) -> None:
@@ -66,7 +66,7 @@ class ProjectLines:
             self._characters.add(line.character)
 
     def listed(self, language: str, character: str, sought: str = "", first: int = 0) -> Json:
-        """Return some lines of a language as JSON data; of the first language for an empty one.
+        """Return some lines of a language as JSON data; an empty one is the first language.
 
         Parameters
         ----------
@@ -90,7 +90,7 @@ class ProjectLines:
         }
 
     def place(self, line: PlannedLine | None, character: str) -> Json | None:
-        """Return the place of a line in the script, and its neighbours; None if it has none."""
+        """Return a line's place in the script, and its neighbours; None for an unknown line."""
         own = {} if line is None else self._lines.get(line.language, {})
         if line is None or line.name not in own:
             return None
@@ -103,7 +103,7 @@ class ProjectLines:
         return {"name": line.name, "number": number, "count": len(own), "beside": beside}
 
     def line(self, language: str, name: str, character: str) -> PlannedLine:
-        """Return a line, with the recording and the timings that it has now.
+        """Return a line with its current recording and timings.
 
         Raises
         ------
@@ -122,7 +122,7 @@ class ProjectLines:
     def schedule(
         self, line: PlannedLine, speaker: "Speaker", engine: str | None = None
     ) -> "Schedule":
-        """Time the phonemes of a line, as a build does.
+        """Time the phonemes of a line as in a build.
 
         Raises
         ------

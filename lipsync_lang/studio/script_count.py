@@ -1,7 +1,7 @@
 """Script of a project: its bigrams, counted in a thread and cached until it changes.
 
-A count depends on the script and on how the language reads it; what the character has is looked up
-again each time, so that an edit of a bank needs no count.
+A count depends on the script and on its reading by the language. The bigrams of the character are
+looked up each time, so that an edit of a bank needs no new count.
 """
 
 import logging

@@ -1,7 +1,7 @@
 """Server of the studio: its address, its guard, its files and its routes.
 
-The address holds a random token. A page of another site can neither guess it nor, as its `Host` or
-`Origin` is another, use it. Every answer forbids scripts, styles and requests of anywhere else.
+The address contains a random token. A page of another site cannot guess it, and cannot use it with
+another `Host` or `Origin`. Every response forbids scripts, styles and requests of other sites.
 """
 
 import gzip
@@ -79,7 +79,7 @@ def app(workshop: Workshop, token: str, hosts: Collection[str]) -> ASGIApp:
     ----------
     workshop : the pair and the line
     token : secret part of the address
-    hosts : values of the `Host` header that are answered, such as ``127.0.0.1:8765``
+    hosts : accepted values of the `Host` header, such as ``127.0.0.1:8765``
     """
     lock = Lock()
     Thread(target=_script, daemon=True).start()  # ready by the time a browser asks

@@ -100,13 +100,13 @@ def rebase(
     steps : from the first done to the last undone; their texts of this file are replaced
     sheet : the file before
     theirs : the text of the disk
-    now : the text that stands for the present one
-    dropped : locations whose edits were given up
+    now : the new text of the present state
+    dropped : locations whose edits were dropped
 
     Raises
     ------
     PackError
-        A step cannot be made on the text of the disk.
+        A step cannot be repeated on the text of the disk.
     """
     made = {id(sheet.saved.parts): theirs.parts, id(sheet.text.parts): now.parts}
     old, new = sheet.saved, theirs

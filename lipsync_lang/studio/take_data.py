@@ -51,7 +51,7 @@ def take_data(
 
     Parameters
     ----------
-    performer : of this face; its stages and reasons are shown if it made the animation
+    performer : performer of this face, for stages and explanations of its own animation
     quality : figures of the animation, for the timeline
     """
     made = _Making.of(animation)

@@ -1,7 +1,7 @@
 """Workshop: an open language-character pair with its unsaved edits, and its line.
 
-The routes of the server call it; nothing here knows of the web. One workshop serves every tab of
-one user, one call at a time.
+The routes of the server call it; this module does not depend on the web. A workshop serves all tabs
+of one user, one call at a time.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -78,7 +78,7 @@ class Workshop:
     desk : unsaved edits
     motion : changed settings of motion, or a preset
     engine : speech engine instead of the language's
-    cleaning : values of placeholders, and what texts hold that is not spoken
+    cleaning : values of placeholders, and the parts of texts that are not spoken
     script : lines of the project; None for none
     """
 
@@ -115,7 +115,7 @@ class Workshop:
     def library(self) -> Library:
         """Return the packs with the unsaved edits; packs without edits are not read again.
 
-        The disk is looked at again whenever a pair is opened.
+        The disk is read again whenever a pair is opened.
         """
         revision = self.desk.revision
         if self._library is None or self._library[0] != revision:
@@ -270,7 +270,7 @@ class Workshop:
         Raises
         ------
         LipsyncError
-            The pack is not the user's, and a pack of the project cannot add to it.
+            The pack does not belong to the user, and a pack of the project cannot extend it.
         """
         files, compiled = self.files(), self.performer.compiled
         path = files.get(name)

@@ -1,7 +1,7 @@
 """Server of a study: serves only its page, and stores answers.
 
 Answers are checked, appended to one file and never changed. Every request has a deadline and a
-size, and requests of other sites are refused.
+maximum size, and requests from other sites are refused.
 """
 
 import json

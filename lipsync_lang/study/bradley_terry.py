@@ -105,7 +105,7 @@ def ranking(
 def flipped_raters(by_rater: Sequence[Floats], wins: Floats) -> float:
     """Return the probability of a score as far from equal strengths by random signs of raters.
 
-    A rater's sign turns all choices of the rater round. The score statistic is g' H⁻ g, with the
+    A rater's sign reverses all choices of the rater. The score statistic is g' H⁻ g, with the
     gradient g, a sum over raters, and the information H of equal strengths, which no sign changes.
     """
     gradients = np.array([(one - one.T).sum(axis=1) / 2 for one in by_rater])

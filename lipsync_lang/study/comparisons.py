@@ -1,7 +1,7 @@
 """Comparisons of two methods: shares, strengths, tests and agreement.
 
 Answers of one rater are not independent, and neither are answers about one line. The paper's
-chi-square and the binomial test take all choices as independent; the tests by raters and by lines
+chi-square and the binomial test treat all choices as independent; the tests by raters and by lines
 do not. Intervals of shares and strengths are by raters.
 """
 
@@ -198,7 +198,7 @@ def clustering(choices: Sequence[Choice], first: str) -> Clustering:
     """Return the dependence of choices of the same rater.
 
     The interval is Wilson's with n / design effect choices and t of raters - 1 degrees of freedom.
-    A design effect below 1 counts as 1. Where all choices are the same, each rater counts once.
+    A design effect below 1 counts as 1. If all choices are the same, each rater counts once.
     """
     by_rater: dict[str, list[int]] = defaultdict(list)
     for one in choices:

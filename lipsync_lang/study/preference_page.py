@@ -1,6 +1,6 @@
 """Report of a study as a self-contained HTML page, styled like the coverage page.
 
-Plots are SVG stretched to the width at hand, each with a name in words. The page has no script.
+Plots are SVG stretched to the available width, each with a text name. The page has no script.
 """
 
 from collections.abc import Sequence

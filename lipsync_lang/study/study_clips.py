@@ -1,6 +1,6 @@
 """Clips of a study: rendered in parallel, and cached by the digest of their contents.
 
-A clip that is there is never rendered again, so a run that was killed goes on where it stopped.
+An existing clip is never rendered again, so a new run continues an interrupted one.
 """
 
 import os
@@ -91,7 +91,7 @@ def render_clips(
     Parameters
     ----------
     workers : number of processes; None for one per core
-    told : told the numbers of rendered clips and of all to render
+    told : receives the number of rendered clips and the total
 
     Raises
     ------
@@ -151,7 +151,7 @@ def _render(clip: Clip, path: Path) -> None:
 def of_one_size(contents: Sequence[bytes]) -> list[bytes]:
     """Return MP4 files of one size, each with a free box at its end.
 
-    So the sizes of the clips of a pair tell nothing about their methods.
+    With equal sizes, the clips of a pair do not reveal their methods.
     """
     size = max(map(len, contents)) + FREE_BOX_BYTES
     return [

@@ -1,7 +1,8 @@
 """Files of a study: `study.json` with the key to the sides, and the answers of raters.
 
-A study stays with those who made it. Raters see a page without the key; their answers name pairs
-and sides only. Answers are a JSON file of one rater, or JSON lines with one submission each.
+The study file stays with the authors of the study. Raters see a page without the key, and their
+answers name only pairs and sides. Answers are a JSON file of one rater, or JSON lines with one
+submission each.
 """
 
 import json

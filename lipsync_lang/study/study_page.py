@@ -1,8 +1,8 @@
 """Page of a study: a file with all clips, which asks for, keeps and exports answers.
 
 The page has no key: pairs have numbers, clips have sides, and no method is named. Text is data,
-never markup; the policy of the page allows its own script and style, by their hashes, and requests
-to the address for answers alone.
+never markup; the policy of the page allows only its own script and style, by their hashes, and
+requests to the address for answers.
 """
 
 import json

@@ -43,8 +43,8 @@ def possible_pairs(
 def in_balanced_order(pairs: Iterable[ClipPair], seed: int) -> Iterator[ClipPair]:
     """Yield the pairs in an order whose first N are balanced, for every N.
 
-    Each next pair is of the methods, then the character, then the line seen least so far; chance
-    decides between equals.
+    Each next pair has the methods, then the character, then the line with the fewest pairs so far;
+    chance decides between equals.
     """
     chance = random.Random(seed)  # noqa: S311 a repeatable order is wanted
     groups: dict[tuple[tuple[str, str], str], list[ClipPair]] = {}

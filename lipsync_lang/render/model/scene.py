@@ -88,7 +88,7 @@ class Scene:
     Raises
     ------
     ModelError
-        The file is damaged, or has nothing to draw; or it is compressed, without a decoder.
+        The file is damaged, has nothing to draw, or is compressed without an installed decoder.
     """
 
     def __init__(self, path: Path, name: Path) -> None:

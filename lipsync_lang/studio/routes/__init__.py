@@ -1,5 +1,5 @@
 """Routes of the studio: the requests of the browser, by view.
 
 Each module has `ROUTES`: method and path to a function of a workshop and a request. A path ends in
-`{name}` where the rest of it is data.
+`{name}` if its last part is data.
 """

@@ -34,7 +34,7 @@ MAX_NAME_CHARS = 40
 def matrix(workshop: Workshop, _: Wish) -> Json:
     """Return the status and the need of every bigram, and the next ones to draw.
 
-    The `source` of the need is the script that was counted last, or else the line.
+    The `source` of the need is the script with the last count, or else the line.
     """
     compiled = workshop.performer.compiled
     counted = script_needs(workshop)

@@ -1,4 +1,4 @@
-"""Routes of the project's script: its lines, and the one that is opened."""
+"""Routes of the project's script: its lines, and the opening of a line."""
 
 from lipsync_lang.errors import LipsyncError
 from lipsync_lang.rigs.container import Json
@@ -7,10 +7,10 @@ from lipsync_lang.studio.routes.line_routes import whole
 from lipsync_lang.studio.workshop import Workshop
 
 MAX_SOUGHT_CHARS = 200
-"""Characters of a text that is searched for."""
+"""Maximum length of a text to search for."""
 
 MAX_DIGITS = 9
-"""Digits of the number of a line."""
+"""Maximum number of digits of a line's number."""
 
 
 def lines(workshop: Workshop, asked: Wish) -> Json:
