@@ -285,7 +285,7 @@ def shut_vowels(scene: Take) -> Iterable[Measured]:
     counts = np.bincount(scene.owner[closed], minlength=len(scene.track.ids))
     worst = np.argsort(-counts, kind="stable")[:MAX_PLACES]
     told = {
-        n: f"keeps the jaw shut for {counts[n] * scene.frame:.3f} s"
+        n: f"keeps the jaw closed for {counts[n] * scene.frame:.3f} s"
         for n in worst.tolist()
         if counts[n]
     }
