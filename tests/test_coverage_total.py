@@ -456,7 +456,7 @@ def test_a_cast_needs_known_characters(cli, game):
 def test_nothing_named_is_nothing_counted(cli):
     ended = cli("coverage", "-l", "toy", "-c", "crab")
     assert ended.code == 2
-    assert "Name a script, or state `lines` in lipsync.yaml" in ended.err
+    assert "there is no script to count; name a file, or state `lines`" in ended.err
 
 
 def test_weights_that_are_all_zero_are_refused(two):
