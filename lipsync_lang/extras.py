@@ -7,7 +7,6 @@ import json
 import os
 import sys
 from functools import cache
-from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
@@ -36,6 +35,8 @@ class Extra(NamedTuple):
 @cache
 def extras() -> tuple[Extra, ...]:
     """Return all extras, in the order of their file."""
+    from importlib.resources import files  # slow, and only some commands need it
+
     text = files(__package__ or "lipsync_lang").joinpath("extras.json").read_text("utf-8")
     return tuple(
         Extra(name, one["purpose"], one["used_by"], tuple(one["modules"]))
@@ -58,6 +59,16 @@ def install_line(*names: str) -> str:
     return f'{_pip()} install "{_requirement(set(names))}"'
 
 
+def package_line(name: str) -> str:
+    """Return the command that installs a package of others, for the same installer."""
+    home = Path(sys.prefix)
+    if (home / PIPX).is_file():
+        return f"pipx inject {PROGRAM} {name}"
+    if (home / UV_TOOL).is_file():
+        return f'uv tool install "{_requirement(_installed())}" --with {name}'
+    return f"{'uv pip' if UV in _settings(home) else _pip()} install {name}"
+
+
 def _pip() -> str:
     """Return `pip` in an activated environment, and the interpreter's own pip elsewhere."""
     if os.environ.get("VIRTUAL_ENV") == sys.prefix:
@@ -74,7 +85,7 @@ def _below(path: str) -> bool:
 
 
 def _requirement(names: set[str]) -> str:
-    return f"{PROGRAM}[{','.join(sorted(names))}]"
+    return f"{PROGRAM}[{','.join(sorted(names))}]" if names else PROGRAM
 
 
 def _installed() -> set[str]:

@@ -246,7 +246,7 @@ def test_every_extra_is_listed_with_what_it_is_for(root):
 def test_every_extra_that_a_message_names_is_one(root):
     known = {one.name for one in extras.extras()}
     text = "".join(p.read_text("utf-8") for p in sorted((root / "lipsync_lang").rglob("*.py")))
-    named = set(re.findall(r"lipsync-lang\[(\w+)\]", text))
+    named = set(re.findall(r"install_line\(['\"](\w+)['\"]\)", text))
     assert named
     assert named <= known
 
@@ -287,6 +287,30 @@ def test_the_line_runs_in_this_folder_and_with_spaces(here, monkeypatch):
 def test_a_module_without_a_specification_counts_as_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "half_made", ModuleType("half_made"))
     assert extras.Extra("x", "", "", ("half_made", "json")).missing() == ["half_made"]
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "line"),
+    [
+        ("pyvenv.cfg", "home = /usr", "-m pip install polars"),
+        ("pyvenv.cfg", "home = /usr\nuv = 0.5.1\n", "uv pip install polars"),
+        ("pipx_metadata.json", "{}", "pipx inject lipsync-lang polars"),
+        ("uv-receipt.toml", "", 'uv tool install "lipsync-lang[tables]" --with polars'),
+    ],
+)
+def test_a_package_of_others_is_installed_by_the_same_installer(
+    tmp_path, monkeypatch, file, content, line
+):
+    (tmp_path / file).write_text(content)
+    monkeypatch.setattr(extras.sys, "prefix", str(tmp_path))
+    without(monkeypatch, *(m for one in extras.extras() for m in one.modules if m != "openpyxl"))
+    assert extras.package_line("polars").endswith(line)
+
+
+def test_no_message_names_an_installer_of_its_own(root):
+    text = {p: p.read_text("utf-8") for p in sorted((root / "lipsync_lang").rglob("*.py"))}
+    told = {path.name for path, one in text.items() if re.search(r"pip install \W*\w", one)}
+    assert told == {"dask_cluster.py", "extras.py"}, "extras.install_line knows the installer"
 
 
 def test_extras_that_are_there_are_kept_by_an_installer_that_starts_anew(tmp_path, monkeypatch):

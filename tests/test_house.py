@@ -50,7 +50,7 @@ PACKS = ("yaml", "models", "", "checking")
 
 ALONE = {
     "pipeline": set(),
-    "phonology": {"errors", "extensions", "files"},
+    "phonology": {"errors", "extensions", "extras", "files"},
     "schedules": {"errors", "extensions", "files"},
 }
 """Rooms that import less than their floor allows."""

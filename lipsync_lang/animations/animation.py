@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import LipsyncError, refuse_other
+from lipsync_lang.extras import package_line
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.schedules.schedule import Schedule
 
@@ -221,7 +222,7 @@ class Animation:
             return module.DataFrame({"time_s": self.times, **dict(self)})
         raise LipsyncError(
             f"{' and '.join(wanted)} {'are' if library is None else 'is'} not installed; "
-            f"install {' or '.join(wanted)}: pip install {wanted[0]}"
+            f"install {' or '.join(wanted)}: {package_line(wanted[0])}"
         )
 
     def __getitem__(self, pose: str) -> npt.NDArray[np.float64]:

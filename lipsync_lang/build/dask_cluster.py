@@ -21,6 +21,7 @@ from uuid import uuid4
 
 from lipsync_lang.build.workers import BATCHES_PER_WORKER, Job, LostBatch, Parcel, run_job
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 from lipsync_lang.files.temporary import sweep, temporary_name
 from lipsync_lang.version import __version__
 
@@ -69,7 +70,7 @@ def _client(address: str) -> "Iterator[Client]":
         import distributed
     except ImportError:
         raise LipsyncError(
-            'Dask is not installed here; install it: pip install "lipsync-lang[cluster]"'
+            f"Dask is not installed here; install it: {install_line('cluster')}"
         ) from None
     for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # errors are told by us, once

@@ -23,6 +23,7 @@ from lipsync_lang.capture.fit_values import FitFace, FitValues
 from lipsync_lang.capture.judging import outlying_lines
 from lipsync_lang.capture.rest_levels import without_rest
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     from lipsync_lang.capture.captured_line import CapturedLine
@@ -128,7 +129,7 @@ def _proposal(
 
 def _require_scipy() -> None:
     if find_spec("scipy") is None:
-        raise LipsyncError('a fit needs scipy: pip install "lipsync-lang[capture]"')
+        raise LipsyncError(f"a fit needs scipy: {install_line('capture')}")
 
 
 def _without_strays(

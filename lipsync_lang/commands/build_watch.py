@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     from lipsync_lang.build.project_build import ProjectBuild
@@ -83,7 +84,7 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
     try:
         from watchfiles import Change, DefaultFilter, watch
     except ImportError:
-        raise LipsyncError('--watch needs watchfiles: pip install "lipsync-lang[watch]"') from None
+        raise LipsyncError(f"--watch needs watchfiles: {install_line('watch')}") from None
     remarks, made, usual = StandingRemarks(), MadeByBuilds(), DefaultFilter()
 
     def is_input(change: Change, path: str) -> bool:

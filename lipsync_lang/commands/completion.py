@@ -7,6 +7,7 @@ from typing import Any
 
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 
 SHELLS = ("bash", "zsh", "tcsh")
 FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
@@ -30,9 +31,7 @@ def completion(options: Namespace) -> int:
     try:
         import shtab
     except ImportError:
-        raise LipsyncError(
-            'completion needs shtab: pip install "lipsync-lang[completion]"'
-        ) from None
+        raise LipsyncError(f"completion needs shtab: {install_line('completion')}") from None
     from lipsync_lang.commands.parser import parser
 
     top = parser()

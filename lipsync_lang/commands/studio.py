@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lipsync_lang.commands.output import SOUND
 from lipsync_lang.commands.script_options import cleaning
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     import socket
@@ -40,7 +41,7 @@ def studio(options: Namespace) -> int:
         from lipsync_lang.studio.server import app
     except ImportError:
         raise LipsyncError(
-            'the studio needs Starlette and uvicorn: pip install "lipsync-lang[studio]"'
+            f"the studio needs Starlette and uvicorn: {install_line('studio')}"
         ) from None
     from lipsync_lang.commands.performing import motion_settings
     from lipsync_lang.packs.project import find_project

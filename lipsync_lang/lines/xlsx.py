@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from zipfile import BadZipFile, ZipFile
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 from lipsync_lang.files.reading import MIB_BYTES
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, Table, reader
@@ -132,7 +133,7 @@ def _openpyxl() -> "ModuleType":
         import openpyxl
     except ImportError:
         raise LipsyncError(
-            'spreadsheets need openpyxl: pip install "lipsync-lang[tables]"; or save them as .csv'
+            f"spreadsheets need openpyxl: {install_line('tables')}; or save them as .csv"
         ) from None
     module: ModuleType = openpyxl
     return module

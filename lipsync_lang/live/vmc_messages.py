@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     from pythonosc.osc_message import OscMessage
@@ -39,9 +40,7 @@ def vmc_messages(
         from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
         from pythonosc.osc_message_builder import OscMessageBuilder
     except ImportError:
-        raise LipsyncError(
-            'VMC needs the package python-osc: pip install "lipsync-lang[live]"'
-        ) from None
+        raise LipsyncError(f"VMC needs the package python-osc: {install_line('live')}") from None
 
     def message(address: str, *values: tuple[str, str | float | int]) -> "OscMessage":
         made = OscMessageBuilder(address)

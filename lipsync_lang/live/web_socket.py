@@ -15,6 +15,7 @@ from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import LipsyncError
+from lipsync_lang.extras import install_line
 from lipsync_lang.live.addresses import LOCAL, LiveAddress
 from lipsync_lang.live.client_messages import MAX_MESSAGE_BYTES, Client
 from lipsync_lang.live.outlets import as_row
@@ -68,7 +69,7 @@ class WebSocketOutlet:
             import websockets.asyncio.server
         except ImportError:
             raise LipsyncError(
-                'a WebSocket server needs the package websockets: pip install "lipsync-lang[live]"'
+                f"a WebSocket server needs the package websockets: {install_line('live')}"
             ) from None
         self.session = session
         self.clients: set[ServerConnection] = set()

@@ -17,6 +17,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
+from lipsync_lang.extras import install_line
 from lipsync_lang.pipeline.arrays import Bools, Floats
 from lipsync_lang.pipeline.motion import PRESETS, Motion
 from lipsync_lang.pipeline.perform import Stage
@@ -130,7 +131,7 @@ def draw(page: "Callable[[], Figure]", stream: BinaryIO, format: str) -> None:  
         import matplotlib as mpl  # noqa: F401 loaded modules may hide that it is missing
         from matplotlib import style
     except ImportError:
-        raise OutputError('a picture needs matplotlib: pip install "lipsync-lang[plot]"') from None
+        raise OutputError(f"a picture needs matplotlib: {install_line('plot')}") from None
     with warnings.catch_warnings(), style.context(RC, after_reset=True), quiet_fonts():
         warnings.filterwarnings("ignore", message="Glyph .* missing from")
         warnings.filterwarnings("ignore", message="Matplotlib currently does not support")

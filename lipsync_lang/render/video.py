@@ -16,6 +16,7 @@ import numpy as np
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.errors import OutputError
+from lipsync_lang.extras import install_line
 from lipsync_lang.render.model.camera import framed
 from lipsync_lang.render.model.gltf import pillow
 from lipsync_lang.render.model.picture import Artist, Pixels
@@ -114,7 +115,7 @@ def find_ffmpeg() -> str:
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:
-        raise OutputError('video needs imageio-ffmpeg: pip install "lipsync-lang[video]"') from None
+        raise OutputError(f"video needs imageio-ffmpeg: {install_line('video')}") from None
     try:
         return str(get_ffmpeg_exe())
     except RuntimeError as error:

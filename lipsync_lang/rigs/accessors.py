@@ -19,12 +19,12 @@ import numpy.typing as npt
 
 from lipsync_lang.rigs.compression import (
     DRACO,
-    INSTALL,
     MESHOPT,
     MissingDecoderError,
     draco_mesh,
     meshopt_rows,
     meshopt_size,
+    way_to_read,
 )
 from lipsync_lang.rigs.container import Json, binary_of, fail
 from lipsync_lang.rigs.model import Model, is_index
@@ -161,7 +161,7 @@ class Accessors:
         try:
             yield
         except MissingDecoderError:
-            fail(self.path, f"is compressed ({extension})", INSTALL)
+            fail(self.path, f"is compressed ({extension})", way_to_read())
         except (ValueError, MemoryError) as error:
             self._fail(what, str(error)[:120] or "needs too much memory")
 

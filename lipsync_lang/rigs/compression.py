@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from lipsync_lang.extras import install_line
 from lipsync_lang.rigs.container import LARGEST, Json
 
 DRACO = "KHR_draco_mesh_compression"
 
 MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 """Both names of one format; the later one adds a filter for colours."""
-
-INSTALL = 'to read it: pip install "lipsync-lang[models]"; or export it without compression'
 
 BYTES_PER_BYTE = 1024
 """Maximum decoded bytes per compressed byte: meshoptimizer stores 256 rows of a word in a byte."""
@@ -32,6 +31,11 @@ DRACO_START = (b"DRACO\x02\x02\x01", 11)
 
 EDGEBREAKER = 1
 """Draco's encoding method with another byte before the counts; the other method is sequential."""
+
+
+def way_to_read() -> str:
+    """Return the hint for a model that needs a library to be read."""
+    return f"to read it: {install_line('models')}; or export it without compression"
 
 
 class MissingDecoderError(Exception):

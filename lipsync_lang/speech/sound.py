@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line
 from lipsync_lang.schedules.schedule import Audio, Schedule
 from lipsync_lang.speech.sound_forms import OPEN_BYTES, surplus_seconds, unread
 
@@ -218,10 +219,7 @@ def _soundfile() -> "ModuleType":
 
 
 def _missing(name: str) -> str:
-    return (
-        f"recordings need {name}, which is not installed; "
-        'get it with: pip install "lipsync-lang[audio]"'
-    )
+    return f"recordings need {name}, which is not installed; get it with: {install_line('audio')}"
 
 
 def with_sound(

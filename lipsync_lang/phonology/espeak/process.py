@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 
 MAGIC = b"lipsync1"
@@ -79,7 +80,7 @@ class EspeakProcess:
         if find_spec("phonemizer") is None:
             raise SpeechError(
                 "reading text without speaking it needs phonemizer, which is not installed; "
-                'get it with: pip install "lipsync-lang[speech]"'
+                f"get it with: {install_line('speech')}"
             )
         request = {"library": library, "data": data.name, "voice": voice, "texts": texts}
         done = self._run([self.python, str(READER)], request, data.parent, texts)
@@ -165,7 +166,7 @@ def _library() -> tuple[str, Path]:
     except ImportError:
         raise SpeechError(
             "speaking text needs eSpeak NG, which is not installed; "
-            'get it with: pip install "lipsync-lang[speech]"'
+            f"get it with: {install_line('speech')}"
         ) from None
     try:
         library, data = espeakng_loader.get_library_path(), Path(espeakng_loader.get_data_path())

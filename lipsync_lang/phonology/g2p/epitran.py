@@ -6,6 +6,7 @@ from pathlib import Path
 from unicodedata import category
 
 from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
@@ -48,7 +49,7 @@ def _transliterator(settings: Settings) -> Callable[[str], str]:
     except ImportError:
         raise SpeechError(
             f"{settings.language} is read by Epitran, which is not installed; "
-            'get it with: pip install "lipsync-lang[epitran]"'
+            f"get it with: {install_line('epitran')}"
         ) from None
     try:
         made: Callable[[str], str] = epitran.Epitran(code).transliterate

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from unicodedata import category
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line, package_line
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.g2p_engines import (
     ENGINES,
@@ -88,7 +89,7 @@ def _model(code: str, language: str) -> "Model":
     except ImportError:
         raise MissingReaderError(
             f"{language} is read by g2p2, which is not installed; "
-            'get it with: pip install "lipsync-lang[g2p2]"'
+            f"get it with: {install_line('g2p2')}"
         ) from None
     for module in pkgutil.iter_modules():
         if module.name.startswith(GROUPS):
@@ -97,5 +98,5 @@ def _model(code: str, language: str) -> "Model":
                 return Model.from_bytes(lzma.decompress(packed.read_bytes()))
     raise SpeechError(
         f"no installed package has a g2p2 model of '{code}'; get the family of {language}, "
-        "as in: pip install g2p2-group-semitic"
+        f"as in: {package_line('g2p2-group-semitic')}"
     )

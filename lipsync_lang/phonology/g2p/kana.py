@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import Any
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
 
 MAX_READ_CHARS = 1000
@@ -138,7 +139,7 @@ def dictionary() -> Any:
     """Return Open JTalk's reader; its greeting on standard output is not for our users."""
     missing = SpeechError(
         "Japanese text is read by pyopenjtalk-plus, which is not installed; "
-        'get it with: pip install "lipsync-lang[japanese]"'
+        f"get it with: {install_line('japanese')}"
     )
     try:
         with contextlib.redirect_stdout(io.StringIO()):

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from unicodedata import category, normalize
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
 from lipsync_lang.phonology.g2p.stated_readings import (
     StatedReading,
@@ -78,7 +79,7 @@ def engine(settings: Settings) -> Engine:
     if not all(map(find_spec, ("pypinyin", "opencc"))):
         raise SpeechError(
             "reading Chinese needs pypinyin and OpenCC, which are not both installed; "
-            'get them with: pip install "lipsync-lang[mandarin]"'
+            f"get them with: {install_line('mandarin')}"
         )
 
     readings = compiled_readings(settings.readings)

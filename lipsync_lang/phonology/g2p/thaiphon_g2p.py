@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
@@ -44,7 +45,7 @@ def engine(settings: Settings) -> Engine:
     except ImportError:
         raise SpeechError(
             f"{settings.language} is read by thaiphon and PyThaiNLP, which are not both installed; "
-            'get them with: pip install "lipsync-lang[thaiphon]"'
+            f"get them with: {install_line('thaiphon')}"
         ) from None
     known = frozenset(map(normalise, settings.labels))
 

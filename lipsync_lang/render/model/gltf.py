@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lipsync_lang.errors import OutputError
+from lipsync_lang.extras import install_line
 from lipsync_lang.rigs.accessors import Accessors
 from lipsync_lang.rigs.model import Model
 
@@ -115,5 +116,5 @@ def pillow() -> Any:
     try:
         from PIL import Image
     except ImportError:
-        raise OutputError('pictures need Pillow: pip install "lipsync-lang[video]"') from None
+        raise OutputError(f"pictures need Pillow: {install_line('video')}") from None
     return Image

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line
 from lipsync_lang.speech.align.spectrum import (
     HOP,
     Floats,
@@ -110,7 +111,7 @@ def _path(a: Floats, b: Floats) -> tuple[Ints, float]:
     except ImportError:
         raise SpeechError(
             "aligning by warping needs dtaidistance, which is not installed; "
-            'get it with: pip install "lipsync-lang[audio]"'
+            f"get it with: {install_line('audio')}"
         ) from None
     way = dtw_ndim.warping_path(
         np.ascontiguousarray(a),

