@@ -207,7 +207,10 @@ MISTIMED = [
         [("HH", 0, 80), ("AH", 80, 200), ("L", 200, 290)],
         "its sounds last 90 s each; .* milliseconds",
     ),
-    ([("HH", 0, 80_000), ("AH", 80_000, 90_000)], "reaches 90000 s, past a day; .* milliseconds"),
+    (
+        [("HH", 0, 80_000), ("AH", 80_000, 90_000)],
+        "reaches 90000 s, more than a day; .* milliseconds",
+    ),
     ([("HH", False, True)], r"phoneme 0 \('HH'\): False is not a time; times are numbers of sec"),
     ([("HH", "0", "0.1")], r"phoneme 0 \('HH'\): '0' is not a time; times are numbers of seconds"),
     ([("HH", 0, None)], r"phoneme 0 \('HH'\): None is not a time; times are numbers of seconds"),
@@ -303,7 +306,9 @@ def test_a_file_too_large_is_not_read(tmp_path):
     path = tmp_path / "line.json"
     with path.open("wb") as stream:
         stream.truncate(65 * 2**20)
-    with pytest.raises(ScheduleError, match=r"line.json: is larger than 64 MB; is it a schedule"):
+    with pytest.raises(
+        ScheduleError, match=r"line.json: is larger than 64 MB; check that it is a schedule"
+    ):
         ll.read_schedule(path)
 
 
@@ -355,8 +360,8 @@ def test_motion_out_of_range_is_refused(value, performer):
         ("nowhere/a.csv", "a.csv: the folder .*nowhere does not exist; make it first"),
         ("folder.csv", "folder.csv: is a folder; name a file in it"),
         ("file/a.csv", "file/a.csv: cannot be written: Not a directory; name another place"),
-        ("a.xyz", "a.xyz: no writer for '.xyz'; end it in .*\\.csv, "),
-        ("a", "a: has no suffix; end it in .*\\.csv, "),
+        ("a.xyz", "a.xyz: no writer for '.xyz'; use one of .*\\.csv, "),
+        ("a", "a: has no suffix; use one of .*\\.csv, "),
         ("nul\0.csv", "cannot be written: .*embedded null .*; name another place"),
         ("a.wav", "no sound to write: here has no audio; speak text instead, or omit the"),
     ],

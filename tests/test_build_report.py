@@ -293,7 +293,7 @@ def test_every_form_is_written_in_one_pass(tmp_path):
 
 def test_a_suffix_that_no_report_has_is_named_before_anything_is_written(tmp_path):
     paths = [tmp_path / "r.html", tmp_path / "r.pdf"]
-    with pytest.raises(OutputError, match=r"a report cannot be written as '.pdf'; end it in .html"):
+    with pytest.raises(OutputError, match=r"a report cannot be written as '.pdf'; use .html"):
         write_report(paths, [made()], HEADING)
     assert list(tmp_path.iterdir()) == []
 

@@ -415,7 +415,7 @@ def test_options_that_would_do_nothing_are_refused(animate, cli):
     [
         (["a"], "^lipsync-lang: a: has no suffix; end it in .*\\.csv, "),
         (["."], "has no suffix"),
-        (["a.cvs"], "a.cvs: no writer for '.cvs'; end it in .*\\.csv, "),
+        (["a.cvs"], "a.cvs: no writer for '.cvs'; use one of .*\\.csv, "),
         (["a.csv", "nowhere/b.csv"], "nowhere/b.csv: the folder nowhere does not exist; make it"),
         (["a.csv", "b.csv/c.csv"], "b.csv/c.csv: the folder b.csv does not exist"),
         (["a.csv", "line.TextGrid/b.csv"], "line.TextGrid/b.csv: cannot be written: Not a dir"),

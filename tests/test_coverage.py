@@ -758,7 +758,7 @@ def test_words_in_another_script_are_told_in_every_form_for_people(cli, packs, f
         (["--minutes", "0"], "above 0"),
         (["--against", "gone.json"], "gone.json: cannot be read"),
         (["--encoding", "klingon"], "unknown encoding"),
-        (["--column", "a", "--column", "b"], "there is --column a already"),
+        (["--column", "a", "--column", "b"], "there is already --column a"),
         (["-l", "klingonese"], "klingonese"),
         (["-c", "nobody"], "nobody"),
         (["-o", "./script.txt"], "is an input"),

@@ -243,7 +243,7 @@ def test_weights_are_given_by_any_name_of_a_language(two):
         ("toy=x", "write LANGUAGE=NUMBER"),
         ("toy=-1", "write LANGUAGE=NUMBER"),
         ("toy=inf", "write LANGUAGE=NUMBER"),
-        ("nope=2", "nope is not counted here, only toy, other"),
+        ("nope=2", "nope is not a language of this report; these are toy, other"),
     ],
 )
 def test_weights_are_numbers_of_counted_languages(two, weight, match):
@@ -462,7 +462,7 @@ def test_nothing_named_is_nothing_counted(cli):
 def test_weights_that_are_all_zero_are_refused(two):
     ended = two("-c", "facefx", "--weight", "toy=0", "--weight", "other=0")
     assert ended.code == 2
-    assert "all languages weigh 0" in ended.err
+    assert "all weights are 0" in ended.err
     with pytest.raises(LipsyncError):
         coverage([], "toy", "facefx")
 

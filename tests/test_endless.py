@@ -46,7 +46,7 @@ def told(ended, what):
 @pytest.mark.parametrize("device", ["/dev/zero", "/dev/urandom"])
 def test_a_schedule_without_an_end_is_told(cli, device):
     ended = cli("run", *PAIR, "--schedule", device)
-    told(ended, f"{device}: is larger than 1 MB; is it a schedule?")
+    told(ended, f"{device}: is larger than 1 MB; check that it is a schedule")
 
 
 @pytest.fixture
@@ -75,7 +75,7 @@ def endless(folder):
 
 def test_a_pipe_of_timings_without_an_end_is_told(cli, endless):
     ended = cli("run", *PAIR, "--schedule", endless("line.txt"))
-    told(ended, "line.txt: is larger than 1 MB; is it a schedule?")
+    told(ended, "line.txt: is larger than 1 MB; check that it is a schedule")
 
 
 def test_a_script_without_an_end_is_told(cli, endless):
@@ -106,7 +106,7 @@ def test_an_animation_without_an_end_is_told(cli, folder, monkeypatch):
     (folder / "a.csv").symlink_to("/dev/zero")
     told(
         cli("check", *PAIR, "--animation", "a.csv"),
-        "a.csv: is larger than 1 MB; is it an animation?",
+        "a.csv: is larger than 1 MB; check that it is an animation",
     )
 
 
@@ -129,7 +129,7 @@ def test_a_lexicon_and_an_inventory_without_an_end_are_told(cli):
     )
     told(
         cli("languages", "new", "toy", "--inventory", "/dev/zero"),
-        "/dev/zero: is larger than 1 MB; is it a table of phonemes?",
+        "/dev/zero: is larger than 1 MB; check that it is a table of phonemes",
     )
 
 

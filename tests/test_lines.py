@@ -425,7 +425,7 @@ def test_the_only_column_left_is_the_text(tmp_path):
 
 def test_a_quote_that_does_not_close_is_named(tmp_path):
     path = write(tmp_path / "a.csv", "text\nfine\n" + '"open\n' + "more\n" * 300)
-    with pytest.raises(LipsyncError, match=r"a.csv:3: .* left open"):
+    with pytest.raises(LipsyncError, match=r"a.csv:3: .* check for an open"):
         read(path)
 
 

@@ -201,7 +201,7 @@ def test_lines_without_text_are_left_out_unless_they_have_files(game):
         ("..", "begins with a dot"),
         ("/etc/passwd", "has a '/'"),
         (".hidden", "begins with a dot"),
-        ("a\x07b", "does not show"),
+        ("a\x07b", "invisible character"),
         ("CON", "device on Windows"),
         ("com1.intro", "device on Windows"),
         ("a.", "ends in a space or a dot"),
@@ -229,7 +229,7 @@ def test_ordinary_ids_are_sound(name):
         (["A,A", "a,B"], "script.csv:3: the id 'a' differs from 'A' of script.csv:2 only in"),
         (["é,A", "e\u0301,B"], "script.csv:3: the id 'e\u0301' differs from 'é' of script.csv:2"),
         ([",A"], "script.csv:2: this line has no id"),
-        (['a,"A'], 'is a " left open?'),
+        (['a,"A'], 'check for an open "'),
     ],
 )  # fmt: skip
 def test_faults_of_rows_have_their_place(game, rows, fault):

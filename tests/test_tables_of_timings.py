@@ -154,7 +154,7 @@ def test_seconds_are_taken_as_they_are():
         ("label,start,end\nHH,1,1\n", ":2: 'HH', 1 to 1 s, has no length"),
         (
             'label,start,end\nHH,0,1\n"AY,1,2\nB,2,3\n',
-            ':3: unexpected end of data; is a " left open',
+            ':3: unexpected end of data; check for a " that is open',
         ),
         ('label\tstart\tend\n"a"b\t0\t1\n', ":2: "),
         ("label,start,end\n", ": has no phonemes"),

@@ -270,7 +270,7 @@ def test_what_is_no_text_grid_is_refused(content, message):
         (
             "size = 2",
             "size = 3",
-            "48: the class of tier 3 is missing at the end; is the file",
+            "48: the class of tier 3 is missing at the end; check that",
         ),
         ("size = 2", "size = 1", "28: there is more text than the file"),
         ('"IntervalTier"', '"Interval"', "10: a tier is one of IntervalTier and TextTier"),

@@ -217,7 +217,7 @@ def test_sapi_writes_spans_of_time(read):
     for span in ("1:00", 5, None, [], "00:00:0x"):
         with pytest.raises(ScheduleError, match="is not a span of time such as"):
             read("line.json", [{**events[0], "Duration": span}])
-    with pytest.raises(ScheduleError, match="past a day"):
+    with pytest.raises(ScheduleError, match="more than a day"):
         read("line.json", [{**events[0], "Duration": "1.00:00:01"}])
     with pytest.raises(ScheduleError, match="needs AudioPosition, Duration and a Viseme from 0"):
         read("line.json", [{**events[0], "Viseme": 22}])

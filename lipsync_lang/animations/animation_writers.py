@@ -71,7 +71,7 @@ def find_writer(path: Path, name: str | None = None) -> Writer:
     found = WRITERS.ending(path)
     if not found:
         what = f"no writer for '{path.suffix}'" if path.suffix else "has no suffix"
-        raise OutputError(f"{path}: {what}; end it in {', '.join(WRITERS.suffixes())}")
+        raise OutputError(f"{path}: {what}; use one of {', '.join(WRITERS.suffixes())}")
     return found[0]
 
 

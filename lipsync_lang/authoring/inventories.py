@@ -69,7 +69,7 @@ def read_inventory(path: Path, which: str | None = None) -> Inventory:
 
 
 def _text(path: Path) -> str:
-    raw = read_input(path, MAX_INVENTORY_BYTES, mend="is it a table of phonemes?")
+    raw = read_input(path, MAX_INVENTORY_BYTES, mend="check that it is a table of phonemes")
     try:
         return (_unpacked(path, raw) if raw[:2] == b"\x1f\x8b" else raw).decode("utf-8-sig")
     except (EOFError, OSError, zlib.error):
@@ -88,8 +88,8 @@ def _unpacked(path: Path, raw: bytes) -> bytes:
         content = b"".join(islice(blocks, MAX_INVENTORY_BYTES // MIB_BYTES + 1))
     if len(content) > MAX_INVENTORY_BYTES:
         raise LipsyncError(
-            f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; is it a table of "
-            "phonemes?"
+            f"{path}: unpacks to more than {MAX_INVENTORY_BYTES // MIB_BYTES} MB; check that it is "
+            "a table of phonemes"
         )
     return content
 

@@ -87,9 +87,7 @@ def _form(path: Path, heading: BuildHeading, page_of: Any) -> ReportForm:
         return JunitReport(heading)
     if suffix == ".json":
         return JsonReport(heading)
-    raise OutputError(
-        f"{path}: a report cannot be written as '{suffix}'; end it in .html, .xml or .json"
-    )
+    raise OutputError(f"{path}: a report cannot be written as '{suffix}'; use .html, .xml or .json")
 
 
 class JsonReport:

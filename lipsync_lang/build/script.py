@@ -99,7 +99,7 @@ def _check_settings(project: Project, faults: ScriptFaults) -> None:
     for report in project.reports:
         if not report.lower().endswith(REPORT_SUFFIXES):
             ends = ", ".join(REPORT_SUFFIXES)
-            faults.add(FILE, f"reports: unknown format of '{report}'; end it in one of {ends}")
+            faults.add(FILE, f"reports: unknown format of '{report}'; use one of {ends}")
 
 
 def _files(

@@ -54,7 +54,7 @@ def read_sensors(path: Path, readout: ReadOut) -> SensorSignals | None:
         measure.
     """
     content = read_input(
-        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="is it a table of sensors?"
+        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="check that it is a table of sensors"
     )
     times, names, table = table_of(path, content, gaps=True)
     wanted = {column for sums in readout.measures.values() for column in sums}

@@ -74,8 +74,8 @@ def _stated(languages: Sequence[str], columns: Sequence[str]) -> dict[str, list[
             others = one
         else:
             raise LipsyncError(
-                f"--column {one}: there is --column {others} already; say which language has "
-                f"which column: --column {languages[0]}={others}"
+                f"--column {one}: there is already --column {others}; state the language of each "
+                f"column: --column {languages[0]}={others}"
             )
     if others is not None:
         own = {language: own.get(language, [others]) for language in languages}
@@ -164,10 +164,12 @@ def weights_of(options: Namespace) -> dict[str, float]:
             raise LipsyncError(f"--weight {one}: write LANGUAGE=NUMBER")
         if own(given) not in counted:
             known = ", ".join(counted)
-            raise LipsyncError(f"--weight {one}: {given} is not counted here, only {known}")
+            raise LipsyncError(
+                f"--weight {one}: {given} is not a language of this report; these are {known}"
+            )
         weights[own(given)] = weight
     if weights and not any(weights.get(one, 1.0) for one in counted):
-        raise LipsyncError("--weight: all languages weigh 0; give one of them more")
+        raise LipsyncError("--weight: all weights are 0; give a language a larger weight")
     return weights
 
 

@@ -38,7 +38,7 @@ def saying(options: Namespace) -> Iterator[None]:
 @contextmanager
 def _logged(name: str) -> Iterator[None]:
     if name.lower() not in LEVELS:
-        raise LipsyncError(f"{VARIABLE}={name}: say {', '.join(LEVELS)}, or leave it out")
+        raise LipsyncError(f"{VARIABLE}={name}: set it to one of {', '.join(LEVELS)}, or unset it")
     ours = logging.getLogger("lipsync_lang")
     handler, before = logging.StreamHandler(sys.stderr), ours.level
     handler.setFormatter(logging.Formatter("%(name)s: %(message)s"))

@@ -23,7 +23,7 @@ def fault_of_name(name: str) -> str:
     >>> fault_of_name("intro_001")
     ''
     >>> fault_of_name("intro/001")
-    "has a '/', which parts folders; use '-' or '_'"
+    "has a '/', which separates folders; use '-' or '_'"
     """
     usual = _USUAL.fullmatch(name) and len(name) <= MAX_NAME_BYTES
     if usual and len(name) > len("COM1"):
@@ -36,9 +36,9 @@ def _fault(name: str) -> str:
     unfit = _UNFIT.search(name)
     faults = {
         "is empty; give it a name": not name.strip(),
-        f"has a '{parting}', which parts folders; use '-' or '_'": parting,
-        "has a character that does not show; remove it": not name.isprintable(),
-        f"has a '{unfit and unfit[0]}', which Windows has in no name; use '-' or '_'": unfit,
+        f"has a '{parting}', which separates folders; use '-' or '_'": parting,
+        "has an invisible character; remove it": not name.isprintable(),
+        f"has a '{unfit and unfit[0]}', which Windows does not allow; use '-' or '_'": unfit,
         "begins with a dot, which hides its files; remove it": name.startswith("."),
         "begins with a space; remove it": name.startswith(" "),
         "ends in a space or a dot, which Windows drops; remove it": name.endswith((" ", ".")),

@@ -73,7 +73,7 @@ def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
         if len(line) == MAX_LINE_CHARS:
             raise LipsyncError(
                 f"{path}:{number}: this line is longer than {MAX_LINE_CHARS:,} characters; "
-                "is it a script?"
+                "check that it is a script"
             )
         yield number, line.removesuffix("\n")
 

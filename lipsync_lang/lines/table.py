@@ -88,7 +88,7 @@ def _rows(
             if last - start > MAX_CELL_LINES:
                 raise source.fault(
                     start + 1,
-                    f'a cell goes on for more than {MAX_CELL_LINES} lines; is a " left open?',
+                    f'a cell goes on for more than {MAX_CELL_LINES} lines; check for an open "',
                 )
             yield line + "\n"
 
@@ -98,4 +98,4 @@ def _rows(
             yield start + 1, row
             start = last
     except csv.Error as error:
-        raise source.fault(start + 1, f'{error}; is a " left open?') from None
+        raise source.fault(start + 1, f'{error}; check for an open "') from None

@@ -394,10 +394,10 @@ def _short(  # noqa: PLR0913, PLR0917 the parts of one message
 ) -> Fault:
     file, line, column = row.place or ("", 0, 0)
     what = (
-        f"{row.origin.name} brings {pose} to {top:.2f} at {phoneme}, where contact "
-        f"'{contact}' wants {floor:g}"
+        f"{row.origin.name} brings {pose} to {top:.2f} at {phoneme}, but contact "
+        f"'{contact}' requires {floor:g}"
     )
-    hint = "it is held up all the same; raise the curve, or say `contact: free` if it may be missed"
+    hint = "the contact holds it up anyway; raise the curve, or write `contact: free`"
     return Fault(shown(Path(file)), line, column, "W306", what, hint, "warning")
 
 

@@ -297,16 +297,16 @@ def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -
     latest = max(-float(times[0]), float(times[-1]))
     if latest > MAX_SCHEDULE_SECONDS:
         raise ScheduleError(
-            f"{source}: reaches {latest:g} s, past a day; are the times in "
-            "milliseconds, samples or frames? They must be seconds"
+            f"{source}: reaches {latest:g} s, more than a day; write times in seconds, not in "
+            "milliseconds, samples or frames"
         )
     if steps.max() <= MAX_MEDIAN_SECONDS:
         return
     sounds = steps[[label != SILENCE for label in labels]]
     if sounds.size and np.median(sounds) > MAX_MEDIAN_SECONDS:
         raise ScheduleError(
-            f"{source}: its sounds last {np.median(sounds):g} s each; are the times in "
-            "milliseconds, samples or frames? They must be seconds"
+            f"{source}: its sounds last {np.median(sounds):g} s each; write times in seconds, "
+            "not in milliseconds, samples or frames"
         )
 
 

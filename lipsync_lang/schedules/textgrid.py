@@ -100,16 +100,15 @@ class _Tokens:
         """Return the next token; raise an error unless it is of the given group."""
         found = next(self.left, None)
         if found is None:
-            raise self.fault(f"{what} is missing at the end; is the file complete?")
+            raise self.fault(f"{what} is missing at the end; check that the file is complete")
         kind = found.lastgroup or ""
         self.at = found.start(kind)
         if kind == "quote":
             raise self.fault('the text has an unpaired quote; double a quote within a text ("")')
         if kind != group:
             raise self.fault(
-                f"expected {what} here, not {found[kind][:40]!r}; does the file have as many "
-                "items as "
-                "it states? Correct the number, or save it again in Praat"
+                f"expected {what} here, not {found[kind][:40]!r}; correct the number of items "
+                "that the file states, or save it again in Praat"
             )
         return found[kind].replace('""', '"')
 

@@ -253,7 +253,9 @@ def timing_bytes(path: Path) -> bytes:
     ScheduleError
         The file cannot be read, or is too large.
     """
-    return read_input(path, MAX_TIMINGS_BYTES, error=ScheduleError, mend="is it a schedule?")
+    return read_input(
+        path, MAX_TIMINGS_BYTES, error=ScheduleError, mend="check that it is a schedule"
+    )
 
 
 def _encoding(content: bytes) -> str:

@@ -122,7 +122,9 @@ def _rows(source: TimingFile) -> Iterator[tuple[int, list[str]]]:
                 yield start, row
             start = rows.line_num + 1
     except csv.Error as error:
-        raise source.fault(f'{error}; is a " left open, or alone in a cell?', start) from None
+        raise source.fault(
+            f'{error}; check for a " that is open, or alone in a cell', start
+        ) from None
 
 
 def _delimiter(first: str) -> str:

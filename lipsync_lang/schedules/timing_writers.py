@@ -145,7 +145,7 @@ def save_timings(schedule: Schedule, path: str | Path) -> None:
     found = write.get(target.suffix.lower())
     if found is None:
         raise OutputError(
-            f"{target}: timings cannot be written as '{target.suffix}'; end it in "
+            f"{target}: timings cannot be written as '{target.suffix}'; use the suffix "
             f"{', '.join(write)}"
         )
     with atomic(target) as stream:

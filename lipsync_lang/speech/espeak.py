@@ -114,7 +114,7 @@ def _schedule(header: dict[str, Any], sound: bytes, text: str) -> Schedule:
     if all(label == SILENCE for label in labels):
         raise SpeechError(
             f"eSpeak NG says nothing for {quoted(text)} in this voice{header['said']}; "
-            "is the text in the voice's script?"
+            "check that the text is in the script of the voice"
         )
     return Schedule(
         tuple(labels),

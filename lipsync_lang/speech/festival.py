@@ -240,7 +240,9 @@ def _schedule(answer: Answer, audio: Audio, text: str, voice: str) -> Schedule:
         stresses.append(stress)
         ends.append(end)
     if all(label == SILENCE for label in labels):
-        raise SpeechError(f"Festival says nothing for {_quoted(text)}; is it in its script?")
+        raise SpeechError(
+            f"Festival says nothing for {_quoted(text)}; write it in the script of the voice"
+        )
     if labels[-1] == SILENCE:
         labels.pop()
         stresses.pop()

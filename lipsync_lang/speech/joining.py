@@ -69,7 +69,7 @@ def _refuse_nothing(labels: Sequence[str], transcript: "Transcript") -> None:
         unread = f"; it cannot read {' '.join(transcript.unread)}" if transcript.unread else ""
         raise SpeechError(
             f"{transcript.language} says nothing for {_quoted(transcript.text)}{unread}; "
-            "is the text in its script?"
+            "check that the text is in its script"
         )
 
 

@@ -237,5 +237,5 @@ def with_sound(
     remarks = schedule.remarks
     if schedule.end > audio.seconds + LATE_SECONDS:
         told = f"{file}: ends at {audio.seconds:.2f} s, and the schedule at {schedule.end:.2f} s"
-        remarks = (*remarks, f"{told}: do they belong together?")
+        remarks = (*remarks, f"{told}; check that they belong together")
     return replace(schedule, audio=audio, remarks=remarks)

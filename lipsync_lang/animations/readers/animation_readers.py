@@ -117,7 +117,7 @@ def read_animation(path: str | Path) -> Recording:
         what = f"no reader for '{path.suffix}'" if path.suffix else "has no suffix"
         fail(path, what, f"known: {', '.join(READERS.suffixes())}")
     content = read_input(
-        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="is it an animation?"
+        path, MAX_ANIMATION_BYTES, error=AnimationError, mend="check that it is an animation"
     )
     fits = [one for one in chosen if one.fits is None or one.fits(content)]
     if not fits:

@@ -158,7 +158,7 @@ def _outranked(poseset: "Pack[PoseSet]") -> Iterator[Fault]:
         for other in ranked:
             above = order.rank(other) > order.rank(pose) and other not in floors
             if above and order.threshold(pose, other) < NO_THRESHOLD:
-                what = f"'{pose}' has to yield to '{other}', so that the contact may not be seen"
+                what = f"'{pose}' must yield to '{other}', so the contact may be invisible"
                 hint = f"put '{pose}' after '{other}' in `priority`"
                 yield poseset.fault(loc, "P207", what, hint, key=True)
     for pair in model.constraints.pairs:

@@ -86,7 +86,7 @@ def _rules(language: "Pack[models.Language]") -> Iterator[Fault]:
         yield language.fault(("g2p", "rules", number), "P118", what, QUICKER)
     for number, earlier in never_fire(rules):
         line = language.where(("g2p", "rules", earlier)).line
-        what = f"the rule for '{rules[number].spelling}' never fires"
+        what = f"the rule for '{rules[number].spelling}' never applies"
         hint = f"the rule of line {line} takes its letters first; put it before that one"
         yield language.warning(("g2p", "rules", number), "W307", what, hint)
 

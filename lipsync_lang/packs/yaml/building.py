@@ -285,7 +285,7 @@ class _Builder:
             self._tagged(line, column, event.tag)
         self._not_a_key(line, column)
         if len(self.frames) >= MAX_NESTING_LEVELS:
-            hint = "packs nest about eight levels deep; is a bracket left open?"
+            hint = "check for an open bracket; packs nest about eight levels deep"
             raise self._stop(
                 line, column, "P010", f"nests deeper than {MAX_NESTING_LEVELS} levels", hint
             )
@@ -336,7 +336,7 @@ class _Builder:
         frame = self.frames[-1] if self.frames else None
         if frame is None or frame.data.__class__ is list or frame.key is not None:
             return True
-        what, hint = "a key must be plain text", "is a colon missing, or is there one too many?"
+        what, hint = "a key must be plain text", "check for a missing colon, or one too many"
         self._note(line, column, "P016", what, hint)
         return False
 

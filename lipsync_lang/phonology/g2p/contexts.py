@@ -132,7 +132,7 @@ def compile_context(text: str, *, precedes: bool) -> Context:
     steps = _steps(parts) * (SEEN_LETTERS if precedes else 1)  # a search starts at each letter
     if steps > MAX_STEPS:
         raise ContextError(
-            "could take too long, for it may match the same letters in too many ways",
+            "could take too long, because it may match the same letters in too many ways",
             "use fewer repeats, or possessive ones that give nothing back, as in [ab]*+",
             slow=True,
         )

@@ -103,8 +103,8 @@ def _doubted(schedule: Schedule) -> Schedule:
     ]
     least = [place for _, place in sorted(words)[:SHOWN_WORDS]]
     told = (
-        f"the text hardly fits the recording (confidence {sure:.2f}): is it the right text, in "
-        f"{schedule.language}?" + (f" In doubt: {', '.join(least)}" if least else "")
+        f"the text hardly fits the recording (confidence {sure:.2f}); check that it is the right "
+        f"text, in {schedule.language}" + (f"; in doubt: {', '.join(least)}" if least else "")
     )
     return replace(schedule, remarks=(told, *schedule.remarks))
 

@@ -152,8 +152,8 @@ def _read(output: Path, number: int, sound: Callable[[], Audio], text: str) -> S
 
 def _unfit(text: str) -> str:
     return (
-        f"MFA aligned nothing of '{text[:60]}' with the recording; is it the right text, and is "
-        "the recording whole?"
+        f"MFA aligned nothing of '{text[:60]}' with the recording; check that the text "
+        "is right and that the recording is complete"
     )
 
 

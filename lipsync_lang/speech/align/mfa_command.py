@@ -94,8 +94,8 @@ def _located(name: str, *, files: bool) -> str:
         raise SpeechError(f"{name}: no such MFA model or dictionary; check the path")
     if path.suffix.lower() in {".yaml", ".yml"}:
         raise SpeechError(
-            f"{name}: lists a dictionary for each speaker, and recordings name none; name one of "
-            "the dictionaries"
+            f"{name}: lists a dictionary for each speaker, but recordings have no speaker; name "
+            "one of the dictionaries"
         )
     return str(path)
 
@@ -207,7 +207,7 @@ def _told(log: Path, code: int) -> str:
             f"(mfa model download {kind} {name} gets it, if there is one)"
         )
     if "NoAlignmentsError" in text or "no successful alignments" in text:
-        return "MFA could not align the text with the recording; is it the right text?"
+        return "MFA could not align the text with the recording; check that the text is right"
     lines = [_FRAME.sub("", line).strip() for line in re.split(r"[\r\n]+", text)]
     lines = [line for line in lines if line and not _BAR.search(line)]
     last = [n for n, line in enumerate(lines) if "Error" in line or "ERROR" in line][-1:]

@@ -96,14 +96,14 @@ class PocketsphinxAligner:
             phonemes = sum(len(word.labels) for word in transcript.words)
             raise SpeechError(
                 f"the text has {phonemes} phonemes, more than can be said in {audio.seconds:.2f} "
-                "s: is it the text of this recording, and is the recording whole?"
+                "s; check that the text is right and that the recording is complete"
             )
         agreeing = confidence(models, heard)
         if agreeing < NOTHING:
             raise SpeechError(
-                f"the text does not fit the recording ({agreeing:.0%} of its phonemes): is it the "
-                "text of this recording, in this language, and can the voice be heard? Another "
-                "aligner may do better (`aligner`)"
+                f"the text does not fit the recording ({agreeing:.0%} of its phonemes); check "
+                "the text, the language and the loudness of the voice, or try another aligner "
+                "(`aligner`)"
             )
         found = laid(models, heard, sayings, audio.seconds)
         manner = speaker.manner
