@@ -4,10 +4,10 @@
 //
 // PAIR is a bigram of the line. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
-import { launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, pair] = process.argv.slice(2);
-const browser = await launch(modules, chromium);
+const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
 const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 

@@ -4,9 +4,13 @@ import { createRequire } from "node:module";
 import { extname } from "node:path";
 
 const FLAGS = [
-  "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
-  "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+  "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+  "--disable-sync",
 ];
+/** Flags of a browser that draws WebGL in software. */
+export const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
+/** Flags of a browser that draws no WebGL. */
+export const FLAT = ["--disable-gpu"];
 const TYPES = { "": "text/html", ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wav": "audio/wav" };
 const DRIVER = /GPU stall|GL Driver/; // warnings of drawing in software
 

@@ -6,7 +6,7 @@
 // pictures.
 import { readFileSync } from "node:fs";
 import { basename, join } from "node:path";
-import { launch, serve, watch } from "./browsing.mjs";
+import { FLAT, launch, serve, watch } from "./browsing.mjs";
 
 const [modules, chromium, folder, pictures] = process.argv.slice(2);
 
@@ -45,7 +45,7 @@ const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src
 const server = await serve(
   (path) => OWN[basename(path)] ?? readFileSync(join(folder, basename(path))), { "content-security-policy": POLICY },
 );
-const browser = await launch(modules, chromium, "--disable-gpu");
+const browser = await launch(modules, chromium, ...FLAT);
 const said = [];
 
 async function open(options = {}, path = "") {

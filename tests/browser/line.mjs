@@ -5,11 +5,11 @@
 // CLOSED and OPEN are seconds at which the mouth is shut and open. Printed is JSON: `said` and `asked`,
 // the errors and the requests of all this; the rest below.
 import { pathToFileURL } from "node:url";
-import { launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, file, closed, open] = process.argv.slice(2);
 
-const browser = await launch(modules, chromium);
+const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
 
 async function show(options = {}) {

@@ -6,7 +6,7 @@
 // {weights: {shape: weight}, turn: [x, y, z, w], place: [x, y, z]}. A FOLDER gets a picture of each.
 import { readFileSync } from "node:fs";
 import { join, normalize } from "node:path";
-import { launch, serve } from "./browsing.mjs";
+import { WEBGL, launch, serve } from "./browsing.mjs";
 
 const [modules, chromium, file, times, folder] = process.argv.slice(2);
 
@@ -70,7 +70,7 @@ const PAGE = `<!DOCTYPE html>
 const KNOWN = { "/": () => PAGE, "/model.glb": () => readFileSync(file) };
 
 const server = await serve((path) => KNOWN[path]?.() ?? readFileSync(join(modules, normalize(path))));
-const browser = await launch(modules, chromium);
+const browser = await launch(modules, chromium, ...WEBGL);
 try {
   const page = await browser.newPage({ viewport: { width: 512, height: 512 } });
   page.on("pageerror", (error) => console.error(String(error)));

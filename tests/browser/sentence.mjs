@@ -5,12 +5,12 @@
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
 import { readFileSync } from "node:fs";
-import { launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, recording] = process.argv.slice(2);
 // pixels of the timeline: its ruler with the sound, a band of labels, a pose, and where the poses begin
 const RULER = 24 + 52, BAND = 22, ROW = 50, TOP = RULER + 3 * BAND + 8;
-const browser = await launch(modules, chromium);
+const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
 const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 

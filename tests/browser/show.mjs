@@ -6,11 +6,11 @@
 // Printed is JSON: `said` and `asked`, the errors and the requests of all this; the rest below.
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { launch, watch } from "./browsing.mjs";
+import { FLAT, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, file, report, sought, folder] = process.argv.slice(2);
 
-const browser = await launch(modules, chromium, "--disable-gpu");
+const browser = await launch(modules, chromium, ...FLAT);
 const said = [], asked = [];
 
 async function open(options = {}) {

@@ -8,11 +8,11 @@
 import { readdirSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { launch, watch } from "./browsing.mjs";
+import { FLAT, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, folder, sought, pictures] = process.argv.slice(2);
 
-const browser = await launch(modules, chromium, "--disable-gpu");
+const browser = await launch(modules, chromium, ...FLAT);
 const CONTRAST = 4.5; // WCAG 2, level AA
 const said = [], asked = [], wide = [], faint = [];
 

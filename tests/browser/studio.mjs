@@ -5,11 +5,11 @@
 // A story is one of the functions below. Printed is JSON: `said` and `asked`, the errors and the requests
 // to other places of all this; the rest is the story's. FOLDER gets pictures, where one is named.
 import { createInterface } from "node:readline";
-import { launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, story, folder] = process.argv.slice(2);
 
-const browser = await launch(modules, chromium, "--autoplay-policy=no-user-gesture-required");
+const browser = await launch(modules, chromium, ...WEBGL, "--autoplay-policy=no-user-gesture-required");
 const said = [], asked = [];
 const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 

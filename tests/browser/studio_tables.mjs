@@ -3,10 +3,10 @@
 //   node studio_tables.mjs NODE_MODULES CHROMIUM ADDRESS STORY
 //
 // Printed is JSON: `said` and `asked`, the errors and the requests to other places; the rest is the story's.
-import { launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, watch } from "./browsing.mjs";
 
 const [modules, chromium, address, story] = process.argv.slice(2);
-const browser = await launch(modules, chromium);
+const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
 const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
 

@@ -7,7 +7,7 @@
 // clip (`at`), and the `weights` by shape; and `weighed`, what weights.js says of hello.json at TIMES.
 import { readFileSync } from "node:fs";
 import { join, normalize } from "node:path";
-import { launch, serve } from "./browsing.mjs";
+import { WEBGL, launch, serve } from "./browsing.mjs";
 
 const [modules, chromium, folder, times] = process.argv.slice(2);
 
@@ -16,7 +16,7 @@ const MODULES = "/node_modules/";
 const server = await serve((path) => readFileSync(
   path.startsWith(MODULES) ? join(modules, normalize(path.slice(MODULES.length))) : join(folder, normalize(path)),
 ));
-const browser = await launch(modules, chromium);
+const browser = await launch(modules, chromium, ...WEBGL);
 try {
   const page = await browser.newPage({ viewport: { width: 200, height: 200 } });
   page.on("pageerror", (error) => console.error(String(error)));
