@@ -683,7 +683,7 @@ def test_a_missing_library_names_the_extra(spoken, monkeypatch, write, module, t
     if write is write_mp4 and module == "PIL":
         pytest.importorskip("imageio_ffmpeg", reason="it is asked for first")
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(OutputError, match=rf'{told}: pip install "lipsync-lang\[video\]"'):
+    with pytest.raises(OutputError, match=rf'{told}: .*pip install "lipsync-lang\[video\]"'):
         write(spoken("crab"), BytesIO())
 
 
