@@ -299,7 +299,7 @@ def packs() -> str:
         (
             "The first pack of a name shadows the others, and `list` shows which. Banks and rigs "
             "add up instead: a folder `posesets/NAME/banks` joins those of the pose set of that "
-            "name, and an entry that is found earlier wins."
+            "name, and an entry that is found earlier takes precedence."
         ),
     ]
     for kind in ORDER:
@@ -591,8 +591,8 @@ def readme(text: str) -> str:
 GROUPS = {
     "P0": "The file as YAML",
     "P1": "The form of one pack",
-    "P2": "What one part says of another",
-    "W3": "Warnings: sound, but probably not meant",
+    "P2": "Contradictions between parts",
+    "W3": "Warnings: valid, but probably a mistake",
 }
 
 
@@ -600,15 +600,14 @@ def faults() -> str:
     """Describe every code, with its cause and its cure."""
     parts = [
         "# Faults",
-        "A fault says where it stands, what is wrong, and how to mend it:",
+        "A fault names its place, the problem and the cure:",
         (
             "```text\nlanguages/stage-english.yaml:7:16: P202 unknown phoneme 'bpm'\n"
             "  hint: did you mean 'bmp'?\n```"
         ),
         (
-            "The code never changes its meaning. Codes with P keep a pack from being "
-            "used; those with "
-            "W are warnings, and leave it sound."
+            "A code never changes its meaning. A pack with a P code cannot be used. A W code is a "
+            "warning, and the pack stays valid."
         ),
     ]
     for start, title in GROUPS.items():

@@ -104,7 +104,7 @@ def test_a_served_page_sends_its_answers(study, tmp_path):
         finally:
             server.shutdown()
             thread.join()
-    assert shown["sent"] == "The answers are sent. You may close this page."
+    assert shown["sent"] == "The answers were sent. You can close this page."
     assert set(shown["asked"]) == {"GET /", "POST /answers"}
     taken = read_answers(study.folder / "answers.jsonl")
     assert not taken.faults

@@ -149,7 +149,7 @@ REFERENCE_CODES: dict[str, FaultCode] = {
         "A check or a rule names a measure that the pose set does not define.",
         "State the measure under `measures` of the pose set, or correct the name.",
     ),
-    # W3: sound, but probably not meant
+    # W3: valid, but probably a mistake
     "W301": FaultCode(
         "A pose has no target, so drafts never move it.",
         "The pose set has no target of any phoneme for this pose.",

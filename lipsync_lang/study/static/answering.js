@@ -100,7 +100,7 @@ function keep() {
   try {
     localStorage.setItem(KEPT, JSON.stringify(given));
   } catch {
-    trouble("This browser keeps nothing for this page: answer without reloading it, and save the answers at the end.");
+    trouble("This browser does not store answers for this page. Do not reload the page, and save the answers at the end.");
   }
 }
 
@@ -133,7 +133,7 @@ function welcome() {
 /** @param {Asked} one @returns {HTMLElement} */
 function question({ key, label, choices }) {
   if (!choices.length) return made("label", {}, label, made("input", { id: `asked-${key}`, maxlength: "200", autocomplete: "off" }));
-  const options = [made("option", { value: "" }, "no answer"), ...choices.map((choice) => made("option", {}, choice))];
+  const options = [made("option", { value: "" }, "No answer"), ...choices.map((choice) => made("option", {}, choice))];
   return made("label", {}, label, made("select", { id: `asked-${key}` }, ...options));
 }
 
@@ -249,7 +249,7 @@ function ended(side) {
     the("hint").textContent = `Now play clip ${LETTERS[missing[0]]}.`;
     return;
   }
-  the("hint").textContent = "You may play them again.";
+  the("hint").textContent = "You can play them again.";
   for (const one of document.querySelectorAll(".question")) one.removeAttribute("disabled");
 }
 
@@ -305,7 +305,7 @@ function end() {
   save.download = `answers-${asked.study.slice(0, 8)}-${given?.rater.slice(0, 8)}.json`;
   /** @type {HTMLTextAreaElement} */ (the("text")).value = exported();
   button("send").hidden = asked.post === null;
-  if (asked.post === null) the("sent").textContent = "Save the answers, or copy them, and hand them to those who asked you.";
+  if (asked.post === null) the("sent").textContent = "Save or copy the answers, and send them to the person who asked you.";
   else if (done) void send();
   the("thanks").focus();
 }
@@ -326,7 +326,7 @@ async function send() {
   }
   button("send").disabled = false;
   button("send").hidden = !told;
-  the("sent").textContent = told ? `The answers were not sent (${told}). Send them again, or save them as a file.` : "The answers are sent. You may close this page.";
+  the("sent").textContent = told ? `The answers were not sent (${told}). Send them again, or save them as a file.` : "The answers were sent. You can close this page.";
 }
 
 async function copy() {
@@ -339,7 +339,7 @@ async function copy() {
     /** @type {HTMLDetailsElement} */ (the("shown")).open = true;
     text.select();
   }
-  the("sent").textContent = copied ? "The answers are copied." : "The answers are selected below: copy them.";
+  the("sent").textContent = copied ? "The answers are copied." : "The answers are selected below. Copy them.";
 }
 
 /** Forget this rater, for the next one at the same device; a second press is needed. */
