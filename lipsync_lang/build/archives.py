@@ -20,10 +20,10 @@ from lipsync_lang.files.writing import atomic
 SUFFIX = ".zip"
 
 TIME = (1980, 1, 1, 0, 0, 0)
-"""The first time that ZIP knows; true times would change archives that hold the same."""
+"""Earliest time of ZIP; true times would change archives with the same content."""
 
 MODE = 0o100644 << 16
-"""A regular file that all may read."""
+"""Mode of a regular file that everyone may read."""
 
 UNIX = 3
 
@@ -47,7 +47,7 @@ class Member(NamedTuple):
 
 
 def split_archive(path: str) -> tuple[str, str] | None:
-    """Split an output's path into an archive and its member; None for a file of its own.
+    """Split an output's path into an archive and its member; None for a separate file.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def members(path: Path) -> dict[str, Member]:
 
 
 def rewrite(path: Path, new: Mapping[str, NewMember], drop: Iterable[str] = ()) -> None:
-    """Put members into an archive and take others out; all else stays as it is.
+    """Add members to an archive and remove others; all other members do not change.
 
     Nothing is lost by a crash: the old archive stands until the new one is whole. An archive that
     would be empty is deleted.

@@ -1,4 +1,4 @@
-"""Build a project: make what changed, record it, and put it in place."""
+"""Build a project: make the changed lines, record them, and put their outputs in place."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -22,19 +22,19 @@ from lipsync_lang.files.locking import claim
 from lipsync_lang.files.temporary import sweep
 
 MAX_BATCH_LINES = 64
-"""Lines that a worker makes before it reports."""
+"""Maximum number of lines that a worker makes before it reports."""
 
 MAX_BATCH_CHARACTERS = 8
-"""Characters whose takes of one line are made by one worker, which holds the tables of each."""
+"""Maximum number of characters of a line in a batch, whose tables the worker keeps."""
 
 BATCHES_PER_WORKER = 4
-"""Batches that each worker has at least, where there are lines enough."""
+"""Minimum number of batches per worker, if there are enough lines."""
 
 MIN_SPREAD_LINES = 48
-"""Lines to hear or speak from which on more than one process is worth its start."""
+"""Number of lines to align or speak from which several processes pay."""
 
 MIN_SPREAD_TIMED_LINES = 200
-"""The same of lines with timings, which are made in a hundredth of a second."""
+"""The same number for lines with timings, which take a hundredth of a second."""
 
 LOCK = "build.lock"
 
@@ -53,11 +53,11 @@ class BuildOutcome:
     built: dict[tuple[str, str, str], BuiltLine] = field(default_factory=dict)
     """Lines made by this build, by key."""
     kept: list[str] = field(default_factory=list)
-    """Outputs that were left alone, because somebody changed them."""
+    """Outputs that were kept, because a person changed them."""
     seconds: float = 0.0
 
     def lines(self) -> Iterator[BuiltLine]:
-        """Yield every line of the project as it stands now."""
+        """Yield every line of the project with its current result."""
         for step in self.plan.steps:
             made = self.built.get(step.line.key)
             if made is not None:
@@ -66,7 +66,7 @@ class BuildOutcome:
                 yield restored(step.line, step.record)
 
     def tally(self, refused: Iterable[BuiltLine]) -> BuildTally:
-        """Count all lines; the figures of those that no build fails by stay undecoded."""
+        """Count all lines; figures that cannot fail a build are not decoded."""
         tally = BuildTally()
         for step in self.plan.steps:
             made, record = self.built.get(step.line.key), step.record
@@ -83,7 +83,7 @@ class BuildOutcome:
 
 @contextmanager
 def locked(folder: Path, tell: Tell) -> Iterator[None]:
-    """Hold the lock of a project's builds; wait while another build has it."""
+    """Hold the lock of a project's builds, after other builds have released it."""
     path = folder / FOLDER / LOCK
     waiting = False
     try:
@@ -172,7 +172,7 @@ def _worth_spreading(stale: Sequence[PlannedStep]) -> bool:
 
 
 def _lost(lost: LostBatch[LineBatch]) -> list[MadeLine]:
-    """Return the lines of a batch that no worker survived, as failed."""
+    """Return the lines of a batch that killed its workers, as failed."""
     return [
         MadeLine(BuiltLine(line, "failed", f"{line.place}: {lost.message}"))
         for line in lost.batch.lines
@@ -240,7 +240,7 @@ def _batches(stale: Sequence[PlannedStep], workers: int) -> Iterator[LineBatch]:
 
 @contextmanager
 def _swept_after(maker: LineMaker, stale: Iterable[PlannedStep]) -> Iterator[None]:
-    """Delete at the end, also after an error, what workers made and nobody put in place."""
+    """Delete files of workers that were not put in place, at the end or after an error."""
     try:
         yield
     finally:
@@ -248,7 +248,7 @@ def _swept_after(maker: LineMaker, stale: Iterable[PlannedStep]) -> Iterator[Non
 
 
 def _sweep(folder: Path, stale: Iterable[PlannedStep], ended: str = "") -> None:
-    """Delete what killed builds left in the folders of outputs."""
+    """Delete temporary files of killed builds in the folders of outputs."""
     paths = (path for step in stale for _, path in step.line.outputs)
     for parent in {parent_of(folder, path) for path in paths}:
         sweep(parent, again=True, ended=ended)

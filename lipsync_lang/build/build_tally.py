@@ -1,4 +1,4 @@
-"""Counts over all lines of a build, and the worst of them, in memory that does not grow with lines.
+"""Counts over all lines of a build, and the worst lines, in constant memory.
 
 The badness of a figure is its value as a share of its limit: above 1 it is exceeded. A limit of 0
 has no shares; its figures have 1 and more, by their value.
@@ -17,13 +17,13 @@ BINS = 20
 MIDDLE = BINS // 2
 
 MAX_WORST = 500
-"""Lines that a report shows in full; all others are in its counts."""
+"""Maximum number of lines that a report shows in full; it counts all others."""
 
 UNSHOWN: frozenset[Verdict] = frozenset(("passed", "doubted"))
 """Verdicts of lines that are counted; a build without a report does not name them."""
 
 ZERO_SCALE = 10
-"""Badness that a value of 1 adds where the limit is 0."""
+"""Badness of a value of 1 if the limit is 0."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Histogram:
     counts: list[int] = field(default_factory=lambda: [0] * BINS)
 
     def add(self, number: int) -> None:
-        """Count a line in a bar; what lies beyond is in the last one."""
+        """Count a line in a bar; values beyond the range are in the last one."""
         self.counts[min(max(number, 0), BINS - 1)] += 1
 
 
@@ -175,7 +175,7 @@ class BuildTally:
             heapq.heapreplace(self._worst, entry)
 
     def worst(self) -> list[BuiltLine]:
-        """Return the worst lines, the worst first; of equally bad ones, the first first."""
+        """Return the worst lines first; equally bad lines stay in order."""
         ordered = sorted(self._worst, key=lambda entry: entry[:2], reverse=True)
         return [line for _, _, line in ordered]
 
@@ -214,7 +214,7 @@ def share_of_limit(figure: JudgedFigure) -> float:
 
 
 def worst_lines(built: Iterable[BuiltLine], most: int) -> list[BuiltLine]:
-    """Return the worst lines of a build, the worst first: those that want a page of their own."""
+    """Return the worst lines of a build in order, which get their own pages."""
     tally = BuildTally(most)
     for line in built:
         tally.add(line)

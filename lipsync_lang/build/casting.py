@@ -59,7 +59,7 @@ class Cast:
 
     @property
     def most(self) -> int:
-        """Number of characters that one line is made on, at most."""
+        """Maximum number of characters per line."""
         return max(map(len, self._faces.stated.values()), default=0)
 
     def of(self, speaker: str, where: str) -> tuple[str, ...]:

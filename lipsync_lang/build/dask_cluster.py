@@ -29,16 +29,16 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 LIMIT_SECONDS = 10
-"""Time that a scheduler and its workers have to answer."""
+"""Time limit for answers of a scheduler and its workers."""
 
 RETRIES = 2
-"""Runs of a batch after an error, on whichever worker is free."""
+"""Number of runs of a batch after an error, on any free worker."""
 
 COUNT_SECONDS = 5.0
-"""Pause between two looks at how many workers there are."""
+"""Interval at which workers are counted."""
 
 MAX_SHARED = 8
-"""Shared values that workers are asked to keep."""
+"""Maximum number of shared values in workers."""
 
 CHECKED = ("distributed", "numpy")
 """Packages that must have the same version everywhere; with another numpy, bytes may differ."""
@@ -46,7 +46,7 @@ CHECKED = ("distributed", "numpy")
 PACKAGE = "lipsync-lang"
 
 MARK = "seen"
-"""Name of the file by which workers show that they see the project's folder."""
+"""Name of the file that tests the access of workers to the project's folder."""
 
 
 def run_on_cluster(jobs: Iterator[Job], address: str, folder: Path | None) -> Iterator[Any]:
@@ -77,7 +77,7 @@ def _client(address: str) -> "Iterator[Client]":
     warnings.filterwarnings("ignore", "Sending large graph")
 
     class Calm(distributed.Client):  # type: ignore[misc]  # a class without types
-        """Client that does not wait 20 s, when it is deleted, for a scheduler that is not there."""
+        """Client whose deletion does not wait 20 s for a missing scheduler."""
 
         def __del__(self) -> None:
             pass
@@ -104,7 +104,7 @@ def _client(address: str) -> "Iterator[Client]":
 
 
 def _greet(address: str) -> None:
-    """Shake hands with a server of Dask; a client would wait without end for one that is none."""
+    """Greet a Dask server, since a client would wait forever for another server."""
     import asyncio
 
     from distributed import Security
@@ -119,7 +119,7 @@ def _greet(address: str) -> None:
 
 
 def check_versions(client: "Client", address: str) -> None:
-    """Raise an error if there are no workers, or any of them has other versions than we have."""
+    """Raise an error if there are no workers, or if one has other versions than this machine."""
     try:
         client.wait_for_workers(1, timeout=LIMIT_SECONDS)
     except TimeoutError:
@@ -155,7 +155,7 @@ def _versions(answer: dict[str, Any]) -> dict[str, str | None]:
 
 @contextmanager
 def sight_mark(folder: Path | None) -> Iterator[str]:
-    """Put a file into the project's folder while the block runs; yield its path."""
+    """Write a file into the project's folder while the block runs, and yield its path."""
     if folder is None:
         yield ""
         return
@@ -199,7 +199,7 @@ def _sees(mark: str) -> bool:
 
 
 class _ClusterRun:
-    """Jobs on their way through a cluster, few at a time."""
+    """Jobs that pass through a cluster, a few at a time."""
 
     def __init__(self, client: "Client", address: str, mark: str) -> None:
         self._client, self._address, self._mark = client, address, mark
@@ -227,7 +227,7 @@ class _ClusterRun:
                 self._client.cancel(list(running), force=True)
 
     def _wanted(self) -> int:
-        """Return the number of batches on their way that keeps every worker busy."""
+        """Return the number of submitted batches that keeps every worker busy."""
         if time.monotonic() - self._counted > COUNT_SECONDS:
             with suppress(OSError, ValueError):
                 self._room = BATCHES_PER_WORKER * max(1, len(self._client.nthreads()))

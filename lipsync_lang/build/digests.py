@@ -10,13 +10,13 @@ from zlib import crc32
 import numpy as np
 
 VALUE_BYTES = 8
-"""Bytes of a value's digest."""
+"""Length of a value's digest in bytes."""
 
 CONTENT_BYTES = 16
-"""Bytes of the digest of a file's content."""
+"""Length of the digest of a file's content in bytes."""
 
 BLOCK_BYTES = 2**20
-"""Bytes of a file that are read at once."""
+"""Number of bytes of a file to read at once."""
 
 
 def digest(*values: object) -> bytes:

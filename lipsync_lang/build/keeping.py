@@ -1,4 +1,4 @@
-"""Put what workers made in place: record it first, then rename it or pack it into archives."""
+"""Put outputs of workers in place: record them, then rename them or pack them into archives."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,12 +23,12 @@ from lipsync_lang.files.renaming import replace_file
 from lipsync_lang.files.signals import undisturbed
 
 MAX_WAITING_LINES = 10_000
-"""Lines that wait for their archives before these are rewritten."""
+"""Maximum number of waiting lines, at which their archives are rewritten."""
 
 
 @dataclass
 class OutputKeeper:
-    """Keeper of a build's outputs; at its end it deletes what still waits.
+    """Keeper of a build's outputs; at its end, it deletes waiting outputs.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class OutputKeeper:
                 temporary.unlink(missing_ok=True)
 
     def keep(self, made: Sequence[MadeLine]) -> list[str]:
-        """Record lines and put their outputs in place; return outputs of others that were kept."""
+        """Record lines and put their outputs in place; return kept files of other origin."""
         kept: list[str] = []
         standing = StandingOutputs(self.folder)
         for one in made:
@@ -83,7 +83,7 @@ class OutputKeeper:
         return kept
 
     def flush(self) -> None:
-        """Put in place what waits for its archives."""
+        """Put the waiting outputs into their archives."""
         with undisturbed():
             self.records.put(self._rows)
             for temporary, target in self._moves:
@@ -103,7 +103,7 @@ class OutputKeeper:
 
 
 def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
-    """Delete the outputs of lines that the script no longer has; return what was deleted.
+    """Delete the outputs of lines that the script no longer has, and return their paths.
 
     Outputs that somebody changed are kept, and forgotten.
     """
@@ -120,7 +120,7 @@ def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
 
 
 def result_of(built: BuiltLine) -> dict[str, Any]:
-    """Return what a record says of a made line, as JSON holds it."""
+    """Return the result of a made line as JSON data for its record."""
     return {
         "outcome": built.outcome,
         "message": built.message,

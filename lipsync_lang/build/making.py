@@ -31,16 +31,16 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.schedules.schedule import Schedule
 
 MAX_FINDINGS = 3
-"""Findings of a figure that a report shows."""
+"""Maximum number of findings of a figure in a report."""
 
 ENDING = frozenset((errno.ENOSPC, errno.EDQUOT, errno.EROFS))
-"""Errors of a disk that would meet every other line too."""
+"""Errors of a disk that would affect every other line too."""
 
 CONFIDENCE = "confidence"
-"""Limit of a project that is a least value: the confidence of an alignment."""
+"""Limit of a project that is a minimum: the confidence of an alignment."""
 
 DOUBT = "doubt of timings"
-"""Figure of a line that was aligned: 1 less its confidence."""
+"""Figure of an aligned line: 1 minus its confidence."""
 
 
 class LineBatch(NamedTuple):
@@ -72,12 +72,12 @@ class MadeFile(NamedTuple):
 
 @dataclass(frozen=True)
 class MadeLine:
-    """A line as a worker made it."""
+    """A line from a worker."""
 
     built: BuiltLine
     files: tuple[MadeFile, ...] = ()
     contents: Mapping[str, str] = field(default_factory=dict)
-    """Digest of each file that it was made from, by path."""
+    """Digest of each source file, by path."""
     needs: Mapping[str, bytes] = field(default_factory=dict)
     fatal: bool = False
     """True if the disk refuses every other line, too."""
@@ -85,7 +85,7 @@ class MadeLine:
 
 @dataclass(frozen=True)
 class LineMaker:
-    """Maker of the lines of a project; it travels to each worker once.
+    """Maker of the lines of a project, which each worker receives once.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ class LineMaker:
     owner: str = field(default_factory=this_process)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickle the fields alone."""
+        """Pickle only the fields."""
         return {name: vars(self)[name] for name in ("folder", "settings", "owner")}
 
     def __call__(self, batch: LineBatch, pairs: Mapping[str, PairNeeds]) -> list[MadeLine]:
@@ -167,7 +167,7 @@ class LineMaker:
     def _judged(
         self, pair: PairNeeds, line: PlannedLine, animation: Animation | Exception
     ) -> LineJudgement | Exception:
-        """Return the needs and figures of a line, or why it has none."""
+        """Return the needs and figures of a line, or the reason for their absence."""
         if isinstance(animation, Exception):
             return animation
         return attempt(partial(self._judgement, pair, line, animation))
@@ -288,7 +288,7 @@ class LineMaker:
 
     @cached_property
     def _folders(self) -> dict[str, str]:
-        """Folders in which outputs wait, found within the project's by this batch, by path."""
+        """Folders for waiting outputs that this batch has checked, by path."""
         return {}
 
 

@@ -19,7 +19,7 @@ from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.version import __version__
 
 ABSENT = b"\0" * VALUE_BYTES
-"""Digest of a need that the packs no longer have."""
+"""Digest of a need that is no longer in the packs."""
 
 OF_LINES = frozenset((
     "language", "line_deliveries", "line_edits", "manner", "model", "nearest", "notations",
@@ -43,7 +43,7 @@ TOLD = {
     "places": "the places of curves in their files",
     "labels": "the labels that the language knows",
 }
-"""Words for the needs that have no name of their own."""
+"""Words for the needs without a name."""
 
 
 class BuildSettings(NamedTuple):
@@ -56,7 +56,7 @@ class BuildSettings(NamedTuple):
 
 
 class PairNeeds:
-    """Digests of a resolved pair, each computed when a line first needs it.
+    """Digests of a resolved pair, each computed on first use.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class PairNeeds:
         yield from (f"label {name} {label}" for label in dict.fromkeys(schedule.labels))
 
     def _units(self, schedule: Schedule) -> Iterator[str]:
-        """Yield the bigrams of a line, and its trigrams, whether anybody drew them or not."""
+        """Yield the bigrams and trigrams of a line, drawn or not."""
         ids, _, _ = self.performer.common_phonemes(schedule)
         compiled = self.performer.compiled
         silence = np.array([compiled.tables.silence])
@@ -140,7 +140,7 @@ class PairNeeds:
             yield f"trigram {' '.join(_three(names, one))}"
 
     def _sounds(self, notation: str, label: str) -> Any:
-        """Return the phonemes that a label stands for, shades folded as they are performed."""
+        """Return the phonemes of a label, with shades as they are performed."""
         labels, compiled = self.performer.labels, self.performer.compiled
         if notation not in labels.notations:
             return None
@@ -190,7 +190,7 @@ class PairNeeds:
 
     @cached_property
     def _trigrams(self) -> dict[str, bytes]:
-        """Digest of each trigram that somebody drew, by its three phonemes."""
+        """Digest of each drawn trigram, by its three phonemes."""
         tables, names = self.performer.compiled.tables, self.performer.compiled.phonemes
         both = zip(tables.trigrams.tolist(), tables.trigram_rows.tolist(), strict=True)
         return {
@@ -228,7 +228,7 @@ def _row_digest(banks: Iterable[Bank], row: int) -> bytes:
 
 
 def told(name: str) -> str:
-    """Return a need in words, as the reason why a line is made again."""
+    """Describe a need, as the reason to make a line again."""
     kind, _, rest = name.partition(" ")
     if kind in {"bigram", "trigram"}:
         return f"the {kind} {rest.replace(' ', '-')}"

@@ -1,4 +1,4 @@
-"""A project for a folder of recordings and a table, drafted from what the two have in common.
+"""A project for a folder of recordings and a table, drafted from their common names.
 
 The column of ids is the one whose cells name the most recordings. Folders that are called like
 languages or speakers become placeholders.
@@ -24,22 +24,22 @@ AUDIO_SUFFIXES = (".wav", ".flac", ".ogg", ".mp3")
 KINDS: tuple[Kind, ...] = ("character", "poseset")
 
 COMPARED_STEMS = 40
-"""Recordings that are searched for ids within their names."""
+"""Maximum number of recordings to search for ids within their names."""
 
 MAX_COMPARED = 5_000
-"""Cells of a column that are searched for."""
+"""Maximum number of cells of a column to search for."""
 
 MAX_SHOWN_CHARS = 60
-"""Characters of a column's cells in a message."""
+"""Maximum length of a column's cells in a message."""
 
 MAX_ROWS = 100_000
-"""Rows of the table that are compared with the recordings."""
+"""Maximum number of rows of the table to compare with the recordings."""
 
 LEAST_SHARE = 0.3
-"""Least share of the recordings that the column of ids names."""
+"""Minimum share of the recordings that the column of ids names."""
 
 SHOWN = 4
-"""Examples of each kind in a message."""
+"""Maximum number of examples of each kind in a message."""
 
 
 class FoundRecording(NamedTuple):
@@ -61,7 +61,7 @@ class Cells(NamedTuple):
 
 
 class IdColumn(NamedTuple):
-    """The column that names recordings, and what their names have around it."""
+    """Column that names recordings, and the parts of their names around it."""
 
     column: int
     before: str = ""
@@ -206,7 +206,7 @@ def _named(ids: IdColumn, cells: Cells, stems: Collection[str]) -> int:
 
 
 def _within(stems: Collection[str], cells: Cells, at: int) -> Iterator[IdColumn]:
-    """Yield what a few recordings have around a cell of a column, most frequent first."""
+    """Yield the text around cells of a column in names of recordings, most frequent first."""
     names = {folded_name(one) for one in cells.at(at)[:MAX_COMPARED]}
     around: Counter[tuple[str, str]] = Counter()
     for stem in sorted(stems)[:: max(1, len(stems) // COMPARED_STEMS)]:
@@ -245,7 +245,7 @@ def _folders(found: Sequence[FoundRecording], speakers: Sequence[str], finder: F
 
 
 class Tongues(NamedTuple):
-    """Languages with their words, and the column of their texts where one has to be stated."""
+    """Languages with their words, and their text columns if the project must state them."""
 
     words: dict[str, str]
     column: dict[str, str]
@@ -254,7 +254,7 @@ class Tongues(NamedTuple):
 def _languages(
     cells: Cells, taken: Collection[int], folders: dict[str, str], finder: Finder, asked: str | None
 ) -> Tongues:
-    """Return the languages of the recordings, and which columns are their texts."""
+    """Return the languages of the recordings, and the columns of their texts."""
     heads = {
         own: name
         for at, name in enumerate(cells.head)
@@ -282,7 +282,7 @@ def _languages(
 
 
 def _language(finder: Finder, name: str) -> str | None:
-    """Return the language that a folder or column is called like."""
+    """Return the language with the name of a folder or column."""
     found = finder.lookup("language", name) if name else ()
     return Path(found[0]).stem if found else None
 
@@ -303,7 +303,7 @@ def _matches(
     ids: IdColumn,
     matching: Sequence[FoundRecording],
 ) -> tuple[str, ...]:
-    """Count what belongs together, and what does not, with examples."""
+    """Count matched and unmatched lines and recordings, with examples."""
     there = {folded_name(one.stem) for one in found}
     silent = [name for name in names if ids.stem(name) not in there]
     known = set(matching)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal, NamedTuple
 
 Outcome = Literal["built", "failed"]
-"""`built`: its outputs are whole. `failed`: nothing of it was written."""
+"""`built`: its outputs are complete. `failed`: it has no outputs."""
 
 Verdict = Literal["failed", "over", "doubted", "passed"]
 """`over` and `doubted`: built, but past a limit of the project, or of the face alone."""
@@ -50,13 +50,13 @@ class JudgedFigure(NamedTuple):
 
     name: str
     value: float | None
-    """None if it could not be judged."""
+    """Value; None if the line could not be judged."""
     unit: str
     limit: float | None
     at: tuple[float, ...] = ()
-    """Seconds of its findings, the first few."""
+    """Times of its first findings in seconds."""
     words: str = ""
-    """The first finding in words, or the reason why nothing was judged."""
+    """First finding in words, or the reason for a missing judgement."""
     binding: bool = True
     """True if the project states the limit; the limits of a face alone are advice."""
 

@@ -1,4 +1,4 @@
-"""Compare the lines of a script with the record of the last build: which are stale, and why."""
+"""Compare the lines of a script with the record of the last build, to find stale lines."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -27,10 +27,10 @@ from lipsync_lang.performing.performer import Performer
 from lipsync_lang.phonology.g2p.tokens import plain
 
 TICK_NANOSECONDS = 2_000_000_000
-"""Coarsest time stamps of a file system: a file changed so late may have changed once more."""
+"""Coarsest time stamps of a file system; a file may change twice in this time."""
 
 Needs = Mapping[tuple[str, str], PairNeeds]
-"""Needs of every pair, as its packs are now, by language and character."""
+"""Needs of every pair with its current packs, by language and character."""
 
 INPUTS = {
     "text": "its text",
@@ -43,15 +43,15 @@ INPUTS = {
 """Parts of a line's inputs in words."""
 
 AGAIN = {"missing": "is missing", "unfinished": "was not finished", "replaced": "was edited"}
-"""States of an output for which its line is made again, in words."""
+"""States of an output that make its line stale, in words."""
 
 STANDING = ("edited", "unknown")
-"""States of an output that is not the build's to replace."""
+"""States of an output that a build must not replace."""
 
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """A line with the reasons why it is made; none if its outputs stand.
+    """A line with the reasons to make it; empty if its outputs are valid.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ class PlannedStep:
 
 @dataclass(frozen=True)
 class BuildPlan:
-    """Every line of a project, and the records that no line has any more."""
+    """All lines of a project, and records without a line."""
 
     steps: tuple[PlannedStep, ...]
     gone: tuple[tuple[Key, LineRecord], ...] = ()
@@ -93,7 +93,7 @@ class BuildPlan:
 
     @property
     def kept(self) -> tuple[str, ...]:
-        """The outputs that are left alone, because somebody changed them."""
+        """The outputs to keep, because a person changed them."""
         return tuple(path for step in self.steps for path in step.kept)
 
 
@@ -107,7 +107,7 @@ def plan(  # noqa: PLR0913 the lines, records and options
     overwrite: bool = False,
     figures: bool = True,
 ) -> BuildPlan:
-    """Find the lines that would not be made as they stand.
+    """Find the lines whose outputs are not up to date.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def _in_words(names: Sequence[str]) -> list[str]:
 
 
 def line_inputs(line: PlannedLine, folder: Path, performer: Performer) -> dict[str, Any]:
-    """Return what a line's record says of its inputs, as JSON holds it."""
+    """Return the inputs of a line as JSON data for its record."""
     compiled = performer.compiled
     text = plain(line.text) if compiled.words else ""
     words = {word: sounds for word, sounds in compiled.words.items() if word in text}

@@ -17,7 +17,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files.child_processes import child_pool, deaf_to_interrupts
 
 MAX_DEATHS = 2
-"""Processes that a batch may end while it runs alone."""
+"""Maximum number of processes that a batch may end while it runs alone."""
 
 END = (
     "worker processes end as soon as they start: build in one process (workers=1), and in a script "
@@ -38,7 +38,7 @@ def run_in_processes(jobs: Iterator[Job], count: int) -> Iterator[Any]:
 
 
 def _run_alone(jobs: deque[Job]) -> Iterator[Any]:
-    """Run jobs one at a time, so that a death tells whose it is."""
+    """Run jobs one at a time, to find the job that ends its process."""
     deaths = 0
     while jobs:
         with _Pool(1) as pool:
@@ -61,7 +61,7 @@ def _run_alone(jobs: deque[Job]) -> Iterator[Any]:
 
 
 def _check_start(pool: "_Pool") -> None:
-    """Raise an error if not even an empty task ends well."""
+    """Raise an error if even an empty task fails."""
     try:
         pool.executor.submit(os.getpid).result()
     except BrokenProcessPool:
@@ -74,7 +74,7 @@ class _Pool:
     def __init__(self, count: int) -> None:
         self.executor = child_pool(count)
         self.unfinished: list[Job] = []
-        """Jobs on their way when a process died."""
+        """Unfinished jobs when a process died."""
         self._sent: dict[tuple[str, ...], int] = {}
         self._count = count
 
@@ -124,7 +124,7 @@ class _Pool:
                 self.unfinished.append(job)
 
     def _submit(self, job: Job) -> "Future[Any] | None":
-        """Submit a job; its values go along until every process should have them."""
+        """Submit a job, with its values until every process should have them."""
         sent = self._sent.get(job.key, 0)
         self._sent[job.key] = sent + 1
         try:

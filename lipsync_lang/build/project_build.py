@@ -1,4 +1,4 @@
-"""A project on its way through a build: its lines, its pairs, its settings and its record."""
+"""A project in a build: its lines, its pairs, its settings and its record."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import Project
 
 USUAL_FPS = 60.0
-"""Frames per second of a project that states none."""
+"""Default frame rate of a project in frames per second."""
 
 Pair = tuple[str, str]
 """Language and character."""
@@ -140,7 +140,7 @@ class ProjectBuild:
 
     @property
     def weak(self) -> Iterator[str]:
-        """Yield why lines without timings may be read wrongly, where their language says so."""
+        """Yield warnings of languages on unreliable readings, for lines without timings."""
         for line in self.lines:
             needs = self.pairs.get((line.language, line.character))
             if line.timings is None and needs and (why := needs.performer.speaker.manner.weak):

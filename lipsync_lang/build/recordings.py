@@ -1,4 +1,4 @@
-"""Recordings and timings of lines: each folder is listed once, however many lines it holds."""
+"""Recordings and timings of lines, from folders that are listed once."""
 
 import os
 from collections.abc import Callable, Collection, Iterator
@@ -10,10 +10,10 @@ from lipsync_lang.lines.line_readers import LineFile
 from lipsync_lang.lines.timings import SUFFIXES, is_timed
 
 COMMON_SUFFIXES = {".csv", ".dat", ".json", ".jsonl", ".lab", ".tsv", ".txt", ".xml"}
-"""Suffixes of timings that other files have too; the content tells."""
+"""Suffixes of timings that other files have too; the content decides."""
 
 RARE_SUFFIXES = tuple(sorted({*SUFFIXES} - COMMON_SUFFIXES))
-"""Suffixes that only timings have."""
+"""Suffixes of timings only."""
 
 
 class Listing(NamedTuple):
@@ -95,4 +95,4 @@ class Recordings:
 
 
 def _ignore(_: str) -> None:
-    """Say nothing: the reading of the timings will."""
+    """Ignore remarks, which the reading of the timings repeats."""

@@ -1,4 +1,4 @@
-"""Records of what a build made, of what, and from which values: an SQLite file beside the project.
+"""Records of builds with outputs, inputs and needs: an SQLite file beside the project.
 
 A record is written before its outputs are renamed into place, and keeps the digest of the output
 that was there before. So a build killed at any moment can tell its own files from edited ones.
@@ -19,7 +19,7 @@ from lipsync_lang.build.planned_line import Verdict
 from lipsync_lang.errors import LipsyncError, OutputError
 
 FOLDER = ".lipsync_lang"
-"""Folder of a project that builds keep their records in."""
+"""Folder of a project for the records of builds."""
 
 FILE = "build.sqlite"
 
@@ -187,7 +187,7 @@ def as_json(value: object) -> str:
 
 
 def from_json(text: Any) -> dict[str, Any]:
-    """Return what `as_json` made of a mapping.
+    """Return a mapping from the JSON of `as_json`.
 
     Raises
     ------
@@ -229,7 +229,7 @@ def _records(rows: Sequence[tuple[Any, ...]]) -> dict[Key, LineRecord]:
 
 
 def unusable(why: object = "it is damaged") -> LipsyncError:
-    """Return the error of a record that no build wrote as it is."""
+    """Return the error for a record that is damaged or foreign."""
     return LipsyncError(
         f"{FOLDER}/{FILE}: the record of builds cannot be used ({why}); move it away: the next "
         "build compares the existing files with new ones, and keeps those that differ"

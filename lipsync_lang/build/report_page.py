@@ -1,4 +1,4 @@
-"""The report of a build as one HTML page that needs nothing else, in the look of the coverage page.
+"""Report of a build as a self-contained HTML page, styled like the coverage page.
 
 The page holds counts of all lines, and the worst lines in full: thousands of lines more make it no
 larger. Charts are SVG with a name in words; rows are sorted and filtered by a script of its own.
@@ -38,17 +38,17 @@ PageOf = Callable[[PlannedLine], Path | None]
 """The page of a line (`-o line.html`), or None if it was not written."""
 
 LEAST_BAR = 60
-"""Least height of a bar that counts anything, of `HEIGHT`: one line of 20,000 is seen."""
+"""Minimum height of a bar with lines, out of `HEIGHT`: one line of 20,000 is visible."""
 
 MAX_TIMES = 3
-"""Places of a figure that a row names."""
+"""Maximum number of places of a figure in a row."""
 
 MAX_TEXT_CHARS = 160
-"""Characters of a line's text that a row shows."""
+"""Maximum length of a line's text in a row."""
 
 
 class Bars(NamedTuple):
-    """A histogram as the template draws it: shapes stretch to the width at hand."""
+    """A histogram for the template, stretched to the available width."""
 
     title: str
     words: str
@@ -58,11 +58,11 @@ class Bars(NamedTuple):
     over: str
     """SVG path of the bars beyond it."""
     limit: float | None
-    """Share of the width at which the limit stands."""
+    """Position of the limit as a share of the width."""
     labels: tuple[tuple[str, float], ...]
-    """Text below the chart, and the share of the width at which it stands."""
+    """Text below the chart, and its position as a share of the width."""
     told: str = ""
-    """Every bar, for readers who do not see them, where `words` say less."""
+    """Text of every bar for screen readers, if `words` have less information."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class WorstRow:
 
     @property
     def text(self) -> str:
-        """The line's text, cut."""
+        """The line's text, shortened."""
         text = self.line.text
         return text if len(text) <= MAX_TEXT_CHARS else f"{text[: MAX_TEXT_CHARS - 1]}…"
 
@@ -153,7 +153,7 @@ class PageReport:
         self._heading, self._folder, self._page_of = heading, folder, page_of
 
     def add(self, line: BuiltLine) -> None:
-        """Leave a line to the counts, which are enough for a page."""
+        """Ignore a line, since a page needs only the counts."""
 
     def write(self, out: TextIO, tally: BuildTally) -> None:
         """Write the page."""
@@ -187,7 +187,7 @@ class PageReport:
 
 
 def figure_bars(figure: FigureTally) -> Bars:
-    """Draw how far the lines are from a limit."""
+    """Draw the distances of the lines from a limit."""
     unit = figure.unit
     words = (
         f"{count(figure.judged - figure.over, 'line')} within the limit, {figure.over:,} over; "

@@ -21,7 +21,7 @@ from lipsync_lang.packs.project import FILE
 from lipsync_lang.packs.yaml.faults import shown
 
 CONFIDENCE = "confidence"
-"""The limit that is not a measure of an animation: the least fit of timings to a recording."""
+"""Limit that is not a measure of an animation: the minimum confidence of timings."""
 
 REPORT_SUFFIXES = (".html", ".xml", ".json")
 
@@ -87,7 +87,7 @@ def read_script(
 
 
 def _check_settings(project: Project, faults: ScriptFaults) -> None:
-    """Check what other parts of a build are given, before hours of work."""
+    """Check the settings of other parts of a build before hours of work."""
     if not project.lines:
         faults.add(FILE, "states no `lines`; name the table of the script, such as script.csv")
     if project.limits:

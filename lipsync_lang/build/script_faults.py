@@ -5,7 +5,7 @@ from pathlib import Path
 from lipsync_lang.errors import LipsyncError
 
 SHOWN_FAULTS = 12
-"""Faults that a message lists; the others are counted."""
+"""Maximum number of faults in a message; further faults are counted."""
 
 
 class ScriptFaults:

@@ -1,4 +1,4 @@
-"""Planned lines of the rows of a script: ids are checked, files found, what lacks is counted."""
+"""Planned lines of the rows of a script, with checks of ids, files, and counts of gaps."""
 
 import os
 import posixpath
@@ -16,10 +16,10 @@ from lipsync_lang.packs.models import Project
 from lipsync_lang.packs.project import FILE
 
 SHOWN_EXAMPLES = 3
-"""Examples in a remark."""
+"""Maximum number of examples in a remark."""
 
 ALL = -1
-"""In place of a language's index, all languages."""
+"""Index that stands for all languages."""
 
 LACKING = {
     "text": "without text, left out",

@@ -1,4 +1,4 @@
-"""Outputs as they stand on the disk: files of their own, and members of archives."""
+"""Existing outputs on the disk: separate files, and members of archives."""
 
 import os
 from contextlib import suppress
@@ -45,7 +45,7 @@ class StandingOutputs:
         return ""
 
     def is_within(self, path: str) -> bool:
-        """Return True if an output lies in the folder; a record may come from a stranger."""
+        """Return True if an output is in the folder, since records may come from elsewhere."""
         parent = str(Path(path).parent)
         if parent not in self._within:
             there = (self.folder / path).parent.resolve()

@@ -1,4 +1,4 @@
-"""Schedules of planned lines: read from timings, laid on recordings, or spoken."""
+"""Schedules of planned lines: read from timings, aligned with recordings, or spoken."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -12,13 +12,13 @@ from lipsync_lang.speech.speaking import Speaker
 Made = TypeVar("Made")
 
 Timed = Schedule | Exception
-"""The schedule of a line, or the reason why it has none."""
+"""Schedule of a line, or the error in its place."""
 
 
 def schedules(
     folder: Path, lines: Sequence[PlannedLine], speaker: Speaker, engine: str | None = None
 ) -> list[Timed]:
-    """Time the phonemes of lines: by their timings, their recordings, or their text alone.
+    """Time the phonemes of lines by their timings, their recordings, or only their text.
 
     Parameters
     ----------

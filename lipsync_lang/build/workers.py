@@ -22,13 +22,13 @@ Batch = TypeVar("Batch")
 Result = TypeVar("Result")
 
 MAX_OPENED = 6
-"""Values that a worker keeps unpickled: the work, and what the last batches shared."""
+"""Maximum number of unpickled values in a worker: the work, and shared values."""
 
 MAX_PACKED = 16
-"""Values that are kept pickled."""
+"""Maximum number of pickled values in memory."""
 
 BATCHES_PER_WORKER = 2
-"""Batches on their way to each worker: one that is worked on, one that waits."""
+"""Number of submitted batches per worker: a running one and a waiting one."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class Parcel(NamedTuple):
 
     @property
     def bare(self) -> "Parcel":
-        """The name alone."""
+        """The name without the value."""
         return Parcel(self.key, None)
 
 
@@ -171,7 +171,7 @@ def pack_jobs(
 
 
 class Missing(NamedTuple):
-    """Answer of a worker that has not got a value."""
+    """Answer of a worker without a value."""
 
     keys: tuple[str, ...]
 
@@ -181,7 +181,7 @@ _at_work = Lock()
 
 
 def run_job(job: Job) -> Any:
-    """Run a job in a worker, with values that this process has or gets.
+    """Run a job in a worker, with values from this process or from the job.
 
     Threads of a process take turns: performers and engines are not made for several at once.
 
