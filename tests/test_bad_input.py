@@ -85,7 +85,7 @@ def test_an_unknown_label_is_told_with_index_time_and_the_nearest(label, message
     schedule = read(rows(("HH", 0, 0.1), (label, 0.1, 0.2), ("AH0", 0.2, 0.3)))
     with pytest.raises(ScheduleError, match=rf"line.json: {message}") as caught:
         performer.perform(schedule)
-    assert "Add them to english's notations" in str(caught.value)
+    assert "Add the labels to english's notations" in str(caught.value)
     assert replace(performer, unknown="rest").perform(schedule).weights.any()
 
 
