@@ -28,7 +28,7 @@ MODE = 0o100644 << 16
 UNIX = 3
 
 HEAD = struct.Struct("<4s22xHH")
-"""Header of a member: its mark, and the lengths of name and further data that follow it."""
+"""Header of a member: its signature, and the lengths of the following name and extra data."""
 
 MARK = b"PK\x03\x04"
 ENCRYPTED = 0x1
@@ -38,7 +38,7 @@ NewMember = Path | bytes
 
 
 class Member(NamedTuple):
-    """Content of a member, as the archive lists it."""
+    """Content of a member according to the archive."""
 
     crc: int
     """CRC-32."""
@@ -83,14 +83,14 @@ def members(path: Path) -> dict[str, Member]:
 def rewrite(path: Path, new: Mapping[str, NewMember], drop: Iterable[str] = ()) -> None:
     """Add members to an archive and remove others; all other members do not change.
 
-    Nothing is lost by a crash: the old archive stands until the new one is whole. An archive that
-    would be empty is deleted.
+    A crash loses nothing, because the old archive is kept until the new one is complete. An empty
+    archive is deleted.
 
     Parameters
     ----------
     path : the archive; its folder exists
     new : content by name, as bytes or as a file to read; they replace members of their names
-    drop : names of members to take out; unknown ones do not matter
+    drop : names of members to remove; unknown names are ignored
 
     Raises
     ------
@@ -142,7 +142,7 @@ def _write(
 
 
 def _fresh(name: str, compression: int) -> ZipInfo:
-    """Return a member without anything that depends on the machine or the time."""
+    """Return a member without data that depends on the machine or the time."""
     info = ZipInfo(name, TIME)
     info.compress_type, info.create_system, info.external_attr = compression, UNIX, MODE
     return info

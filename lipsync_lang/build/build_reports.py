@@ -14,7 +14,7 @@ from lipsync_lang.errors import LipsyncError
 from lipsync_lang.files import atomic
 
 MAX_PAGES = 20
-"""Lines with a page of their own: the worst."""
+"""Number of worst lines with a page of their own."""
 
 PAGE = "html"
 """Writer of pages, and suffix of the report that links to them."""
@@ -79,7 +79,7 @@ def pages_folder(report: Path) -> Path:
 
 
 def _pages(project: ProjectBuild, outcome: BuildOutcome, report: Path) -> dict[Key, Path]:
-    """Write the pages of the worst lines beside a report; those of unchanged lines stay."""
+    """Write the pages of the worst lines beside a report; pages of unchanged lines are kept."""
     folder = pages_folder(report)
     pages: dict[Key, Path] = {}
     for built in worst_lines(outcome.lines(), MAX_PAGES):

@@ -39,10 +39,10 @@ MIN_SPREAD_TIMED_LINES = 200
 LOCK = "build.lock"
 
 WAIT_SECONDS = 0.2
-"""Pause between two tries for the lock of a folder."""
+"""Pause between two attempts to lock a folder."""
 
 Tell = Callable[[str, Mapping[str, Any]], None]
-"""Receives events: a name, and values that JSON holds."""
+"""Receiver of events: a name and JSON values."""
 
 
 @dataclass
@@ -208,7 +208,7 @@ def _tell_line(tell: Tell, built: BuiltLine, step: PlannedStep) -> None:
 
 @dataclass
 class _Casts:
-    """The needs of the characters of each batch, the same object for the same characters."""
+    """The needs of the characters of each batch; equal characters share one object."""
 
     needs: Needs
     known: dict[tuple[str, tuple[str, ...]], dict[str, PairNeeds]] = field(default_factory=dict)

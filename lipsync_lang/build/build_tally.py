@@ -12,7 +12,7 @@ from math import ceil, inf
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, Verdict
 
 BINS = 20
-"""Bars of a histogram; of a figure with a limit, half of them are within it."""
+"""Number of bars of a histogram; for a figure with a limit, half of them are within it."""
 
 MIDDLE = BINS // 2
 

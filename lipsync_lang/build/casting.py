@@ -1,4 +1,4 @@
-"""Packs that a project names: its languages, and the characters of its speakers."""
+"""Packs of a project: its languages, and the characters of its speakers."""
 
 from pathlib import Path
 
@@ -63,7 +63,7 @@ class Cast:
         return max(map(len, self._faces.stated.values()), default=0)
 
     def of(self, speaker: str, where: str) -> tuple[str, ...]:
-        """Return the characters of a speaker; an unknown one is a fault, once."""
+        """Return the characters of a speaker; report each unknown character once."""
         if self._faces.own(speaker):
             self.met.add(speaker.casefold())
         found = self._faces.of(speaker)

@@ -1,8 +1,8 @@
 """Batches on a Dask cluster, which runs a lost worker's batches elsewhere.
 
-What batches share travels as a task of its own, named by its content: each worker fetches it once,
-from the scheduler or from another worker, and it is made again if all that had it are gone. Two
-clients with the same packs share it; changed packs are another task.
+Values that batches share are a task of their own, named by its content: each worker fetches it
+once, from the scheduler or from another worker, and it is made again if all its workers are gone.
+Clients with the same packs share it; changed packs are another task.
 
 The scheduler and its workers are trusted: Dask sends pickles.
 """

@@ -105,7 +105,7 @@ class OutputKeeper:
 def prune(plan: BuildPlan, folder: Path, records: Records) -> list[str]:
     """Delete the outputs of lines that the script no longer has, and return their paths.
 
-    Outputs that somebody changed are kept, and forgotten.
+    Outputs that a person changed are kept, and removed from the record.
     """
     standing = StandingOutputs(folder)
     deleted = [

@@ -1,4 +1,4 @@
-"""Make lines: time their phonemes, perform them, judge them and write their outputs.
+"""Production of lines: time their phonemes, perform them, judge them and write their outputs.
 
 Outputs are written under temporary names beside their targets. The build renames them once it has
 recorded them. A line that fails does not disturb the others.
@@ -254,7 +254,7 @@ class LineMaker:
     def _waiting(self, within: str, path: str) -> str:
         """Return the folder in which the outputs of a folder or archive wait.
 
-        It is made, and lies within the project's.
+        It is created within the project's folder.
         """
         if within not in self._folders:
             parent = parent_of(self.folder, path)

@@ -53,7 +53,7 @@ def outputs_of(project: Project, faults: ScriptFaults) -> list[OutputPattern]:
 def check_outputs(
     outputs: Sequence[OutputPattern], needed: Mapping[str, str], faults: ScriptFaults
 ) -> None:
-    """Refuse outputs that several lines would share.
+    """Check that no two lines share an output.
 
     `needed` has the placeholders that must stand in a path, with what there are several of.
     """
@@ -68,7 +68,7 @@ def check_outputs(
 
 
 def check_links(paths: set[str], folder: Path, faults: ScriptFaults) -> None:
-    """Refuse paths whose folders, before the line's own name, lead outside by a link."""
+    """Check that the folders of paths do not lead outside the project by a link."""
     home = os.path.realpath(folder)
     heads = {
         posixpath.dirname(path.partition("{id}")[0].partition("{speaker}")[0]) for path in paths

@@ -91,7 +91,7 @@ class BuiltLine:
 
     @property
     def verdict(self) -> Verdict:
-        """Place of the line in the counts of a build."""
+        """Category of the line in the counts of a build."""
         if self.outcome == "failed":
             return "failed"
         return "over" if self.failed else "doubted" if self.doubted else "passed"

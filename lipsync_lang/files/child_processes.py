@@ -1,4 +1,4 @@
-"""Child processes that leave Ctrl-C to their parent, and end with it; the same on every system."""
+"""Child processes that leave Ctrl-C to their parent and end with it, on every system."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
 
 MOST_PROCESSES = 61 if sys.platform == "win32" else 10_000
-"""Processes of one pool; Windows waits for no more at a time."""
+"""Maximum number of processes of a pool, which is the limit on Windows."""
 
 
 def child_pool(

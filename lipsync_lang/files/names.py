@@ -1,4 +1,4 @@
-"""Names that stand for files on every system.
+"""Names of files that are valid on every system.
 
 A script is written on one system and built on another. A name that one of them cannot store, or
 takes for another file, is refused everywhere.
@@ -8,7 +8,7 @@ import re
 from unicodedata import normalize
 
 MAX_NAME_BYTES = 200
-"""Bytes of a name in UTF-8; file systems store 255, and a suffix follows."""
+"""Maximum size of a name in UTF-8; file systems store 255 bytes, and a suffix follows."""
 
 RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])(?:\..*)?", re.IGNORECASE)
 """Names of devices on Windows, with any suffix."""
@@ -18,7 +18,7 @@ _UNFIT = re.compile(r'[<>:"|?*]')
 
 
 def fault_of_name(name: str) -> str:
-    """Return why a name cannot be that of a file, with the cure; empty if it can.
+    """Return the reason why a name is not valid for a file, with the cure; empty if it is valid.
 
     >>> fault_of_name("intro_001")
     ''

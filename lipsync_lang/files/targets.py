@@ -11,10 +11,10 @@ STANDARD_STREAM = Path("-")
 """The name of standard output, and of standard input for inputs."""
 
 MAX_LINKS = 40
-"""Most links followed to one file; Linux has the same limit."""
+"""Maximum number of links followed to one file; Linux has the same limit."""
 
 WRITE_BITS = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH
-"""A file without any of these bits is read-only, even for root."""
+"""Permission bits; a file without any of them is read-only, even for root."""
 
 _DESCRIPTORS = re.compile(r"/dev/fd|/proc/(?P<process>\d+)(?:/task/\d+)?/fd")
 
@@ -56,7 +56,7 @@ def file_behind(path: Path) -> Path | None:
 
 
 def _refuse_read_only(path: Path, there: os.stat_result) -> None:
-    """Refuse a file without write permission, even for root.
+    """Raise an error for a file without write permission, even for root.
 
     Version control marks files that are not checked out as read-only.
     """

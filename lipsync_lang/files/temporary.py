@@ -19,10 +19,10 @@ SWEEP_SECONDS = 60.0
 """Time after which a process looks into the same folder again."""
 
 MAX_SWEPT = 1000
-"""Folders that a process remembers."""
+"""Maximum number of folders that a process remembers."""
 
 MAX_NAME_CHARS = 40
-"""Characters of the output's name in the name of its temporary file."""
+"""Maximum length of the output's name in the name of its temporary file."""
 
 _swept: dict[Path, float] = {}
 """Seconds of the monotonic clock at which each folder was last looked into."""
@@ -36,7 +36,7 @@ _TEMPORARY = re.compile(
 
 
 def this_process() -> str:
-    """Return the machine and the process, as names of temporary files have them."""
+    """Return the machine and the process, in the form of temporary names."""
     return f"{_host()}-{os.getpid()}"
 
 

@@ -21,15 +21,15 @@ from lipsync_lang.files.targets import STANDARD_STREAM, descriptor, file_behind,
 from lipsync_lang.files.temporary import sweep, temporary_name
 
 IN_USE = (5, 32)
-"""Errors of Windows for a file that another program has open: access denied, sharing violation."""
+"""Windows error codes for a file in use by another program: access denied, sharing violation."""
 
 MAX_SPOOLED_BYTES = 16 * 2**20
-"""Bytes held in memory for a device or a pipe; more are held on the disk."""
+"""Maximum number of bytes in memory for a device or a pipe; more are kept on disk."""
 
 
 @contextmanager
 def atomic(path: Path, *, durable: bool = False) -> Iterator[BinaryIO]:
-    """Open a stream whose bytes appear at `path` only if the block ends well.
+    """Open a stream whose bytes appear at `path` only if the block ends without an error.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Asides: notes on what is done or heard, between the words that are said.
+"""Asides: notes on actions or sounds, between the spoken words.
 
 ``(laughs)`` and ``*sighs*`` are notes to an actor, ``(my brother)`` and ``*never*`` are words of
 the line. A language pack lists the words of its asides. In scripts with capitals an aside is also
@@ -12,13 +12,13 @@ from functools import lru_cache
 from lipsync_lang.phonology.g2p.tokens import PAUSES, plain
 
 MAX_WORDS = 5
-"""Words of an aside that is recognised by its form."""
+"""Maximum number of words of an aside that is recognised by its form."""
 
 MAX_CHARS, MAX_UNCASED_CHARS = 40, 12
-"""Characters of an aside that is recognised by its words, in scripts with and without capitals."""
+"""Maximum length of an aside known by its words, in scripts with and without capitals."""
 
 OPEN_END = "..."
-"""At the end of a listed word, for all words that begin so."""
+"""Mark at the end of a listed word, for all words with this start."""
 
 ENDS = frozenset(".!?…。！？")
 

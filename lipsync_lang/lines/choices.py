@@ -1,4 +1,4 @@
-r"""Choices in braces: texts of which a game reads one.
+r"""Choices in braces: alternative texts, of which a game reads one.
 
 - ICU messages: ``{n, plural, one {# coin} other {# coins}}``, and ``select`` alike,
 - Fluent: ``{ $n -> [one] a coin *[other] coins }``,
@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping
 
 MAX_DEPTH = 8
-"""Choices within choices that are followed."""
+"""Maximum depth of choices within choices."""
 
 ICU = re.compile(r"\s*\$?([\w.-]+)\s*,\s*(?:plural|select|selectordinal)\s*,")
 FLUENT = re.compile(r"\s*\$?-?([\w.-]+)(?:\([^()]*\))?\s*->")
@@ -23,7 +23,7 @@ LITERAL = re.compile(r"\s*\"([^\"{}]*)\"\s*")
 
 
 def chosen(text: str, values: Mapping[str, str], depth: int = 0) -> str:
-    """Return a text with one branch in place of each choice; other braces stay.
+    """Return a text with one branch in place of each choice; other braces are kept.
 
     >>> chosen("I have {n, plural, one {a coin} other {# coins}}.", {"n": "3"})
     'I have 3 coins.'
@@ -46,7 +46,7 @@ def chosen(text: str, values: Mapping[str, str], depth: int = 0) -> str:
 
 
 def _ends(text: str) -> dict[int, int]:
-    """Return for each opening brace its closing one."""
+    """Map each opening brace to its closing one."""
     opened: list[int] = []
     ends: dict[int, int] = {}
     for found in re.finditer(r"[{}]", text):
@@ -106,7 +106,7 @@ def _of_fluent(variants: str, value: str | None) -> str | None:
 
 
 def _top_level(text: str) -> list[str]:
-    """Split at bars that are in no braces of their own."""
+    """Split at bars outside inner braces."""
     parts, depth, start = [], 0, 0
     for found in re.finditer(r"[{}|]", text):
         depth += {"{": 1, "}": -1}.get(found[0], 0)

@@ -21,11 +21,11 @@ BYTE_ORDER_MARKS = {
 """Byte-order marks, longest first, with their encodings."""
 
 MAX_LINE_CHARS = 1_000_000
-"""Characters of the longest line."""
+"""Maximum length of a line, in characters."""
 
 
 Open = Callable[[], BinaryIO]
-"""Opens a file at its start; called more than once."""
+"""Function that opens a file at its start; called more than once."""
 
 
 def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[tuple[int, str]]:

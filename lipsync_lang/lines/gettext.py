@@ -1,4 +1,4 @@
-"""Translations of gettext: an entry is a line, each of its plural forms too.
+"""Translations of gettext: each entry and each of its plural forms is a line.
 
 If a file has any translation, its lines are the translations, and a remark counts the entries left
 out. The lines of a template are its originals. Fuzzy and obsolete entries are left out.

@@ -34,5 +34,5 @@ class Line:
 
     @property
     def file(self) -> str:
-        """The file of its place."""
+        """The file in its place."""
         return self.place.rpartition(":")[0]

@@ -18,15 +18,15 @@ from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.markup import AS_WRITTEN, Cleaning, spoken
 
 MAX_PIPED_BYTES = 64 * MIB_BYTES
-"""Bytes of a script that comes through a pipe, and so has to be held; files may be any size."""
+"""Maximum size of a script from a pipe, which is held in memory; files have no limit."""
 
 Remark = Callable[[str], None]
-"""Remarks that are not faults."""
+"""Receiver of remarks that are not faults."""
 
 
 @dataclass(frozen=True)
 class LineFile:
-    """A file on its way to lines.
+    """A file that is read into lines.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class LineFile:
         encoding: str | None,
         cleaning: Cleaning = AS_WRITTEN,
     ) -> Self:
-        """Take up a file; read at once what can be read only once."""
+        """Open a file; read pipes at once, because they can be read only once."""
         piped = path == STANDARD_STREAM or not path.is_file()
         mend = "put the script into a file"
         content = read_input(path, MAX_PIPED_BYTES, mend=mend) if piped else None
@@ -83,7 +83,7 @@ class LineFile:
         return Line(said, place, name, speaker, dropped=dropped, gaps=gaps, original=original)
 
     def fault(self, number: int | str, what: str) -> LipsyncError:
-        """Return an error that says where."""
+        """Return an error with the place."""
         return LipsyncError(f"{self.path}:{number}: {what}")
 
 
@@ -106,7 +106,7 @@ class LineReader(Format):
 
     read: Read
     table: Open | None = None
-    """Opens a table, of which `column` names the text; None for files without columns."""
+    """Function that opens a table, whose text is in `column`; None for files without columns."""
 
 
 READERS: Formats[LineReader] = Formats("line_readers", "format", room=__package__)
@@ -230,7 +230,7 @@ def _has_columns(path: Path) -> bool:
 
 
 def _below(folder: Path, remark: Remark) -> Iterator[Path]:
-    """Yield the files of a folder that can be read, and tell of the others by suffix."""
+    """Yield the readable files of a folder, and report the others by suffix."""
     others: dict[str, list[Path]] = {}
 
     def refused(error: OSError) -> None:
@@ -254,7 +254,7 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
 
 
 def _reader(source: LineFile) -> LineReader:
-    """Return what reads a file: that of its suffix, unless it begins like timings."""
+    """Return the reader of a file by its suffix, or that of timings if it begins like them."""
     from lipsync_lang.lines.timings import NAME
 
     if source.path == STANDARD_STREAM:
@@ -271,7 +271,7 @@ def _is_timed(source: LineFile) -> bool:
 
 
 def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:
-    """Yield the lines of files, which are read as `stated` says."""
+    """Yield the lines of files, read with the settings `stated`."""
     for path, among_others in files:
         own = LineFile.of(path, stated.remark, stated.column, stated.encoding, stated.cleaning)
         source = replace(own, names=stated.names, speaker=stated.speaker)

@@ -54,7 +54,7 @@ ADDRESS = (
 )
 HASHTAG = r"(?<![\w&#])#(?=\w*[^\W\d_])\w+"
 WAY_ON = r"(?:->|<-) ?[\w.]+$|<>|(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$"
-"""Marks of Ink: the way on, the glue between two lines, and a tag."""
+"""Marks of Ink: diverts, the glue between two lines, and tags."""
 SIGN = (
     "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u27f0-\u27ff\u2900-\u297f\u2b00-\u2bff"
     "\u2022\u203b\u20e3\u3004\u3012\u3013\u3020\u3030\u303d\u3297\u3299\ufe0e\ufe0f"
@@ -83,24 +83,24 @@ SUSPECT = re.compile(
 DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
 CLOSING = re.compile(r"([{\[])/(\w+)[}\]]")
 SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
-"""Start of markup that leaves no gap."""
+"""Pattern of the start of markup that leaves no gap."""
 PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
 BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|t[dr])\b|\{br\}", re.IGNORECASE)
-"""Tags between which the words are apart."""
+"""Tags that separate words."""
 EMPHASIS = re.compile(r"</?emphasis\b", re.IGNORECASE)
 ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
 STRAY = re.compile(r"[{}\[\]]|</?(?!\s*\d)|>(?!\s*\d)")
 NAMED = re.compile(r"[ =].*", re.DOTALL)
-"""Values of a tag, behind its name."""
+"""Pattern of the values of a tag, after its name."""
 NAME = re.compile(r"[\w.-]+")
 LOOSE = re.compile(r" ([,.])(?!\S)")
 PAUSE = "\0"
-"""In place of a pause, until the text around it is known."""
+"""Placeholder for a pause, until the text around it is known."""
 PAUSED = re.compile(rf"(?P<before>[^\s{PAUSE}]?)\s*(?:{PAUSE}\s*)+(?P<after>\S?)")
 TAGS_BEFORE = re.compile(r"(?: |\{[^{}]*\}|<[^<>]*>)+$")
 TAGS_AFTER = re.compile(r"^(?: |\{[^{}]*\}|<[^<>]*>)+")
 SEEN_CHARS = 200
-"""Characters on each side of an aside that are looked at."""
+"""Number of characters examined on each side of an aside."""
 MAX_UNSPOKEN_CHARS = 500
 """Longest passage between the two ends of an `unspoken` entry."""
 
@@ -154,7 +154,7 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
 
 
 class TextCleaner:
-    """A text that is being cleaned from its start to its end."""
+    """State of the cleaning of a text."""
 
     def __init__(self, text: str, cleaning: Cleaning) -> None:
         self.text, self.cleaning = text, cleaning
@@ -201,7 +201,7 @@ class TextCleaner:
         return STRAY.sub("", part)
 
     def _instead(self, found: re.Match[str]) -> str | None:
-        """Return the text in place of markup; None for text that is not markup."""
+        """Return the replacement of markup; None for text that is not markup."""
         whole, aside = found[0], found["round"] or found["doublewidth"] or found["star"]
         if aside:
             if not self._is_aside(found, aside):
@@ -226,7 +226,7 @@ class TextCleaner:
         return None if self._is_tag(whole) else self._value(whole)
 
     def _is_tag(self, whole: str) -> bool:
-        """Return True for a word in brackets that a later one closes."""
+        """Return True for a word in brackets with a later closing one."""
         return NAMED.sub("", whole[:-1]) in self._closed
 
     def _is_aside(self, found: re.Match[str], said: str) -> bool:
@@ -275,7 +275,7 @@ def _markup(unspoken: tuple[str, ...]) -> re.Pattern[str]:
 
 
 def _paused(found: re.Match[str]) -> str:
-    """Return a pause with the characters around it; there is none beside another."""
+    """Return a pause with the characters around it; adjacent pauses are merged."""
     before, after = found["before"], found["after"]
     needless = not before or not after or before in PAUSES or after in PAUSES
     return f"{before} {after}" if needless else f"{before}{PAUSE} {after}"

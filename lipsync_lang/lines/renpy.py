@@ -47,7 +47,7 @@ NARRATOR = frozenset(("extend", "new", "narrator"))
 """First words of say statements that are not the name of a speaker."""
 
 MAX_STATEMENT_LINES = 200
-"""Most lines of the file in one statement."""
+"""Maximum number of lines of the file in one statement."""
 
 QUOTES = {'"""': 3, "'''": 3}
 
@@ -89,7 +89,7 @@ def _said(source: LineFile, number: int, text: str, name: str) -> Iterator[Line]
 
 
 def _ends(tail: str) -> bool:
-    """Say whether a statement may end so: arguments, a clause, and the condition of a choice.
+    """Test for a valid end of a statement: arguments, a clause, and the condition of a choice.
 
     Each part is looked for once: one expression for all of them takes cubic time to fail.
     """

@@ -1,4 +1,4 @@
-"""Subtitles: a cue is a line."""
+"""Subtitles: each cue is a line."""
 
 from collections.abc import Iterator
 from html import unescape

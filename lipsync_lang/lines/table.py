@@ -1,4 +1,4 @@
-"""Tables: a row is a line, and one column is its text.
+"""Tables: each row is a line, and one column is its text.
 
 The first row names the columns. The delimiter is the one of tab, comma, semicolon and bar that
 gives this row the most cells.
@@ -23,7 +23,7 @@ from lipsync_lang.lines.line_readers import LineFile, Table, reader
 DELIMITERS = "\t,;|"
 
 MAX_CELL_LINES = 100
-"""Most lines of the file in one cell; a longer cell has lost its closing quote."""
+"""Maximum number of lines of the file in one cell; a longer cell has no closing quote."""
 
 
 def open_table(source: LineFile) -> Table:
@@ -55,7 +55,7 @@ def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
 
 
 def _text(source: LineFile, head: Sequence[str]) -> int:
-    """Return the column of the text: the stated one, the language's own, or the likeliest."""
+    """Return the column of the text: the stated one, the language's own, or the most likely one."""
     if source.column is not None:
         return stated_column(source, head, source.column)
     found = language_column(head, source.names)

@@ -8,7 +8,7 @@ from lipsync_lang.lines.line_readers import LineFile, reader
 
 @reader("text", suffixes=[".txt"])
 def read(source: LineFile) -> Iterator[Line]:
-    """Plain text, a line each; empty lines are skipped."""
+    """Plain text: each row is a line; empty rows are skipped."""
     for number, text in source.numbered():
         if text.strip():
             yield source.line(number, text)

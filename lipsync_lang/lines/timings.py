@@ -15,7 +15,7 @@ SUFFIXES = tuple(sorted({s for one in READERS.values() if not one.script for s i
 
 
 def is_timed(source: LineFile) -> bool:
-    """Tell whether a file begins like a format of timed phonemes that has its suffix."""
+    """Test whether a file begins like a format of timed phonemes with its suffix."""
     try:
         with source.open() as stream:
             begins = TimingFile(source.path, stream.read(HEAD_BYTES))
@@ -26,7 +26,7 @@ def is_timed(source: LineFile) -> bool:
 
 @reader(NAME, suffixes=SUFFIXES)
 def read(source: LineFile) -> Iterator[Line]:
-    """Timed phonemes or words, in every format that timings are read from; a file is a line."""
+    """Timed phonemes or words, in every readable format of timings; a file is a line."""
     content = timing_bytes(source.path) if source.content is None else source.content
     found = timings_of(TimingFile(source.path, content, encoding=source.encoding))
     for remark in found.remarks:

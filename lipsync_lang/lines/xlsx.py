@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 MAX_PART_BYTES = 512 * MIB_BYTES
-"""Bytes of a part of the file once it is unpacked; a million rows have less."""
+"""Maximum unpacked size of a part of the file; a million rows have less."""
 
 MAX_ROWS = 1_048_576
-"""Rows of a sheet; no program stores more, so that rows beyond them are damage."""
+"""Maximum number of rows of a sheet; no program stores more, so more rows are damage."""
 
 MAX_COLUMNS = 1_024
-"""Columns that are looked at; no script has more."""
+"""Maximum number of columns; no script has more."""
 
 
 def open_sheets(source: LineFile) -> Table:
@@ -111,7 +111,7 @@ def _text(value: object) -> str:
 
 
 def _refuse_bombs(source: LineFile, stream: BinaryIO) -> None:
-    """Refuse a file whose parts are too large; `zipfile` unpacks at most the stated size."""
+    """Check the sizes of a file's parts; `zipfile` unpacks at most the stated size."""
     try:
         with ZipFile(stream) as parts:
             largest = max((part.file_size for part in parts.infolist()), default=0)

@@ -12,11 +12,11 @@ from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
 
 COMMENT = re.compile(r"(?<![\\:])//.*")
-"""A comment; the address of a page holds none."""
+"""Pattern of a comment, but not within the address of a page."""
 
 COMMAND = re.compile(r"<<(?:[^<>]|>(?!>)|<(?!<))*>>")
 JUMP = re.compile(r"\[\[(?:(?P<text>[^\[\]|]*)\|)?[^\[\]|]*\]\]\s*$")
-"""An option of the first version: ``[[Text|Node]]``, or a jump without a text."""
+"""Pattern of an option of the first version: ``[[Text|Node]]``, or a jump without a text."""
 
 SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
 ESCAPE = re.compile(r"\\([:#/<>])")
@@ -57,7 +57,7 @@ def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
 
 
 def _untagged(text: str) -> tuple[str, list[str]]:
-    """Part a line from the tags at its end, the last of them first."""
+    """Split a line and the tags at its end, last tag first."""
     pieces = text.split("#")
     tags = []
     while len(pieces) > 1:
