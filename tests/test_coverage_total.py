@@ -12,13 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_coverage import LANGUAGE, bank, lines, packs, write
 
-from lipsync_lang import LipsyncError
+from lipsync_lang import LipsyncError, Schedule
 from lipsync_lang.coverage import coverage
 from lipsync_lang.coverage.changes import since
 from lipsync_lang.coverage.drafting import draft_calls
 from lipsync_lang.coverage.facts import Authored, Left, NextHour
 from lipsync_lang.coverage.forms import FORMS, Asked
 from lipsync_lang.coverage.report import BigramNeed, CoverageReport
+from lipsync_lang.coverage.script_changes import ScriptDigests, script_changes
 from lipsync_lang.coverage.total import WorkItem, total_of
 from lipsync_lang.lines import Line
 
@@ -103,6 +104,24 @@ def test_weights_say_how_much_a_language_matters():
     assert [one.percent for one in even.ranking] == [50, 50]
     assert [(one.bigram, one.percent) for one in uneven.ranking] == [("b-a", 75), ("a-b", 25)]
     assert uneven.weights == {"one": 1, "two": 3}
+
+
+def test_what_is_drawn_already_is_no_gain():
+    partly = need("b-a", 4).model_copy(update={"in_trigrams": 3})
+    rows = [need("a-b", 4, "shared", "edited"), partly, need("c-a", 2)]
+    told = total_of([report("one", "crab", rows)], minutes=60)
+    assert told.authored == Authored(bigrams=1, percent=70)
+    found = [(one.bigram, one.count, one.percent, one.reaches) for one in told.ranking]
+    assert found == [("c-a", 2, 20, 90), ("b-a", 1, 10, 100)]
+    assert told.next_hour == NextHour(bigrams=("c-a",), percent=20)
+
+
+def test_nearly_all_is_not_all():
+    rows = [need("a-b", 10**9, "shared", "edited"), need("b-a", 1)]
+    told = total_of([report("one", "crab", rows)], minutes=5)
+    assert (told.authored.percent, told.ranking[0].percent) == (99.9999, 0.0001)
+    done = total_of([report("one", "crab", rows[:1])], minutes=5)
+    assert (done.authored.percent, done.ranking) == (100, ())
 
 
 NEEDS = st.dictionaries(
@@ -394,18 +413,43 @@ def test_lines_without_a_name_are_told_apart_by_their_text():
     assert (script.added, script.removed, script.changed) == (("a.txt:1",), ("a.txt:3",), ())
 
 
+def digests(read, column=""):
+    """Return the digests of some lines in a column."""
+    found = ScriptDigests()
+    for line in read:
+        found.add(line)
+    return [one.model_copy(update={"column": column}) for one in found.lines(["toy"])]
+
+
+def test_a_name_of_several_lines_names_none():
+    old = [Line("ta", "a.csv:2", "x"), Line("mi", "a.csv:3", "x"), Line("sa", "a.csv:4", "y")]
+    new = [Line("ta", "a.csv:2", "x"), Line("tu", "a.csv:3", "x"), Line("si", "a.csv:4", "y")]
+    (found,) = script_changes(digests(old), digests(new))
+    assert (found.lines, found.changed) == ((3, 3), ("y",))
+    assert (found.added, found.removed) == (("a.csv:3",), ("a.csv:3",))
+
+
+def test_columns_are_compared_with_their_own():
+    one, other = [Line("ta", "a.csv:2", "x")], [Line("mi", "a.csv:2", "x")]
+    old = [*digests(one, "a"), *digests(other, "b")]
+    assert [two.changed for two in script_changes(old, digests(one, "b"))] == [("x",)]
+    assert [two.changed for two in script_changes(old, digests(one, "a"))] == [()]
+    assert list(script_changes(old, digests(one, "c"))) == []
+
+
+def test_timed_phonemes_are_compared_by_their_labels():
+    said = [Schedule(labels, [0, 0.1, 0.2], notation="ipa") for labels in (("t", "a"), ("m", "i"))]
+    old, new = ([Line("", "a.json", "x", schedule=one)] for one in said)
+    (found,) = script_changes(digests(old), digests(new))
+    assert (found.changed, found.added) == (("x",), ())
+
+
 TEXTS = st.lists(st.sampled_from(["ta", "mi", "sa", "tu"]), min_size=1, max_size=6)
 
 
 @given(TEXTS, TEXTS)
 def test_changes_of_nameless_lines_add_up(old, new):
-    from lipsync_lang.coverage.script_changes import ScriptDigests, script_changes
-
-    a, b = ScriptDigests(), ScriptDigests()
-    for digests, texts in ((a, old), (b, new)):
-        for line in lines(*texts):
-            digests.add(line)
-    (found,) = script_changes(a.lines(["toy"]), b.lines(["toy"]))
+    (found,) = script_changes(digests(lines(*old)), digests(lines(*new)))
     assert len(new) - len(old) == len(found.added) - len(found.removed)
     assert len(found.added) == (Counter(new) - Counter(old)).total()
     assert len(found.removed) == (Counter(old) - Counter(new)).total()

@@ -38,13 +38,14 @@ STORE = {
     "romanian": "Română",
     "russian": "Русский",
     "spanish": "Español-España",
+    "latam": "Español-Latinoamérica",
     "swedish": "Svenska",
     "thai": "ไทย",
     "turkish": "Türkçe",
     "ukrainian": "Українська",
     "vietnamese": "Tiếng Việt",
 }
-"""Steam's API language codes with their native names, without Latin American Spanish."""
+"""Steam's API language codes with their native names."""
 
 CULTURES = (
     "zh-Hans",
