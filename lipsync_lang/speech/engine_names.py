@@ -6,7 +6,7 @@ from lipsync_lang.errors import SpeechError
 def engine_and_model(
     named: str | None, stated: str | None, model: str | None = None
 ) -> tuple[str | None, str | None]:
-    """Return the name of an engine, and its model; None for what nobody names.
+    """Return the name of an engine and its model; None for a missing name or model.
 
     Parameters
     ----------

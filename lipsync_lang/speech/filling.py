@@ -41,7 +41,7 @@ UNSPACED = (
 """Blocks of Unicode whose scripts have no spaces between words, first and last code point."""
 
 Share = Schedule | SpeechError | None
-"""Phonemes of one given word, to fill its time; None if it has to be read alone."""
+"""Phonemes of one given word, to fill its time; None if the word must be read alone."""
 
 
 def fill_words(
@@ -121,7 +121,7 @@ def _is_unspaced(character: str) -> bool:
 def _heard(
     speaker: Speaker, phrases: Sequence[Sequence[TimedWord]], texts: Sequence[str], sound: Audio
 ) -> list[tuple[int, Schedule]]:
-    """Align each phrase with its part of the sound; return those found, with their numbers."""
+    """Align each phrase with its part of the sound, and return the results by number."""
     cuts = ((_cut(sound, phrase), text) for phrase, text in zip(phrases, texts, strict=True))
     found = [
         (number, one)
@@ -146,7 +146,7 @@ def _cut(sound: Audio, words: Sequence[TimedWord]) -> Audio:
 
 
 def _shares(words: Sequence[TimedWord], read: Schedule | SpeechError) -> list[Share]:
-    """Return what a phrase's schedule has of each word; None where the two split it unlike.
+    """Return the part of each word in a phrase's schedule; None if the two have other words.
 
     Words are matched by the count of letters before and after them.
     """
@@ -237,7 +237,7 @@ class _Layout:
 def _laid(
     timed: TimedWords, shares: Iterable[Schedule | SpeechError], told: Sequence[str]
 ) -> Schedule:
-    """Put the phonemes of all words in their times; a word without any is silence."""
+    """Place the phonemes of all words in their times; a word without phonemes is silence."""
     layout, mute = _Layout(), []
     error: SpeechError | None = None
     for word, share in zip(timed.words, shares, strict=True):

@@ -195,7 +195,7 @@ Source = Callable[[], Audio]
 
 
 class SilentRecordingError(SpeechError):
-    """Error: the text of a recording holds markup alone."""
+    """The text of a recording contains only markup."""
 
     def __init__(self, sound: Source, text: SilentTextError) -> None:
         super().__init__(str(text))

@@ -1,4 +1,4 @@
-"""Work on many items in order, where an item that fails leaves its error in its place.
+"""Work on many items in order; the error of a failed item takes its place.
 
 Batches of lines go on past a line that fails: a `SpeechError` takes the place of its result.
 """
@@ -79,7 +79,7 @@ def in_turn(
 
 
 def each(results: Iterable[T | SpeechError], act: Callable[[T], R]) -> Iterator[R | SpeechError]:
-    """Yield `act(result)` or its error for each result; pass on errors that are there.
+    """Yield `act(result)` or its error for each result, and pass on existing errors.
 
     >>> list(each([4, SpeechError("none")], str))
     ['4', SpeechError('none')]

@@ -59,7 +59,7 @@ def estimate(transcript: "Transcript", manner: Manner, notation: Notation) -> Sc
 
 
 def _spread(stress: Sequence[int | None], labels: Sequence[str]) -> tuple[int | None, ...]:
-    """Return the stress of labels that have pauses between those it was given for."""
+    """Return the stress of labels after pauses were inserted between them."""
     marks = iter(stress)
     return tuple(None if label == SILENCE else next(marks) for label in labels) if stress else ()
 

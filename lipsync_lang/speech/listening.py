@@ -1,4 +1,4 @@
-"""Progress of work on a long sound, told to whoever asked for it.
+"""Progress of work on a long sound, for callers that ask for it.
 
 Aligners and recognisers tell how much of a sound they have heard, by `tell`. The telling costs
 nothing where nobody asked: in other threads, in processes of a build, and in Python.
@@ -22,7 +22,7 @@ def followed(follower: Callable[[float], None]) -> Iterator[None]:
 
 
 def tell(done: float, of: float) -> None:
-    """Tell that a part of a sound has been heard, both in the same unit.
+    """Report that a part of a sound has been heard, both in the same unit.
 
     >>> with followed(print):
     ...     tell(30, 120)

@@ -36,13 +36,13 @@ MAX_CHANNELS = 64
 """Maximum number of channels."""
 
 MP3, MP3_SLACK = "MP3", 2 * 1152
-"""Format whose header may state some samples more than there are: those of its frames' padding."""
+"""Format whose header may count the padding of its frames as samples."""
 
 BLOCK = 1 << 20
 """Block size of reading, in samples over all channels."""
 
 CANCELLED = 0.05
-"""Least power of a mix, as a share of that of its channels; a reversed plug leaves none of it."""
+"""Minimum power of a mix, as a share of that of its channels; reversed channels cancel out."""
 
 LOUDEST = 2.0**16
 """Amplitude limit of a sample; damaged files hold floats with infinite sums."""
@@ -51,7 +51,7 @@ FULL = 32_768
 """Magnitude of int16 full scale."""
 
 LATE_SECONDS = 0.1
-"""Excess of a schedule over its sound that is tolerated without a remark."""
+"""Tolerated excess of a schedule over its sound, without a remark."""
 
 
 def read_audio(path: str | Path, channel: int | None = None) -> Audio:
@@ -142,7 +142,7 @@ def _read(path: str | Path, sound: Any, channel: int | None) -> Audio:
 
 
 def _blocks(path: str | Path, sound: Any) -> "Iterator[npt.NDArray[np.float32]]":
-    """Yield the samples that the file has, (N, C), however many it states."""
+    """Yield the samples in the file, (N, C), whatever its header states."""
     count = 0
     while len(block := sound.read(BLOCK // sound.channels, dtype="float32", always_2d=True)):
         count += len(block)

@@ -17,24 +17,24 @@ FOREIGN = (
     (0, b"MAC ", "Monkey's Audio (ape)"),
     (0, b"wvpk", "WavPack"),
 )
-"""Forms that other programs read: offset and bytes that tell them, and their names."""
+"""Formats that other programs read: offset and bytes of their marks, and their names."""
 
 HEAD_BYTES = 512
 MAX_CHUNKS = 1000
-"""Chunks of a WAV file that are passed over."""
+"""Chunks of a WAV file to skip."""
 
 FORM_BYTES = 16
-"""Least size of the chunk that states rate and channels."""
+"""Minimum size of the chunk that states rate and channels."""
 
 SURPLUS_SECONDS = 0.1
-"""Sound after the stated end that is tolerated; tags of some programs are there."""
+"""Tolerated sound after the stated end, where some programs write tags."""
 
 OPEN_BYTES = 0x7FFF_0000
-"""Least placeholder size, written by streaming programs in place of the unknown size."""
+"""Minimum placeholder size, written by streaming programs in place of the unknown size."""
 
 
 def unread(path: Path, reason: str) -> str:
-    """Return what a file is that could not be read, and the cure.
+    """Describe an unreadable file, and its remedy.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def _is_text(head: bytes) -> bool:
 
 
 def surplus_seconds(stream: RawIOBase) -> float:
-    """Return how long the sound of a WAV file goes on after the end that its header states.
+    """Return the length of the sound in a WAV file after the end that its header states.
 
     A recorder that crashed leaves such a header. Chunks of other programs may follow the sound.
     """

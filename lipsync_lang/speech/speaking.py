@@ -40,7 +40,7 @@ Values = Mapping[str, str]
 NO_VALUES: Values = MappingProxyType({})
 
 BATCH_TEXTS = 500
-"""Texts that a G2P engine reads at once."""
+"""Maximum number of texts that a G2P engine reads at once."""
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class Speaker:
         return WrittenText(*clear, said.dropped, said.remarks)
 
     def sounding(self, text: str) -> "WrittenText | SilentTextError":
-        """Return what `written` does; for markup alone, an error that `or_silence` mends."""
+        """Return the result of `written`, or an error for `or_silence` if all text is markup."""
         found = self.written(text)
         return SilentTextError(found) if found.dropped and not found.text else found
 
@@ -191,7 +191,7 @@ class Speaker:
 
     @cached_property
     def _utterances(self) -> Utterances:
-        """The reader of interjections, stutters and the like, made once."""
+        """Reader of interjections, stutters and similar sounds, created once."""
         return Utterances(self.manner.forms, self.manner.words, self._is_vowel)
 
     def _is_vowel(self, label: str) -> bool:
@@ -448,7 +448,7 @@ class Speaker:
 
 
 def _each_read(read: G2PEngine, texts: Sequence[str]) -> list[tuple[Said, ...] | SpeechError]:
-    """Read texts at once; where an engine fails at one, its error stands, and the rest is read.
+    """Read texts at once; the error of a failed text takes its place.
 
     An engine that fails at two different texts in the same words fails at all.
     """
@@ -499,7 +499,7 @@ def transcribe(
     values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Transcript | Iterator[Transcript]:
-    """Turn text into phonemes, as the language pack's `g2p` says.
+    """Convert text to phonemes with the `g2p` of the language pack.
 
     Parameters
     ----------
@@ -561,7 +561,7 @@ def speak(  # noqa: PLR0913 a text, a language, and options by keyword
     values: Values = NO_VALUES,
     paths: Paths = (),
 ) -> Schedule | Iterator[Schedule]:
-    """Speak text with the voice its language pack names.
+    """Speak text with the voice of its language pack.
 
     Parameters
     ----------

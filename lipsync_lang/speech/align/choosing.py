@@ -1,4 +1,4 @@
-"""The choice among a language's aligners: the next is asked where one is not sure."""
+"""Choice among a language's aligners, which are tried in order until one is sure."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from lipsync_lang.speech.align.aligners import Aligner
 
 SHOWN_WORDS = 5
-"""Maximum number of words in doubt that are named."""
+"""Maximum number of doubtful words in a remark."""
 
 
 class NamedAligner(NamedTuple):
@@ -62,7 +62,7 @@ def surest(
     first: Schedule | SpeechError,
     engines: "Sequence[NamedAligner]",
 ) -> Schedule:
-    """Return the surest result of a language's aligners: the next is asked if one is not sure."""
+    """Return the most confident result of a language's aligners, tried until one is sure."""
     best, results = first, [(engines[0].name, _sureness(first))]
     for engine in engines[1:]:
         if _sureness(best) >= DOUBTFUL or _words_fit(best):
@@ -85,7 +85,7 @@ def surest(
 
 
 def _words_fit(result: Schedule | SpeechError) -> bool:
-    """Tell whether most words fit, so that other sound alone makes the line doubtful."""
+    """Return True if most words fit, so that only other sound makes the line doubtful."""
     words = result.words if isinstance(result, Schedule) else ()
     sure = sorted(word.confidence for word in words if word.confidence is not None)
     return bool(sure) and sure[len(sure) // 2] >= DOUBTFUL

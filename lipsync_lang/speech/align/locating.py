@@ -1,4 +1,4 @@
-"""Location of a text in a recording that holds other sound as well: music, noise, other speech.
+"""Location of a text in a recording with other sounds: music, noise, other speech.
 
 The voice is laid on each stretch of the recording, with both ends free, as in spoken term
 detection. Levels and noise are those of the stretch alone, so that a loud neighbour does not count.
@@ -60,7 +60,7 @@ MARGIN = 15
 """Frames of a pause that are kept with the span."""
 
 CANDIDATES = 3
-"""Most spans to try."""
+"""Maximum number of spans to try."""
 
 _FAR = 1e9
 
@@ -75,7 +75,7 @@ class LikelySpan(NamedTuple):
     tempo: float
 
     def shares(self, other: "LikelySpan") -> bool:
-        """Tell whether most of two spans is the same."""
+        """Return True if two spans are mostly the same."""
         both = min(self.last, other.last) - max(self.first, other.first)
         return both > 0.8 * max(self.last - self.first, other.last - other.first)
 

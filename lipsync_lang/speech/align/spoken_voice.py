@@ -1,4 +1,4 @@
-"""A text as the language's voice says it: the half of a warp that is known."""
+"""A text as spoken by the language's voice: the known half of a warp."""
 
 from typing import NamedTuple, Self
 

@@ -72,12 +72,12 @@ def confidence_of(line: WarpEvidence) -> float:
 
 
 def word_confidence_of(word: WarpEvidence, line: float) -> float:
-    """Return the confidence from 0 to 1 that a word is said, in a line of that confidence."""
+    """Return the confidence from 0 to 1 that a word is spoken in a line of known confidence."""
     return _logistic(WORD_WEIGHTS, (word.better, word.uneven, _odds(line)))
 
 
 def in_part(confidence: float, phonemes: int) -> float:
-    """Return a text's confidence where it is the best of several parts of the recording."""
+    """Return a text's confidence in the best of several parts of the recording."""
     lost = PART_ODDS * max(1.0, TELLING_PHONEMES / phonemes)
     return _logistic((-lost, 1.0), (_odds(confidence),))
 

