@@ -1,6 +1,7 @@
 """The page of a fit: complete, safe, and small enough for many lines."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -129,6 +130,17 @@ def test_gaps_of_a_capture_are_gaps_of_its_curve():
     assert captured.count("M") == 2
     assert re.search(r'<path class="after" d="([^"]*)"', text)[1].count("M") == 1
     assert "nan" not in captured
+
+
+def test_a_signal_at_rest_lies_at_the_foot():
+    one = line(signals=("jaw",))
+    rest = np.zeros_like(one.before)
+    figures = signal_figures(one.signals, rest, rest, rest)
+    text = fit_page([replace(one, captured=rest, before=rest, after=rest, figures=figures)])
+    heights = re.findall(
+        r"[ML][\d.]+ ([\d.]+)", re.search(r'class="captured" d="([^"]*)"', text)[1]
+    )
+    assert {float(height) for height in heights} == {page_module.HEIGHT}
 
 
 @pytest.mark.parametrize("where", ["name", "signal", "label", "speaker", "why", "remark", "item"])

@@ -181,8 +181,8 @@ def _signal(line: ShownLine, figures: SignalFigures, start: float, end: float) -
     curves = [one[drawn, number] for one in (line.captured, line.before, line.after)]
     known = np.concatenate([one[np.isfinite(one)] for one in curves])
     low, high = float(known.min()), float(known.max())
-    span = max(high - low, 1e-9)
-    captured, before, after = (_path(x, (high - one) / span * HEIGHT) for one in curves)
+    span = high - low or 1.0  # a signal at rest lies at the foot
+    captured, before, after = (_path(x, (low + span - one) / span * HEIGHT) for one in curves)
     return SignalDrawing(figures, captured, before, after, low, high)
 
 

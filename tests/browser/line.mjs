@@ -134,6 +134,18 @@ try {
 
   const phone = await show({ viewport: { width: 360, height: 740 }, colorScheme: "dark", hasTouch: true, reducedMotion: "reduce" });
   result.overflow = await phone.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+
+  // on paper the colours are light, and the reader's own again after it
+  result.inks = await phone.evaluate(() => ["", "beforeprint", "afterprint"].map((event) => {
+    if (event) { dispatchEvent(new Event(event)); }
+    const plot = document.querySelector("#timeline");
+    const copy = Object.assign(document.createElement("canvas"), { width: plot.width, height: plot.height });
+    const context = copy.getContext("2d");
+    context.drawImage(plot, 0, 0);
+    const pixels = context.getImageData(0, 0, plot.width, plot.height).data;
+    const solid = [...pixels.keys()].filter((n) => n % 4 === 0 && pixels[n + 3] > 250);
+    return [getComputedStyle(document.body).color, solid.reduce((sum, n) => sum + pixels[n], 0) / solid.length];
+  }));
   console.log(JSON.stringify(result));
 } finally {
   await browser.close();

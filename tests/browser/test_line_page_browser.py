@@ -35,6 +35,10 @@ def show(tmp_path):
         assert (shown["said"], shown["asked"]) == ([], [])
         assert shown["overflow"] <= 0
         assert shown["nameless"] == []
+        (text, plot), (printed_text, printed_plot), after = shown["inks"]
+        assert printed_text != text
+        assert printed_plot > plot
+        assert after == [text, plot]
         return shown
 
     return show

@@ -264,6 +264,20 @@ class Page {
     the("timeline").setAttribute("aria-label", `Sound, words, phonemes and poses of: ${title}. The arrow keys step through it, and the values are listed beside it.`);
   }
 
+  /** Draw with the colours of the style as it is now. */
+  #recolour() {
+    this.timeline.stale = true;
+    this.#legend();
+    this.wake();
+  }
+
+  /** Draw at once in light colours for a printer, or in the reader's own again. @param {boolean} printed */
+  #paper(printed) {
+    document.documentElement.classList.toggle("paper", printed);
+    this.#recolour();
+    this.draw();
+  }
+
   #legend() {
     listStages(the("legend"), this.take, this.other);
   }
@@ -309,7 +323,9 @@ class Page {
     this.scrub.addEventListener("input", () => this.reveal(this.player.start + Number(this.scrub.value) / this.take.fps));
     the("others").addEventListener("change", (event) => this.#compare(this.takes[Number(/** @type {HTMLSelectElement} */ (event.target).value)]));
     addEventListener("resize", () => { this.timeline.stale = true; this.wake(); });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { this.timeline.stale = true; this.#legend(); this.wake(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#recolour());
+    addEventListener("beforeprint", () => this.#paper(true));
+    addEventListener("afterprint", () => this.#paper(false));
     document.addEventListener("keydown", (event) => this.#key(event));
     addEventListener("scroll", () => this.#hover(null), { passive: true });
   }
