@@ -10,7 +10,14 @@ from lanes import full
 from packs_tree import POSESET, plant, put
 
 import lipsync_lang as ll
-from lipsync_lang.errors import LipsyncError, OutputError, PackError, ScheduleError, SpeechError
+from lipsync_lang.errors import (
+    LipsyncError,
+    OutputError,
+    PackError,
+    ScheduleError,
+    SpeechError,
+    shortlist,
+)
 from lipsync_lang.packs.yaml.faults import Fault, PackFaults
 from lipsync_lang.resolver.settings import motion_with
 from lipsync_lang.schedules.textgrid import read_textgrid
@@ -373,3 +380,9 @@ def test_outputs_that_cannot_be_written_are_told(name, message, performer, tmp_p
     with pytest.raises(OutputError, match=message):
         animation.save(tmp_path / name)
     assert {p.name for p in tmp_path.iterdir()} == {"folder.csv", "file"}
+
+
+def test_a_long_list_names_a_few_and_counts_the_others():
+    assert shortlist("abc", 3) == "a, b, c"
+    assert shortlist("abcdefg", 3) == "a, b, c and 4 more"
+    assert shortlist([], 3) == ""

@@ -393,9 +393,12 @@ def test_an_import_that_hangs_is_given_up(tmp_path, monkeypatch):
     assert doctor._extra(extra).state == "broken"  # noqa: SLF001
 
 
-def one(check):
+CHECKS = {check.__name__.strip("_"): check for check in doctor.CHECKS}
+
+
+def one(name):
     """Return the only part of a check."""
-    (found,) = check()
+    (found,) = CHECKS[name]()
     return found.state, found.told
 
 
@@ -419,7 +422,7 @@ def test_the_voices_are_those_of_the_project(monkeypatch):
 def test_programs_of_others_are_found_or_named(monkeypatch):
     monkeypatch.setattr(doctor.shutil, "which", {"mfa": "/bin/mfa"}.get)
     monkeypatch.setattr(webbrowser, "get", lambda: None)
-    found = {part.part: part for part in doctor._programs()}  # noqa: SLF001
+    found = {part.part: part for part in CHECKS["programs"]()}
     assert found["mfa"][1:] == ("ok", "/bin/mfa")
     assert found["browser"].state == "ok"
 
@@ -427,7 +430,7 @@ def test_programs_of_others_are_found_or_named(monkeypatch):
         raise webbrowser.Error
 
     monkeypatch.setattr(webbrowser, "get", none)
-    assert [part.state for part in doctor._programs()][-1] == "missing"  # noqa: SLF001
+    assert [part.state for part in CHECKS["programs"]()][-1] == "missing"
 
 
 def test_fonts_to_install_are_named(monkeypatch):
@@ -435,10 +438,10 @@ def test_fonts_to_install_are_named(monkeypatch):
     for missing, state, told in (("", "ok", "ʃ"), ("क", "missing", "Noto Sans Devanagari: ")):
         found = FoundFonts((), frozenset(missing))
         monkeypatch.setattr(plot_fonts, "fonts_for", lambda _, found=found: found)
-        assert one(doctor._fonts)[0] == state  # noqa: SLF001
-        assert told in one(doctor._fonts)[1]  # noqa: SLF001
+        assert one("fonts")[0] == state
+        assert told in one("fonts")[1]
     without(monkeypatch, "matplotlib")
-    assert not list(doctor._fonts())  # noqa: SLF001
+    assert not list(CHECKS["fonts"]())
 
 
 def test_the_cache_can_be_written_and_has_room(here, monkeypatch):
@@ -449,19 +452,19 @@ def test_the_cache_can_be_written_and_has_room(here, monkeypatch):
         ("file", "broken", f"cannot be written; name another folder in {CACHE_VARIABLE}"),
     ):
         monkeypatch.setenv(CACHE_VARIABLE, named)
-        assert one(doctor._cache)[0] == state  # noqa: SLF001
-        assert told in one(doctor._cache)[1]  # noqa: SLF001
+        assert one("cache")[0] == state
+        assert told in one("cache")[1]
     monkeypatch.setenv(CACHE_VARIABLE, "new/cache")
     few = SimpleNamespace(free=doctor.LEAST_FREE_BYTES - 1)
     monkeypatch.setattr(doctor.shutil, "disk_usage", lambda _: few)
-    assert one(doctor._cache)[0] == "broken"  # noqa: SLF001
-    assert "has 200 MB left" in one(doctor._cache)[1]  # noqa: SLF001
+    assert one("cache")[0] == "broken"
+    assert "has 200 MB left" in one("cache")[1]
 
 
 @pytest.mark.parametrize(("encoding", "state"), [("utf-8", "ok"), ("cp1252", "missing")])
 def test_a_terminal_without_unicode_is_told(monkeypatch, encoding, state):
     monkeypatch.setattr(doctor.sys, "stdout", SimpleNamespace(encoding=encoding))
-    found = one(doctor._terminal)  # noqa: SLF001
+    found = one("terminal")
     assert (found[0], "PYTHONUTF8=1" in found[1]) == (state, state == "missing")
 
 
@@ -505,7 +508,7 @@ def plugged(tmp_path, monkeypatch):
         found = os.environ.get("PYTHONPATH", "")
         monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, [str(site), found])))
         extensions._groups.cache_clear()  # noqa: SLF001 the folder is new
-        return {one.part: one for one in doctor._plug_ins()}["plug-in odd"]  # noqa: SLF001
+        return {one.part: one for one in CHECKS["plug_ins"]()}["plug-in odd"]
 
     yield put
     extensions._groups.cache_clear()  # noqa: SLF001
