@@ -18,7 +18,7 @@ from prose.texts import ROOT, Sentence, sentences_of_page
 
 RULES = rules()
 ALL = everything()
-KINDS = {".md", ".py", ".js", ".mjs", ".html", ".jinja", ".yaml", ".yml", ".toml", ""}
+KINDS = {".md", ".py", ".js", ".mjs", ".html", ".jinja", ".yaml", ".yml", ".json", ".toml", ""}
 assert len(ALL) > 900, "a sweep over nothing passes"
 assert {path.suffix for path in ALL} == KINDS, "a sweep over nothing passes"
 
@@ -209,6 +209,17 @@ tests: [{text: not read}]
         (4, "an aside", False),
         (7, "A title", False),
         (10, "Digits are not read.", True),
+    ]
+
+
+def test_tours_are_read_by_their_titles_and_texts(tmp_path):
+    text = """{"line": "not read", "steps": [
+{"at": "#not read", "title": "A title", "text": "One. Two."}]}
+"""
+    assert [each[:2] for each in read(tmp_path, "tour.json", text)] == [
+        (2, "A title"),
+        (2, "One."),
+        (2, "Two."),
     ]
 
 

@@ -91,11 +91,13 @@ def modules() -> list[Path]:
 
 
 def other_files() -> list[Path]:
-    """List scripts, templates, packs and settings."""
+    """List scripts, templates, packs, tours and settings."""
     package = [f"lipsync_lang/**/*.{kind}" for kind in ("js", "html", "jinja")]
     packs = [f"{folder}/**/*.yaml" for folder in ("languages", "posesets", "docs", "benchmarks")]
     settings = ["*.yml", "*.toml", "Makefile", ".pre-commit-config.yaml", ".github/**/*.yml"]
-    return _listed(*package, *packs, *settings, "docs/**/*.html", "docs/**/*.mjs")
+    return _listed(
+        *package, *packs, *settings, "posesets/**/*.json", "docs/**/*.html", "docs/**/*.mjs"
+    )
 
 
 def everything() -> list[Path]:
@@ -118,7 +120,7 @@ def sentences(path: Path) -> Iterator[Sentence]:
             return sentences_of_script(path)
         case "html":
             return sentences_of_markup(path)
-        case "yaml" | "yml" if path.suffix != ".jinja":
+        case "yaml" | "yml" | "json" if path.suffix != ".jinja":
             return sentences_of_pack(path)
         case _:
             return sentences_of_comments(path)

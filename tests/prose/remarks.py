@@ -15,6 +15,8 @@ FIELDS = {
     *("description", "label", "who", "figure", "of", "data"),
 }
 """Fields of packs, of `docs/published.yaml` and of forms that hold prose."""
+_SHOWN = {"title", "text"}
+"""Fields of tours, which are JSON and so YAML."""
 _QUOTED = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|(?<!\w)'[^'\n]*'")
 _COMMENT = re.compile(r"(?P<code>^.*?)(?:^|(?<=\s))#+(?!:)[ \t](?P<words>.*)$")
 
@@ -41,8 +43,9 @@ def sentences_of_comments(path: Path) -> Iterator[Sentence]:
 def sentences_of_pack(path: Path) -> Iterator[Sentence]:
     """Read the comments of a pack, and its fields that hold prose."""
     yield from sentences_of_comments(path)
+    fields = _SHOWN if path.suffix == ".json" else FIELDS
     for document in yaml.compose_all(path.read_text(encoding="utf-8")):
-        for line, text in _fields(document, prose=False):
+        for line, text in _fields(document, fields, prose=False):
             yield from split(path, line, CODE.sub(mark, text), running=text.endswith("."))
 
 
@@ -55,13 +58,13 @@ def _comments(text: str) -> Iterator[_Comment]:
             yield _Comment(number, match["words"], row if alone else "aside")
 
 
-def _fields(node: yaml.Node | None, *, prose: bool) -> Iterator[tuple[int, str]]:
+def _fields(node: yaml.Node | None, fields: set[str], *, prose: bool) -> Iterator[tuple[int, str]]:
     if isinstance(node, yaml.MappingNode):
         for key, value in node.value:
-            yield from _fields(value, prose=prose or key.value in FIELDS)
+            yield from _fields(value, fields, prose=prose or key.value in fields)
     elif isinstance(node, yaml.SequenceNode):
         for part in node.value:
-            yield from _fields(part, prose=prose)
+            yield from _fields(part, fields, prose=prose)
     elif isinstance(node, yaml.ScalarNode) and prose and " " in node.value:
         folded = node.style in ("|", ">")
         yield node.start_mark.line + 1 + folded, node.value
