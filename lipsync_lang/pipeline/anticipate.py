@@ -1,4 +1,4 @@
-"""Anticipate: poses that look ahead begin before their sound.
+"""Anticipate: poses with anticipation begin before their sound.
 
 Conventions: (P, T) is poses by frames. Look-ahead is in frames and need not be whole.
 

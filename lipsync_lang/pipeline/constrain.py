@@ -12,11 +12,11 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Floats, Ints
 
 FREE = 2.0
-"""A constraint at this threshold never binds: two weights add up to no more."""
+"""Threshold of a constraint without effect, which no two weights exceed in sum."""
 
 
 class Cap(NamedTuple):
-    """Pose `low` yields to pose `high`: together at most `threshold`."""
+    """Pose `low` yields to pose `high`; their sum is at most `threshold`."""
 
     low: int
     high: int
@@ -24,7 +24,7 @@ class Cap(NamedTuple):
 
 
 class Bound(NamedTuple):
-    """Pose `low` yields to each pose of `high`: together with any at most `threshold`."""
+    """Pose `low` yields to each pose of `high`; each sum is at most `threshold`."""
 
     low: int
     high: Ints
@@ -54,7 +54,7 @@ def caps(thresholds: Floats, priority: Floats) -> tuple[Cap, ...]:
 
 
 def together(pairs: Iterable[Cap]) -> tuple[Bound, ...]:
-    """Join the pairs, as from `caps`, in which one pose yields at one threshold."""
+    """Join the pairs of `caps` with the same yielding pose and the same threshold."""
     highs: dict[tuple[int, float], list[int]] = {}
     for low, high, threshold in pairs:
         highs.setdefault((low, threshold), []).append(high)
@@ -64,7 +64,7 @@ def together(pairs: Iterable[Cap]) -> tuple[Bound, ...]:
 def constrain(
     weights: Floats, binding: Sequence[Bound], at_most: Sequence[tuple[int, int]] = ()
 ) -> Floats:
-    """Lower each pose until no pair passes its threshold.
+    """Lower each pose until no pair exceeds its threshold.
 
     From the highest priority down, for every pose b and the poses a above it::
 

@@ -1,4 +1,4 @@
-"""Bank curves: control points in normalised time, and the smooth curve they control.
+"""Bank curves: control points in normalised time, and their smooth curves.
 
 The paper's l(t) is the control polygon, c(t) the B-spline (3.1.2). c is the clamped uniform
 B-spline of degree min(3, n - 1) in (t(u), v(u)), and 0 outside its points.
@@ -15,13 +15,13 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Floats, Ints
 
 STEPS = 40
-"""Most iterations to invert t(w); bracketed Newton steps converge in about six."""
+"""Maximum number of iterations to invert t(w); bracketed Newton steps converge in about six."""
 
 ENOUGH = 1e-13
-"""Smallest change of w that continues the iteration; a w that has settled stays as it is."""
+"""Minimum change of w that continues the iteration."""
 
 BLOCK_CURVES = 32
-"""Curves evaluated together; their intermediate values fit into the processor's cache."""
+"""Number of curves in a block; its intermediate values fit into the processor's cache."""
 
 
 @cache

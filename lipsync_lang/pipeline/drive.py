@@ -1,4 +1,4 @@
-"""Drive: channels of a model as sums of gain times pose, with the promises kept on them.
+"""Drive: channels of a model as sums of gain times pose, with the same guarantees as poses.
 
 Not in the paper, whose curves go to the model as they are. Poses have kept their promises already:
 between 0 and 1, at most `step` a frame, contacts held, at rest at both ends. A channel is
@@ -65,7 +65,7 @@ class Rig:
     at_most: tuple[tuple[int, int], ...]
     """(channel, other): channel never above other, in an order in which each other is final."""
     contact: Ints
-    """(C,) 1 where contact poses raise the channel, -1 where they lower it, 0 where neither."""
+    """(C,) 1 if contact poses raise the channel, -1 if they lower it, otherwise 0."""
 
     @cached_property
     def span(self) -> Floats:
@@ -98,7 +98,7 @@ def sides(gains: Floats, floors: Floats) -> Ints:
 
 
 def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) -> Floats:
-    """Drive the channels of a rig by poses; the module lists the promises kept on them.
+    """Drive the channels of a rig with poses; the module lists their guarantees.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def drive(weights: Floats, rig: Rig, step: float, kernel: Floats | None = None) 
 
 
 def _yield(curves: Floats, rig: Rig, pairs: Iterable[tuple[int, int]], step: float) -> None:
-    """Lower (C, T) curves, in place, to those they yield to."""
+    """Lower (C, T) curves, in place, to the curves that limit them."""
     for channel, other in pairs:
         own = np.minimum(curves[channel], curves[other], out=curves[channel])
         np.maximum(own, rig.low[channel], out=own)
@@ -137,7 +137,7 @@ def _yield(curves: Floats, rig: Rig, pairs: Iterable[tuple[int, int]], step: flo
 
 
 def _rounded(curves: Floats, kernel: Floats) -> Floats:
-    """Round (C, T) curves off; before and after them they stay where they start and end."""
+    """Smooth (C, T) curves; their first and last values continue outside."""
     late = len(kernel) // 2
     longer = np.pad(curves, ((0, 0), (late, late)), mode="edge")
     mean: Floats = np.convolve(longer.ravel(), kernel)[late : late + longer.size]
@@ -153,7 +153,7 @@ def _late(curves: Floats, rig: Rig, step: float, late: int, ends: tuple[bool, bo
 
 
 def _fast(curves: Floats, steps: Floats) -> Bools:
-    """Return True for (C, T) curves that pass their step anywhere: (C,)."""
+    """Return True for (C, T) curves that exceed their step anywhere: (C,)."""
     change = np.abs(np.diff(curves, axis=1)).max(axis=1, initial=0)
     too: Bools = change > steps
     return too

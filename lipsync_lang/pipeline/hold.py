@@ -1,4 +1,4 @@
-"""Hold contacts: lips that must meet do meet, however short the sound.
+"""Hold contacts: closures are complete, even in short sounds.
 
 Conventions: times are seconds; (n,) is phonemes and (P, T) poses by frames.
 
@@ -20,7 +20,7 @@ MARGIN = 0.030
 """Seconds of a phoneme, at each side, in which the contact may still be closing or opening."""
 
 SHORTEST = 0.042
-"""Seconds for which a contact is held at least: one frame of film."""
+"""Minimum seconds of a held contact: one frame of film."""
 
 
 class Plateau(NamedTuple):
@@ -32,7 +32,7 @@ class Plateau(NamedTuple):
 
 
 def bounds(raised: Iterable[Plateau], lowered: Iterable[Plateau], poses: int) -> Floats:
-    """Return the least and the greatest weight of each pose, infinite where free: (2, P, 1)."""
+    """Return the minimum and maximum weight of each pose, infinite if free: (2, P, 1)."""
     out = np.full((2, poses, 1), np.inf)
     out[0] = -np.inf
     for side, levels in zip(out, (raised, lowered), strict=True):
@@ -75,7 +75,7 @@ def held_frames(wanted: Bools, track: Track, first: float, fps: float, count: in
 
 
 def hold(curves: Floats, least: Floats, most: Floats, held: Bools) -> Floats:
-    """Raise (P, T) curves to a contact's floors and lower them to its ceilings where held.
+    """Raise (P, T) curves to a contact's floors and lower them to its ceilings while it is held.
 
     Levels may lie beyond 0 and 1. The speed limit then needs more frames to reach them, which
     lengthens the plateau. Clip the curves after the speed limit.

@@ -1,4 +1,4 @@
-"""The compiled kernel, `kernel.c`, where it was built; loading it needs no numpy.
+"""The compiled kernel, `kernel.c`, if it was built; loading it does not need numpy.
 
 `kernel_plan` passes performances to it. The stages in numpy are its specification, and they run
 wherever it is absent, switched off, or does not serve the settings.
@@ -9,11 +9,11 @@ from importlib import import_module
 from typing import Any
 
 SWITCH = "LIPSYNC_LANG_KERNEL"
-"""Environment variable: `off` leaves the compiled kernel out."""
+"""Environment variable; `off` disables the compiled kernel."""
 
 
 INTERFACE = 2
-"""Number of the calls and arguments; a library of another number was built from older code."""
+"""Version of the calls and arguments; a library with another version is from other code."""
 
 
 def load() -> Any:
@@ -28,7 +28,7 @@ def load() -> Any:
 
 
 def summary() -> str:
-    """Return which of the two runs, for `--version`."""
+    """Return the name of the implementation in use, for `--version`."""
     if compiled is not None:
         return "compiled kernel"
     return f"numpy; {SWITCH} is off" if _off() else "numpy; no compiled kernel"

@@ -1,4 +1,4 @@
-"""Pass performances to the compiled kernel: what it keeps of tables and settings, and its calls.
+"""Performances by the compiled kernel: its copies of tables and settings, and its calls.
 
 Conventions: N common phonemes, P poses, T frames; times are seconds. The kernel checks the sizes of
 arrays and the range of indices; their types are seen to here.
@@ -29,7 +29,7 @@ TAPS = 3
 """The kernel of a blur is filled up to a multiple of so many weights on each side."""
 
 UNBOUNDED = 1e300
-"""Stands for infinity, so that no product of it is undefined."""
+"""Substitute for infinity, whose products are always defined."""
 
 
 def serves(motion: Motion) -> bool:
@@ -41,7 +41,7 @@ def serves(motion: Motion) -> bool:
 
 
 def _bank(tables: Tables) -> Any:
-    """Return the curves of the neutral bank as the kernel keeps them; the tables remember that."""
+    """Return the kernel's copy of the curves of the neutral bank, which the tables cache."""
     known = vars(tables)
     if "_bank" not in known:
         rows, _, poses = tables.curves.shape
@@ -54,7 +54,7 @@ def _bank(tables: Tables) -> Any:
 
 
 class Kept(NamedTuple):
-    """Tables and settings as the compiled kernel keeps them, and its calls."""
+    """The compiled kernel's copy of tables and settings, and its calls."""
 
     bank: Any
     """Curves of the neutral bank."""
@@ -64,7 +64,7 @@ class Kept(NamedTuple):
     def weigh(
         self, track: "Track", frames: "Frames", span: tuple[int, int], dials: Sequence[Dial]
     ) -> Floats:
-        """Perform a span of frames of a track, as if there were no others: (T, P) weights."""
+        """Perform a span of frames of a track without the frames around it: (T, P) weights."""
         arrays = _ints(track.ids), track.bounds, track.reach, track.moving, _ints(track.rows)
         place = track.waived, frames.start, frames.first, frames.count, *span
         weights: Floats = kernel.compiled.weigh(*self, *arrays, *place, _given(dials))
@@ -85,7 +85,7 @@ class Kept(NamedTuple):
 
 
 def keep(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Kept:
-    """Hand tables and settings to the kernel; they remember what it keeps.
+    """Give tables and settings to the kernel; the tables cache its copy.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def keep(tables: Tables, motion: Motion, prepared: Prepared, fps: float) -> Kept
 
 
 def block_of(halo: int) -> int:
-    """Return the frames of a block; a small part of the work is for the frames on either side."""
+    """Return the number of frames of a block, of which the overlaps are a small part."""
     return max(BLOCK, 4 * halo)
 
 

@@ -16,7 +16,7 @@ from lipsync_lang.pipeline.arrays import Bools, Floats
 
 
 class Level(NamedTuple):
-    """A number over time: straight lines between points, level before and after them."""
+    """A number over time: linear between points, constant before and after them."""
 
     times: Floats
     """(K,) seconds, never falling."""
@@ -44,7 +44,7 @@ class Dial(NamedTuple):
     poses: Bools
     """(P,)"""
     level: Level
-    """0 not at all, 1 as usual, 2 twice as far."""
+    """Factor: 0 for no movement, 1 for the usual one, 2 for twice as much."""
     name: str = "dial"
     """Its source, for explanations."""
 

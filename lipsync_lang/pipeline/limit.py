@@ -44,7 +44,7 @@ def rest_at_ends(curves: Floats, ramp: Floats, *, head: bool, tail: bool) -> Flo
 
 
 def envelope(curves: Floats, step: float, upper: Bools) -> Floats:
-    """Return slow curves: the smallest above where `upper`, (P,), the largest below elsewhere.
+    """Return slow curves: the smallest above if `upper`, (P,), otherwise the largest below.
 
     The upper envelope of a curve is the lower one of its negative, negated.
     """

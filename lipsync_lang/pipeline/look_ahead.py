@@ -1,4 +1,4 @@
-"""Look ahead: how much of what follows a frame must be known before it is final.
+"""Look-ahead: the part of the line that must be known before a frame is final.
 
 Conventions: lengths are whole frames unless said otherwise. A frame at t is final as soon as a
 common phoneme is known that starts later than t by what the stages look ahead: only then are the
@@ -26,18 +26,18 @@ _PROMISED = ("limit", "soften")
 
 @dataclass(frozen=True)
 class LookAhead:
-    """Frames around one that the stages of a motion look at."""
+    """Numbers of frames around a frame that the stages of a motion depend on."""
 
     motion: Motion
     fps: float
     wanted: int
-    """Frames ahead that the stages before the contacts look at."""
+    """Frames ahead on which the stages before the contacts depend."""
     promised: int
-    """Frames ahead that the stages after the contacts look at."""
+    """Frames ahead on which the stages after the contacts depend."""
     before: int
-    """Frames back that all stages look at."""
+    """Frames back on which all stages depend."""
     ramp: int
-    """Frames from either end of the animation that rest changes."""
+    """Frames from either end of the animation that rest influences."""
     lead: int
     """Frames from rest to the first held frame of a contact."""
     stages: dict[str, float]
@@ -45,7 +45,7 @@ class LookAhead:
 
     @classmethod
     def of(cls, prepared: Prepared, motion: Motion, fps: float) -> Self:
-        """Add up what the stages look at.
+        """Add up the dependencies of the stages.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class LookAhead:
 
     @property
     def ahead(self) -> int:
-        """Frames ahead that all stages look at, apart from where contacts and the end lie."""
+        """Frames ahead on which all stages depend, except for contacts and the end."""
         return self.wanted + self.promised
 
     @property
@@ -77,7 +77,7 @@ class LookAhead:
         return sum(self.stages.values())
 
     def lead_in(self, opening: float) -> int:
-        """Return the frames before the start of a line that begins with so many silent seconds."""
+        """Return the frames before the start of a line with some seconds of initial silence."""
         return frames_until(0, -opening, self.motion.silence_reach, self.lead, self.fps)
 
     def stop(self, length: float, closing: float) -> int:
@@ -92,7 +92,7 @@ class LookAhead:
         return frames_until(length, length - closing, reach, self.lead, self.fps) + 1
 
     def settled(self, clear: float, held: float, least: int) -> int:
-        """Return how many frames, counted from the start of the line, are final.
+        """Return the number of final frames from the start of the line.
 
         Parameters
         ----------
@@ -104,15 +104,15 @@ class LookAhead:
         return min(raised, self._frames(held), least - self.ramp) - self.promised
 
     def _frames(self, seconds: float) -> int:
-        """Return how many frames, counted from the start of the line, lie before a time."""
+        """Return the number of frames from the start of the line to a time."""
         return ceil((seconds - CLEAR_SECONDS) * self.fps)
 
 
 def _held(fps: float) -> float:
-    """Return how many seconds before a boundary the phoneme behind it may change held frames."""
+    """Return the seconds before a boundary in which the next phoneme may change held frames."""
     return max(MARGIN, widened(fps))
 
 
 def widened(fps: float) -> float:
-    """Return how many seconds before its start a short phoneme may hold its contact."""
+    """Return the seconds before its start in which a short phoneme may hold its contact."""
     return max(SHORTEST, 1 / fps) / 2

@@ -1,4 +1,4 @@
-"""Lay over: an artist's curves for one word or phoneme replace the stitched ones.
+"""Overlay: an artist's curves for one word or phoneme replace the stitched ones.
 
 Conventions: times are seconds; (P, T) is poses by frames; weights are in [0, 1].
 
@@ -27,7 +27,7 @@ class Overlay(NamedTuple):
 
 
 def lay_over(curves: Floats, overlays: Sequence[Overlay], times: Floats) -> Floats:
-    """Replace stretches of (P, T) curves by overlays, later ones over earlier ones.
+    """Replace spans of (P, T) curves with overlays; later overlays take precedence.
 
     Parameters
     ----------

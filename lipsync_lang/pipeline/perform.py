@@ -1,4 +1,4 @@
-"""The stages in their order: a track in, weights out, in blocks so that cost stays linear.
+"""The stages in order, from a track to weights, in blocks so that the cost is linear.
 
 Conventions: (P, T) is poses by frames; `begin` and `stop` count the animation's frames. By default
 the speed limit comes before the constraints; the paper has it after them. The paper's own stages
@@ -32,7 +32,7 @@ from lipsync_lang.pipeline.track import Track
 from lipsync_lang.pipeline.warp import FramePlace, locate, warp
 
 BLOCK = 8192
-"""Frames worked on at once; the arrays of a block stay near the processor."""
+"""Number of frames of a block, whose arrays fit into the processor's cache."""
 
 
 class Stage(NamedTuple):
@@ -60,7 +60,7 @@ class Frames:
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """A track on its way through the stages."""
+    """State of a track in the stages."""
 
     tables: Tables
     track: Track
@@ -83,7 +83,7 @@ class Performance:
         )
 
     def weights(self) -> Floats:
-        """Run every stage: (T, P); in the compiled kernel, where it serves."""
+        """Run every stage, in the compiled kernel if possible: (T, P)."""
         if self.compiled:
             return self._weigh(0, self.frames.count)
         if self.frames.count <= BLOCK or self.far:
@@ -99,7 +99,7 @@ class Performance:
 
     @property
     def compiled(self) -> bool:
-        """True if the compiled kernel serves."""
+        """True if the compiled kernel supports this performance."""
         other = self.overlays or self.blends or self.track.mixed
         return kernel_plan.serves(self.motion) and not other
 
@@ -194,7 +194,7 @@ class Performance:
             yield Stage("soften", curves if prepared.convex else self._constrain(curves))
 
     def _shaped(self, begin: int, stop: int) -> Iterator[Stage]:
-        """Run the stages before the promises: the mouth's wanted place."""
+        """Run the stages before the guarantees: the desired curves."""
         motion, prepared = self.motion, self.prepared
         times = self.frames.times(begin, stop)
         place = locate(self.track, times)
@@ -219,7 +219,7 @@ class Performance:
             yield Stage("ease", soften(curves, prepared.wide))
 
     def _hold(self, curves: Floats, begin: int, stop: int) -> Floats:
-        """Hold contacts; levels beyond the bounds are for a speed limit to follow."""
+        """Hold contacts; levels may exceed the bounds before a speed limit."""
         for (_, frames), (least, most) in zip(self.held, self.prepared.levels, strict=True):
             curves = hold(curves, least, most, frames[begin:stop])
         if self.prepared.longer and self.motion.limit == "after":
@@ -227,7 +227,7 @@ class Performance:
         return curves
 
     def _room(self, curves: Floats, place: FramePlace) -> Floats:
-        """Return the room that opponents leave to the poses that look ahead: (R, T)."""
+        """Return the room that opponents leave to the poses with anticipation: (R, T)."""
         room: Floats = 1 - self.prepared.blocked @ curves
         np.maximum(room, 0, out=room)
         room[self.prepared.opposed[:, self.track.ids].take(place.phoneme, axis=1)] = 0
@@ -296,7 +296,7 @@ def lay_frames(track: Track, motion: Motion, fps: float, lead: int) -> Frames:
 
 
 def frames_until(edge: float, sound: float, reach: float, lead: int, fps: float) -> int:
-    """Count the frames up to a schedule's edge, and past its outermost sound as far as needed."""
+    """Count the frames up to a schedule's edge, or farther if its outermost sound needs them."""
     reached = math.floor((sound + reach) * fps + 1e-6)
     held = math.floor((sound + max(SHORTEST, 1 / fps) / 2) * fps + 1e-6)
     return max(math.ceil(edge * fps - 1e-6), reached, held + lead if lead else reached)

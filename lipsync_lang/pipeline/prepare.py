@@ -1,4 +1,4 @@
-"""Prepare: settings at a frame rate, the same for every line.
+"""Prepare: values that depend on settings and frame rate, but not on the line.
 
 Conventions: P poses, C contacts; half-widths are seconds, reaches and lengths whole frames unless
 said otherwise; `step` is the weight by which a pose may change from frame to frame.
@@ -49,7 +49,7 @@ RIGGED = 0.02
 
 
 class Reach(NamedTuple):
-    """Frames on each side that a stage looks at; infinite if unbounded."""
+    """Frames on each side on which a stage depends; infinite if unbounded."""
 
     back: float
     """Frames."""
@@ -67,19 +67,19 @@ class Prepared:
     shared: tuple[Blur, ...]
     """Kernels after them, the same for all poses of a group."""
     ramps: Floats
-    """(P, n) how far from rest each pose may be so many frames from an end."""
+    """(P, n) maximum distance of each pose from rest by frames from an end."""
     early: Ints
-    """(R,) poses that look ahead."""
+    """(R,) poses with anticipation."""
     left: Floats
-    """(R, n) what is left of them so many frames ahead."""
+    """(R, n) remaining share of these poses by frames ahead."""
     blocked: Floats
-    """(R, P) how much each pose keeps these from beginning early."""
+    """(R, P) share by which each pose prevents their anticipation."""
     opposed: Bools
-    """(R, N) True where a phoneme keeps these from beginning early."""
+    """(R, N) True for phonemes that prevent their anticipation."""
     levels: tuple[Floats, ...]
-    """(2, P, 1) for each contact, the least and the greatest weight where it is held."""
+    """(2, P, 1) minimum and maximum weight in each contact while it is held."""
     longer: float
-    """Frames by which the longest plateau is held longer, on each side."""
+    """Maximum number of frames by which a plateau is extended, on each side."""
     tops: Floats
     """(P,) greatest weight that leaves room for what a pose outranks, and keeps pairs convex."""
     topped: bool
@@ -87,23 +87,23 @@ class Prepared:
     convex: bool
     """True if the softening keeps every constraint by itself."""
     lead: int
-    """Frames from rest to the first held frame of a contact; 0 where nothing is held up."""
+    """Frames from rest to the first held frame of a contact; 0 without a floor."""
     reach: dict[str, Reach]
-    """Frames that each stage looks at, by its name."""
+    """Frames on which each stage depends, by its name."""
 
     @property
     def halo(self) -> float:
-        """Frames on either side of a frame that all stages together look at."""
+        """Frames on either side on which a frame depends in all stages together."""
         looks = self.reach.values()
         return max(sum(r.back for r in looks), sum(r.ahead for r in looks))
 
 
 MAX_PREPARED = 64
-"""Motions and frame rates that tables remember; a studio tries many."""
+"""Maximum number of cached motions and frame rates; a studio tries many."""
 
 
 def prepare(tables: Tables, motion: Motion, fps: float) -> Prepared:
-    """Derive the values of a motion at a frame rate; the tables remember them.
+    """Derive the values of a motion at a frame rate; the tables cache them.
 
     Parameters
     ----------
@@ -203,7 +203,7 @@ def _room(tables: Tables) -> tuple[Floats, bool]:
 
 
 def _unimplied(tables: Tables, contact: Contact) -> list[int]:
-    """Return the poses whose ceiling no constraint with a floor of the contact keeps anyway."""
+    """Return the poses whose ceiling does not follow from a constraint with a floor."""
     kept = {
         cap.low
         for cap in tables.caps
@@ -265,7 +265,7 @@ class _Keeping(NamedTuple):
     kernels: tuple[Floats, ...]
     step: float
     plateau: int
-    """Fewest frames for which a contact is held."""
+    """Minimum number of frames of a held contact."""
 
     @classmethod
     def of(cls, half: Floats, step: float, fps: float) -> Self:
@@ -274,7 +274,7 @@ class _Keeping(NamedTuple):
         return cls(kernels, step, max(1, floor(max(SHORTEST * fps, 1) + 1e-6)))
 
     def lost(self, pose: int, weight: float, longer: float) -> float:
-        """Return the weight lost at the end of a plateau held `longer` frames more."""
+        """Return the weight lost at the end of a plateau that is extended by `longer` frames."""
         at = np.arange(len(self.kernels[pose])) - len(self.kernels[pose]) // 2
         away = np.where(at < 0, -at, at - (self.plateau - 1)) - longer
         return float(self.kernels[pose] @ np.minimum(self.step * np.maximum(away, 0), weight))

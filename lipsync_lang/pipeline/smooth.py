@@ -1,4 +1,4 @@
-"""Smooth: fill the valley between peaks that follow each other closely (paper 3.2.1, figure 8).
+"""Smooth: fill the valley between close peaks (paper 3.2.1, figure 8).
 
 Conventions: (P, T) is poses by frames; windows are in frames.
 
@@ -70,7 +70,7 @@ def chord(curves: Floats, frames: float) -> Floats:
 
 
 def _peaks(curve: Floats) -> Ints:
-    """Return the frames of local maxima; a flat top gives its first and its last."""
+    """Return the frames of local maxima; for a flat maximum, its first and its last."""
     first = np.concatenate(([0], np.flatnonzero(np.diff(curve)) + 1))
     last = np.append(first[1:] - 1, len(curve) - 1)
     level = np.concatenate(([-1.0], curve[first], [-1.0]))

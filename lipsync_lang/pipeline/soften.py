@@ -1,4 +1,4 @@
-"""Soften: a kernel rounds the corners off each pose.
+"""Soften: a kernel smooths the corners of each pose.
 
 The paper has no such stage: its curves are polygons after the speed limit.
 
@@ -25,7 +25,7 @@ SURE = 1 - 2e-15
 
 
 class Blur(NamedTuple):
-    """Poses that one kernel rounds off."""
+    """Poses that one kernel smooths."""
 
     poses: Ints
     """(R,)"""
@@ -63,7 +63,7 @@ def kernel(half: float, fps: float) -> Floats:
 
 
 def reach_of(half: float, fps: float) -> int:
-    """Return how many frames a kernel of some half-width looks back, and as many ahead."""
+    """Return the number of frames on each side in a kernel of some half-width."""
     return math.ceil(half * fps - 1e-9)
 
 
@@ -76,7 +76,7 @@ def _second_integral(x: Floats, half: float) -> Floats:
 
 
 def soften(curves: Floats, blurs: tuple[Blur, ...]) -> Floats:
-    """Round (P, T) curves off; poses that no blur names stay as they are.
+    """Smooth (P, T) curves; poses without a blur are unchanged.
 
     The poses of a blur are laid end to end with rests between, for one convolution.
     """

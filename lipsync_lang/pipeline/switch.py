@@ -1,4 +1,4 @@
-"""Switch: one pose at a time, for faces that are drawn and not blended.
+"""Switch: one pose at a time, for drawn faces.
 
 Conventions: (P, T) is poses by frames; the result is 0 or 1.
 
@@ -18,17 +18,17 @@ import numpy as np
 from lipsync_lang.pipeline.arrays import Bools, Floats, Ints
 
 REST = 0.25
-"""Weight below which a pose is not shown; the face rests instead."""
+"""Minimum weight of a shown pose; below it, the face is at rest."""
 
 NONE = -1
-"""The face at rest."""
+"""Index of the face at rest."""
 
 FREE = -2
-"""No contact holds the frame."""
+"""Index for frames without a contact."""
 
 
 def switch(curves: Floats, barred: Bools, forced: Ints, frames: int) -> Floats:
-    """Show the strongest pose alone, each for at least some frames.
+    """Show only the strongest pose, each for a minimum number of frames.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def _runs(values: Ints) -> Ints:
 
 
 def _widen(best: Ints, held: Bools, frames: int) -> tuple[Ints, Bools]:
-    """Widen contacts to the least time, as far as the gaps between them leave room."""
+    """Extend contacts to the minimum time, as far as the gaps between them allow."""
     spans = [(int(a), int(b)) for a, b in pairwise(_runs(best + len(best) * held)) if held[a]]
     gaps = [later - b for (_, b), (later, _) in pairwise(spans)]
     rooms = [len(best), *(max(0, gap - frames) // 2 for gap in gaps), len(best)]
@@ -93,7 +93,7 @@ class _PoseRun:
         return self.stop - self.start
 
     def take(self, other: "_PoseRun") -> None:
-        """Take over the run that follows, which is alike."""
+        """Merge with the next run, which has the same pose."""
         self.stop, self.held = other.stop, self.held or other.held
         self.after, other.gone = other.after, True
         if other.after is not None:
@@ -101,7 +101,7 @@ class _PoseRun:
 
 
 def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
-    """Let the shortest runs go, one after the other, until the others last."""
+    """Remove the shortest runs, one by one, until the others are long enough."""
     runs = [
         _PoseRun(number, int(a), int(b), int(best[a]), bool(held[a:b].any()))
         for number, (a, b) in enumerate(pairwise(_runs(best)))
@@ -127,7 +127,7 @@ def _settle(best: Ints, held: Bools, shown: Floats, frames: int) -> Ints:
 
 
 def _between(run: _PoseRun, held: Bools, frames: int) -> bool:
-    """Return True if a run alone parts two equal contacts, like a vowel between them."""
+    """Return True if only this run separates two equal contacts, like a vowel between them."""
     alike = run.before and run.after and run.before.pose == run.after.pose
     early, late = held[max(0, run.start - frames) : run.start], held[run.stop : run.stop + frames]
     return bool(alike and early.any() and late.any())

@@ -22,14 +22,14 @@ RESOLUTION = 128
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A visible demand of some phonemes: poses held up to a floor, others under a ceiling."""
+    """A contact of some phonemes: poses with a floor, and poses with a ceiling."""
 
     phonemes: Bools
     """(N,) True for the common phonemes that demand the contact."""
     floor: Floats
-    """(P,) least weight while held; 0 demands nothing."""
+    """(P,) minimum weight while held; 0 has no effect."""
     ceiling: Floats
-    """(P,) greatest weight while held; 1 forbids nothing."""
+    """(P,) maximum weight while held; 1 has no effect."""
 
     @cached_property
     def raised(self) -> list[int]:
@@ -54,7 +54,7 @@ class Bank(NamedTuple):
 
 
 class PlayedRows(NamedTuple):
-    """The rows that phonemes play, as `Tables` has them."""
+    """The rows for phonemes, in the form of `Tables`."""
 
     pairs: Ints
     trigrams: Ints
@@ -63,7 +63,7 @@ class PlayedRows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tables:
-    """A language and a character, ready to be performed."""
+    """A language and a character, compiled for performance."""
 
     curves: Singles
     """(B, RESOLUTION + 1, P) weights over normalised time; row 0 is rest."""
@@ -79,7 +79,7 @@ class Tables:
     thresholds: Floats
     """(P, P) symmetric, in (0, 2]."""
     paper: Floats
-    """(P, P) likewise, where the paper's thresholds are asked for."""
+    """(P, P) the same with the paper's thresholds."""
     priority: Floats
     """(P,) larger wins; infinite never yields."""
     softness: Floats
@@ -87,9 +87,9 @@ class Tables:
     anticipate: Floats
     """(P,) seconds by which a pose begins early; 0 for those that do not."""
     highest: Floats
-    """(P,) the greatest weight that any target gives a pose; 1 if no target names it."""
+    """(P,) maximum weight of a pose in any target; 1 without a target."""
     opposed: Bools
-    """(N, P) True where a phoneme keeps a pose from beginning early."""
+    """(N, P) True for phonemes that prevent the anticipation of a pose."""
     at_most: tuple[tuple[int, int], ...] = ()
     """(pose, other): pose never above other, in an order in which each other is final."""
     styles: tuple[Bank, ...] = ()
@@ -116,7 +116,7 @@ class Tables:
 
     @cached_property
     def binding(self) -> tuple[Bound, ...]:
-        """The same, with the pairs joined in which one pose yields at one threshold."""
+        """The same constraints, joined by yielding pose and threshold."""
         return together(self.caps)
 
     @cached_property
@@ -134,7 +134,7 @@ class Tables:
 
     @cached_property
     def blockers(self) -> Floats:
-        """(P, P) how much a pose at 1 keeps each other from beginning early.
+        """(P, P) share by which a pose at 1 prevents the anticipation of each other pose.
 
         A pose blocks those it is constrained with, wholly at the highest it ever gets.
         """
@@ -163,7 +163,7 @@ class Tables:
         return made
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle to a third of the size, compressed once however often it is sent."""
+        """Pickle to a third of the size; the compressed bytes are cached."""
         return _unpacked, self._packed
 
     @cached_property

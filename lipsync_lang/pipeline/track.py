@@ -69,7 +69,7 @@ class Track:
         return self.even is not None and len(self.trigrams) > 0
 
     def knots(self, number: int, boundary: float) -> tuple[Floats, Floats]:
-        """Return where the pace of a bigram changes: seconds and normalised times, (7,) each.
+        """Return the changes of pace within a bigram: seconds and normalised times, (7,) each.
 
         Between them time runs evenly. Both middles are listed twice, for a long sound is held.
         """
@@ -133,7 +133,7 @@ def lay_track(  # noqa: PLR0913, PLR0917 timed phonemes, and the tables of a pai
 def _surrounded(
     ids: Ints, times: Floats, source: Ints, silence: int, far: float
 ) -> tuple[Ints, Floats, Ints]:
-    """Return phonemes with one silence of `far` seconds or more at each end, and none doubled."""
+    """Return phonemes with one silence of at least `far` seconds at each end."""
     quiet = ids == silence
     again = quiet[1:] & quiet[:-1]
     if again.any():
@@ -155,7 +155,7 @@ def _surrounded(
 
 
 def trigrams_in(ids: Ints, tables: Tables, first: int = 0) -> Ints:
-    """Return where the trigrams among common phonemes begin: (k,) indices of their first phonemes.
+    """Return the starts of trigrams among common phonemes: (k,) indices of their first phonemes.
 
     From the left, each is played that shares no bigram with the one before it.
 
@@ -179,7 +179,7 @@ def _codes(ids: Ints, tables: Tables) -> Ints:
 
 
 def _heard(tables: Tables, blends: Sequence[Blend]) -> Iterator[Bank]:
-    """Yield the banks with a share at some time; neutral unless styles leave it none."""
+    """Yield the banks with a share at some time, including neutral unless styles take it all."""
     least = sum(float(blend.share.values.min()) for blend in blends)
     if least < 1:
         yield tables.neutral

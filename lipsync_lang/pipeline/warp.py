@@ -1,4 +1,4 @@
-"""Warp: each frame's place in its bigrams, and the curves' values there (paper 3.2.1).
+"""Warp: the position of each frame in its bigrams, and the values of their curves (paper 3.2.1).
 
 Conventions: times are seconds, places in a bigram normalised to [0, 1]; (T, P) is frames by poses.
 The paper stretches a bigram evenly; by default, its own phoneme boundary is pinned to the spoken
@@ -30,7 +30,7 @@ class FramePlace:
 
 
 def locate(track: Track, times: Floats) -> FramePlace:
-    """Find each frame's phoneme. A sound has one share; a silence is left, then entered again.
+    """Find the phoneme and shares of each frame. A silence has a share for its exit and its entry.
 
     A long sound is entered and left at the pace of one of `Motion.sound_reach`, and stays half
     passed in between.

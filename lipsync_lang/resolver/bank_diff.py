@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.library import Library
 
 SLACK = 1e-6
-"""Differences up to this size count as none."""
+"""Maximum difference that counts as none."""
 
 TIMES: Floats = np.linspace(0, 1, RESOLUTION + 1)
 """(K,) normalised times at which curves are compared."""
@@ -40,7 +40,7 @@ class Side:
     curves: Floats
     """(K, P) weights at `TIMES`."""
     boundary: float | tuple[float, float]
-    """Normalised time at which the first phoneme ends; of a trigram, where the first two end."""
+    """Normalised end of the first phoneme; for a trigram, of the first two."""
     free: bool
     """True if the bigram waives its contacts."""
 
@@ -59,7 +59,7 @@ class PoseChange:
 
     pose: str
     largest: float
-    """Largest difference; positive where the pose gained weight."""
+    """Largest difference; positive if the pose gained weight."""
     at: float
     """Normalised time of the largest difference."""
     rms: float
@@ -98,7 +98,7 @@ class BigramChange:
         return bool(self.poses) or (before.boundary, before.free) != (after.boundary, after.free)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the change as JSON holds it."""
+        """Return the change as JSON data."""
         return {
             "bigram": self.bigram,
             "word": self.word,
@@ -121,7 +121,7 @@ class Diff:
     total: int
     """Number of bigrams compared."""
     named: tuple[BigramChange, ...]
-    """Requested bigrams, or else all changed ones; the largest difference first."""
+    """Requested bigrams, or all changed ones; largest difference first."""
 
     @cached_property
     def changes(self) -> tuple[BigramChange, ...]:
@@ -129,7 +129,7 @@ class Diff:
         return tuple(change for change in self.named if change.changed)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the comparison as JSON holds it."""
+        """Return the comparison as JSON data."""
         return {
             "language": self.language,
             "character": self.character,
@@ -191,7 +191,7 @@ def diff_banks(
 
 
 def _shaded(shelf: PairPacks, other: PairPacks, wanted: Sequence[str]) -> dict[str, Pair]:
-    """Return the bigrams with shades to compare: those that a bank of either side draws.
+    """Return the bigrams with shades to compare, which a bank of either side draws.
 
     The others follow their parents, and are compared if they are asked for.
     """
@@ -227,7 +227,7 @@ def _other(library: "Library", shelf: PairPacks, against: str) -> tuple[PairPack
 
 
 def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
-    """Return (B, K, P) curves, sampled as tables hold them."""
+    """Return (B, K, P) curves, sampled like the tables."""
     out = np.zeros((len(rows), RESOLUTION + 1, poses))
     alike: dict[tuple[int, bool], list[tuple[int, int, Floats]]] = {}
     for number, row in enumerate(rows):
@@ -241,7 +241,7 @@ def _sampled(rows: Sequence[BigramRow], poses: int) -> Floats:
 
 
 def _trigrams(before: PairPacks, after: PairPacks) -> dict[str, tuple[Side, Side]]:
-    """Return both sides of each trigram that either draws and plays."""
+    """Return both sides of each trigram that either side draws and plays."""
     drawn = [drawn_trigrams(shelf) for shelf in (before, after)]
     played = [
         played_trigrams(shelf, own).values()

@@ -1,4 +1,4 @@
-"""Sources of a bigram's curves: the file that states it, the layers beneath it, the targets."""
+"""Sources of a bigram's curves: its file, the layers beneath, and the targets."""
 
 import numpy as np
 

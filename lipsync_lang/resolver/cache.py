@@ -32,13 +32,13 @@ _log = logging.getLogger(__name__)
 
 MARK = b"lipsync-lang compiled pair, v1.\n"
 DIGEST = 32
-"""Bytes of the digest; with the mark a multiple of 64, so that arrays are aligned."""
+"""Size of the digest in bytes; with the signature a multiple of 64, so that arrays are aligned."""
 
 ALIGNMENT = 64
-"""Bytes: every array begins at a multiple of it in the file."""
+"""Alignment of arrays in the file, in bytes."""
 
 COMPILERS = ("banks", "packs", "phonology", "pipeline", "resolver")
-"""Folders of the code that turns packs into tables. A change below them makes every file stale."""
+"""Folders of the compiling code. A change below them invalidates every file."""
 
 ARRAYS = (
     "curves", "boundary", "free", "pairs", "thresholds", "paper", "priority", "softness",
@@ -47,7 +47,7 @@ ARRAYS = (
 """Arrays of the tables."""
 
 MAX_CACHE_BYTES = 2 * 2**30
-"""Bytes of all pairs together. A built-in pair takes 1 to 9 MB; the oldest are deleted first."""
+"""Maximum bytes of all pairs; the oldest are deleted first. A built-in pair has 1 to 9 MB."""
 
 CACHE_VARIABLE = "LIPSYNC_LANG_CACHE"
 """Environment variable with another folder for the cache, or `off`."""
@@ -92,7 +92,7 @@ def _path(key: str) -> Path | None:
 
 
 def load(language: str, character: str, paths: Sequence[Path]) -> "Compiled | None":
-    """Return a compiled pair from the cache; None unless its file is whole, ours and fresh."""
+    """Return a compiled pair from the cache; None if its file is damaged, foreign or stale."""
     key = _key(language, character, paths)
     path = _path(key)
     try:
@@ -195,7 +195,7 @@ def _decode(content: bytes, key: str, paths: Sequence[Path]) -> "Compiled | None
 
 
 def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
-    """Return True if all lookups and files are the same as at compile time."""
+    """Return True if all lookups and files are unchanged since the compilation."""
     from lipsync_lang.packs.finding import Finder
 
     finder = Finder(paths)
@@ -205,7 +205,7 @@ def _fresh(head: dict[str, Any], paths: Sequence[Path]) -> bool:
 
 
 def _holds(path: Path, digest: str) -> bool:
-    """Return True if a pack file is unchanged; devices and pipes may never end, so are not read."""
+    """Return True if a pack file is unchanged; endless devices and pipes are not read."""
     from lipsync_lang.packs.yaml.source import read_bytes
 
     return path.is_file() and sha256(read_bytes(path)).hexdigest() == digest
@@ -244,7 +244,7 @@ def _compiled(head: dict[str, Any], body: memoryview) -> "Compiled":
 
 
 def _tuples(plain: dict[str, Any]) -> dict[str, Any]:
-    """Return fields with tuples for lists, which JSON does not tell apart."""
+    """Return fields with tuples in place of lists, which JSON does not distinguish."""
     return {
         name: tuple(value) if isinstance(value, list) else value for name, value in plain.items()
     }

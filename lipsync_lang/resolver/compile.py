@@ -1,4 +1,4 @@
-"""Compile a pair: every pack of it, checked, layered and sampled into tables."""
+"""Compilation of a pair: all its packs, checked, layered and sampled into tables."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -39,18 +39,18 @@ def compile_pair(library: "Library", language: str, character: str) -> Compiled:
 
 @dataclass(frozen=True, eq=False)
 class PairRows:
-    """The bigrams of a pair, as they enter its tables."""
+    """The bigrams of a pair for its tables."""
 
     counted: list[BigramRow]
     """A row for each pair without shades."""
     finer: dict[Pair, BigramRow]
     """The row of each pair with a shade; several may share the row of a coarser pair."""
     styles: dict[str, list[BigramRow]]
-    """By style, a row for each of `every`; those that the style does not change are neutral's."""
+    """Rows of `every` by style; rows that the style does not change are the neutral ones."""
     halves: dict[Triple, Halves]
     """Drawn trigrams that some phonemes play."""
     played: dict[Triple, Triple]
-    """The drawn trigram of each three phonemes that play one."""
+    """The drawn trigram of each sequence of three phonemes that plays one."""
 
     @classmethod
     def of(cls, shelf: PairPacks) -> Self:
@@ -67,7 +67,7 @@ class PairRows:
 
     @cached_property
     def bigrams(self) -> list[BigramRow]:
-        """The rows of bigrams: those counted, then those of pairs with shades."""
+        """The rows of bigrams: those without shades, then those with shades."""
         own = (row for pair, row in self.finer.items() if row.origin.pair == pair)
         return [*self.counted, *own]
 
@@ -147,7 +147,7 @@ def compiled(shelf: PairPacks, rows: PairRows) -> Compiled:
 
 
 def told(shelf: PairPacks, rows: PairRows, tables: Tables) -> dict[str, Any]:
-    """Return the fields of a compiled pair that tell where its rows come from."""
+    """Return the fields of a compiled pair on the origins of its rows."""
     counted = len(rows.counted)
     warnings = list(_shorts(shelf, rows.every, tables))
     return {
@@ -193,7 +193,7 @@ def _tables(shelf: PairPacks, rows: PairRows) -> Tables:
 
 
 def row_numbers(shelf: PairPacks, rows: PairRows) -> PlayedRows:
-    """Return the rows that the phonemes of a pair play."""
+    """Return the rows for the phonemes of a pair."""
     index = shelf.numbers
     pairs = np.zeros((len(index), len(index)), np.intp)
     for (a, b), number in rows.numbers.items():
@@ -202,7 +202,7 @@ def row_numbers(shelf: PairPacks, rows: PairRows) -> PlayedRows:
 
 
 def frozen(tables: Tables) -> Tables:
-    """Make every array read-only, as arrays from the cache are, and return the tables."""
+    """Make every array read-only, like arrays from the cache, and return the tables."""
     stored = (tables, *tables.contacts)
     arrays = [value for one in stored for value in vars(one).values()]
     arrays += [value for bank in tables.styles for value in bank]
@@ -257,11 +257,11 @@ def tabulated(rows: list[BigramRow], poses: int) -> Singles:
 
 
 BLOCK_ROWS = 256
-"""Curves mixed together; their intermediate values fit into the processor's cache."""
+"""Number of curves in a block; its intermediate values fit into the processor's cache."""
 
 
 def _mixed(values: Floats, basis: Floats) -> Floats:
-    """Return `values @ basis`, summed in order: no row depends on which others there are.
+    """Return `values @ basis`, summed in order, so that no row depends on other rows.
 
     A retouched pair samples few curves, and must equal a newly compiled pair to the last bit.
     """
@@ -280,7 +280,7 @@ def _put(out: Singles, curves: list[tuple[int, int, Floats]], sampled: Floats) -
 
 
 def styled(shelf: PairPacks, row: BigramRow, style: str) -> BigramRow:
-    """Return the row of a style in place of a neutral one, which stays where no bank changes it."""
+    """Return the row of a style; the neutral row if no bank changes it."""
     found = shelf.authored(row.origin.pair, style)
     return found if found is not None and found.style == style else row
 
@@ -292,7 +292,7 @@ def differing(rows: list[BigramRow], neutral: list[BigramRow]) -> list[int]:
 
 
 def _bank(rows: list[BigramRow], plain: list[BigramRow], neutral: Singles) -> Bank:
-    """Return a style's bank: neutral's samples, with the rows that differ laid over them."""
+    """Return a style's bank: the neutral samples, with the different rows replaced."""
     own = differing(rows, plain)
     curves = neutral.copy()
     curves[own] = tabulated([rows[number - 1] for number in own], neutral.shape[2])[1:]
@@ -322,7 +322,7 @@ def _regions(poseset: "models.PoseSet") -> dict[str, list[int]]:
 def _style_drafts(
     poseset: "Pack[models.PoseSet]", drawn: Mapping[str, object]
 ) -> dict[str, dict[str, Any]]:
-    """Return scale and offset of every pose for the pose set's styles that no bank draws."""
+    """Return the scale and offset of every pose for styles of the pose set without a bank."""
     poses = poseset.model.poses
     return {
         name: {
@@ -345,7 +345,7 @@ def _delivery(manner: "models.Delivery") -> dict[str, Any]:
 
 
 ENOUGH = 0.9
-"""Share of a contact's floor that a bigram's own curve should reach."""
+"""Minimum share of a contact's floor for a bigram's own curve."""
 
 
 def _shorts(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> Iterator[Fault]:
@@ -373,7 +373,7 @@ def _shorts(shelf: PairPacks, rows: list[BigramRow], tables: Tables) -> Iterator
 
 
 def _tops(tables: Tables, rows: list[int]) -> Floats:
-    """Return (2, R, P) the greatest weight of some rows in each of their phonemes.
+    """Return (2, R, P) maximum weights of rows in each of their phonemes.
 
     Poses that no contact raises stay at 0.
     """

@@ -8,7 +8,7 @@ from lipsync_lang.pipeline.motion import Motion
 from lipsync_lang.pipeline.tables import Tables
 
 LAYERS = ("character", "language", "shared", "like", "draft", "gap")
-"""Origins of a bigram, in order of lookup; `gap` is none."""
+"""Origins of a bigram, in order of lookup; `gap` means no origin."""
 
 Pair = tuple[str, str]
 
@@ -24,7 +24,7 @@ class Origin(NamedTuple):
     status: str
     """Status: drafted, fitted, edited or approved. The first two are never called authored."""
     places: tuple[str, ...]
-    """file:line:column of the bigram, or of the two targets it was drafted from."""
+    """file:line:column of the bigram, or of the two targets of a draft."""
     word: str | None = None
     triple: Triple | None = None
     """The trigram that the row is half of."""
@@ -116,7 +116,7 @@ class Compiled:
     A shade that nothing tells from its parent has no number of its own.
     """
     shades: dict[str, str]
-    """Parent of each shade that the language may have, with a number of its own or not."""
+    """Parent of each possible shade of the language, with or without a number of its own."""
     notations: dict[str, dict[str, Value]]
     visemes: dict[str, dict[str, Value]]
     """Notations of mouth shapes. Guessing the notation of labels never tries these."""
@@ -124,7 +124,7 @@ class Compiled:
     """Other signs for IPA (`spelled`), and marks that are not seen (`unseen`)."""
     silences: tuple[str, ...]
     noises: tuple[str, ...]
-    """Silences that stand for noise, or for speech that nobody could read."""
+    """Silences for noise, or for speech that an aligner could not read."""
     words: dict[str, tuple[str, ...]]
     word_edits: dict[str, dict[str, Any]]
     """The character's own curves of whole words: control points by word, then pose."""
@@ -171,7 +171,7 @@ class Compiled:
 
     @property
     def counted(self) -> tuple[str, ...]:
-        """Common phonemes without shades, silence first: those that banks are counted by."""
+        """Common phonemes without shades, silence first; counts of banks use these."""
         return tuple(name for name in self.phonemes if name not in self.shades)
 
     def numbers(self, *, shades: bool) -> dict[str, int]:

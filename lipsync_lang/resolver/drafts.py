@@ -1,4 +1,4 @@
-"""Drafts of bigrams for a person to edit, even where banks have their own."""
+"""Drafts of bigrams for editing, also of bigrams in banks."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def draft_bigrams(
     library: "Library", language: str, character: str, wanted: Sequence[str] = ()
 ) -> Drafts:
-    """Draft bigrams from the targets of a character's pose set, even where banks have their own.
+    """Draft bigrams from the targets of a character's pose set, also bigrams in banks.
 
     Parameters
     ----------

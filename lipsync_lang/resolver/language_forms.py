@@ -1,4 +1,4 @@
-"""The written forms of a language, from its pack and from what languages share."""
+"""The written forms of a language, from its pack and the common pack."""
 
 from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING

@@ -67,7 +67,7 @@ def _hearing(language: "Pack[models.Language]") -> Hearing:
 
 
 def _beside(pack: Path, spelling: str | None) -> str | None:
-    """Return `NAME:FOLDER` with a relative folder placed beside the pack; others as they are."""
+    """Return `NAME:FOLDER` with a relative folder resolved beside the pack."""
     name, _, folder = (spelling or "").partition(":")
     if "/" not in folder or folder.startswith("~") or Path(folder).is_absolute():
         return spelling

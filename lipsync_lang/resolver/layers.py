@@ -50,7 +50,8 @@ class BigramRow:
     drafted: bool = False
     """True if its control times are those of every draft."""
     span: tuple[float, float] = (0.0, 1.0)
-    """Normalised times of the curves at which the row begins and ends; half a trigram's differ."""
+    """Normalised times of the curves at the start and end of the row; for a half of a trigram,
+    a part of its time."""
 
 
 THIRDS = 1 / 3, 2 / 3
@@ -116,7 +117,7 @@ class PairPacks:
         return shelf
 
     def refuse_faults(self) -> None:
-        """Raise every fault that keeps these packs from being performed together.
+        """Raise an error with every fault that prevents a performance of these packs.
 
         Phonemes that this pair does not know may well be another language's, but must be some.
         """
@@ -164,7 +165,7 @@ class PairPacks:
 
     @property
     def phonemes(self) -> tuple[str, ...]:
-        """Silence, the base, and what the language adds: the phonemes that count."""
+        """Phonemes without shades: silence, the base, and the additions of the language."""
         model = self.common.model
         return (
             model.silence,
@@ -180,7 +181,7 @@ class PairPacks:
 
     @cached_property
     def shades(self) -> tuple[str, ...]:
-        """Shades of the language that a target or a bank tells from their parents."""
+        """Shades of the language that a target or a bank distinguishes from their parents."""
         drawn = {
             phoneme
             for file in self.drawn
@@ -223,7 +224,7 @@ class PairPacks:
 
     @cached_property
     def drawn(self) -> tuple[DrawnBigrams, ...]:
-        """Bigrams of the first three layers, file by file; the earlier file wins."""
+        """Bigrams of the first three layers by file; earlier files take precedence."""
         own = self.character
         found = [self._file("character", own)]
         for bank in (*self.own_banks, *self.banks):
@@ -342,7 +343,7 @@ class PairPacks:
         return [pair for pair in self.shade_pairs() if pair in drawn]
 
     def row(self, pair: Pair) -> BigramRow:
-        """Return the row of any pair, with shades or without, as that of this pair."""
+        """Return the row of any pair, with or without shades, under the name of this pair."""
         authored = self.authored(pair)
         if authored is not None:
             return replace(authored, origin=authored.origin._replace(pair=pair))
@@ -386,7 +387,7 @@ class PairPacks:
         return row and replace(row, origin=row.origin._replace(pair=pair, layer="like"))
 
     def _coarser(self, pair: Pair) -> list[Pair]:
-        """Return a pair, then with its shades replaced by their parents; the last has none."""
+        """Return a pair, then variants with parents in place of shades; the last has none."""
         first, second = pair
         parents = self.parents.get(first, first), self.parents.get(second, second)
         return [*dict.fromkeys((pair, (first, parents[1]), (parents[0], second), parents))]
@@ -426,13 +427,13 @@ class PairPacks:
         return found
 
     def targeted(self, phoneme: str) -> str:
-        """Return the phoneme whose target a phoneme has: itself, its parent or its substitute."""
+        """Return the phoneme with the target of a phoneme: itself, its parent or its substitute."""
         targets = self.face.targets
         coarse = phoneme if phoneme in targets else self.parents.get(phoneme, phoneme)
         return coarse if coarse in targets else self.likes.get(coarse, coarse)
 
     def _target(self, steps: "Iterable[models.PhonemeTarget]", bound: Bools) -> Target:
-        """Return a target as arrays; `bound` is (P, P), True where a constraint binds two poses.
+        """Return a target as arrays; `bound` is (P, P), True for two poses with a constraint.
 
         A pose that is not named yields to the neighbours, unless a constraint sets it against one
         that is: a target that opens the jaw opposes pressed lips.
@@ -482,7 +483,7 @@ class PairPacks:
         return self.likes.get(phoneme, phoneme)
 
     def highest(self) -> Floats:
-        """(P,) the greatest weight of each pose in any target; 1 for a pose in no target.
+        """(P,) maximum weight of each pose in any target; 1 for a pose without a target.
 
         Shades are left out: their targets change no curve of other phonemes.
         """
@@ -492,7 +493,7 @@ class PairPacks:
         return np.array([top or 1 for top in tops], float)
 
     def opposed(self) -> Bools:
-        """(N, P) where a phoneme's target names a pose and ends with it at 0; silence opposes none.
+        """(N, P) True if a phoneme's target names a pose and ends with it at 0; not for silence.
 
         A target with `W: 0` opposes early rounding.
         """
@@ -542,7 +543,7 @@ def _halves(row: BigramRow, triple: Triple, boundaries: tuple[float, float]) -> 
 
 
 def _all_faults(library: "Library", error: PackFaults) -> PackFaults:
-    """Return the faults of a file together with those of comparing it with other files."""
+    """Return the faults of a file, and those of its comparison with other files."""
     # each file once: a file of a thousand faults would be checked a thousand times
     named = dict.fromkeys(Path(fault.file) for fault in error.faults)
     files = [file for file in named if file.is_file()]

@@ -1,4 +1,4 @@
-"""Mapping labels by features: the phonemes that packs offer, and mappings that disagree."""
+"""Mapping of labels by features: the phonemes of packs, and mappings that disagree."""
 
 from collections.abc import Collection, Mapping, Sequence
 from functools import cache
@@ -56,7 +56,7 @@ def shades_among(common: "models.Phonemes", phonemes: Collection[str]) -> dict[s
 
 
 def spelling(library: "Library") -> dict[str, dict[str, Any]]:
-    """Return spellings of the IPA in other signs, and the letters each mark is seen on, as JSON.
+    """Return spellings of the IPA in other signs, and the letters with a visible mark, as JSON.
 
     Where the pack of the IPA is unsound or missing, nothing is known of either: the languages that
     need no more of it are performed all the same.
@@ -136,7 +136,7 @@ def among_all(library: "Library") -> NearestPhonemes:
 
 
 class ModelPhones(NamedTuple):
-    """An acoustic model, and a search for its phones that sound most like a label."""
+    """An acoustic model with a search for its phones that sound most like a label."""
 
     model: str
     nearest: NearestPhonemes
@@ -144,7 +144,7 @@ class ModelPhones(NamedTuple):
 
 @cache
 def model_phones() -> ModelPhones | None:
-    """Return the search for phones of the acoustic model that hears every language.
+    """Return the search for phones of the acoustic model for all languages.
 
     None where the pack of the IPA names no such model.
 
@@ -194,7 +194,7 @@ def reason_for(
     label: str,
     decided: "Sequence[models.Decision]" = (),
 ) -> str:
-    """Return why a language maps an IPA label as it does; empty if nothing says so.
+    """Return the reason for a language's mapping of an IPA label; empty if none is stated.
 
     The pack's own reason comes first, then the decision that languages share, the features of the
     label, and a shorter label of the same mapping.

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from lipsync_lang.packs.models import PoseSet
 
 SOFTNESS_SECONDS = 0.04
-"""Rounding of a pose without a value in its pose set."""
+"""Default rounding of a pose in seconds."""
 
 
 def thresholds(poseset: "PoseSet", *, paper: bool = False) -> Floats:
@@ -61,7 +61,7 @@ def softness(poseset: "PoseSet") -> Floats:
 
 
 def anticipate(poseset: "PoseSet") -> Floats:
-    """(P,) seconds by which each pose may begin early."""
+    """(P,) seconds of anticipation of each pose."""
     return np.array([pose.anticipate for pose in poseset.poses.values()], float)
 
 

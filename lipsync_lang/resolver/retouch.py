@@ -1,4 +1,4 @@
-"""A compiled pair whose bigrams change in milliseconds.
+"""Fast changes of the bigrams in a compiled pair.
 
 Compiling looks up every pair in every layer and samples every curve. A changed bigram concerns few
 pairs: its own, those with shades of its phonemes, and those that it stands in for (`like`).
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class OpenPair:
-    """A compiled pair with its packs at hand.
+    """A compiled pair with its packs.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class OpenPair:
         return cls(compiled(shelf, rows), shelf, rows, {p.path: p.source.data for p in packs})
 
     def retouched(self, texts: Iterable[SplicedText]) -> Self | None:
-        """Return the pair with the bigrams of some texts in place of their files.
+        """Return the pair with bigrams from texts instead of their files.
 
         The result equals the pair compiled again, except that bigrams below an inserted or deleted
         line keep the line number that they had.
@@ -119,7 +119,7 @@ class OpenPair:
         return file._replace(rows=rows | made)
 
     def _with(self, shelf: PairPacks, touched: Collection[Pair], data: Mapping[Path, Data]) -> Self:
-        """Return the pair with other bigrams in its packs, of which some pairs were touched."""
+        """Return the pair with other bigrams in its packs, which differ in some pairs."""
         if shelf.styles != self.shelf.styles or shelf.numbered != self.shelf.numbered:
             rows = PairRows.of(shelf)
             return replace(self, compiled=compiled(shelf, rows), shelf=shelf, rows=rows, data=data)
@@ -166,7 +166,7 @@ def _placed(row: BigramRow, text: SplicedText) -> BigramRow:
 
 
 def _concerned(shelf: PairPacks, touched: Collection[Pair]) -> set[Pair]:
-    """Return every pair whose look-up may meet one that was touched."""
+    """Return every pair whose look-up may depend on a changed pair."""
     meets: dict[str, list[str]] = {}
     for phoneme in shelf.numbered:
         parent = shelf.parents.get(phoneme, phoneme)
@@ -210,7 +210,7 @@ def _styles(
 
 
 def _retabulated(shelf: PairPacks, old: PairRows, new: PairRows, tables: Tables) -> Tables:
-    """Return tables whose unchanged rows are taken over."""
+    """Return tables that reuse the unchanged rows."""
     curves = _taken(tables.curves, old.every, new.every)
     boundary, free = marks(new.every)
     styles = []
@@ -226,7 +226,7 @@ def _retabulated(shelf: PairPacks, old: PairRows, new: PairRows, tables: Tables)
 
 
 def _taken(curves: Singles, old: Sequence[BigramRow], new: Sequence[BigramRow]) -> Singles:
-    """Return the samples of new rows: those of the same row before, or sampled now."""
+    """Return the samples of new rows, reused for unchanged rows."""
     numbers = {id(row): number for number, row in enumerate(old, 1)}
     places = [numbers.get(id(row), 0) for row in new]
     made: Singles = curves[[0, *places]]

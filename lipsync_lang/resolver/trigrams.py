@@ -1,4 +1,4 @@
-"""Trigrams of a pair: which are drawn, which phonemes play them, and their numbers in tables.
+"""Trigrams of a pair: the drawn ones, the phonemes that play them, and their table rows.
 
 Trigrams are never drafted, and no phoneme plays that of its substitute (`like`): where nobody drew
 three phonemes, two bigrams show them.
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def drawn_trigrams(shelf: "PairPacks") -> "dict[Triple, Halves]":
-    """Return the trigrams of all files; the earlier layer wins, then the earlier file."""
+    """Return the trigrams of all files; earlier layers take precedence, then earlier files."""
     found: dict[Triple, Halves] = {}
     for file in sorted(shelf.drawn, key=lambda file: LAYERS.index(file.layer)):
         found = {**file.halves, **found}
@@ -54,7 +54,7 @@ def _finest(shelf: "PairPacks", drawn: "Mapping[Triple, Halves]", triple: Triple
 def trigram_arrays(
     numbers: "Mapping[str, int]", played: "Mapping[Triple, Triple]", rows: "Mapping[Triple, int]"
 ) -> tuple[Ints, Ints]:
-    """Return codes of three phonemes, rising, and the two rows that each plays: (K,) and (K, 2).
+    """Return ascending codes of three phonemes, and the two rows of each: (K,) and (K, 2).
 
     Parameters
     ----------
