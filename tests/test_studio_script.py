@@ -90,6 +90,7 @@ def test_a_character_that_the_script_does_not_use_stays_open(folder):
 def test_lines_are_searched(folder, query, found):
     caller = Caller(workshop_of(folder, "english", "facefx"))
     listed(caller)
+    (folder / "script.csv").unlink()  # a search reads nothing
     assert [one["name"] for one in listed(caller, query)["lines"]] == found
 
 
@@ -160,6 +161,42 @@ def test_edits_of_a_line_are_performed_as_in_a_build(folder):
     for name, line in (("intro", "intro"), ("last", None)):
         workshop.open_script_line(name)
         assert workshop.settings.line == line
+
+
+def times(document):
+    return document["takes"][0]["spoken"]["times"]
+
+
+def test_corrected_boundaries_stay_with_their_line(folder):
+    caller = Caller(workshop_of(folder, "english", "facefx"))
+
+    def opened(name):
+        return times(unpacked(caller.post("script", {"name": name}))[0])
+
+    first = opened("intro")
+    caller.post("boundary/2", {"seconds": first[2] + 0.01})
+    other = opened("last")
+    caller.post("script", {"name": "intro"})
+    caller.post("boundary/2", {"seconds": first[2] + 0.02})
+    moved = opened("intro")
+    assert moved[2] == pytest.approx(first[2] + 0.02)
+    assert (moved[:2], moved[3:]) == (first[:2], first[3:])
+    assert opened("last") == other
+    assert opened("intro") == moved
+    assert opened("last") == other
+    later, _ = unpacked(caller.post("boundary/3", {"seconds": other[3] + 0.01}))
+    caller.post("open", {"language": "finnish", "character": "facefx"})
+    caller.post("script", {"name": "last"})
+    caller.post("open", {"language": "english", "character": "facefx"})
+    assert opened("last") == times(later)
+    assert opened("intro") == moved
+    original, _ = unpacked(caller.post("original"))
+    assert times(original) == first
+    (folder / "script.csv").write_text(SCRIPT.replace("five", "six"), "utf-8")
+    caller.post("boundary/2", {"seconds": first[2] + 0.02})
+    fresh, _ = unpacked(caller.post("script", {"name": "intro"}))
+    assert fresh["text"] == "Please buy six maps."
+    assert len(times(fresh)) != len(first)
 
 
 def test_saved_timings_are_named_like_their_line(folder):

@@ -31,12 +31,17 @@ class SpokenLine:
     """
 
     def __init__(self, schedule: Schedule) -> None:
-        self.whole = schedule
+        self.whole = self._opened = schedule
         self.original = schedule.times
         self.at = schedule.start
         """A time within the shown part, in seconds."""
         self._cut: tuple[Schedule, float, list[int]] | None = None
         self._part: tuple[Schedule, int, int, Schedule] | None = None
+
+    @property
+    def corrected(self) -> bool:
+        """True after a correction by hand."""
+        return self.whole is not self._opened
 
     def cuts(self, seconds: float) -> list[int]:
         """Return the boundaries of parts of at most some seconds."""

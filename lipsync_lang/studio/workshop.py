@@ -103,6 +103,8 @@ class Workshop:
         self.script = ProjectLines() if script is None else script
         self.script_line: PlannedLine | None = None
         """The line of the script that is open."""
+        self._corrected: dict[PlannedLine, SpokenLine] = {}
+        """Lines of the script that were corrected by hand."""
         self._library: tuple[int, Library] | None = None
         self._pair: EditedPair | None = None
         self.homes: dict[str, Path] = {}
@@ -137,7 +139,8 @@ class Workshop:
             self.language, self.character = before
             raise
         if performer.compiled.language != before[0]:
-            self.line = None
+            self._put_by()
+            self.line = self.script_line = None
         if (self.language, self.character) != before:  # styles and regions are a character's own
             self.settings = LineSettings(fps=self.settings.fps)
 
@@ -347,20 +350,33 @@ class Workshop:
 
     def take_up(self, schedule: "Schedule", text: str) -> None:
         """Open a line, and drop levels over the time of the line before it."""
+        self._put_by()
         self.line, self.text, self.script_line = SpokenLine(schedule), text, None
         self.settings = self.settings.steady()
+
+    def _put_by(self) -> None:
+        """Keep the open line of the script if it was corrected."""
+        if self.line is not None and self.script_line is not None and self.line.corrected:
+            self._corrected[self.script_line] = self.line
 
     def open_script_line(self, name: str) -> None:
         """Time a line of the script in the open language; it becomes the line.
 
-        Edits that the character has for a line of this name are performed, as in a build.
+        Edits that the character has for a line of this name are performed, as in a build. A line
+        that was corrected by hand is as it was left, unless its text or its files are others now.
         """
         performer = self.performer
         line = self.script.line(performer.compiled.language, name, performer.compiled.character)
-        schedule = self.script.schedule(line, performer.speaker, self.engine)
+        self._put_by()
+        corrected = self._corrected.get(line)
+        schedule = (
+            self.script.schedule(line, performer.speaker, self.engine)
+            if corrected is None
+            else corrected.whole
+        )
         performer.common_phonemes(schedule)  # refuses labels of no notation
         self.take_up(schedule, line.text or " ".join(word.text for word in schedule.words))
-        self.script_line = line
+        self.line, self.script_line = corrected or self.line, line
         self.settings.line = name if name in performer.compiled.line_edits else None
 
     def opened_pair(self) -> tuple[str, str]:
