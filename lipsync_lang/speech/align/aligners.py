@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Protocol, TypeVar, runtime_checkable
 
 from lipsync_lang.extensions import Extensions
+from lipsync_lang.speech.in_turn import raised
 
 if TYPE_CHECKING:
     from lipsync_lang.errors import SpeechError
@@ -25,8 +26,15 @@ class Aligner(Protocol):
 
 
 @runtime_checkable
-class BatchAligner(Protocol):
+class BatchAligner(Aligner, Protocol):
     """Interface of an aligner that aligns many texts at less cost than one by one."""
+
+    def align(
+        self, audio: "Audio", text: str, speaker: "Speaker", model: str | None = None
+    ) -> "Schedule":
+        """Align as `align_many` does; a text that does not fit its sound is a `SpeechError`."""
+        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
+        return raised(found)
 
     def align_many(
         self,

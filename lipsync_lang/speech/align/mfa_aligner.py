@@ -21,11 +21,11 @@ import numpy as np
 
 from lipsync_lang.errors import ScheduleError, SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, SNAP_SECONDS, Audio, Schedule, Word
-from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.align.aligners import BatchAligner, aligner
 from lipsync_lang.speech.align.mfa_command import MfaModels, run_mfa
 from lipsync_lang.speech.align.mfa_words import SILENCES, UNKNOWN, with_lacking
 from lipsync_lang.speech.engine_names import engine_and_model
-from lipsync_lang.speech.in_turn import batches, each, raised, refused, tried
+from lipsync_lang.speech.in_turn import batches, each, refused, tried
 from lipsync_lang.speech.speaking import BATCH_TEXTS
 
 if TYPE_CHECKING:
@@ -38,28 +38,11 @@ Given = tuple[Callable[[], Audio], str]
 
 
 @aligner(NAME)
-class MfaAligner:
-    """Aligner for any language that has an acoustic model and a dictionary of MFA."""
+class MfaAligner(BatchAligner):
+    """Aligner for any language that has an acoustic model and a dictionary of MFA.
 
-    def align(
-        self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
-    ) -> Schedule:
-        """Find the times of a text's phonemes in a recording.
-
-        Parameters
-        ----------
-        audio : the recording
-        text : the spoken text
-        speaker : its language
-        model : `MODEL` or `MODEL,DICTIONARY`, each a name that MFA knows, or a file
-
-        Raises
-        ------
-        SpeechError
-            MFA is missing or failed, a model is unknown, or the text does not fit the sound.
-        """
-        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
-        return raised(found)
+    `model` is `MODEL` or `MODEL,DICTIONARY`, each a name that MFA knows, or a file.
+    """
 
     def align_many(
         self, recordings: Iterable[Given], speaker: "Speaker", model: str | None = None

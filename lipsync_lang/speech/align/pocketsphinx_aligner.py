@@ -14,8 +14,8 @@ from lipsync_lang.packs.finding import IPA
 from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import Notation
 from lipsync_lang.schedules.schedule import Audio, Schedule
-from lipsync_lang.speech.align.aligners import aligner
-from lipsync_lang.speech.in_turn import batches, each, raised, refused, tried
+from lipsync_lang.speech.align.aligners import BatchAligner, aligner
+from lipsync_lang.speech.in_turn import batches, each, refused, tried
 from lipsync_lang.speech.joining import stress_read
 from lipsync_lang.speech.speaking import BATCH_TEXTS
 from lipsync_lang.speech.sphinx.features import features
@@ -36,28 +36,11 @@ NOTHING = 0.12
 
 
 @aligner("pocketsphinx")
-class PocketsphinxAligner:
-    """Aligner for languages with a pocketsphinx model."""
+class PocketsphinxAligner(BatchAligner):
+    """Aligner for languages with a pocketsphinx model.
 
-    def align(
-        self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
-    ) -> Schedule:
-        """Find the times of a text's phonemes in a recording.
-
-        Parameters
-        ----------
-        audio : the recording
-        text : the spoken text
-        speaker : its language
-        model : name of a pocketsphinx model
-
-        Raises
-        ------
-        SpeechError
-            The model is unknown, the text is empty, or the text does not fit the sound.
-        """
-        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
-        return raised(found)
+    `model` is the name of a pocketsphinx model.
+    """
 
     def align_many(
         self,

@@ -13,7 +13,7 @@ import numpy as np
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
-from lipsync_lang.speech.align.aligners import aligner
+from lipsync_lang.speech.align.aligners import BatchAligner, aligner
 from lipsync_lang.speech.align.bending import fitted
 from lipsync_lang.speech.align.locating import spans
 from lipsync_lang.speech.align.spectrum import (
@@ -32,7 +32,7 @@ from lipsync_lang.speech.align.warp_evidence import (
     in_part,
     word_confidence_of,
 )
-from lipsync_lang.speech.in_turn import each, in_turn, raised, refused
+from lipsync_lang.speech.in_turn import each, in_turn, refused
 
 if TYPE_CHECKING:
     from lipsync_lang.speech.speaking import Speaker
@@ -63,28 +63,11 @@ LASTING = 0.5
 
 
 @aligner("warp")
-class Warp:
-    """Aligner for any language with a voice."""
+class Warp(BatchAligner):
+    """Aligner for any language with a voice.
 
-    def align(
-        self, audio: Audio, text: str, speaker: "Speaker", model: str | None = None
-    ) -> Schedule:
-        """Find the times of a text's phonemes in a recording.
-
-        Parameters
-        ----------
-        audio : the recording
-        text : the spoken text
-        speaker : its language
-        model : unused; the language pack selects the voice
-
-        Raises
-        ------
-        SpeechError
-            The language has no voice, the text is empty, or the recording is too short for it.
-        """
-        (found,) = self.align_many([(lambda: audio, text)], speaker, model)
-        return raised(found)
+    It takes no `model`: the language pack selects the voice.
+    """
 
     def align_many(
         self,
