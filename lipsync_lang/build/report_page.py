@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple, TextIO
 from urllib.parse import quote
 
-from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup
 
 from lipsync_lang.build.build_tally import (
@@ -28,7 +28,7 @@ from lipsync_lang.build.build_tally import (
     share_of_limit,
 )
 from lipsync_lang.build.planned_line import BuiltLine, JudgedFigure, PlannedLine
-from lipsync_lang.coverage.page.assembling import TightLayout, own_file
+from lipsync_lang.coverage.page.assembling import own_file, page_environment
 from lipsync_lang.coverage.page.charts import HEIGHT
 from lipsync_lang.coverage.page.wording import NBSP, count
 from lipsync_lang.coverage.percentages import percent, percentage_text
@@ -231,18 +231,10 @@ def _paths(histogram: Histogram, within: int) -> tuple[str, str]:
 
 @cache
 def _environment() -> Environment:
-    coverage = PrefixLoader({"coverage": PackageLoader("lipsync_lang.coverage.page")})
-    own = PackageLoader("lipsync_lang.build", "report_templates")
-    environment = Environment(
-        autoescape=True,
-        extensions=[TightLayout],
-        loader=ChoiceLoader([own, coverage]),
-        undefined=StrictUndefined,
-    )
-    environment.filters["commas"] = "{:,}".format
+    environment = page_environment("lipsync_lang.build", "report_templates")
     environment.filters["figure"] = _number
     environment.filters["share"] = lambda part, whole: percentage_text(percent(part, whole), NBSP)
-    environment.globals |= {"count": count, "HEIGHT": HEIGHT, "WIDTH": 10 * BINS}
+    environment.globals |= {"HEIGHT": HEIGHT, "WIDTH": 10 * BINS}
     environment.globals["MAX_TIMES"] = MAX_TIMES
     return environment
 

@@ -12,12 +12,11 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup
 
 from lipsync_lang.capture.shown_lines import ShownLine, SignalFigures
-from lipsync_lang.coverage.page.assembling import TightLayout, own_file
-from lipsync_lang.coverage.page.wording import count
+from lipsync_lang.coverage.page.assembling import own_file, page_environment
 from lipsync_lang.pipeline.arrays import Floats
 
 if TYPE_CHECKING:
@@ -119,19 +118,10 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 @cache
 def _environment() -> Environment:
-    coverage = PrefixLoader({"coverage": PackageLoader("lipsync_lang.coverage.page")})
-    own = PackageLoader("lipsync_lang.capture", "page_templates")
-    environment = Environment(
-        autoescape=True,
-        extensions=[TightLayout],
-        loader=ChoiceLoader([own, coverage]),
-        undefined=StrictUndefined,
-    )
-    environment.filters["commas"] = "{:,}".format
+    environment = page_environment("lipsync_lang.capture", "page_templates")
     environment.filters["number"] = lambda value: "–" if value is None else f"{value:.3f}"
     environment.filters["value"] = _value
     environment.globals |= {
-        "count": count,
         "WIDTH": WIDTH,
         "HEIGHT": HEIGHT,
         "MAX_ROWS": MAX_ROWS,

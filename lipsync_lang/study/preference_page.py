@@ -9,11 +9,11 @@ from functools import cache
 from importlib.resources import files
 from typing import NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment
 from markupsafe import Markup
 
-from lipsync_lang.coverage.page.assembling import TightLayout, own_file
-from lipsync_lang.coverage.page.wording import NBSP, count
+from lipsync_lang.coverage.page.assembling import own_file, page_environment
+from lipsync_lang.coverage.page.wording import NBSP
 from lipsync_lang.study import study_text
 from lipsync_lang.study.answer_sorting import reasons
 from lipsync_lang.study.bradley_terry import Ranking
@@ -206,14 +206,8 @@ def _strength(mean: MeanStrength | None) -> str:
 
 @cache
 def _environment() -> Environment:
-    environment = Environment(
-        autoescape=True,
-        extensions=[TightLayout],
-        loader=PackageLoader("lipsync_lang.study", "report_templates"),
-        undefined=StrictUndefined,
-    )
+    environment = page_environment("lipsync_lang.study", "report_templates")
     environment.globals |= {
-        "count": count,
         "WIDTH": WIDTH,
         "EVERYBODY": EVERYBODY,
         "percents": study_text.percents,

@@ -10,7 +10,7 @@ from importlib.resources import files
 from itertools import groupby
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, PrefixLoader, StrictUndefined
 from jinja2.ext import Extension
 from markupsafe import Markup
 
@@ -116,20 +116,32 @@ def page(document: Mapping[str, Any]) -> str:
     )
 
 
-@cache
-def _environment() -> Environment:
+def page_environment(package: str, folder: str) -> Environment:
+    """Return an environment for the templates of a package; `coverage/` names those of this one.
+
+    Parameters
+    ----------
+    folder : the folder of the templates in the package
+    """
+    shared = PrefixLoader({"coverage": PackageLoader("lipsync_lang.coverage.page")})
     environment = Environment(
         autoescape=True,
         extensions=[TightLayout],
-        loader=PackageLoader("lipsync_lang.coverage.page"),
+        loader=ChoiceLoader([PackageLoader(package, folder), shared]),
         undefined=StrictUndefined,
     )
     environment.filters["commas"] = "{:,}".format
+    environment.globals["count"] = count
+    return environment
+
+
+@cache
+def _environment() -> Environment:
+    environment = page_environment("lipsync_lang.coverage.page", "templates")
     environment.globals |= {
         "percent": wording.percent,
         "ranked_text": ranked_text,
         "hours": wording.hours,
-        "count": count,
         "status": status,
         "STATUSES": STATUSES,
         "LAYERS": LAYERS,
