@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from lipsync_lang.capture.fit_file import FitProposal
 
 SHOWN = 12
-"""Items and lines that are printed."""
+"""Maximum number of items and lines to print."""
 
 
 def fit(options: Namespace) -> int:

@@ -21,20 +21,20 @@ if TYPE_CHECKING:
     from lipsync_lang.build.project_build import ProjectBuild
 
 MAX_NAMED = 3
-"""Reasons or paths in a line."""
+"""Maximum number of reasons or paths in a line."""
 
 SHOWN_LINES = 20
-"""Lines of one kind that text lists."""
+"""Maximum number of lines of one kind in a list."""
 
 SHOWN_FAILURES = 100
-"""Failed lines that are named as they fail; a fault of all lines would fill screens."""
+"""Maximum number of failed lines to report at once; a fault of all lines would fill screens."""
 
 LOG_SECONDS = 10.0
 """Pause between two lines of progress in a log."""
 
 
 def build(options: Namespace) -> int:
-    """Make what changed since the last build, and report on all of it."""
+    """Make the lines that changed since the last build, and report on all lines."""
     if options.watch:
         return watch_project(options, partial(_once, options))
     return _once(options, StandingRemarks(), MadeByBuilds())
@@ -101,12 +101,12 @@ class BuildTeller:
         self._failures = 0
 
     def begin(self, text: str) -> None:
-        """Show what goes on before the first line is made; a million lines take a while."""
+        """Show the work before the first line, which takes a while for a million lines."""
         if not self.as_events:
             progress(text)
 
     def __call__(self, name: str, values: Mapping[str, Any]) -> None:
-        """Tell of an event."""
+        """Report an event."""
         if self.as_events:
             print(json.dumps({"event": name, **values}), flush=True)
         elif name == "progress":
@@ -192,7 +192,7 @@ def _ended(
     teller: BuildTeller,
     ended: "Ended",
 ) -> int:
-    """Tell the outcome, write the reports, and return the exit code."""
+    """Report the outcome, write the reports, and return the exit code."""
     from lipsync_lang.build.build_reports import report
 
     wipe()
@@ -219,7 +219,7 @@ def _ended(
 
 
 def _reports(options: Namespace, project: "ProjectBuild") -> list[Path]:
-    """Return the files of the reports that are asked for."""
+    """Return the files of the requested reports."""
     return options.reports or [project.folder / path for path in project.project.reports]
 
 

@@ -20,7 +20,7 @@ first build, so that nothing that is saved during it is missed."""
 
 
 class StandingRemarks:
-    """Says each remark once for as long as it holds; every build of a project repeats it."""
+    """Prints each remark once while it holds, since every build repeats it."""
 
     def __init__(self) -> None:
         self._before: set[str] = set()
@@ -31,7 +31,7 @@ class StandingRemarks:
         self._before, self._now = self._now, set()
 
     def __call__(self, text: str) -> None:
-        """Say a remark, unless the build before said it."""
+        """Print a remark, unless the build before printed it."""
         if text not in self._before | self._now:
             print(text, file=sys.stderr)
         self._now.add(text)
@@ -50,7 +50,7 @@ class MadeByBuilds:
         self._folders: tuple[str, ...] = ()
 
     def learn(self, project: "ProjectBuild", reports: Iterable[Path]) -> None:
-        """Take the files of a project as it is now."""
+        """Read the current files of a project."""
         from lipsync_lang.build.archives import split_archive
         from lipsync_lang.build.build_reports import pages_folder
 
@@ -117,7 +117,7 @@ def watch_project(options: Namespace, build: Callable[[StandingRemarks, MadeByBu
 
 
 def _folders(options: Namespace) -> list[Path]:
-    """Return the folders that hold the inputs of the current project."""
+    """Return the folders with the inputs of the current project."""
     from lipsync_lang.packs.project import find_project, load_project
 
     file = find_project()

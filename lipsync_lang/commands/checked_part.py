@@ -1,4 +1,4 @@
-"""Parts of an installation as `doctor` reports them, and checks in processes of their own."""
+"""Parts of an installation in the report of `doctor`, and checks in separate processes."""
 
 import subprocess
 import sys
@@ -8,7 +8,7 @@ OK, MISSING, BROKEN = "ok", "missing", "broken"
 """States. A missing part is optional; a broken one fails the check."""
 
 IMPORT_SECONDS = 60.0
-"""Time that a process of a check is given."""
+"""Time limit for the process of a check."""
 
 
 class CheckedPart(NamedTuple):
@@ -21,7 +21,7 @@ class CheckedPart(NamedTuple):
 
 
 def fault_of(code: str, *arguments: str) -> str:
-    """Run Python code in a process of its own, and return its error; empty if it ends well.
+    """Run Python code in a separate process, and return its error; empty if it succeeds.
 
     Modules of the current folder are not found, so nothing of a stranger's project runs.
     """

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def takes_against(options: Namespace, animation: "Animation") -> "dict[str, Animation]":
-    """Return the animations that `--against` names, by these names.
+    """Return the animations that `--against` names, by name.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ FILES = {"FILE", "FOLDER", "PATH", "CORPUS", "GLB", "ANSWERS"}
 def leaves(
     made: ArgumentParser, path: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], ArgumentParser]]:
-    """Yield every command with a name that does something by itself, with its full name."""
+    """Yield every command that can run by itself, with its full name."""
     below = [action for action in made._actions if isinstance(action, _SubParsersAction)]  # noqa: SLF001
     if path and not any(action.required for action in below):
         yield path, made

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from lipsync_lang.capture.fit_file import FitProposal
 
 MAX_SHOWN_ITEMS = 12
-"""Items of each kind that are named after a change."""
+"""Maximum number of items of each kind to name after a change."""
 
 MAX_VALUE_CHARS = 44
-"""Characters of a value in the table."""
+"""Maximum length of a value in the table."""
 
 HEAD = ("item", "was", "value", "seen", "error", "sure", "state")
 
@@ -132,7 +132,7 @@ def _weights(stated: dict[str, Any]) -> str:
 
 
 def _tell(done: "Acceptance", *, dry: bool) -> None:
-    """Name the accepted items, and those that were asked for and left."""
+    """Name the accepted items, and the requested items that were left out."""
     _name(done.taken)
     for row in done.left[:MAX_SHOWN_ITEMS]:
         print(f"{row.item.item}: {row.why}", file=sys.stderr)

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from lipsync_lang.live.text_speaker import TextSpeaker
 
 MAX_LINE_BYTES = 64 * 1024
-"""Bytes of a line of standard input; a longer one is parted."""
+"""Maximum number of bytes of a line of standard input; a longer line is split."""
 
 
 def live(options: Namespace) -> int:
-    """Speak texts as they come, and send their frames in real time, until they end."""
+    """Speak texts when they arrive, and send their frames in real time, until the input ends."""
     from lipsync_lang.commands.performing import levels, performer_for
     from lipsync_lang.live.addresses import STANDARD_OUTPUT, parse_address
     from lipsync_lang.live.live_player import LivePlayer
@@ -64,7 +64,7 @@ def live(options: Namespace) -> int:
 
 
 def _play(text: str | None, player: "LivePlayer", speaker: "TextSpeaker", *, serving: bool) -> None:
-    """Perform what comes until it ends, or until the user ends it; the mouth is at rest then."""
+    """Perform all input until its end or the user's interrupt, and leave the mouth at rest."""
     reading: Thread | None = None
     if text is not None:
         speaker.say(text)
@@ -86,7 +86,7 @@ def _play(text: str | None, player: "LivePlayer", speaker: "TextSpeaker", *, ser
 
 
 def _read(speaker: "TextSpeaker") -> None:
-    """Say every line of standard input."""
+    """Speak every line of standard input."""
     for line in lines(sys.stdin):
         try:
             if line.strip():
@@ -96,7 +96,7 @@ def _read(speaker: "TextSpeaker") -> None:
 
 
 def lines(stream: TextIO) -> Iterator[str]:
-    """Yield lines as they come; a thread that waits for one does not hold up the end."""
+    """Yield lines when they arrive; a thread that waits for a line does not delay the end."""
     try:
         number = stream.fileno()
     except OSError:

@@ -1,4 +1,4 @@
-"""The command that makes a project: a new folder, or the project file of recordings that exist."""
+"""The command that makes a project: a new folder, or a project file for recordings."""
 
 import sys
 from argparse import Namespace

@@ -59,7 +59,7 @@ def tell_written(path: Path) -> None:
 
 
 def listed(things: Iterable[str], shown: int = 12) -> str:
-    """List each of some things once, the first few of them."""
+    """List the first few of some names, each once."""
     named = list(dict.fromkeys(things))
     more = f" and {len(named) - shown} more" if len(named) > shown else ""
     return (

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 PAGE = "html"
-"""The format that shows takes beside each other."""
+"""Format that shows several takes."""
 
 
 def run(options: Namespace) -> int:
-    """Animate a line and write it wherever it is wanted."""
+    """Animate a line, and write it to all requested outputs."""
     from lipsync_lang.animations.animation_writers import parse_output
     from lipsync_lang.animations.keys import parse_keys
     from lipsync_lang.animations.rates import parse_offset
@@ -73,7 +73,7 @@ def run(options: Namespace) -> int:
 
 
 def _against(options: Namespace, animation: "Animation") -> "dict[str, Animation]":
-    """Return the takes to compare with, on the requested model, cut as the line itself."""
+    """Return the takes to compare with, on the requested model, with the same cut as the line."""
     from lipsync_lang.commands.comparing import takes_against
 
     found = takes_against(options, animation) if options.against else {}
@@ -268,7 +268,7 @@ def _refuse_idle(options: Namespace) -> None:
 
 
 def _timed(options: Namespace, performer: "Performer") -> "Schedule":
-    """Return the timings of a file, with the recording; words alone are filled with phonemes."""
+    """Return the timings of a file, with the recording; timed words are filled with phonemes."""
     from lipsync_lang.schedules.timed_words import TimedWords
     from lipsync_lang.schedules.timing_readers import read_timings
 
@@ -343,7 +343,7 @@ def explain(options: Namespace) -> int:
 
 
 def transcribe(options: Namespace) -> int:
-    """Print what texts become: their phonemes and common phonemes, word by word."""
+    """Print the phonemes and common phonemes of texts, word by word."""
     from lipsync_lang.authoring.printing import transcript_table
     from lipsync_lang.speech.speaking import Speaker
 

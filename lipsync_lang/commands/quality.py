@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from lipsync_lang.quality.figures import Quality
 
 SUFFIXES = {".json": "json", ".xml": "junit", ".html": PAGE}
-"""The form of a file that is named without one; all other files are text."""
+"""Format of a file by its suffix; all other files are text."""
 
 
 def check(options: Namespace) -> int:
-    """Print the figures of an animation; one past its limit is a fault."""
+    """Print the figures of an animation; a figure past its limit is a fault."""
     from lipsync_lang.files import write_all
     from lipsync_lang.quality.quality_report import FORMATS
 
@@ -43,7 +43,7 @@ def check(options: Namespace) -> int:
 
 
 def _form(output: "Path | None") -> str:
-    """Return the form that the suffix of a file tells; else text."""
+    """Return the format of a file by its suffix; by default, text."""
     return SUFFIXES.get(output.suffix.lower(), "text") if output else "text"
 
 

@@ -16,7 +16,7 @@ def add_values(made: _ActionsContainer) -> None:
 
 
 def cleaning(options: Namespace) -> Cleaning:
-    """Return the values of placeholders, and what the project's scripts do not speak."""
+    """Return the values of placeholders, and the project's passages that are not spoken."""
     values: dict[str, str] = {}
     for one in options.values:
         name, equals, value = one.partition("=")

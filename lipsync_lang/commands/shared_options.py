@@ -26,7 +26,7 @@ class Add(Protocol):
 
 
 def adder(known: "Commands[argparse.ArgumentParser]") -> Add:
-    """Return the function that adds commands to these."""
+    """Return a function that adds commands to a parser."""
 
     def add(
         name: str, command: Command, title: str, example: str, *, more: str = ""

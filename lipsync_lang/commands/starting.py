@@ -19,11 +19,11 @@ TITLE = f"lipsync-lang {__version__} turns speech into mouth animation, for any 
 MORE = "All commands: lipsync-lang --help. One of them: lipsync-lang run --help."
 
 SHOWN_IN_NEXT_STEPS = ("speech", "audio", "studio")
-"""Extras of the first steps, most needed first."""
+"""Extras of the first steps, most important first."""
 
 
 def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes options
-    """Print what the program does, and commands to go on with."""
+    """Print the purpose of the program, and commands for the next steps."""
     missing = lacking()
     lines = [TITLE, "", *_next_steps(), *([""] if missing else []), *missing, "", MORE]
     print("\n".join(lines))
@@ -31,7 +31,7 @@ def welcome(options: Namespace) -> int:  # noqa: ARG001 every command takes opti
 
 
 def _next_steps() -> list[str]:
-    """Return commands with their purposes: those of the project, or those that start one."""
+    """Return commands with their purposes, for the project or for a start without one."""
     from lipsync_lang.text_table import columns
 
     path = find_project()
@@ -83,7 +83,7 @@ def _stated(path: Path) -> "Project | None":
 
 
 def lacking(names: tuple[str, ...] = SHOWN_IN_NEXT_STEPS) -> list[str]:
-    """Return a line for each of some extras that is not installed, with the way to install it."""
+    """Return a line for each missing extra, with its installation command."""
     known = {one.name: one for one in extras()}
     missing: list[Extra] = [known[name] for name in names if known[name].missing()]
     return [f"not installed: {one.purpose}: {install_line(one.name)}" for one in missing]

@@ -1,4 +1,4 @@
-"""The command that takes pictures of a line, alike for all lines of a model."""
+"""The command that draws pictures of a line, with the same camera for all lines of a model."""
 
 import sys
 from argparse import Namespace

@@ -1,4 +1,4 @@
-"""Commands that make a study and take its answers."""
+"""Commands that make a study and collect its answers."""
 
 import sys
 from argparse import Namespace
@@ -21,7 +21,7 @@ MAX_CONSENT_BYTES = 100_000
 """Size limit in bytes of a consent text."""
 
 MAX_PAGE_BYTES = 60 * 10**6
-"""Bytes of a page above which a phone may refuse it."""
+"""Size of a page in bytes above which a phone may refuse it."""
 
 
 def new(options: Namespace) -> int:
@@ -122,7 +122,7 @@ def _texts(options: Namespace) -> "PageTexts":
 
 
 def _cast(options: Namespace, name: str) -> "StudyCharacter":
-    """Return a character with what the methods need."""
+    """Return a character with its performers for the methods."""
     from dataclasses import replace
 
     from lipsync_lang.commands.performing import motion_settings

@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     import socket
 
 LOCAL = "127.0.0.1"
-"""The address of this machine for itself alone."""
+"""Address of this machine, for itself only."""
 
 TOKEN_BYTES = 18
-"""Bytes of a random token."""
+"""Length of a random token in bytes."""
 
 LEAST_TOKEN_CHARS = 16
-"""Characters of a token that the user chooses."""
+"""Minimum length of a token from the user."""
 
 MAX_PORT = 65535
 
 SHUTDOWN_SECONDS = 1
-"""Seconds that open requests are given when the studio is closed."""
+"""Time for open requests when the studio closes."""
 
 
 def studio(options: Namespace) -> int:
@@ -78,7 +78,7 @@ def studio(options: Namespace) -> int:
 
 
 def _token(options: Namespace) -> str:
-    """Return the secret part of the address; other machines need one that the user chose."""
+    """Return the secret part of the address; the user must choose it for other machines."""
     from secrets import token_urlsafe
 
     if options.token is None:
@@ -104,7 +104,7 @@ def _token(options: Namespace) -> str:
 
 
 def _journal(project: Path) -> Path:
-    """Return the file of a project's unsaved edits, outside of the project."""
+    """Return the file for a project's unsaved edits, outside the project."""
     from hashlib import sha256
 
     from platformdirs import user_state_path

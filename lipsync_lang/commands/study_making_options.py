@@ -55,7 +55,7 @@ def add_serve(action: Add) -> None:
 
 
 def _add_lines(made: argparse.ArgumentParser) -> None:
-    """Add the lines, and what reads and speaks them."""
+    """Add the lines, and the options for reading and speaking them."""
     made.add_argument(
         "lines", metavar="LINES", nargs="*", type=argument_path,
         help="files or folders of lines: scripts, tables, timings; - is standard input",
@@ -79,7 +79,7 @@ def _add_lines(made: argparse.ArgumentParser) -> None:
 
 
 def _add_compared(made: argparse.ArgumentParser) -> None:
-    """Add the methods, and how many pairs of clips compare them."""
+    """Add the methods, and the number of pairs of clips."""
     compared = made.add_argument_group("comparison")
     compared.add_argument(
         "--method", metavar="METHOD", action="append", default=[],
@@ -103,7 +103,7 @@ def _add_compared(made: argparse.ArgumentParser) -> None:
 
 
 def _add_clips(made: argparse.ArgumentParser) -> None:
-    """Add the characters, and how they are filmed."""
+    """Add the characters, and the options of the clips."""
     clips = made.add_argument_group("clips")
     clips.add_argument(
         "-c", "--character", metavar="CHARACTER", action="append", default=[],

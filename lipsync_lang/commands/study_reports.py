@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lipsync_lang.study.study_report import StudyReport
 
 SUFFIXES = {".json": "json", ".html": "html"}
-"""The form of a file that is named without one; all other files are text."""
+"""Format of a file by its suffix; all other files are text."""
 
 FORMS = ("text", "json", "html")
 
@@ -72,7 +72,7 @@ def _refuse_inputs(options: Namespace, found: "StudyReport") -> None:
 
 
 def _written(found: "StudyReport", form: str) -> str:
-    """Return the report in a form."""
+    """Return the report in a format."""
     if form == "json":
         return as_json(found.to_dict()) + "\n"
     if form == "html":
@@ -95,7 +95,7 @@ def _write(options: Namespace, text: str) -> None:
 
 
 def power(options: Namespace) -> int:
-    """Print how large a study must be, or the power of a design."""
+    """Print the necessary size of a study, or the power of a design."""
     from lipsync_lang.study.power import PowerQuestion, plan_study
     from lipsync_lang.study.study_text import plan_text
 

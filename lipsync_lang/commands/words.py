@@ -20,7 +20,7 @@ LEVELS = {"debug": logging.DEBUG, "info": logging.INFO, "warning": logging.WARNI
 
 @contextmanager
 def saying(options: Namespace) -> Iterator[None]:
-    """Configure the log, one-line warnings and --quiet for the duration of a command.
+    """Configure the log, one-line warnings and --quiet while a command runs.
 
     Errors are reported by the caller, after this context has closed.
     """
