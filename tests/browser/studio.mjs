@@ -386,6 +386,18 @@ const stories = {
     return result;
   },
 
+  /** What is open at the start, without a hand on it. */
+  async start() {
+    const page = await show();
+    await page.waitForFunction(() => !document.body.classList.contains("busy"));
+    await picture(page, "start");
+    return {
+      line: await text(page, "#all-lines"), text: await page.inputValue("#text"),
+      pair: [await page.inputValue("#of-language"), await page.inputValue("#of-character")],
+      drawn: await page.isVisible("#timeline"),
+    };
+  },
+
   /** Every view, light and dark, on small and large screens: nothing overflows. */
   async views() {
     const overflow = [];

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -14,6 +15,7 @@ from lanes import full
 from shipped import LIBRARY
 from test_consumers import chromium, found
 
+from lipsync_lang.build.project_folder import starter
 from lipsync_lang.performing.resolving import resolve
 
 pytest.importorskip("uvicorn", reason="the studio needs uvicorn")
@@ -209,6 +211,26 @@ def test_the_lines_of_a_script_are_opened_one_by_one(studio):
     assert told["other"] == ["line_0987 · 987 of 1000", "Rivi 987.", "crab"]
     assert told["typed"] == "Lines (1000)"
     assert told["wide"] <= 0
+
+
+def test_a_new_project_is_made_built_and_opened(studio):
+    """The commands of a new project's README, one after the other."""
+    studio.kill()
+    folder = studio.folder.parent
+    run = [sys.executable, "-m", "lipsync_lang"]
+    subprocess.run([*run, "new", "my-game"], cwd=folder, check=True)
+    game = folder / "my-game"
+    readme = (game / "README.md").read_text("utf-8")
+    commands = re.findall(r"^\$ lipsync-lang (.+)$", readme, re.MULTILINE)
+    assert commands == ["doctor", "validate", "build", "studio"]
+    subprocess.run([*run, "validate", "--no-tests"], cwd=game, check=True)
+    subprocess.run([*run, "build", "--tts", "none", "--workers", "1"], cwd=game, check=True)
+    studio.folder, studio.arguments = game, ("--tts", "none")
+    studio.start()
+    told = telling(studio, "start")
+    assert told["line"] == "line_01 · 1 of 3"
+    assert (told["text"], told["pair"][1]) == (starter().lines[0], starter().name)
+    assert told["drawn"]
 
 
 def test_ctrl_c_closes_the_studio(studio):
