@@ -1,4 +1,4 @@
-"""Align two sequences of common phonemes: an expected pronunciation and the one heard.
+"""Alignment of two sequences of common phonemes: an expected pronunciation and the heard one.
 
 Dynamic programming finds the cheapest alignment. A pair of equal phonemes costs nothing, a pair of
 one class (vowel for vowel) `NEAR`, any other pair `FAR`. A phoneme without a partner costs `ALONE`.

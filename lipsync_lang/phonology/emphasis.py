@@ -16,7 +16,7 @@ MARKED = re.compile(
 ESCAPED = r"\*"
 RUN, ESCAPES = re.compile(r"\*+"), re.compile(r"(?:\\\*)+")
 MAX_MARKED_CHARS = 1000
-"""Longest emphasised passage; it also bounds the search for the partner of an asterisk."""
+"""Maximum length of an emphasised passage, which also limits the search for a closing asterisk."""
 
 
 class EmphasisedText(NamedTuple):
@@ -28,7 +28,7 @@ class EmphasisedText(NamedTuple):
 
 
 def emphasised(text: str) -> EmphasisedText:
-    """Take the asterisks out of a text.
+    """Remove the asterisks from a text.
 
     >>> emphasised("I *never* said 2*3*4")
     EmphasisedText(text='I never said 2 3 4', spans=((2, 7),))
@@ -67,20 +67,20 @@ def _marked(text: str) -> Iterator[tuple[int, int, str, bool]]:
 
 
 def _emphasises(text: str, found: re.Match[str]) -> bool:
-    """Return True if a pair of asterisks encloses words, and does not begin within one."""
+    """Return True if a pair of asterisks encloses words, and does not start within a word."""
     before = text[max(found.start() - 1, 0) : found.start()]
     joined = before.isdigit() or before.lower() != before.upper()
     return not joined and any(map(str.isalnum, found["said"]))
 
 
 def _between(text: str, start: int, stop: int) -> str:
-    """Return what takes the place of asterisks: a space if words would run together."""
+    """Return the replacement of asterisks: a space if words would run together."""
     before, after = text[max(start - 1, 0) : start], text[stop : stop + 1]
     return " " if before.isalnum() and after.isalnum() else ""
 
 
 def touched(words: Iterable[str], text: str, spans: Sequence[tuple[int, int]]) -> list[bool]:
-    """Return True for each word of a text, in order, that one of its spans touches."""
+    """Return, for each word of a text in order, True if an emphasised span touches it."""
     found: list[bool] = []
     at = 0
     for word in words:

@@ -22,7 +22,7 @@ CARRIER = "\u25cc"
 """The dotted circle on which data writes a mark that needs a carrier."""
 
 VOICE, VOICELESS = "voice", "without-voice"
-"""A property that is heard and not seen, and the word of letters without it."""
+"""An audible but invisible property, and the word for letters without it."""
 
 Numbers = tuple[float | None, ...]
 """Features of one sound, in order; None where they do not apply."""
@@ -133,7 +133,7 @@ class Features:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Self:
-        """Make it of a pack of kind `ipa`, as JSON or YAML hold it."""
+        """Make the effects from the data of a pack of kind `ipa`."""
         names = tuple(data["features"])
         otherwise = tuple(f.get("otherwise") for f in data["features"].values())
 
@@ -214,7 +214,7 @@ class Features:
         return {mark: letters for mark, letters in seen.items() if letters != every}
 
     def _shows(self, sound: LetterSound, cases: Sequence[Case]) -> bool:
-        """Say whether a mark adds a letter, or changes a feature enough to be named as lost."""
+        """Test whether a mark adds a letter, or changes a feature enough to be named as lost."""
         case = next((case for case in cases if case.fits(sound)), None)
         if case is None or case.then:
             return case is not None

@@ -1,4 +1,4 @@
-"""Find phoneme labels in tables, whatever their spelling.
+"""Look-up of phoneme labels in tables, in any spelling.
 
 Spellings of a label are equal in spite of these differences:
 
@@ -46,7 +46,7 @@ TONE = "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩"
 """Stress digits of ARPAbet, tone digits and IPA tone letters; never the whole label."""
 
 MAX_TONE_SIGNS = 4
-"""Most signs of one tone, as in `˨ˀ˥` and `2142`; more are a number."""
+"""Maximum number of signs of one tone, as in `˨ˀ˥` and `2142`; more are a number."""
 
 
 def normalise(label: str) -> str:

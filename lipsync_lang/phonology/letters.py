@@ -1,4 +1,4 @@
-"""Text in ordinary letters: composed, of ordinary width, without marks that nobody sees.
+"""Text in ordinary letters: composed, of ordinary width, without invisible marks.
 
 Unicode writes one letter in several ways. Engines, lexicons and rules know one of them, and misread
 the others without a word: a decomposed ``ü`` becomes an ``u``, a full-width ``５`` is lost.

@@ -72,14 +72,14 @@ class Manner:
 
     @property
     def direct(self) -> bool:
-        """True where the voice that speaks is also what reads, so that nothing is to be joined."""
+        """True if the voice also reads the text, so that nothing must be joined."""
         if self.engine is None or self.voice is None:
             return self.voice is not None
         apart = self.settings.respell or self.settings.corrections
         return (self.engine, self.settings.voice) == self.voice and not apart
 
     def plain(self) -> dict[str, Any]:
-        """Return this as JSON holds it."""
+        """Return the settings as JSON data."""
         data = asdict(self)
         data["settings"] |= {
             "file": str(self.settings.file) if self.settings.file else None,
@@ -89,7 +89,7 @@ class Manner:
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
-        """Make it of what `plain` returned."""
+        """Make the settings from the result of `plain`."""
         settings = data["settings"]
         rules = tuple(
             Rule(spelling, tuple(to), before, after)

@@ -26,7 +26,7 @@ from lipsync_lang.phonology.ipa import Features, LabelReading, Numbers, key
 from lipsync_lang.phonology.labels import Value
 
 CLEAR_DIFFERENCE = 0.9
-"""Difference in a feature that is obvious to the eye."""
+"""Minimum visible difference in a feature."""
 
 
 SMALL_MARK = 0.35

@@ -1,4 +1,4 @@
-"""Make a schedule of rows with a label and its times.
+"""Conversion of rows with a label and its times to a schedule.
 
 Files leave gaps, have rows in any order, and count in milliseconds or frames. Here they become one
 contiguous schedule in seconds, or an error that names the line.
@@ -24,7 +24,7 @@ ROUNDING_SECONDS = 0.0101
 """Seconds; aligners round times to 10 ms, so that neighbours overlap or part by that much."""
 
 MAX_LABEL_CHARS = 40
-"""Characters of a label that a message shows."""
+"""Maximum characters of a label in a message."""
 
 LIKELY_RATES = (1000.0, 100.0, 60.0, 30.0, 25.0, 24.0)
 """Units per second of files that do not count in seconds."""
@@ -184,7 +184,7 @@ def _without_gaps(source: TimingFile, rows: Sequence[LabelRow]) -> list[LabelRow
 
 
 def check_span(source: TimingFile, row: LabelRow) -> None:
-    """Refuse a row that starts below zero, or ends before it starts."""
+    """Raise an error for a row that starts below zero, or ends before it starts."""
     if row.start < -SNAP_SECONDS:
         raise source.fault(
             f"{told_row(row)}, starts below 0; shift all times so that the sound starts at 0",

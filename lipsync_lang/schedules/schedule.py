@@ -27,7 +27,7 @@ STRESSES = (None, 0, 1, 2)
 """Values of stress: unmarked, none, primary and secondary."""
 
 MAX_EMPHASIS = 2.0
-"""Greatest emphasis of a word, twice the pose set's."""
+"""Maximum emphasis of a word, twice that of the pose set."""
 
 SNAP_SECONDS = 5e-4
 """Seconds; smaller gaps and overlaps between neighbours are rounding errors, and are closed."""
@@ -112,7 +112,7 @@ class Schedule:
     dropped: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse faulty times, labels and words."""
+        """Raise an error for faulty times, labels and words."""
         times = _boundaries(self.source, self.times)
         times.setflags(write=False)
         object.__setattr__(self, "times", times)

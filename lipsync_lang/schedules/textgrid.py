@@ -34,7 +34,7 @@ HOLDS = {"IntervalTier": "interval", "TextTier": "point"}
 """Classes of tiers, with the word for their items."""
 
 MAX_COUNT_DIGITS = 9
-"""Most digits of a number of intervals."""
+"""Maximum digits of a number of intervals."""
 
 
 def sniff(source: TimingFile) -> bool:

@@ -32,7 +32,7 @@ SURE = re.compile(r"(phon|tokens)align", re.IGNORECASE)
 PROBABILITY = re.compile(r"0(\.\d+)?|1(\.0*)?", re.ASCII)
 
 MAX_NAMES = 4
-"""Most names of tiers in a message."""
+"""Maximum number of names of tiers in a message."""
 
 SPEAKER = re.compile(
     r"(?:(?P<before>.*\S)\s+-\s+)?(?P<role>[^@]*|.*)(?:@(?P<after>[^@]+))?", re.DOTALL

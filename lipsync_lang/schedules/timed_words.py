@@ -1,4 +1,4 @@
-"""Words with times, but without phonemes, as recognisers, subtitles and word tiers have them.
+"""Words with times, but without phonemes, from recognisers, subtitles and word tiers.
 
 A reader of timings returns `TimedWords` in place of a schedule if its file times words alone. The
 phonemes within each word depend on the language: `speech.filling` adds them.
@@ -30,11 +30,11 @@ SILENT = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
 """Marks of silence and noise among words."""
 
 MAX_PHONE_LETTERS = 3
-"""Most letters of a usual label of a phone; words have more."""
+"""Maximum letters of a usual label of a phone; words have more."""
 
 
 WORD_SCRIPTS = (("\u3400", "\u9fff"), ("\uac00", "\ud7a3"))
-"""First and last letters of Han and of Hangul syllables, in which nobody writes phones."""
+"""First and last letters of Han and of Hangul syllables, which never label phones."""
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,10 @@ The UTF-32 mark begins with that of UTF-16, so the order matters.
 """
 
 MAX_TIMINGS_BYTES = 64 * MIB_BYTES
-"""Largest file of timings, in bytes."""
+"""Maximum size of a file of timings, in bytes."""
 
 HEAD_BYTES = 4096
-"""Bytes that identify a format."""
+"""Number of first bytes that identify a format."""
 
 MAX_TIME = 1e15
 """Upper limit of times, in any unit."""

@@ -143,7 +143,7 @@ def read_timings(  # noqa: PLR0913 facts that a file may lack
 
 
 def timings_of(source: TimingFile, read_as: str | None = None) -> Timings:
-    """Read timings from what a file holds; see `read_timings`."""
+    """Read timings from the content of a file; see `read_timings`."""
     found = find_reader(source, read_as)
     _log.info("%s is read as %s", source.path, found.name)
     if source.tier is not None and not found.tiers:
@@ -152,7 +152,7 @@ def timings_of(source: TimingFile, read_as: str | None = None) -> Timings:
 
 
 def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
-    """Return the reader of a file: the one named, or the one its content and suffix tell."""
+    """Return the reader of a file: the named one, or the one for its content and suffix."""
     if name is not None:
         return READERS.find(name, ScheduleError)
     named = READERS.ending(source.path)
@@ -177,7 +177,7 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
 
 
 def _check_form(source: TimingFile) -> None:
-    """Refuse damaged JSON and XML."""
+    """Raise an error for damaged JSON and XML."""
     start = source.text.lstrip()[:1]
     if start in ("{", "["):
         _ = source.json

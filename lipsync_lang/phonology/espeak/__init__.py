@@ -1,1 +1,1 @@
-"""eSpeak NG as a library in a process of its own: what reads text, and what speech is made with."""
+"""eSpeak NG as a library in a process of its own, for reading text and making speech."""

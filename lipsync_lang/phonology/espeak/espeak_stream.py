@@ -1,4 +1,4 @@
-"""Many texts spoken by one eSpeak NG process, in which each has a forked process of its own.
+"""Speech of many texts by one eSpeak NG process, which forks a process for each text.
 
 The worker loads the library and the voice once, and is forked for each text. The answers are those
 of `EspeakProcess.ask`, byte for byte, and a text that crashes or hangs takes no other along. If the
@@ -28,15 +28,15 @@ from lipsync_lang.phonology.espeak.process import (
 )
 
 TEXTS_AHEAD = 8
-"""Texts taken before their answers are read, so that neither side waits for the other."""
+"""Maximum number of texts sent before their answers are read, so that neither side waits."""
 
 SENT_BYTES = 4096
-"""Limit of what is sent ahead. A pipe holds more on all systems, so sending never blocks."""
+"""Maximum bytes sent ahead. A pipe holds more on all systems, so sending never blocks."""
 
 READ_BYTES = 1 << 16
 
 FORKS = hasattr(os, "fork")
-"""True where a process can be forked; Windows cannot."""
+"""True if the system can fork processes; Windows cannot."""
 
 Answer = tuple[Any, bytes]
 """Header and sound."""
@@ -89,7 +89,7 @@ class _Stream:
     def __init__(self, process: EspeakProcess, voice: str, rate: int, first: str) -> None:
         self.process, self.voice = process, voice
         self.sizes: deque[int] = deque()
-        """Bytes of each text that is sent and has no answer."""
+        """Size in bytes of each text that was sent and has no answer."""
         request, folder = process.request("speak_many", voice=voice, rate=rate)
         self.printed: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 closed with the stream
         try:
@@ -117,7 +117,7 @@ class _Stream:
         self.close()
 
     def close(self) -> None:
-        """End the worker; what it forked ends by itself, at its next write or its limit."""
+        """End the worker; its forked processes end at their next write or their limit."""
         self.worker.kill()
         self.worker.wait()
         self.ready.close()
@@ -206,7 +206,7 @@ class _Stream:
             raise _WorkerLostError from None
 
     def _read(self, size: int, deadline: float) -> bytes:
-        """Read so many bytes; fewer at the end or at the deadline."""
+        """Read a number of bytes; fewer at the end or at the deadline."""
         parts: list[bytes] = []
         while size and self.ready.select(max(deadline - time.monotonic(), 0.0)):
             part = self.replies.read(min(size, READ_BYTES))

@@ -1,4 +1,4 @@
-"""The child process that loads eSpeak NG, and speaks one text or many.
+"""Child process that loads eSpeak NG, and speaks one text or many.
 
 Run by path, never imported by the package: it knows the standard library alone, so that the
 engine and its licence stay in a process of their own. A JSON request comes in as the first line of
@@ -57,7 +57,7 @@ class _Event(ctypes.Structure):
 
 
 class VoiceRecord(ctypes.Structure):
-    """A voice, as the library lists it."""
+    """A voice in the list of the library."""
 
     _fields_ = (
         ("name", ctypes.c_char_p),
@@ -93,7 +93,7 @@ def list_voices(library: ctypes.CDLL) -> list[tuple[str, str, list[tuple[int, st
 def read_voices(
     listed: Iterable["ctypes._Pointer[VoiceRecord]"],
 ) -> list[tuple[str, str, list[tuple[int, str]]]]:
-    """Return what `list_voices` does, of the library's own list."""
+    """Return the same as `list_voices`, from the library's own list."""
     rows, voices = [], []
     for pointer in listed:
         if not pointer:
@@ -181,14 +181,14 @@ def spell(library: ctypes.CDLL, text: str) -> list[str]:
 
 
 def answer(request: dict[str, Any]) -> tuple[dict[str, Any], bytes | bytearray]:
-    """Do what a request asks; return the header and the sound."""
+    """Execute a request; return the header and the sound."""
     library = ctypes.CDLL(request["library"])
     ready = prepare(library, request)
     return speak(library, request["text"], ready["rate"]) if "rate" in ready else (ready, b"")
 
 
 def prepare(library: ctypes.CDLL, request: dict[str, Any]) -> dict[str, Any]:
-    """Initialise the library; return ``{"rate"}`` in hertz where it can speak, else the answer."""
+    """Initialise the library; return ``{"rate"}`` in hertz if it can speak, else the answer."""
     rate = library.espeak_Initialize(
         OUTPUT_SYNCHRONOUS,
         BUFFER_MS,

@@ -1,4 +1,4 @@
-"""Convert eSpeak NG's names of phonemes to labels."""
+"""Conversion of eSpeak NG's names of phonemes to labels."""
 
 import re
 
@@ -32,7 +32,7 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
 
 
 def label_of(name: str) -> str:
-    """Return the bare sound of a name; empty for flags and marks, which have none."""
+    """Return the bare sound of a name; empty for flags and marks."""
     return "" if name.startswith("(") else name.strip(_MARKS)
 
 

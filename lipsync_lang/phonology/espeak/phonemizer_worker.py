@@ -1,4 +1,4 @@
-"""The child process that turns many texts into phonemes, without sound, and ends.
+"""Child process that converts many texts to phonemes, without sound, and ends.
 
 Run by path, never imported by the package, so that phonemizer, eSpeak NG, their licence and their
 memory stay in a process of their own. One JSON request comes in on stdin,

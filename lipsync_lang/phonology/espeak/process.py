@@ -26,10 +26,10 @@ WORKER = Path(__file__).with_name("espeak_worker.py")
 READER = Path(__file__).with_name("phonemizer_worker.py")
 
 GARBAGE = "eSpeak NG gave an unreadable answer; try again"
-"""Message for an answer that is not framed as agreed."""
+"""Message for an answer with an invalid frame."""
 
 BATCH_TEXTS = 2000
-"""Texts that one process reads."""
+"""Maximum number of texts for one process."""
 
 _SHOWN = 60
 _DOTS = re.compile(r"\.{2,}|…")
@@ -37,7 +37,7 @@ _ORDER = (
     (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
     (re.compile("([\u05b0-\u05bb\u05c7]+)([\u05bc\u05c1\u05c2]+)"), r"\2\1"),
 )
-"""Marks on one letter that Unicode puts in one order, and the library reads in the other only."""
+"""Marks on one letter that the library reads only in the opposite of the Unicode order."""
 
 _QUOTES = frozenset("«»‹›„“”‟")
 _IGNORED = {0x00AD, 0x200B, 0x200E, 0x200F, 0x2060, 0xFEFF}
@@ -60,7 +60,7 @@ class EspeakProcess:
     patience: float = 20.0
 
     def transcribe(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
-        """Turn texts into phonemes without sound, by phonemizer.
+        """Convert texts to phonemes without sound, with phonemizer.
 
         Yields
         ------
@@ -99,7 +99,7 @@ class EspeakProcess:
         return {str(name): str(title) for name, title in header["voices"].items()}
 
     def missing(self, voices: Sequence[str]) -> dict[str, str]:
-        """Map each voice that the library does not have to a hint at those it has."""
+        """Map each voice that the library lacks to a hint with similar voices."""
         header, _ = self.ask("missing", text="\n".join(voices))
         return {str(voice): did_you_mean(voice, header["voices"]) for voice in header["missing"]}
 
@@ -194,12 +194,12 @@ def _steers(character: str) -> bool:
 
 
 def quoted(text: str) -> str:
-    """Return a text in quotes, cut short for a message."""
+    """Return a text in quotes, shortened for a message."""
     return repr(text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "...")
 
 
 def ending(code: int, stderr: bytes, text: str, voice: str) -> str:
-    """Say how the worker ended, and what to try."""
+    """Return the error for a worker that ended, with a cure."""
     how = f"ended with code {code}"
     if code < 0:
         names = {int(s): s.name for s in signal.Signals}
@@ -212,7 +212,7 @@ def ending(code: int, stderr: bytes, text: str, voice: str) -> str:
 
 
 def unfinished(seconds: float, text: str) -> str:
-    """Say that a text took too long."""
+    """Return the error for a text that took too long."""
     return (
         f"eSpeak NG did not finish within {seconds:.0f} s with {quoted(text)}; "
         "try again, or split the text"
@@ -220,13 +220,13 @@ def unfinished(seconds: float, text: str) -> str:
 
 
 def last_line(stderr: bytes) -> str:
-    """Return the last line that the library printed, to end a sentence with."""
+    """Return the last line that the library printed, as the end of a sentence."""
     lines = stderr.decode("utf-8", "replace").strip().splitlines()
     return f" ({lines[-1].strip()})" if lines else ""
 
 
 def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
-    """Read the header and the sound of an answer, believing none of it.
+    """Read and check the header and the sound of an answer.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
 
 
 def refusal(header: dict[str, Any], voice: str) -> str:
-    """Say why the library does not speak."""
+    """Return the error for a library that does not speak."""
     match header["error"]:
         case "voice":
             return f"eSpeak NG has no voice '{voice}'; {did_you_mean(voice, header['known'])}"

@@ -1,4 +1,4 @@
-"""Text to phonemes (G2P): each engine is a file here, kept by name in `ENGINES`.
+"""Text to phonemes (G2P): each engine is a file here, registered by name in `ENGINES`.
 
 What an engine gives are words with labels of one notation. Which engine reads a language, and
 what its labels stand for, is the language pack's word.

@@ -1,4 +1,4 @@
-r"""Contexts of spelling rules: regular expressions whose running time is bounded beforehand.
+r"""Contexts of spelling rules: regular expressions with a limit on their running time.
 
 Packs come from strangers, and `re` has no time limit. Two limits replace a clock:
 
@@ -26,16 +26,16 @@ from unicodedata import normalize
 from lipsync_lang.phonology.g2p.tokens import APOSTROPHES, plain
 
 SEEN_LETTERS = 50
-"""Letters of a word that a context sees."""
+"""Maximum number of letters of a word for a context."""
 
 MAX_STEPS = 2_000_000
-"""Most steps of one match in a word: some hundredths of a second."""
+"""Maximum number of steps of one match in a word: some hundredths of a second."""
 
 MAX_STEPS_PER_LETTER = 50_000_000
-"""Most steps of all rules tried at one letter of a word."""
+"""Maximum number of steps of all rules at one letter of a word."""
 
 MAX_CONTEXT_CHARS = 1_000
-"""Characters of a context."""
+"""Maximum length of a context, in characters."""
 
 _TOO_MANY = MAX_STEPS + 1
 _WHOLE = ("(?=", "(?!", "(?<", "(?>")
@@ -140,7 +140,7 @@ def compile_context(text: str, *, precedes: bool) -> Context:
 
 
 def _parts(text: str) -> Iterator[tuple[str, str]]:
-    """Yield (kind, part) along a regular expression; refuse features that contexts lack."""
+    """Yield (kind, part) along a regular expression; raise an error for unsupported features."""
     for found in _TOKEN.finditer(text):
         kind, part = str(found.lastgroup), found[0]
         if kind == "opening" and part == "(" and text.startswith("(?", found.start()):
@@ -191,7 +191,7 @@ class _Cost(NamedTuple):
 
 @dataclass
 class _Group:
-    """A group whose end has not been read: finished alternatives, and the current one."""
+    """A group during parsing: finished alternatives, and the current one."""
 
     opened: str = "("
     ways: int = 0
@@ -219,7 +219,7 @@ class _Group:
 
 
 def _steps(parts: list[tuple[str, str]]) -> int:
-    """Return the most steps of a well-formed expression from one start."""
+    """Return the maximum number of steps of a well-formed expression from one start."""
     groups = [_Group()]
     for kind, part in parts:
         here = groups[-1]
@@ -265,7 +265,7 @@ def _repeated(item: _Cost, repeat: str) -> _Cost:
 
 
 def _counts(repeat: str) -> tuple[int, int | None]:
-    """Return the least and most times of a repeat; None means no limit."""
+    """Return the minimum and maximum number of a repeat; None means no limit."""
     if repeat[0] != "{":
         return {"*": (0, None), "+": (1, None), "?": (0, 1)}[repeat[0]]
     least, comma, most = repeat[1 : repeat.index("}")].partition(",")

@@ -1,4 +1,4 @@
-"""Corrections of the labels that an engine gives for a word, as a language pack states them.
+"""Corrections of an engine's labels for a word, which a language pack states.
 
 An engine of many languages has habits that the spelling of one contradicts: it may write one label
 for two sounds, or say a vowel that nobody says. At each label of a word the corrections are tried
@@ -22,7 +22,7 @@ from lipsync_lang.phonology.g2p.tokens import plain
 from lipsync_lang.phonology.labels import normalise
 
 MAX_WRITTEN_CHARS = 50
-"""Characters of a word's spelling that `spelled` sees."""
+"""Maximum length of a word's spelling for `spelled`."""
 
 _LENGTH = normalise("ː")
 """The mark of length in normalised labels."""

@@ -1,4 +1,4 @@
-"""Words drawn out (`Nooo`, `Shhh`): their ordinary spelling, and the labels that last longer.
+"""Words drawn out (`Nooo`, `Shhh`): their ordinary spelling, and the lengthened labels.
 
 `vowels` are always the letters of vowels, in small letters without accents.
 """
@@ -13,10 +13,10 @@ from lipsync_lang.phonology.g2p.g2p_engines import Said
 from lipsync_lang.phonology.g2p.tokens import plain
 
 MAX_COPIES = 3
-"""Most copies that lengthen one label."""
+"""Maximum number of copies of a lengthened label."""
 
 DRAWN_LETTERS = 3
-"""Equal letters in a row that draw a word out."""
+"""Minimum number of equal letters in a drawn-out word."""
 
 SYLLABIC = ("CJK", "HIRAGANA", "KATAKANA", "HANGUL SYLLABLE", "BOPOMOFO", "YI ")
 """Starts of names of characters that are read as syllables, not as names of letters."""
@@ -25,11 +25,11 @@ _LONG_RUN = re.compile(r"(\w)\1\1", re.IGNORECASE)
 _LONG_MARK = "PROLONGED SOUND MARK"
 
 IsVowel = Callable[[str], bool]
-"""Tell whether a label is a vowel."""
+"""Test a label for a vowel."""
 
 
 class DrawnOut(NamedTuple):
-    """A word drawn out: its ordinary spelling, and the runs of letters that were longer in it."""
+    """A word drawn out: its ordinary spelling, and its long runs of letters."""
 
     word: str
     runs: tuple[tuple[int, int], ...]
@@ -37,12 +37,12 @@ class DrawnOut(NamedTuple):
 
 
 def folded(text: str) -> str:
-    """Return small letters, each apart from its marks."""
+    """Return lower-case letters, decomposed from their marks."""
     return normalize("NFKD", text.casefold())
 
 
 def bare(text: str) -> str:
-    """Return small letters without their marks."""
+    """Return lower-case letters without their marks."""
     return "".join(c for c in folded(text) if not combining(c))
 
 
@@ -99,7 +99,7 @@ def _squeezed(word: str) -> str:
 
 
 def lengthened(said: Said, drawn: DrawnOut, is_vowel: IsVowel, vowels: str) -> Said:
-    """Return a word with the labels repeated that its letters draw out."""
+    """Return a word with repeated labels for its long letters."""
     more = [0] * len(said.labels)
     for place, letters in drawn.runs:
         if said.labels:
@@ -113,7 +113,7 @@ def lengthened(said: Said, drawn: DrawnOut, is_vowel: IsVowel, vowels: str) -> S
 
 
 def _label_at(labels: Sequence[str], word: str, place: int, is_vowel: IsVowel, vowels: str) -> int:
-    """Return the place of the label that a letter stands for, as near as letters tell."""
+    """Return the estimated place of the label of a letter."""
     letters = bare(word)
     guess = place * (len(labels) - 1) / max(len(word) - 1, 1)
     wanted = letters[place : place + 1] in vowels

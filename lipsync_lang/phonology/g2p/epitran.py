@@ -1,4 +1,4 @@
-"""Text to IPA by Epitran, for languages with a regular spelling."""
+"""Text to IPA with Epitran, for languages with a regular spelling."""
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import lru_cache
@@ -18,7 +18,7 @@ _JOINED = {"Mn", "Lm", "Sk"}
 
 @ENGINES.register("epitran")
 def engine(settings: Settings) -> Engine:
-    """Read text by Epitran's code of the language.
+    """Read text with Epitran's code of the language.
 
     Raises
     ------

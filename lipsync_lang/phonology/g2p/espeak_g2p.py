@@ -1,4 +1,4 @@
-"""Text to phonemes by eSpeak NG, as its voices say it, without sound.
+"""Text to phonemes with the voices of eSpeak NG, without sound.
 
 It says a text clause by clause and tells its words apart, but not which of the user's they are:
 "10,000" is several of them, "of the" is one. Where a clause has as many words as the user's have by
@@ -26,7 +26,7 @@ from lipsync_lang.phonology.labels import looser, normalise
 Words = Sequence[tuple[str, ...]]
 
 PATIENCE_SECONDS = 120.0
-"""Seconds; many texts are read in many turns, and a busy computer may let one of them wait."""
+"""Maximum seconds of a batch; a busy computer may delay one of many batches."""
 
 
 @ENGINES.register("espeak")
@@ -55,7 +55,7 @@ def engine(settings: Settings) -> Engine:
 
     @lru_cache(CACHED_WORDS)
     def apart(said: Said) -> Said:
-        """Take the marks of stress from labels; split a label that eSpeak joined of several."""
+        """Remove the marks of stress from labels; split labels that eSpeak joined."""
         labels: list[str] = []
         stress: list[int | None] = []
         for one in said.labels:
@@ -127,7 +127,7 @@ def _clauses(text: str) -> list[list[TextPiece]]:
 def _matched(
     tokens: Sequence[TextPiece], words: Words, lengths: Mapping[str, int]
 ) -> list[Said] | None:
-    """Give each token its spoken words; None if the assignment is uncertain.
+    """Assign spoken words to each token; None if the assignment is uncertain.
 
     The assignment is certain if the clause has as many words as its tokens have when spoken alone.
     Words that eSpeak joins make the number smaller.

@@ -1,4 +1,4 @@
-"""Abbreviations, signs, Roman numerals and ruby, replaced by the words that are said.
+"""Abbreviations, signs, Roman numerals and ruby, replaced by spoken words.
 
 A key of an abbreviation is its spelling. `#` stands for a number, `##` for a number of two digits,
 and so on; `{1}` in its expansion is the first of them. A space of a key may be missing in the
@@ -14,7 +14,7 @@ from typing import NamedTuple
 from lipsync_lang.phonology.g2p.spoken_forms import SpokenForms
 
 MAX_ROMAN_CHARS = 12
-"""Letters of the longest Roman numeral."""
+"""Maximum number of letters of a Roman numeral."""
 
 _ROMAN = re.compile(
     "M{0,3}"
@@ -84,7 +84,7 @@ class _Keys:
 
 
 def _either(first: str) -> str:
-    """Return a letter; a small one also as a capital, at the start of a sentence."""
+    """Return the pattern of a letter; a small one may be a capital at the start of a sentence."""
     return first + (first.upper() if first.islower() and len(first.upper()) == 1 else "")
 
 
@@ -160,7 +160,7 @@ class Expansions:
 
     @cached_property
     def _numerals(self) -> list[tuple[re.Pattern[str], tuple[str, ...]]]:
-        """Expressions for Roman numerals, and the ordinal numbers to read them by."""
+        """Expressions for Roman numerals, and the ordinal numbers that replace them."""
         forms = self._forms
         stated = [(_after(forms.named), forms.ordinals), (_after(forms.counted), ())]
         return [*((p, names) for p, names in stated if p is not None), (_AFTER_NAME, ())]

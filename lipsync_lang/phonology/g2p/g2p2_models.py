@@ -1,4 +1,4 @@
-"""Text to IPA by the models of g2p2, for writing that leaves its vowels out.
+"""Text to IPA with the models of g2p2, for scripts without vowels.
 
 Its models are small, and come as packages (`g2p2-group-...`). They are read from there: g2p2 itself
 would download a model that is missing, which nothing here does.
@@ -38,7 +38,7 @@ GROUPS = "g2p2_group_"
 
 @ENGINES.register("g2p2")
 def engine(settings: Settings) -> Engine:
-    """Read text by the g2p2 model of the language's code.
+    """Read text with the g2p2 model of the language's code.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def _pointed(word: str) -> bool:
 
 
 def _joined(words: Sequence[Said]) -> Said:
-    """Return the words that another engine made of one as one."""
+    """Merge the words that another engine made of one word."""
     labels = tuple(label for word in words for label in word.labels)
     return Said("", labels, unread="".join(word.unread for word in words))
 

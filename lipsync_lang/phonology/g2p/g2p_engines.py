@@ -1,4 +1,4 @@
-"""Engines that turn text into phonemes, and their common interface."""
+"""Engines that convert text to phonemes, and their common interface."""
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from lipsync_lang.extensions import Extensions
 
 
 class Said(NamedTuple):
-    """A word as it is said.
+    """A spoken word.
 
     `text` is the user's own spelling; `labels` are its phonemes, none for a pause, whose text is
     the punctuation. `respelled` is how a voice had best read it, where that is not `text`;
@@ -26,7 +26,7 @@ class Said(NamedTuple):
 
 
 class Rule(NamedTuple):
-    """A rewrite: letters, the labels they become, and what must stand after and before them."""
+    """A rewrite: letters, their labels, and the required text after and before them."""
 
     spelling: str
     to: tuple[str, ...]
@@ -37,7 +37,7 @@ class Rule(NamedTuple):
 
 
 class Correction(NamedTuple):
-    """A correction: labels of an engine, the labels they become, and where."""
+    """A correction: labels of an engine, their replacements, and contexts."""
 
     labels: tuple[str, ...]
     to: tuple[str, ...]
@@ -83,10 +83,10 @@ class Settings:
 
 
 Engine = Callable[[Sequence[str]], Iterable[Sequence[Said]]]
-"""Texts in; for each, its words and pauses in order."""
+"""Function from texts to the words and pauses of each, in order."""
 
 Respeller = Callable[[str], list[tuple[str, str]]]
-"""Text in; pieces of it that make it up again, each with the spelling to read it by."""
+"""Function from a text to its pieces, each with the spelling to read."""
 
 Make = Callable[[Settings], Engine]
 
@@ -105,7 +105,7 @@ ENGINES: Extensions[Make] = Extensions(
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
-"""Functions that make an engine of its settings, by name; `ENGINES.register` adds one."""
+"""Functions that make an engine from its settings, by name; `ENGINES.register` adds one."""
 
 WHISPER = "\u0325"
 """Mark in respelled text of a vowel without voice. Labels may hold it; no voice reads it."""

@@ -1,4 +1,4 @@
-"""Japanese text in the kana it is read by.
+"""Japanese text to the kana of its reading.
 
 Kanji, digits and Latin words do not say how they sound; Open JTalk's dictionary does, and knows
 that 一本 is イッポン, that the particle は is ワ and へ is エ, and which vowels are long.
@@ -18,7 +18,7 @@ from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.g2p_engines import RESPELLERS, WHISPER
 
 MAX_READ_CHARS = 1000
-"""Characters read at once; the dictionary's buffer is not much larger."""
+"""Maximum characters of a part; the dictionary's buffer is not much larger."""
 
 _SENTENCE = re.compile(r"[^。！？!?\n]+")
 _EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"

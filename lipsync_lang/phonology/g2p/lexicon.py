@@ -1,4 +1,4 @@
-"""Words looked up in a file of pronunciations.
+"""Look-up of words in a file of pronunciations.
 
 One word a line, then its labels: ``word<TAB>w ɜ d``, as WikiPron has it, or ``WORD  W ER1 D`` as
 CMUdict does. Of several lines for a word the first counts; ``WORD(2)`` is another. Lines that start
@@ -19,7 +19,7 @@ from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 COMMENTS = (";;;", "#")
 
 MAX_LEXICON_BYTES = 256 * MIB_BYTES
-"""Largest lexicon in bytes; the largest of WikiPron has 30 million."""
+"""Maximum size of a lexicon in bytes; the largest of WikiPron has 30 million."""
 
 _VARIANT = re.compile(r"\(\d+\)$")
 _PARTS = re.compile(r"-|'")
@@ -27,7 +27,7 @@ _PARTS = re.compile(r"-|'")
 
 @ENGINES.register("lexicon")
 def engine(settings: Settings) -> Engine:
-    """Read text by a lexicon.
+    """Read text with a lexicon.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Chinese text to pinyin, by pypinyin.
+"""Chinese text to pinyin, with pypinyin.
 
 Labels are the initials and finals of Hanyu Pinyin, without tones. Finals are written in full
 wherever they stand, so that there is no ``y`` and no ``w``: 我 is ``uo``, 月 ``üe``, 有 ``iou``,
@@ -250,7 +250,7 @@ def _syllables(phrase: str) -> list[str]:
 
 MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
 MAX_WORD_CHARS = 60
-"""Letters of the longest word of pinyin."""
+"""Maximum number of letters of a word of pinyin."""
 
 _TAIL = re.compile(r"(r(?![aeiouv]))?([0-5]?)(r(?![aeiouv]))?'?")
 
@@ -327,7 +327,7 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
 
 DIGITS = "零一二三四五六七八九"
 MAX_NUMBER_DIGITS = 10
-"""Most digits of a quantity; longer numbers without separators are read digit by digit."""
+"""Maximum digits of a quantity; longer numbers without separators are read digit by digit."""
 
 _PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
 _UNITS = ("", "十", "百", "千")

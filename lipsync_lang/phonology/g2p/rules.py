@@ -37,7 +37,7 @@ SLOW = "and those before it with the same first letter could take too long"
 QUICKER = "use fewer rules for the letter, or fewer repeats in their contexts"
 
 CACHED_WORDS = 20_000
-"""Words whose readings are cached."""
+"""Maximum number of cached readings of words."""
 
 
 class _Compiled(NamedTuple):
@@ -123,7 +123,7 @@ def _compile(number: int, rule: Rule) -> _Compiled:
 
 @ENGINES.register("rules")
 def engine(settings: Settings) -> Engine:
-    """Read text by the rules of a pack."""
+    """Read text with the rules of a pack."""
     rewriter = Rewriter(settings.rules, settings.labels)
     respell = respeller(settings.respell) if settings.respell else None
 

@@ -1,4 +1,4 @@
-"""Written forms that an engine would misread: data of the packs, as plain values.
+"""Written forms that an engine would misread, as plain data from packs.
 
 Interjections, abbreviations, Roman numerals, and the words that only look drawn out or stuttered.
 """
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 
 
 class Interjection(NamedTuple):
-    """The labels of an interjection, and the spelling by which a voice reads it."""
+    """The labels of an interjection, and its spelling for a voice."""
 
     labels: tuple[str, ...]
     say: str = ""
@@ -17,7 +17,7 @@ class Interjection(NamedTuple):
 
 @dataclass(frozen=True)
 class SpokenForms:
-    """The written forms of a language that are read by its pack, not by its engine.
+    """The written forms of a language that its pack reads, instead of its engine.
 
     Parameters
     ----------

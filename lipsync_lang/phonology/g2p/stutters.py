@@ -14,7 +14,7 @@ from lipsync_lang.phonology.g2p.drawn_out import SYLLABIC, IsVowel, bare, folded
 from lipsync_lang.phonology.g2p.tokens import plain
 
 MAX_STUTTER_CHARS = 4
-"""Letters of the longest repeated start of a word."""
+"""Maximum number of letters of a repeated start of a word."""
 
 
 _HYPHENS = re.compile("[-\u2010\u2011]")
@@ -77,7 +77,7 @@ def start_labels(
 
 
 def respelled_start(start: str, word: str, vowels: str) -> str:
-    """Return how a voice had best read a repeated start: as far as the word's first vowel."""
+    """Return the spelling of a repeated start for a voice, up to the word's first vowel."""
     place = lead_letters(word, vowels)
     if place == len(word) or len(bare(word)) != len(word):
         return word

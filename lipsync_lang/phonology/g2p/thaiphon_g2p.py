@@ -1,4 +1,4 @@
-"""Text to IPA by thaiphon, for writing without spaces between words.
+"""Text to IPA with thaiphon, for scripts without spaces between words.
 
 PyThaiNLP cuts a run of letters into words; thaiphon finds the syllables of each, and with them the
 vowels that are not written. Whole numbers are read as words; the sign of repetition says the word
@@ -18,10 +18,10 @@ from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces
 from lipsync_lang.phonology.labels import normalise
 
 AGAIN = "\u0e46"
-"""The sign that says a word twice."""
+"""The sign that repeats a word."""
 
 MAX_NUMBER_DIGITS = 15
-"""Digits of a number that is read as one; a longer one is read digit by digit."""
+"""Maximum digits of a number; a longer one is read digit by digit."""
 
 _LETTERS = re.compile("[\u0e01-\u0e4e]")
 _TONES = re.compile("[\u02e5-\u02e9/]")
@@ -30,7 +30,7 @@ _RUN = re.compile("[0-9\u0e50-\u0e59]+|[^0-9\u0e50-\u0e59]+")
 
 @ENGINES.register("thaiphon")
 def engine(settings: Settings) -> Engine:
-    """Read text by thaiphon.
+    """Read text with thaiphon.
 
     Raises
     ------

@@ -42,7 +42,7 @@ def _class(character: str) -> str:
 
 
 def counts(character: str) -> bool:
-    """Tell whether a character is a letter, a digit, or a mark on one."""
+    """Test a character for a letter, a digit, or a mark on one."""
     return _class(character) in "wn"
 
 
@@ -68,14 +68,14 @@ def plain(word: str) -> str:
 
 
 class WordReading(NamedTuple):
-    """A word after reading: its labels, and the characters that nothing read."""
+    """A word after reading: its labels, and its unread characters."""
 
     labels: tuple[str, ...]
     unread: str = ""
 
 
 def read_words(text: str, read: Callable[[str], WordReading]) -> tuple[Said, ...]:
-    """Read a text word by word; unread characters are kept, to be named."""
+    """Read a text word by word; unread characters are kept for a remark."""
     out: list[Said] = []
     for piece in pieces(text):
         if piece.kind == "word":

@@ -1,4 +1,4 @@
-"""Texts cut at interjections, stutters, abbreviations and the like, read, and put together again.
+"""Reading of texts in parts, cut at interjections, stutters, abbreviations and similar forms.
 
 An engine reads the parts of a text that are ordinary words; the rest has its sounds from the pack,
 or from the word that a stutter repeats. All words come back in the user's spelling.
@@ -37,7 +37,7 @@ _ODD = re.compile(r"[-\u2010\u2011…]|\.\.|(\w)\1\1", re.IGNORECASE)
 """Signs of a stutter or of a word drawn out."""
 
 MAX_HALTS = 10
-"""Most starts of one word, each with an ellipsis."""
+"""Maximum number of starts of a word, each with an ellipsis."""
 
 Words = tuple[Said, ...]
 ReadTexts = Callable[[Sequence[str]], Sequence[Words | SpeechError]]
@@ -104,7 +104,7 @@ class Utterances:
         ]
 
     def ordinary(self, text: str) -> bool:
-        """Return True for a text that the engine reads as it is."""
+        """Return True for a text that the engine reads without changes."""
         return _is_whole(self.cut(text), text)
 
     def cut(self, text: str) -> list[UtterancePart]:
@@ -189,7 +189,7 @@ class Utterances:
     def _joined(
         self, parts: Sequence[UtterancePart], found: Mapping[str, Words | SpeechError]
     ) -> Words | SpeechError:
-        """Put the words of a text together again."""
+        """Join the words of the parts of a text."""
         out: list[Said] = []
         for part in parts:
             words = found.get(part_text(part), ())
@@ -237,7 +237,7 @@ def _is_whole(parts: Sequence[UtterancePart], text: str) -> bool:
 
 
 def part_text(part: UtterancePart) -> str:
-    """Return what the engine reads of a part; empty for an interjection and for pauses alone."""
+    """Return the text of a part for the engine; empty for interjections and for pauses alone."""
     if part.said is not None:
         return ""
     read, at = "", 0
@@ -298,7 +298,7 @@ def _original(part: UtterancePart, words: Words) -> list[Said]:
 
 
 def _origins(part: UtterancePart) -> list[tuple[int, int]]:
-    """Return for each character that is read where the user's text has it: start and stop."""
+    """Return the start and stop of each read character in the user's text."""
     found: list[tuple[int, int]] = []
     at = 0
     for one in part.replacements:
@@ -309,7 +309,7 @@ def _origins(part: UtterancePart) -> list[tuple[int, int]]:
 
 
 def _merged(one: Said, other: Said, text: str) -> Said:
-    """Return two words as one."""
+    """Merge two words."""
     marks = tuple(
         mark for word in (one, other) for mark in word.stress or (None,) * len(word.labels)
     )
