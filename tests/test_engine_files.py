@@ -528,7 +528,7 @@ def test_a_curve_table_has_a_row_for_each_curve_and_times_of_the_sound():
 def test_names_that_unreal_does_not_tell_apart_are_refused():
     animation = performed()
     poses = ("Open", "open", *animation.poses[2:])
-    with pytest.raises(OutputError, match="does not tell Open and open apart; rename one"):
+    with pytest.raises(OutputError, match="does not distinguish Open and open; rename one"):
         bytes_of("unreal", replace(animation, poses=poses, channels=()))
 
 

@@ -24,7 +24,7 @@ def write_unreal(animation: Animation, out: TextIO) -> None:
     twice = [name for name in animation.poses if counts[name.casefold()] > 1]
     if twice:
         raise OutputError(
-            f"Unreal Engine does not tell {' and '.join(twice)} apart; rename one of them"
+            f"Unreal Engine does not distinguish {' and '.join(twice)}; rename one of them"
         )
     animation = animation.thinned()
     table = csv.writer(out, lineterminator="\r\n")

@@ -26,8 +26,8 @@ def shapes_of(  # noqa: PLR0913 optional parts of a format
 ) -> Schedule:
     """Make a schedule of shapes; see `rows.schedule_of` for the parameters."""
     lossy = (
-        f"{source.path}: has mouth shapes, not sounds: each represents several sounds, and what "
-        "tells them apart is lost; give timed phonemes of the line where there are some"
+        f"{source.path}: has mouth shapes, not phonemes: each represents several phonemes, and "
+        "their difference is lost; if you have timed phonemes of the line, give those"
     )
     remarks = (lossy, *remarks)
     return schedule_of(source, rows, words=words, notation=notation, rate=rate, remarks=remarks)

@@ -2,7 +2,7 @@
 
 import { made } from "./elements.js";
 
-/** Statuses with their sign and their words; the sign tells them apart without colours. */
+/** Statuses with their sign and their words; the sign distinguishes them without colours. */
 const STATUSES = {
   approved: ["✓", "approved"], edited: ["●", "edited"], fitted: ["◦", "fitted to captures"], drafted: ["·", "drafted"], gap: ["×", "gap: no curves"], none: ["", "never spoken"],
 };

@@ -291,7 +291,7 @@ export class CharacterView {
   }
 
   #tellWhose() {
-    const words = this.posing ? "The face shows the sliders, until you play or seek." : this.studio.take ? "The face shows the line, until you move a slider." : "The face is at rest: move a slider, or choose a picture.";
+    const words = this.posing ? "The face shows the sliders until you play or seek." : this.studio.take ? "The face shows the line until you move a slider." : "The face is at rest. Move a slider, or choose a picture.";
     if (this.whose && this.whose.textContent !== words) this.whose.textContent = words;
   }
 }
