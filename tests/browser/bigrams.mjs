@@ -4,20 +4,12 @@
 //
 // PAIR is a bigram of the line. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
-import { WEBGL, launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, studio } from "./browsing.mjs";
 
 const [modules, chromium, address, pair] = process.argv.slice(2);
 const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
-const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
-
-async function open(view, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
-  watch(page, said, asked, own);
-  await page.goto(`${address}${view}`);
-  await page.waitForSelector("html[data-ready]", { timeout: 120000 });
-  return page;
-}
+const open = studio(browser, address, said, asked);
 
 try {
   const result = { said, asked };

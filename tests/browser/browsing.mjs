@@ -27,6 +27,15 @@ export function watch(page, said, asked = [], own = /^(file|data|blob|about):/) 
   return page;
 }
 
+/** Return a function that opens a view of the studio at an address, watched, once it is ready. */
+export const studio = (browser, address, said, asked) => async (view = "", options = {}) => {
+  const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
+  watch(page, said, asked, new RegExp(`^(${new URL(address).origin}/|data:|blob:)`));
+  await page.goto(address + view);
+  await page.waitForSelector("html[data-ready]", { timeout: 120000 });
+  return page;
+};
+
 /** Serve the contents that `find` has for paths, and return the address and a function that ends it. */
 export async function serve(find, headers = {}) {
   const server = createServer((request, response) => {

@@ -5,22 +5,14 @@
 // A line with sound is open. Printed is JSON: `said` and `asked`, the errors and the requests to other
 // places; the rest below.
 import { readFileSync } from "node:fs";
-import { WEBGL, launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, studio } from "./browsing.mjs";
 
 const [modules, chromium, address, recording] = process.argv.slice(2);
 // pixels of the timeline: its ruler with the sound, a band of labels, a pose, and where the poses begin
 const RULER = 24 + 52, BAND = 22, ROW = 50, TOP = RULER + 3 * BAND + 8;
 const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
-const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
-
-async function open(view, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1366, height: 768 }, ...options });
-  watch(page, said, asked, own);
-  await page.goto(`${address}${view}`);
-  await page.waitForSelector("html[data-ready]", { timeout: 120000 });
-  return page;
-}
+const open = studio(browser, address, said, asked);
 
 try {
   const result = { said, asked };

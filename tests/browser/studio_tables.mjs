@@ -3,20 +3,12 @@
 //   node studio_tables.mjs NODE_MODULES CHROMIUM ADDRESS STORY
 //
 // Printed is JSON: `said` and `asked`, the errors and the requests to other places; the rest is the story's.
-import { WEBGL, launch, watch } from "./browsing.mjs";
+import { WEBGL, launch, studio } from "./browsing.mjs";
 
 const [modules, chromium, address, story] = process.argv.slice(2);
 const browser = await launch(modules, chromium, ...WEBGL);
 const said = [], asked = [];
-const own = new RegExp(`^(${new URL(address).origin}/|data:|blob:)`);
-
-async function show(hash) {
-  const page = await browser.newPage({ viewport: { width: 1366, height: 768 } });
-  watch(page, said, asked, own);
-  await page.goto(address + hash);
-  await page.waitForSelector("html[data-ready]");
-  return page;
-}
+const show = studio(browser, address, said, asked);
 
 const tests = (page, text) => page.waitForFunction((wanted) => document.querySelector(".tests h3")?.textContent === wanted, text);
 const nameless = (page) => page.evaluate(() => [...document.querySelectorAll("#view button, #view select, #view input")]
