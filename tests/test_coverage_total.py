@@ -22,6 +22,8 @@ from lipsync_lang.coverage.report import BigramNeed, CoverageReport
 from lipsync_lang.coverage.script_changes import ScriptDigests, script_changes
 from lipsync_lang.coverage.total import WorkItem, total_of
 from lipsync_lang.lines import Line
+from lipsync_lang.packs.models import Project
+from lipsync_lang.packs.speaker_faces import SpeakerFaces, stated_faces
 
 __all__ = ["packs"]
 
@@ -355,6 +357,32 @@ def test_two_characters_of_one_speaker_have_all_of_the_lines():
     own = coverage(spoken[::2], "toy", "crab").reports[0]
     (crab,) = [r for r in told.reports if r.character == "crab"]
     assert crab == own
+
+
+def test_speakers_are_found_in_any_letters_and_all_others_have_a_face():
+    faces = SpeakerFaces({"Anna": ["a", "b"], "anna": ["c"], "*": ["b", "d"]})
+    assert faces.characters == ("a", "b", "c", "d")
+    assert (faces.of("Anna"), faces.of("anna"), faces.of("ANNA")) == (("a", "b"), ("c",), ("c",))
+    assert (faces.own("Ben"), faces.of("Ben"), faces.of("")) == ((), ("b", "d"), ("b", "d"))
+    assert SpeakerFaces({"Anna": ["a"]}).of("Ben") == ()
+
+
+@pytest.mark.parametrize(
+    ("character", "cast", "stated"),
+    [
+        ("crab", {}, {"*": ("crab",)}),
+        ("crab", {"Anna": "arkit"}, {"Anna": ("arkit",), "*": ("crab",)}),
+        ("crab", {"*": "arkit"}, {"*": ("arkit",)}),
+        (None, {"Anna": ("arkit", "crab")}, {"Anna": ("arkit", "crab")}),
+    ],
+)
+def test_the_character_of_a_project_speaks_for_all_that_its_cast_leaves_out(
+    character, cast, stated
+):
+    project = Project.model_validate(
+        {"kind": "project", "format": 1, "character": character, "cast": cast}
+    )
+    assert stated_faces(project) == stated
 
 
 # File names

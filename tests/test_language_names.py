@@ -1,9 +1,12 @@
 """Names of languages: tags, aliases, endonyms and the names in stores and engines."""
 
+from pathlib import Path
+
 import pytest
 
-from lipsync_lang.errors import PackError
-from lipsync_lang.lines.columns import language_column
+from lipsync_lang.errors import LipsyncError, PackError
+from lipsync_lang.lines.columns import language_column, stated_column, text_column
+from lipsync_lang.lines.line_readers import LineFile
 from lipsync_lang.packs.answers import answers_of, column_names
 from lipsync_lang.packs.checking.validate import validate
 from lipsync_lang.packs.library import Library
@@ -123,6 +126,66 @@ def test_the_first_alias_wins_over_a_later_one():
     assert language_column(["id", "tchinese", "schinese"], names) == 2
     head = ["id", "Chinese (Traditional)", "Chinese (Simplified)"]
     assert language_column(head, names) == 2
+
+
+NAMES = ["indonesian", "id"]
+"""A language whose tag is a usual name of another column."""
+
+
+@pytest.mark.parametrize(
+    ("head", "at"),
+    [
+        (["id", "text"], -1),
+        (["key", "id"], 1),
+        (["id", "Indonesian"], 1),
+        (["key", "id-ID"], 1),
+        (["key", "id-ID", "id-SG"], -1),
+        (["key", "id-ABCD"], -1),
+    ],
+)
+def test_a_column_of_ids_is_no_text_unless_another_has_the_ids(head, at):
+    assert language_column(head, NAMES) == at
+
+
+@pytest.mark.parametrize(
+    ("head", "at"),
+    [
+        (["id", "x"], 1),
+        (["id", "Speaker", "x"], 2),
+        (["id", "x", "y"], -1),
+        (["x", "line", "TEXT"], 2),
+        (["Text", "text"], 0),
+    ],
+)
+def test_the_likeliest_text_is_a_known_name_or_the_only_column(head, at):
+    assert text_column(head) == at
+
+
+@pytest.mark.parametrize(
+    ("asked", "at"),
+    [
+        ("b", 1),
+        ("B", 0),
+        ("c", 2),
+        ("1", 0),
+        ("4", 3),
+        ("Bahasa", 3),
+        ("bahása", 3),
+        ("indonesian", 3),
+    ],
+)
+def test_a_column_is_stated_by_its_name_its_number_or_its_language(asked, at):
+    source = LineFile(Path("a.csv"), print, names=("indonesian", "bahasa"))
+    assert stated_column(source, ["B", "b", "C", "Bahasa (Indonesia)"], asked) == at
+
+
+@pytest.mark.parametrize("asked", ["0", "4", "-1", "klingon"])
+def test_a_column_that_is_not_there_is_told_with_those_that_are(asked):
+    source = LineFile(Path("a.csv"), print, names=("indonesian",))
+    with pytest.raises(LipsyncError, match=rf"^a.csv:1: has no column '{asked}'.* x, y, z$"):
+        stated_column(source, ["x", "y", "z"], asked)
+    with pytest.raises(LipsyncError, match="did you mean 'dialogue_de'"):
+        stated_column(source, ["dialogue_de", "y"], "dialog_de")
 
 
 PACK = """kind: language

@@ -45,7 +45,7 @@ def stated_column(source: "LineFile", head: Sequence[str], asked: str) -> int:
         return folded.index(asked.casefold())
     if asked.isdecimal() and 1 <= int(asked) <= len(head):
         return int(asked) - 1
-    if asked.casefold() in {name.casefold() for name in source.names}:
+    if folded_language(asked) in map(folded_language, source.names):
         at = language_column(head, source.names)
         if at >= 0:
             return at
