@@ -83,6 +83,9 @@ def test_in_a_project_the_steps_are_its_own(cli, here, monkeypatch):
     for step in ("build", "validate", f'run "{starter().text}"', "studio", "doctor"):
         assert f"lipsync-lang {step}" in told
     assert "lipsync-lang new" not in told
+    Path(FILE).write_text("kind: project\nformat: 1\nlines: lines.csv\nlanguages: [english]\n")
+    assert "lipsync-lang studio" in cli().out
+    assert "lipsync-lang run" not in cli().out.replace("lipsync-lang run --help", "")
     Path(FILE).write_text("kind: project\nformat: 1\nfsp: 3\n")
     assert "find the faults of the project" in cli().out
     Path(FILE).write_text("kind: project\nformat: 1\n")

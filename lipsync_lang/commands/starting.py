@@ -64,11 +64,11 @@ def _project_steps(path: Path) -> list[tuple[str, str]]:
     steps = [("check all packs", "lipsync-lang validate")]
     if project.lines:
         steps += [("make the lines that changed", "lipsync-lang build")]
-    if project.language and project.character:
-        steps += [
-            ("make one line", f'lipsync-lang run "{starter().text}"'),
-            ("hear and change lines in your browser", "lipsync-lang studio"),
-        ]
+    paired = project.language and project.character
+    if paired:
+        steps += [("make one line", f'lipsync-lang run "{starter().text}"')]
+    if paired or project.lines:
+        steps += [("hear and change lines in your browser", "lipsync-lang studio")]
     return [*steps, ("check this installation", "lipsync-lang doctor")]
 
 
