@@ -353,7 +353,10 @@ export class Studio {
       known = { place, view: new Kind(this, place) };
       this.views.set(name, known);
     }
-    if (this.view !== known.view) this.view?.hide();
+    if (this.view !== known.view) {
+      this.view?.hide();
+      scrollTo(0, 0);
+    }
     [this.view, this.viewName] = [known.view, name];
     document.body.dataset.view = name;
     the("view").replaceChildren(known.place);
