@@ -1,6 +1,7 @@
 """`languages check`: a report for the author of a language, who need not write code."""
 
 import json
+import re
 from io import BytesIO
 from pathlib import Path
 
@@ -126,7 +127,7 @@ def test_a_mapping_against_its_features_needs_a_look(cli):
     ended = cli("languages", "check", path)
     assert ended.code == 0
     assert "stage-english.yaml:7" in ended.out
-    assert "look at:\n  m͡ɲ: otherwise by closure" in ended.out
+    assert re.search("look at:\n  m͡ɲ: .*closure", ended.out)
     assert "0 faults, 1 warning" in ended.err
 
 
