@@ -403,10 +403,13 @@ const stories = {
     const overflow = [];
     const page = await show();
     await speak(page, "Bob bumps my blue boat.");
+    for (const width of [1350, 1340, 1000, 800, 660]) {
+      await page.setViewportSize({ width, height: 800 });
+      const cut = await page.$$eval("#tabs, #say", (all) => all.filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.id));
+      if (cut.length) overflow.push(["bars", width, cut]);
+    }
     for (const [width, height] of [[1366, 768], [3840, 2160], [800, 1000], [390, 844]]) {
       await page.setViewportSize({ width, height });
-      const cut = await page.$$eval("#tabs, #say", (all) => all.filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.id));
-      if (cut.length && width > 400) overflow.push(["bars", width, cut]);
       for (const view of ["sentence", "bigrams", "bigrams/aa-bmp", "character", "character/targets", "character/rules", "character/model", "words", "coverage", "language"]) {
         await page.evaluate((name) => { location.hash = `#${name}`; }, view);
         await page.waitForTimeout(200);
