@@ -413,7 +413,7 @@ def test_options_that_would_do_nothing_are_refused(animate, cli):
 @pytest.mark.parametrize(
     ("outputs", "message"),
     [
-        (["a"], "^lipsync-lang: a: has no suffix; end it in .*\\.csv, "),
+        (["a"], "^lipsync-lang: a: has no suffix; use one of .*\\.csv, "),
         (["."], "has no suffix"),
         (["a.cvs"], "a.cvs: no writer for '.cvs'; use one of .*\\.csv, "),
         (["a.csv", "nowhere/b.csv"], "nowhere/b.csv: the folder nowhere does not exist; make it"),

@@ -60,7 +60,7 @@ def test_an_unknown_level_of_the_log_is_a_message(cli, monkeypatch):
     ended = cli("formats")
     assert ended.code == 2
     assert ended.err == (
-        "lipsync-lang: LIPSYNC_LANG_LOG=all: say debug, info, warning, or leave it out\n"
+        "lipsync-lang: LIPSYNC_LANG_LOG=all: set it to one of debug, info, warning, or unset it\n"
     )
 
 

@@ -149,7 +149,9 @@ def test_every_label_gets_some_time_in_its_order(said, heard):
 
 
 def test_nothing_readable_is_a_message():
-    with pytest.raises(SpeechError, match=r"test says nothing for '7'; it cannot read 7; is the"):
+    with pytest.raises(
+        SpeechError, match=r"test says nothing for '7'; it cannot read 7; check that the"
+    ):
         join(transcript(("7", ""), unread=("7",)), schedule("t"), MANNER, {"ipa": NOTATION})
 
 
