@@ -173,6 +173,17 @@ def test_lines_are_the_longest_examples_and_a_command_shows_a_plain_one(tmp_path
     assert 'lipsync-lang run "yes and no"' in made["README.md"]
 
 
+def test_a_project_of_other_packs_finds_them_again(cli, here, monkeypatch):
+    (here / "more packs/characters").mkdir(parents=True)
+    bob = here / "more packs/characters/bob.yaml"
+    bob.write_text("kind: character\nformat: 1\nname: bob\nposeset: crab\n", encoding="utf-8")
+    assert cli("new", "game", "-c", "bob", "--path", "more packs").code == 0
+    monkeypatch.chdir(here / "game")
+    assert load_project(Path(FILE)).model.paths == ("../more packs",)
+    ended = cli("build", "--tts", "none", "--workers", "1")
+    assert ended.code == 0, ended.err
+
+
 @full
 def test_an_installed_character_needs_no_file(tmp_path):
     folder = tmp_path / "characters"

@@ -7,6 +7,7 @@ so that it is whole or not there.
 import csv
 import io
 import json
+import os
 import re
 import shutil
 from functools import cache
@@ -55,15 +56,14 @@ def starter() -> Starter:
 
 
 def make_project(
-    name: str, folder: Path, library: "Library", language: str | None, character: str | None
+    name: str, library: "Library", language: str | None, character: str | None
 ) -> list[Path]:
-    """Make a project folder and return its files.
+    """Make a project folder in the current one, and return its files.
 
     Parameters
     ----------
     name : name of the new folder
-    folder : the folder that it is made in
-    library : packs to choose from
+    library : packs to choose from; the project states its paths
     language : name or tag of a language; None for the default
     character : a character or a pose set; None for the default
 
@@ -77,11 +77,11 @@ def make_project(
     if fault := fault_of_name(name):
         where = "the new folder is made in the current one"
         raise LipsyncError(f"cannot make a project '{name}': the name {fault} ({where})")
-    target = folder / name
+    target = Path(name)
     if target.exists() or target.is_symlink():
         raise LipsyncError(f"{name}: is there already; choose another name, or remove it first")
     texts = project_files(name, library, language, character)
-    waiting = folder / temporary_name(name)
+    waiting = Path(temporary_name(name))
     try:
         for path, text in texts.items():
             (waiting / path).parent.mkdir(parents=True, exist_ok=True)
@@ -114,6 +114,7 @@ def project_files(
         "character": flow(defaults.name if own else face),
         "poseset": flow(poseset),
         "own": own,
+        "paths": [flow(_from(name, path)) for path in library.finder.paths],
         "first": line_id(1),
         "text": next((line for line in lines if not UNQUOTED.search(line)), defaults.text),
     }
@@ -131,6 +132,14 @@ def project_files(
 def line_id(number: int) -> str:
     """Return the id of a line of a new script."""
     return f"line_{number:02}"
+
+
+def _from(folder: str, path: Path) -> str:
+    """Return the path from a folder to another, absolute if they are on different drives."""
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:
+        return path.absolute().as_posix()
 
 
 def _samples(texts: list[str]) -> list[str]:

@@ -39,7 +39,7 @@ def _folder(options: Namespace) -> int:
 
     library = Library(options.path, project=None)
     character = next(iter(options.characters), None)
-    for path in make_project(options.name, Path(), library, options.new_language, character):
+    for path in make_project(options.name, library, options.new_language, character):
         tell_written(path)
     folder = f'"{options.name}"' if " " in options.name else options.name
     print(f"next: cd {folder}, then: lipsync-lang build", file=sys.stderr)
