@@ -180,9 +180,9 @@ def test_another_pair_is_opened_or_refused(tmp_path):
     state = caller.api("state").json
     assert (state["language"], state["character"], state["unsaved"]) == ("", "", [])
     assert unpacked(caller.api("face"))[0]["face"] is None
-    assert caller.api("figures").status == 422
     assert "choose a language" in caller.post("line", {"text": "Hello"}).json["error"]
     assert caller.post("open", {"language": "german", "character": "crab"}).status == 200
+    assert caller.api("figures").json == {"figures": []}  # the page may ask early
     found = caller.post("open", {"language": "germany", "character": "crab"})
     assert "german" in found.json["error"]
     assert caller.api("state").json["language"] == "german"

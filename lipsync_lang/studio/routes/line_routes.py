@@ -205,7 +205,9 @@ def face(workshop: Workshop, _: Wish) -> Packed:
 
 
 def figures(workshop: Workshop, _: Wish) -> Json:
-    """Return the figures of the take with findings."""
+    """Return the figures of the take with findings; none while a pair without a line is open."""
+    if workshop.line is None:
+        return {"figures": []}
     from lipsync_lang.quality.check_animation import check
     from lipsync_lang.studio.take_data import figures_data
 

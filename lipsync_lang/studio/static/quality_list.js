@@ -49,7 +49,7 @@ export class QualityList {
       const { figures } = await api.get("figures");
       if (this.judged !== take) return;
       const failed = figures.filter((/** @type {any} */ one) => one.verdict === "FAIL").length;
-      this.summary.textContent = failed ? `${failed} of ${figures.length} figures fail` : "all limits are met";
+      this.summary.textContent = failed ? `${failed} of ${figures.length} figures fail` : figures.length ? "all limits are met" : "";
       const order = (/** @type {any} */ one) => (one.verdict === "FAIL" ? 0 : one.findings.length ? 1 : one.verdict === "ok" ? 2 : 3);
       const sorted = figures.toSorted((/** @type {any} */ a, /** @type {any} */ b) => order(a) - order(b));
       const first = sorted.filter((/** @type {any} */ one) => order(one) < 3), rest = sorted.slice(first.length);
