@@ -205,7 +205,7 @@ def two(packs, cli):
 def test_the_total_stands_first(two):
     shown = two("-c", "facefx").out.splitlines()
     assert shown[0] == ("5 bigrams, 0.42 hours for all 2 languages; the first hour gives 100 %")
-    assert "0 of 5 bigrams, 0 % of what is spoken" in two("-c", "facefx").out
+    assert "0 of 5 bigrams, 0 % of the speech" in two("-c", "facefx").out
 
 
 def test_the_commands_of_the_total_can_be_typed(two, cli):

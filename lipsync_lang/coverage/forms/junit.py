@@ -40,7 +40,7 @@ def _total(total: "Total") -> ET.Element:
     suite = ET.Element("testsuite", name=name, tests="1", failures="0", errors="0", skipped="0")
     _properties(suite, total)
     ET.SubElement(suite, "testcase", classname=name, name="authored")
-    summary = f"{percentage_text(total.authored.percent)} of what is spoken is authored"
+    summary = f"{percentage_text(total.authored.percent)} of the speech is authored"
     ET.SubElement(suite, "system-out").text = xml_text(f"{headline(total)}\n{summary}")
     return suite
 

@@ -99,7 +99,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
         within = "an hour" if len(soon) < report.left.bigrams else f"{spent:g} minutes"
         yield (
             f"next: draw {_count(len(soon), 'bigram')} in {within}, {minutes:g} minutes each, for "
-            f"{percentage_text(report.next_hour.percent)} of what is spoken:"
+            f"{percentage_text(report.next_hour.percent)} of the speech:"
         )
         yield (
             f"  lipsync-lang bank draft -l {report.language} -c {report.character} "
@@ -109,7 +109,7 @@ def _next(report: "CoverageReport", minutes: float) -> Iterator[str]:
         yield f"next: draw {report.left.bigrams} bigrams; an hour is not enough for one"
     yield (
         f"authored: {report.authored.bigrams} of {_count(len(report.bigrams), 'bigram')}, "
-        f"{percentage_text(report.authored.percent)} of what is spoken; "
+        f"{percentage_text(report.authored.percent)} of the speech; "
         f"{_count(report.left.bigrams, 'bigram')} left, {report.left.hours:g} hours"
     )
 

@@ -26,7 +26,7 @@ def total_lines(coverage: "Coverage", total: "Total", rows: int | None) -> Itera
     """
     yield (
         f"all reports together: {total.authored.bigrams} of {total.needed} bigrams, "
-        f"{percentage_text(total.authored.percent)} of what is spoken; shared work counts once"
+        f"{percentage_text(total.authored.percent)} of the speech; shared work counts once"
     )
     if not total.ranking:
         return

@@ -158,12 +158,12 @@
   document.body.append(tip);
 
   function tell(row, x, y) {
-    const [rank, bigram, heard, share, total, status, layer, word, places] = [...row.cells].map((c) => c.textContent);
+    const [rank, bigram, count, share, total, status, layer, word, places] = [...row.cells].map((c) => c.textContent);
     const name = document.createElement("b");
     name.textContent = bigram;
     const lines = [
       `  ${status}${layer === status ? "" : `, from ${layer}`}`,
-      `\nheard ${heard} times, ${share} %`,
+      `\nspoken ${count} times, ${share} %`,
       `\nrank ${rank}, ${total} % so far`,
       word && `\nas in “${word}”`, places && `\n${places}`,
     ];
