@@ -29,6 +29,7 @@ from lipsync_lang.packs.yaml.faults import PackFaults
 from lipsync_lang.performing.label_remarks import label_remarks
 from lipsync_lang.phonology.ipa import Features, key
 from lipsync_lang.phonology.labels import Notation, recognise
+from lipsync_lang.phonology.language_names import folded_language
 from lipsync_lang.phonology.nearest import NearestPhonemes, ShadeLabels
 from lipsync_lang.resolver import cache
 from lipsync_lang.resolver.compile import compile_pair
@@ -785,7 +786,7 @@ def test_answers_are_read_without_yaml(finder):
 def test_every_shipped_language_answers_to_what_its_pack_says():
     for found in LIBRARY.names("language"):
         model = LIBRARY.language(found.name).model
-        stated = [name.casefold().replace("_", "-") for name in (model.tag, *model.aliases)]
+        stated = map(folded_language, (model.tag, *model.aliases))
         assert answers_of(found.path) == list(dict.fromkeys(stated))
         assert LIBRARY.find("language", found.name) == found.path
 
