@@ -270,7 +270,7 @@ def plug_ins() -> "dict[str, list[EntryPoint]]":
 
 
 def faults_of_plug_in(name: str) -> list[str]:
-    """Import a plug-in as its first use does, and return what is left out of it."""
+    """Import a plug-in as its first use does, and return the faults of its entry points."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("ignore")
         warnings.simplefilter("always", PluginWarning)

@@ -205,7 +205,7 @@ def test_a_read_only_folder_is_told_and_a_file_of_somebody_else():
         try:
             with pytest.raises(OutputError, match=rf"the folder {closed} is read-only; name"):
                 put(f"{closed}/a.csv")
-            with pytest.raises(OutputError, match=r"theirs.csv: you may not write it; ask its"):
+            with pytest.raises(OutputError, match=r"theirs.csv: is write-protected; ask its"):
                 put(f"{closed}/theirs.csv")
         finally:
             os.seteuid(0)

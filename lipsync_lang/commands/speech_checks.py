@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from lipsync_lang.commands.checked_part import BROKEN, MISSING, OK, CheckedPart
-from lipsync_lang.errors import LipsyncError, SpeechError
+from lipsync_lang.errors import LipsyncError, SpeechError, shortlist
 from lipsync_lang.extras import extras, install_line
 
 if TYPE_CHECKING:
@@ -74,15 +74,10 @@ def engines() -> Iterator[CheckedPart]:
         if name == ESPEAK:
             continue  # its voices are those of the languages
         try:
-            told, state = _several([*ENGINES[name].voices()]), OK
+            told, state = shortlist(ENGINES[name].voices(), SHOWN_NAMES), OK
         except SpeechError as error:
             told, state = f"{error}, for --tts {name}", MISSING
         yield CheckedPart(f"voices of {name}", state, told)
-
-
-def _several(names: list[str]) -> str:
-    more = f" and {len(names) - SHOWN_NAMES} more" if len(names) > SHOWN_NAMES else ""
-    return ", ".join(names[:SHOWN_NAMES]) + more
 
 
 def models() -> Iterator[CheckedPart]:
@@ -91,7 +86,7 @@ def models() -> Iterator[CheckedPart]:
 
     if shutil.which(PROGRAM):
         names = downloaded_models()
-        told = _several(names) or f"none; {GET_MODEL}"
+        told = shortlist(names, SHOWN_NAMES) or f"none; {GET_MODEL}"
         yield CheckedPart(f"models of {PROGRAM}", OK if names else MISSING, told)
     if find_spec("faster_whisper") is not None:
         from lipsync_lang.speech.recognise.whisper_models import check_folder, shipped_model

@@ -66,7 +66,7 @@ def _refuse_read_only(path: Path, there: os.stat_result) -> None:
             "(chmod u+w), or name another file"
         )
     if not may_write(path):
-        raise OutputError(f"{path}: you may not write it; ask its owner, or name another file")
+        raise OutputError(f"{path}: is write-protected; ask its owner, or name another file")
 
 
 def may_write(path: Path) -> bool:

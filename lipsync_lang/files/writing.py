@@ -242,7 +242,7 @@ def _cannot_write(path: Path, error: OSError | ValueError) -> OutputError:
         why = f"the folder {path.parent} is read-only"
     elif getattr(error, "winerror", None) in IN_USE:
         return OutputError(
-            f"{path}: is open in another program, or you may not write it; close it there, or name "
+            f"{path}: is open in another program, or write-protected; close it there, or name "
             "another place"
         )
     return OutputError(f"{path}: cannot be written: {why}; name another place")
