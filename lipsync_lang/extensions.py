@@ -49,7 +49,7 @@ class Extensions(Mapping[str, T]):
     ----------
     kind : last part of the entry point group, such as `writers`
     title : singular noun for messages, such as `format`
-    room : package with the modules of built-in extensions; all are imported together
+    package : package with the modules of built-in extensions; all are imported together
     modules : modules of built-in extensions by name; each is imported on demand
     """
 
@@ -65,12 +65,12 @@ class Extensions(Mapping[str, T]):
         kind: str,
         title: str,
         *,
-        room: str | None = None,
+        package: str | None = None,
         modules: Mapping[str, str] | None = None,
     ) -> None:
         self.group = f"lipsync_lang.{kind}"
         self.title = title
-        self.room = room
+        self.package = package
         self.modules = dict(modules or {})
         self.known: dict[str, T] = {}
         self.origins: dict[str, str] = {}
@@ -114,10 +114,10 @@ class Extensions(Mapping[str, T]):
     def built_in(self) -> dict[str, T]:
         """Return the built-in extensions."""
         with _lock:
-            if self.room is not None:
-                for found in iter_modules(import_module(self.room).__path__):
-                    import_module(f"{self.room}.{found.name}")
-                self.room = None
+            if self.package is not None:
+                for found in iter_modules(import_module(self.package).__path__):
+                    import_module(f"{self.package}.{found.name}")
+                self.package = None
             for module in self.modules.values():
                 import_module(module)
         return {name: one for name, one in self.known.items() if self.origins.get(name) == PROGRAM}
@@ -215,6 +215,9 @@ def _load(entry_point: "EntryPoint") -> None:
     try:
         entry_point.load()
     except (Exception, SystemExit) as error:  # noqa: BLE001 a plug-in may raise anything
+        if Extensions.origin == PROGRAM and _is_closed(entry_point.module, error):
+            _log.info("%s is left out, because its folder is not there", entry_point.value)
+            return
         for kind, name in Extensions.journal[start:]:
             kind.known.pop(name, None)
             kind.origins.pop(name, None)
@@ -228,6 +231,12 @@ def _load(entry_point: "EntryPoint") -> None:
     finally:
         Extensions.origin = before
         del Extensions.journal[start:]
+
+
+def _is_closed(module: str, error: BaseException) -> bool:
+    """Return True if a room of the program, such as `study`, was removed from the package."""
+    missing = error.name if isinstance(error, ModuleNotFoundError) else None
+    return missing is not None and f"{module}.".startswith(f"{missing}.")
 
 
 def _top(module: str) -> str:

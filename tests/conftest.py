@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import sys
 from pathlib import Path
 from random import randrange
 from tempfile import TemporaryDirectory
@@ -10,11 +11,12 @@ from typing import NamedTuple
 
 import lanes  # noqa: F401 its profiles are known before Hypothesis is told which one to take
 import pytest
+from places import ROOT, TESTS
 
 from lipsync_lang.cli import main
 from lipsync_lang.pipeline import kernel
 
-ROOT = Path(__file__).resolve().parents[1]
+sys.path.extend(str(folder) for folder in TESTS.iterdir() if folder.is_dir())
 DATA = "LIPSYNC_LANG_TEST_DATA"
 """Environment variable: the folder of foreign recordings and alignments."""
 

@@ -100,9 +100,7 @@ def test_lines_without_an_end_are_told(cli, endless, monkeypatch):
 
 
 def test_an_animation_without_an_end_is_told(cli, folder, monkeypatch):
-    monkeypatch.setattr(
-        "lipsync_lang.animations.readers.animation_readers.MAX_ANIMATION_BYTES", MIB_BYTES
-    )
+    monkeypatch.setattr("lipsync_lang.animations.animation_readers.MAX_ANIMATION_BYTES", MIB_BYTES)
     (folder / "a.csv").symlink_to("/dev/zero")
     told(
         cli("check", *PAIR, "--animation", "a.csv"),

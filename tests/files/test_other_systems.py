@@ -56,8 +56,8 @@ ALLOWED = {
     ("phonology/espeak/espeak_worker.py", "ITIMER_REAL"): "in a forked process",
     ("phonology/espeak/espeak_worker.py", "set_blocking"): "in a forked process",
     ("phonology/espeak/espeak_stream.py", "selectors"): "of pipes, only where a process can fork",
-    ("speech/align/mfa_command.py", "killpg"): "asked for first",
-    ("speech/align/mfa_command.py", "SIGKILL"): "after `killpg` was asked for",
+    ("mfa/mfa_command.py", "killpg"): "asked for first",
+    ("mfa/mfa_command.py", "SIGKILL"): "after `killpg` was asked for",
     ("study/study_clips.py", "sched_getaffinity"): "asked for first",
 }
 """Reason for an exception by (module, name); obsolete entries must be removed."""

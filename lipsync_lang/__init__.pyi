@@ -1,0 +1,36 @@
+# The public names of the package; each is imported from its module on first use.
+
+from .animations.animation import Animation as Animation
+from .animations.explanation import Explanation as Explanation
+from .errors import AnimationError as AnimationError
+from .errors import LipsyncError as LipsyncError
+from .errors import ModelError as ModelError
+from .errors import OutputError as OutputError
+from .errors import PackError as PackError
+from .errors import ScheduleError as ScheduleError
+from .errors import SpeechError as SpeechError
+from .packs.yaml.faults import PackFaults as PackFaults
+from .performing.performer import Performer as Performer
+from .performing.resolving import resolve as resolve
+from .pipeline.motion import Motion as Motion
+from .quality.check_animation import check as check
+from .quality.figures import Figure as Figure
+from .quality.figures import Finding as Finding
+from .quality.figures import Quality as Quality
+from .resolver.compiled import Report as Report
+from .rigs.channel import Channel as Channel
+from .schedules.schedule import Audio as Audio
+from .schedules.schedule import Schedule as Schedule
+from .schedules.schedule import Word as Word
+from .schedules.timed_words import TimedWord as TimedWord
+from .schedules.timed_words import TimedWords as TimedWords
+from .schedules.timing_readers import read_schedule as read_schedule
+from .schedules.timing_readers import read_timings as read_timings
+from .speech.filling import fill_words as fill_words
+from .speech.hearing.alignment import align as align
+from .speech.hearing.recognition import recognise as recognise
+from .speech.sound import read_audio as read_audio
+from .speech.speaking.synthesis import speak as speak
+from .speech.speaking.synthesis import transcribe as transcribe
+from .speech.speaking.transcripts import Transcript as Transcript
+from .version import __version__ as __version__
