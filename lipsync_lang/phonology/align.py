@@ -16,7 +16,7 @@ NEAR, FAR, ALONE, PAUSE = 0.8, 1.9, 1.0, 0.2
 BAND_SOUNDS = 200
 """Half the width of the band, in sounds."""
 
-TINY = 1e-9
+COST_TOLERANCE = 1e-9
 _BOTH, _SAID, _HEARD = range(3)
 
 
@@ -84,7 +84,7 @@ def _moves(
         line[low + 1 : high + 2] = now
         move = moves[i, : high - low + 1]
         move[:] = np.where(up < both, _SAID, _BOTH)
-        move[now < best - TINY] = _HEARD
+        move[now < best - COST_TOLERANCE] = _HEARD
     return moves, lows, m
 
 

@@ -9,11 +9,11 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-MARKED = re.compile(
+EMPHASIS_MARK = re.compile(
     r"\\\*|(?<!\*)(?P<mark>\*{1,3})(?=[^\s*])(?P<said>(?:[^*\\]|\\.)*?)(?<=\S)(?P=mark)(?!\*)",
     re.DOTALL,
 )
-ESCAPED = r"\*"
+ESCAPED_STAR = r"\*"
 RUN, ESCAPES = re.compile(r"\*+"), re.compile(r"(?:\\\*)+")
 MAX_MARKED_CHARS = 1000
 """Maximum length of an emphasised passage, which also limits the search for a closing asterisk."""
@@ -53,14 +53,14 @@ def _marked(text: str) -> Iterator[tuple[int, int, str, bool]]:
         start = text.find("*", at)
         if start < 0:
             return
-        if text[max(start - 1, at) : start + 1] == ESCAPED:
+        if text[max(start - 1, at) : start + 1] == ESCAPED_STAR:
             at = ESCAPES.match(text, start - 1).end()  # type: ignore[union-attr]  # at least one
             yield start - 1, at, _between(text, start - 1, at), False
             continue
-        found = MARKED.match(text, start, start + MAX_MARKED_CHARS)
+        found = EMPHASIS_MARK.match(text, start, start + MAX_MARKED_CHARS)
         if found and _emphasises(text, found):
             at = found.end()
-            yield start, at, found["said"].replace(ESCAPED, ""), True
+            yield start, at, found["said"].replace(ESCAPED_STAR, ""), True
         else:
             at = start + len(RUN.match(text, start)[0])  # type: ignore[index]  # at least one
             yield start, at, _between(text, start, at), False

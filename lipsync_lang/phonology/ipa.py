@@ -10,9 +10,10 @@ What letters and marks do is data (`kind: ipa`); here it is only looked up. Conv
 - Unknown characters are skipped and reported; no label causes an error.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any, NamedTuple, Self
 from unicodedata import decomposition, normalize
 
@@ -27,15 +28,32 @@ VOICE, VOICELESS = "voice", "without-voice"
 Numbers = tuple[float | None, ...]
 """Features of one sound, in order; None where they do not apply."""
 
-Words = frozenset[str]
+FeatureWords = frozenset[str]
 """The words that describe a letter."""
+
+_SOUND_KINDS = (
+    ("G", {"glide"}),
+    ("S", {"stop", "click"}),
+    ("N", {"nasal"}),
+    ("F", {"fricative"}),
+    ("R", {"rhotic"}),
+    ("C", {"trill", "tap", "approximant"}),
+)
+"""Codes of letters by the words that describe them; any other letter is a vowel, V."""
+
+_ONE_SOUND = re.compile(
+    r"G?V{1,3}[GR]?"  # a vowel, or several in a row: ɛ, aɪ, jaʊ, ɔɹ
+    r"|N?S{1,2}F?G?"  # a stop with nose, another stop, friction or a glide: t, ⁿd, k͡p, tʃ, kw
+    r"|[NFRC]?G"
+    r"|[NFRC]"
+)
 
 
 class LetterSound(NamedTuple):
     """A letter of a label, with the effect of its marks."""
 
     letter: str
-    words: Words
+    words: FeatureWords
     features: Numbers
     time: float = 1.0
 
@@ -51,7 +69,7 @@ class LabelReading(NamedTuple):
 class Case(NamedTuple):
     """Effect of a mark on letters that fit."""
 
-    on: tuple[Words, ...]
+    on: tuple[FeatureWords, ...]
     set: tuple[tuple[int, float], ...]
     add: tuple[tuple[int, float], ...]
     then: str
@@ -84,8 +102,8 @@ class Case(NamedTuple):
 class Join(NamedTuple):
     """A rule for two adjacent letters: which of them are visible."""
 
-    first: tuple[Words, ...]
-    second: tuple[Words, ...]
+    first: tuple[FeatureWords, ...]
+    second: tuple[FeatureWords, ...]
     keep: str
     lost: str
 
@@ -164,7 +182,10 @@ class Features:
             _letters={key(k): sound(key(k), words) for k, words in data["letters"].items()},
             _spellings={key(k): key(text) for k, text in data.get("spellings", {}).items()},
             _marks={
-                key(k): tuple(_case(case, names) for case in _listed(cases))
+                key(k): tuple(
+                    _case(case, names)
+                    for case in (cases if isinstance(cases, (list, tuple)) else (cases,))
+                )
                 for k, cases in data.get("marks", {}).items()
             },
             _ignored=frozenset(key(sign) or sign for sign in data.get("ignored", ())),
@@ -281,23 +302,33 @@ class Features:
         for sound in sounds:
             left.append(sound)
             while len(left) > 1:
-                if left[-2].letter == left[-1].letter and left[-2].features == left[-1].features:
-                    left[-2:] = [left[-1]._replace(time=left[-2].time + left[-1].time)]
+                first, second = left[-2:]
+                if first.letter == second.letter and first.features == second.features:
+                    left[-2:] = [second._replace(time=first.time + second.time)]
                     continue
-                join = self._join(left[-2], left[-1])
-                if join is None or join.keep == "both":
+                fitting = [
+                    join
+                    for join in self.joins
+                    if _described(first.words, join.first) and _described(second.words, join.second)
+                ]
+                if not fitting or fitting[0].keep == "both":
                     break
-                losses.append(join.lost)
-                del left[-1 if join.keep == "first" else -2]
+                losses.append(fitting[0].lost)
+                del left[-1 if fitting[0].keep == "first" else -2]
         return left
 
-    def _join(self, first: LetterSound, second: LetterSound) -> Join | None:
-        fits = (
-            join
-            for join in self.joins
-            if _described(first.words, join.first) and _described(second.words, join.second)
-        )
-        return next(fits, None)
+
+def is_one_sound(letters: Sequence[LetterSound]) -> bool:
+    """Return True if letters are one sound of a language; those that are doubled count once.
+
+    Most words and many codes can be read as IPA, letter by letter. The letters of one sound go
+    together: a vowel or vowels in a row, a stop with its release, a glide at an edge.
+    """
+    kinds = ""
+    for _, alike in groupby(letters, key=lambda sound: sound.letter):
+        words = next(alike).words
+        kinds += next((code for code, some in _SOUND_KINDS if words & some), "V")
+    return _ONE_SOUND.fullmatch(kinds) is not None
 
 
 def key(text: str) -> str:
@@ -311,22 +342,19 @@ def _parts(letter: str) -> str:
     return "" if not codes or codes[0].startswith("<") else "".join(chr(int(c, 16)) for c in codes)
 
 
-def _described(words: Words, phrases: tuple[Words, ...]) -> bool:
+def _described(words: FeatureWords, phrases: tuple[FeatureWords, ...]) -> bool:
     """Return True if one of the phrases fits a letter; an empty list fits every letter."""
     return not phrases or any(phrase <= words for phrase in phrases)
 
 
-def _phrases(join: Mapping[str, Any], side: str = "first") -> tuple[Words, ...]:
+def _phrases(join: Mapping[str, Any], side: str = "first") -> tuple[FeatureWords, ...]:
     return tuple(frozenset(phrase.split()) for phrase in join.get(side) or ())
 
 
-def _listed(cases: Any) -> Iterator[Mapping[str, Any]]:
-    """Yield the cases of a mark from its short forms."""
-    for case in cases if isinstance(cases, (list, tuple)) else (cases,):
-        yield {"lost": case} if isinstance(case, str) else case
+def _case(case: Mapping[str, Any] | str, names: tuple[str, ...]) -> Case:
+    if isinstance(case, str):
+        case = {"lost": case}
 
-
-def _case(case: Mapping[str, Any], names: tuple[str, ...]) -> Case:
     def numbered(values: Mapping[str, float] | None) -> tuple[tuple[int, float], ...]:
         return tuple((names.index(name), value) for name, value in (values or {}).items())
 

@@ -41,7 +41,7 @@ STRESS = "ˈˌ'\"%"
 SECONDARY = "ˌ%"
 """Marks of secondary stress; the others are of primary stress."""
 
-LENGTH = ":ˑ"
+LENGTH_MARKS = ":ˑ"
 TONE = "0123456789⁰¹²³⁴⁵⁶⁷⁸⁹˥˦˧˨˩"
 """Stress digits of ARPAbet, tone digits and IPA tone letters; never the whole label."""
 
@@ -64,8 +64,8 @@ def looser(label: str) -> Iterator[str]:
     plain = label.lstrip(STRESS) or label
     toneless = _toneless(plain)
     yield from (label, plain, toneless)
-    yield plain.rstrip(LENGTH) or plain
-    yield _toneless(toneless.rstrip(LENGTH) or toneless)
+    yield plain.rstrip(LENGTH_MARKS) or plain
+    yield _toneless(toneless.rstrip(LENGTH_MARKS) or toneless)
 
 
 def bare(label: str, unseen: Mapping[str, str]) -> tuple[str, Counter[str]]:
@@ -141,13 +141,16 @@ class Notation:
         """Return a value by likeness for a label missing from the table; None if unknown."""
         if sum(sign in TONE for sign in label) > MAX_TONE_SIGNS:
             return None  # a number
-        return self._seen_alike(label) if self.nearest is None else self.nearest(label)
-
-    def _seen_alike(self, label: str) -> Value | None:
-        """Return the value of the label that looks the same and shares the most marks."""
+        if self.nearest is not None:
+            return self.nearest(label)
+        # Of the labels that look the same, the one that shares the most marks.
         kept, marks = bare(normalise(label).lstrip(STRESS), self.unseen)
         alike = self._bare.get(kept, ()) if kept else ()
-        return min(alike, key=lambda one: _apart(marks, one[0]), default=(marks, None))[1]
+        return min(
+            alike,
+            key=lambda one: ((marks - one[0]) + (one[0] - marks)).total(),
+            default=(marks, None),
+        )[1]
 
     @cached_property
     def _bare(self) -> dict[str, list[tuple[Counter[str], Value]]]:
@@ -225,10 +228,6 @@ class Notation:
             if first.setdefault(same := normalise(label), label) != label
             and self.table[first[same]] != value
         ]
-
-
-def _apart(marks: Counter[str], others: Counter[str]) -> int:
-    return ((marks - others) + (others - marks)).total()
 
 
 def one_case(labels: Iterable[str]) -> bool:

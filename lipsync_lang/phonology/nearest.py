@@ -103,12 +103,9 @@ class NearestPhonemes:
     _seen: dict[str, Nearest] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        for phoneme, label in self._named():
-            sounds = self.features.read(label, own=(label,)).sounds
-            if sounds:
-                run = tuple(sound.features for sound in sounds)
-                self._runs.setdefault(len(run), []).append(Exemplar(phoneme, run))
-                self._own.add(label)
+        for label, exemplar in self._exemplars(self._named()):
+            self._runs.setdefault(len(exemplar.run), []).append(exemplar)
+            self._own.add(label)
         self._own.update(key(label) for told in self.shades.values() for label in told.labels)
 
     def _named(self) -> Iterator[tuple[str, str]]:
@@ -116,6 +113,13 @@ class NearestPhonemes:
         for phoneme, labels in self.candidates.items():
             passed = self.features.aside.get(phoneme, frozenset())
             yield from ((phoneme, label) for label in map(key, labels) if label not in passed)
+
+    def _exemplars(self, named: Iterable[tuple[str, str]]) -> Iterator[tuple[str, Exemplar]]:
+        """Yield the labels of phonemes that can be read, each with its exemplar."""
+        for phoneme, label in named:
+            sounds = self.features.read(label, own=(label,)).sounds
+            if sounds:
+                yield label, Exemplar(phoneme, tuple(sound.features for sound in sounds))
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
@@ -227,7 +231,6 @@ class NearestPhonemes:
 
         A letter that features keep from the parent of a shade is kept from the shade.
         """
-        plain = [*self._named()]
         aside = self.features.aside
         named = [
             (shade, label)
@@ -236,13 +239,8 @@ class NearestPhonemes:
             if label not in aside.get(parent, ())
         ]
         taken = {label for _, label in named}
-        rest = [(p, label) for p, label in plain if named and label not in taken]
-        exemplars = []
-        for phoneme, label in (*named, *rest):
-            sounds = self.features.read(label, own=(label,)).sounds
-            if sounds:
-                exemplars.append(Exemplar(phoneme, tuple(sound.features for sound in sounds)))
-        return exemplars
+        rest = [(p, label) for p, label in self._named() if named and label not in taken]
+        return [exemplar for _, exemplar in self._exemplars((*named, *rest))]
 
     def _exemplar(self, run: tuple[Numbers, ...]) -> tuple[float, Exemplar] | None:
         """Return the nearest exemplar of the same length as a run; in a tie, the first."""

@@ -38,7 +38,7 @@ READ_BYTES = 1 << 16
 FORKS = hasattr(os, "fork")
 """True if the system can fork processes; Windows cannot."""
 
-Answer = tuple[Any, bytes]
+WorkerReply = tuple[Any, bytes]
 """Header and sound."""
 
 
@@ -48,7 +48,7 @@ class _WorkerLostError(Exception):
 
 def answers(
     process: EspeakProcess, texts: Iterable[str], voice: str, rate: int
-) -> Iterator[Answer | SpeechError]:
+) -> Iterator[WorkerReply | SpeechError]:
     """Speak texts one after the other; yield the answer to each, or its error, in order.
 
     At most `TEXTS_AHEAD` texts are taken ahead of the answers. If no worker can be started, all
@@ -58,7 +58,7 @@ def answers(
     waiting = deque([text for text in [next(source, None)] if text is not None])
     while waiting:
         try:
-            stream = _Stream(process, voice, rate, waiting[0])
+            stream = _WorkerStream(process, voice, rate, waiting[0])
         except SpeechError as error:
             yield from (error for _ in waiting)
             yield from (error for _ in source)
@@ -70,14 +70,14 @@ def answers(
                 yield _alone(process, waiting.popleft(), voice, rate)
 
 
-def _alone(process: EspeakProcess, text: str, voice: str, rate: int) -> Answer | SpeechError:
+def _alone(process: EspeakProcess, text: str, voice: str, rate: int) -> WorkerReply | SpeechError:
     try:
         return process.ask("speak", text=text, voice=voice, rate=rate)
     except SpeechError as error:
         return error
 
 
-class _Stream:
+class _WorkerStream:
     """A worker that is ready for texts; it ends with the `with` statement.
 
     Raises
@@ -143,7 +143,9 @@ class _Stream:
         if "rate" not in header:
             raise SpeechError(refusal(header, self.voice))
 
-    def answers(self, source: Iterator[str], waiting: deque[str]) -> Iterator[Answer | SpeechError]:
+    def answers(
+        self, source: Iterator[str], waiting: deque[str]
+    ) -> Iterator[WorkerReply | SpeechError]:
         """Yield the answer to each text; `waiting` holds the texts that were taken ahead."""
         while True:
             self._send(source, waiting)
@@ -170,7 +172,7 @@ class _Stream:
             self._write(request)
             self.sizes.append(size)
 
-    def _answer(self, text: str) -> Answer | SpeechError:
+    def _answer(self, text: str) -> WorkerReply | SpeechError:
         """Read the frames of a text: that of speech, if there is one, and that of its end."""
         seconds = self.process.limit([text])
         header, sound = self._frame(2 * seconds)
@@ -197,7 +199,7 @@ class _Stream:
         except OSError:
             raise _WorkerLostError from None
 
-    def _frame(self, seconds: float) -> Answer:
+    def _frame(self, seconds: float) -> WorkerReply:
         """Read a frame within some seconds."""
         deadline = time.monotonic() + seconds
         try:

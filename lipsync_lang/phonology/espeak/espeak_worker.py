@@ -2,8 +2,8 @@
 
 Run by path, never imported by the package: it knows the standard library alone, so that the
 engine and its licence stay in a process of their own. A JSON request comes in as the first line of
-stdin; the answer goes out on stdout as a frame: `MAGIC`, the length of a JSON header (4 bytes,
-little-endian), the header, and the sound as int16 in the machine's byte order.
+stdin; the answer goes out on stdout as a frame: `FRAME_MAGIC`, the length of a JSON header (4
+bytes, little-endian), the header, and the sound as int16 in the machine's byte order.
 
 Requests are ``{"library", "data", "task", "voice", "text", "rate"}``; the task is `speak`,
 `speak_many`, `voices` or `missing`. `rate` is in words per minute, 0 for the engine's own. `data`
@@ -25,7 +25,7 @@ import sys
 from collections.abc import Iterable
 from typing import Any, BinaryIO, NoReturn
 
-MAGIC = b"lipsync1"
+FRAME_MAGIC = b"lipsync1"
 
 OUTPUT_SYNCHRONOUS = 2
 PHONEME_EVENTS, PHONEME_IPA, DONT_EXIT = 0x1, 0x2, 0x8000
@@ -43,7 +43,7 @@ class _Id(ctypes.Union):
     _fields_ = (("number", ctypes.c_int), ("string", ctypes.c_char * 8), ("p", ctypes.c_void_p))
 
 
-class _Event(ctypes.Structure):
+class _EspeakEvent(ctypes.Structure):
     _fields_ = (
         ("type", ctypes.c_int),
         ("unique", ctypes.c_uint),
@@ -67,7 +67,9 @@ class VoiceRecord(ctypes.Structure):
     )
 
 
-_CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(_Event))
+_CALLBACK = ctypes.CFUNCTYPE(
+    ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.POINTER(_EspeakEvent)
+)
 
 
 def _text(raw: bytes | None) -> str:
@@ -143,14 +145,14 @@ def collect(library: ctypes.CDLL, text: str) -> tuple[int, list[list[Any]], byte
     events: list[list[Any]] = []
     sound = bytearray()
 
-    def receive(samples: int | None, count: int, pointer: "ctypes._Pointer[_Event]") -> int:
+    def receive(samples: int | None, count: int, pointer: "ctypes._Pointer[_EspeakEvent]") -> int:
         if samples and count > 0:
             sound.extend(ctypes.string_at(samples, 2 * count))
         number = 0
         while pointer[number].type != EVENT_NONE:
             event = pointer[number]
             if event.type == EVENT_PHONEME:
-                address = ctypes.addressof(event) + _Event.id.offset
+                address = ctypes.addressof(event) + _EspeakEvent.id.offset
                 name = ctypes.string_at(address, NAME_BYTES).split(b"\0")[0]
                 events.append(["phoneme", event.sample, name.decode("latin-1")])
             elif event.type == EVENT_WORD:
@@ -264,7 +266,7 @@ def speak_and_end(
 def send(out: BinaryIO, header: dict[str, Any], sound: bytes | bytearray = b"") -> None:
     """Write a frame."""
     raw = json.dumps(header).encode("ascii")
-    out.write(MAGIC + len(raw).to_bytes(4, "little") + raw + sound)
+    out.write(FRAME_MAGIC + len(raw).to_bytes(4, "little") + raw + sound)
     out.flush()
 
 

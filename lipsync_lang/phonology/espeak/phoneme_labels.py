@@ -2,8 +2,8 @@
 
 import re
 
-_MARKS = "ˈˌ0123456789"
-STRESS_MARKS = {"ˈ": 1, "ˌ": 2}
+_NAME_MARKS = "ˈˌ0123456789"
+STRESS_LEVELS = {"ˈ": 1, "ˌ": 2}
 """Stress by mark: primary and secondary."""
 
 _STRESSED = re.compile("([ˈˌ])")
@@ -25,7 +25,7 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
             if label and labels and modifies(label):
                 labels[-1] += label
             elif label:
-                labels.append(name[0] + label if name[0] in STRESS_MARKS else label)
+                labels.append(name[0] + label if name[0] in STRESS_LEVELS else label)
         if labels:
             words.append(tuple(labels))
     return words
@@ -33,12 +33,12 @@ def words_of(clause: str) -> list[tuple[str, ...]]:
 
 def label_of(name: str) -> str:
     """Return the bare sound of a name; empty for flags and marks."""
-    return "" if name.startswith("(") else name.strip(_MARKS)
+    return "" if name.startswith("(") else name.strip(_NAME_MARKS)
 
 
 def stress_of(name: str) -> int | None:
     """Return the stress that a name is marked with: 1, 2 or None."""
-    return next((level for mark, level in STRESS_MARKS.items() if mark in name), None)
+    return next((level for mark, level in STRESS_LEVELS.items() if mark in name), None)
 
 
 def modifies(label: str) -> bool:

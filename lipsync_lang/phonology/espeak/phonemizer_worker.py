@@ -17,14 +17,14 @@ from typing import Any
 
 CHARS_UTF8 = 0x1
 PHONEME_IPA = 0x2
-SEPARATOR = "_"
+PHONEME_SEPARATOR = "_"
 
 
 def clauses(api: Any, text: str) -> Iterator[str]:
     """Yield the phonemes of a text, clause by clause."""
     pointer = ctypes.pointer(ctypes.c_char_p(text.encode("utf-8")))
     while pointer.contents.value is not None:
-        found = api.text_to_phonemes(pointer, CHARS_UTF8, PHONEME_IPA | ord(SEPARATOR) << 8)
+        found = api.text_to_phonemes(pointer, CHARS_UTF8, PHONEME_IPA | ord(PHONEME_SEPARATOR) << 8)
         if found:
             yield found.decode("utf-8", "replace").strip()
 

@@ -21,17 +21,17 @@ from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
 
-MAGIC = b"lipsync1"
+FRAME_MAGIC = b"lipsync1"
 WORKER = Path(__file__).with_name("espeak_worker.py")
 READER = Path(__file__).with_name("phonemizer_worker.py")
 
 GARBAGE = "eSpeak NG gave an unreadable answer; try again"
 """Message for an answer with an invalid frame."""
 
-BATCH_TEXTS = 2000
+WORKER_TEXTS = 2000
 """Maximum number of texts for one process."""
 
-_SHOWN = 60
+_QUOTED_CHARS = 60
 _DOTS = re.compile(r"\.{2,}|…")
 _ORDER = (
     (re.compile("([\u064b-\u0650])\u0651"), "\u0651\\1"),
@@ -39,7 +39,7 @@ _ORDER = (
 )
 """Marks on one letter that the library reads only in the opposite of the Unicode order."""
 
-_QUOTES = frozenset("«»‹›„“”‟")
+_QUOTE_MARKS = frozenset("«»‹›„“”‟")
 _IGNORED = {0x00AD, 0x200B, 0x200E, 0x200F, 0x2060, 0xFEFF}
 _IGNORED |= {*range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 
@@ -72,8 +72,8 @@ class EspeakProcess:
         SpeechError
             No such voice, phonemizer or the library is missing, or it failed.
         """
-        for start in range(0, len(texts), BATCH_TEXTS):
-            yield from self._read([blank(t) for t in texts[start : start + BATCH_TEXTS]], voice)
+        for start in range(0, len(texts), WORKER_TEXTS):
+            yield from self._read([blank(t) for t in texts[start : start + WORKER_TEXTS]], voice)
 
     def _read(self, texts: Sequence[str], voice: str) -> Iterator[list[list[tuple[str, ...]]]]:
         library, data = _library()
@@ -183,7 +183,7 @@ def blank(text: str) -> str:
     for marks, order in _ORDER:
         text = marks.sub(order, text)
     dotted = _DOTS.sub(lambda dots: "," + " " * (len(dots.group()) - 1), text)
-    return "".join(" " if c in _QUOTES or _steers(c) else c for c in dotted)
+    return "".join(" " if c in _QUOTE_MARKS or _steers(c) else c for c in dotted)
 
 
 def _steers(character: str) -> bool:
@@ -195,7 +195,7 @@ def _steers(character: str) -> bool:
 
 def quoted(text: str) -> str:
     """Return a text in quotes, shortened for a message."""
-    return repr(text if len(text) <= _SHOWN else text[: _SHOWN - 3] + "...")
+    return repr(text if len(text) <= _QUOTED_CHARS else text[: _QUOTED_CHARS - 3] + "...")
 
 
 def ending(code: int, stderr: bytes, text: str, voice: str) -> str:
@@ -232,8 +232,12 @@ def read_frame(read: Callable[[int], bytes]) -> tuple[Any, bytes]:
     ----------
     read : returns so many bytes, fewer at the end of the answer
     """
-    start = read(len(MAGIC) + 4)
-    raw = read(int.from_bytes(start[len(MAGIC) :], "little")) if start.startswith(MAGIC) else b""
+    start = read(len(FRAME_MAGIC) + 4)
+    raw = (
+        read(int.from_bytes(start[len(FRAME_MAGIC) :], "little"))
+        if start.startswith(FRAME_MAGIC)
+        else b""
+    )
     try:
         header = json.loads(raw)
     except ValueError:

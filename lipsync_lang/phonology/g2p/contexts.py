@@ -3,7 +3,7 @@ r"""Contexts of spelling rules: regular expressions with a limit on their runnin
 Packs come from strangers, and `re` has no time limit. Two limits replace a clock:
 
 - a context sees at most ``SEEN_LETTERS`` letters before or after the rule's spelling,
-- ``MAX_STEPS`` bounds the steps of a backtracking engine over those letters.
+- ``MAX_MATCH_STEPS`` bounds the steps of a backtracking engine over those letters.
 
 The number of steps follows from the expression. Alternatives add their ways to match. Parts in
 sequence multiply them, because each way of one part is tried with each way of the next.
@@ -20,7 +20,7 @@ import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, Self
 from unicodedata import normalize
 
 from lipsync_lang.phonology.g2p.tokens import APOSTROPHES, plain
@@ -28,7 +28,7 @@ from lipsync_lang.phonology.g2p.tokens import APOSTROPHES, plain
 SEEN_LETTERS = 50
 """Maximum number of letters of a word for a context."""
 
-MAX_STEPS = 2_000_000
+MAX_MATCH_STEPS = 2_000_000
 """Maximum number of steps of one match in a word: some hundredths of a second."""
 
 MAX_STEPS_PER_LETTER = 50_000_000
@@ -37,10 +37,10 @@ MAX_STEPS_PER_LETTER = 50_000_000
 MAX_CONTEXT_CHARS = 1_000
 """Maximum length of a context, in characters."""
 
-_TOO_MANY = MAX_STEPS + 1
-_WHOLE = ("(?=", "(?!", "(?<", "(?>")
+_TOO_MANY = MAX_MATCH_STEPS + 1
+_GROUP_STARTS = ("(?=", "(?!", "(?<", "(?>")
 
-_TOKEN = re.compile(
+_CONTEXT_TOKEN = re.compile(
     r"(?P<escape>\\(?:.|\Z))"
     r"|(?P<set>\[\^?\]?(?:\\.|[^\]\\])*+\])"
     r"|(?P<named>\(\?P=\w+\))"
@@ -99,6 +99,33 @@ class Context(NamedTuple):
         return bool(self.pattern.match(word, at, at + SEEN_LETTERS))
 
 
+class Surroundings(NamedTuple):
+    """Contexts on both sides of some letters; `before` is for what follows them."""
+
+    before: Context | None
+    after: Context | None
+
+    def fit(self, word: str, start: int, stop: int) -> bool:
+        """Return True if both contexts fit letters between two places of a folded word."""
+        return (self.before is None or self.before.fits(word, stop)) and (
+            self.after is None or self.after.fits(word, start)
+        )
+
+    @classmethod
+    def compiled(cls, before: str, after: str) -> Self:
+        """Compile contexts as a pack states them; an empty one always fits.
+
+        Raises
+        ------
+        ContextError
+            One of them cannot be used.
+        """
+        return cls(
+            compile_context(before, precedes=False) if before else None,
+            compile_context(after, precedes=True) if after else None,
+        )
+
+
 @lru_cache(4096)
 def compile_context(text: str, *, precedes: bool) -> Context:
     r"""Compile a context; the result works on every word.
@@ -130,7 +157,7 @@ def compile_context(text: str, *, precedes: bool) -> Context:
     except (re.error, RecursionError, OverflowError, Warning) as error:
         raise ContextError(f"is not a regular expression: {error}") from None
     steps = _steps(parts) * (SEEN_LETTERS if precedes else 1)  # a search starts at each letter
-    if steps > MAX_STEPS:
+    if steps > MAX_MATCH_STEPS:
         raise ContextError(
             "could take too long, because it may match the same letters in too many ways",
             "use fewer repeats, or possessive ones that give nothing back, as in [ab]*+",
@@ -141,7 +168,7 @@ def compile_context(text: str, *, precedes: bool) -> Context:
 
 def _parts(text: str) -> Iterator[tuple[str, str]]:
     """Yield (kind, part) along a regular expression; raise an error for unsupported features."""
-    for found in _TOKEN.finditer(text):
+    for found in _CONTEXT_TOKEN.finditer(text):
         kind, part = str(found.lastgroup), found[0]
         if kind == "opening" and part == "(" and text.startswith("(?", found.start()):
             shown = _FLAG_LIKE.match(text, found.start())
@@ -214,7 +241,7 @@ class _Group:
     def total(self) -> _Cost:
         """Return the cost of the group; lookarounds and atomic groups match in one way."""
         self.next_alternative()
-        whole = self.opened.startswith(_WHOLE)
+        whole = self.opened.startswith(_GROUP_STARTS)
         return _Cost(1 if whole else self.ways, self.steps, group=True)
 
 
@@ -250,7 +277,7 @@ def _repeated(item: _Cost, repeat: str) -> _Cost:
     times = SEEN_LETTERS if most is None else most
     if not item.group:  # letters run out
         times, least = min(times, SEEN_LETTERS), min(least, SEEN_LETTERS)
-    if times > MAX_STEPS:
+    if times > MAX_MATCH_STEPS:
         return _Cost(_TOO_MANY, _TOO_MANY, item.group)
     steps = ways = 0
     tried = 1

@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.contexts import Context, ContextError, compile_context
+from lipsync_lang.phonology.g2p.contexts import Context, ContextError, Surroundings, compile_context
 from lipsync_lang.phonology.g2p.g2p_engines import Correction, Said
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import plain
@@ -24,7 +24,7 @@ from lipsync_lang.phonology.labels import normalise
 MAX_WRITTEN_CHARS = 50
 """Maximum length of a word's spelling for `spelled`."""
 
-_LENGTH = normalise("ː")
+_LENGTH_MARK = normalise("ː")
 """The mark of length in normalised labels."""
 
 
@@ -33,16 +33,13 @@ class _Ready(NamedTuple):
 
     labels: tuple[str, ...]
     to: tuple[str, ...]
-    before: Context | None
-    after: Context | None
+    around: Surroundings
     spelled: Context | None
 
     def fits(self, sounds: str, start: int, stop: int, written: str) -> bool:
         """Return True if the labels between two positions of a word's sounds are corrected."""
-        return (
-            (self.before is None or self.before.fits(sounds, stop))
-            and (self.after is None or self.after.fits(sounds, start))
-            and (self.spelled is None or bool(self.spelled.pattern.search(written)))
+        return self.around.fit(sounds, start, stop) and (
+            self.spelled is None or bool(self.spelled.pattern.search(written))
         )
 
 
@@ -82,7 +79,7 @@ def _corrected(
 ) -> Iterator[tuple[str, int | None]]:
     """Yield the labels of a word after correction, each with its stress."""
     labels = tuple(map(normalise, said.labels))
-    folded = [plain(label).replace(_LENGTH, "ː") for label in labels]
+    folded = [plain(label).replace(_LENGTH_MARK, "ː") for label in labels]
     starts = [sum(map(len, folded[:at])) for at in range(len(folded) + 1)]
     sounds, written = "".join(folded), plain(said.text)[:MAX_WRITTEN_CHARS]
     at = 0
@@ -102,16 +99,9 @@ def _corrected(
 
 
 def _ready(number: int, one: Correction) -> _Ready:
-    def compiled(text: str, *, precedes: bool = False) -> Context | None:
-        return compile_context(text, precedes=precedes) if text else None
-
     try:
-        return _Ready(
-            tuple(map(normalise, one.labels)),
-            one.to,
-            compiled(one.before),
-            compiled(one.after, precedes=True),
-            compiled(one.spelled),
-        )
+        around = Surroundings.compiled(one.before, one.after)
+        spelled = compile_context(one.spelled, precedes=False) if one.spelled else None
     except ContextError as error:
         raise SpeechError(f"correction {number} ('{one.labels[0]}'): {error}") from None
+    return _Ready(tuple(map(normalise, one.labels)), one.to, around, spelled)

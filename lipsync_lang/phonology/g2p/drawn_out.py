@@ -103,7 +103,8 @@ def lengthened(said: Said, drawn: DrawnOut, is_vowel: IsVowel, vowels: str) -> S
     more = [0] * len(said.labels)
     for place, letters in drawn.runs:
         if said.labels:
-            more[_label_at(said.labels, drawn.word, place, is_vowel, vowels)] += _copies(letters)
+            at = _label_at(said.labels, drawn.word, place, is_vowel, vowels)
+            more[at] += min((letters + 1) // 2, MAX_COPIES)
     stress = said.stress or (None,) * len(said.labels)
     rows = list(zip(said.labels, stress, more, strict=True))
     return said._replace(
@@ -131,8 +132,3 @@ def _label_at(labels: Sequence[str], word: str, place: int, is_vowel: IsVowel, v
         return alike[-1]
     groups = [key for key, _ in groupby(letters[: place + 1], key=lambda c: c in vowels)]
     return alike[min(sum(groups), len(alike)) - 1]
-
-
-def _copies(letters: int) -> int:
-    """Return the number of copies of a label for letters beyond the ordinary spelling."""
-    return min((letters + 1) // 2, MAX_COPIES)

@@ -7,17 +7,17 @@ from unicodedata import category
 
 from lipsync_lang.errors import SpeechError, did_you_mean
 from lipsync_lang.extras import install_line
-from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
-from lipsync_lang.phonology.labels import LENGTH, normalise
+from lipsync_lang.phonology.labels import LENGTH_MARKS, normalise
 
 _JOINED = {"Mn", "Lm", "Sk"}
 """Unicode categories of diacritics and modifier letters, which belong to the letter before."""
 
 
-@ENGINES.register("epitran")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("epitran")
+def engine(settings: Settings) -> G2PEngine:
     """Read text with Epitran's code of the language.
 
     Raises
@@ -69,32 +69,20 @@ def segments(ipa: str, known: Collection[str] = ()) -> tuple[str, ...]:
     found: list[str] = []
     at = 0
     while at < len(text):
-        length = _length(text, at)
-        for end in range(min(len(text), at + longest), at + length, -1):
-            if text[at:end] in known and end == at + _whole(text, at, end):
-                length = end - at
+        stop = _after_marks(text, at + 1)
+        for end in range(min(len(text), at + longest), stop, -1):
+            if text[at:end] in known and end == _after_marks(text, end):
+                stop = end
                 break
-        segment = text[at : at + length]
+        segment = text[at:stop]
         if segment.strip() and (segment[0].isalnum() or category(segment[0])[0] in "LMN"):
             found.append(segment)
-        at += length
+        at = stop
     return tuple(found)
 
 
-def _length(text: str, at: int) -> int:
-    """Return the length of a letter with its marks, in characters."""
-    end = at + 1
-    while end < len(text) and _belongs(text, end):
-        end += 1
-    return end - at
-
-
-def _belongs(text: str, at: int) -> bool:
-    return category(text[at]) in _JOINED or text[at] in LENGTH
-
-
-def _whole(text: str, at: int, end: int) -> int:
-    """Return the length from `at` to `end`, extended by the marks that follow."""
-    while end < len(text) and _belongs(text, end):
-        end += 1
-    return end - at
+def _after_marks(text: str, at: int) -> int:
+    """Return the first place from `at` on that is no mark of the letter before."""
+    while at < len(text) and (category(text[at]) in _JOINED or text[at] in LENGTH_MARKS):
+        at += 1
+    return at

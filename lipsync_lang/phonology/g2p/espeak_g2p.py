@@ -12,9 +12,8 @@ from types import MappingProxyType
 from lipsync_lang.phonology.espeak.phoneme_labels import label_of, stress_of
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.g2p_engines import (
-    ENGINES,
-    Engine,
-    Respeller,
+    G2P_ENGINES,
+    G2PEngine,
     Said,
     Settings,
     respeller,
@@ -23,23 +22,23 @@ from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import TextPiece, counts, pieces
 from lipsync_lang.phonology.labels import looser, normalise
 
-Words = Sequence[tuple[str, ...]]
+LabelledWords = Sequence[tuple[str, ...]]
 
-PATIENCE_SECONDS = 120.0
+ESPEAK_TIMEOUT_SECONDS = 120.0
 """Maximum seconds of a batch; a busy computer may delay one of many batches."""
 
 
-@ENGINES.register("espeak")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("espeak")
+def engine(settings: Settings) -> G2PEngine:
     """Read text with a voice of eSpeak NG."""
     respell = respeller(settings.respell) if settings.respell else None
 
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         from lipsync_lang.phonology.espeak.process import EspeakProcess
 
-        spelled = [_spelled(text, respell) for text in texts]
+        spelled = [(respell(text) if respell else [(text, text)]) for text in texts]
         plain = ["".join(spelling for _, spelling in parts) for parts in spelled]
-        voice, reader = settings.voice or "", EspeakProcess(patience=PATIENCE_SECONDS)
+        voice, reader = settings.voice or "", EspeakProcess(patience=ESPEAK_TIMEOUT_SECONDS)
         odd = {
             p.text for text in plain for p in pieces(text) if p.kind != "pause" and not _surely(p)
         }
@@ -80,12 +79,8 @@ def parts(label: str, known: Collection[str]) -> tuple[str, ...]:
     return found if all(known_as(part, known) for part in found) else (label,)
 
 
-def _spelled(text: str, respell: Respeller | None) -> list[tuple[str, str]]:
-    return respell(text) if respell else [(text, text)]
-
-
 def paired(
-    text: str, clauses: Sequence[Words], lengths: Mapping[str, int] = MappingProxyType({})
+    text: str, clauses: Sequence[LabelledWords], lengths: Mapping[str, int] = MappingProxyType({})
 ) -> Iterator[Said]:
     """Yield the words of each clause in the user's spelling, with pauses between clauses.
 
@@ -125,7 +120,7 @@ def _clauses(text: str) -> list[list[TextPiece]]:
 
 
 def _matched(
-    tokens: Sequence[TextPiece], words: Words, lengths: Mapping[str, int]
+    tokens: Sequence[TextPiece], words: LabelledWords, lengths: Mapping[str, int]
 ) -> list[Said] | None:
     """Assign spoken words to each token; None if the assignment is uncertain.
 

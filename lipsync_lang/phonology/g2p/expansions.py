@@ -34,17 +34,17 @@ _NUMERAL_LETTERS = re.compile(r"[IVXLCDM]+(?![a-z])")
 _PRONOUN = re.compile(r"[A-Za-zÀ-ɏ]\s+I\s+[a-z]")
 """An `I` after a name that may be the English word."""
 
-_RUBY = re.compile(
+_RUBY_TEXT = re.compile(
     "(?:[｜|](?P<marked>[^｜|《》\n]{1,40})|(?P<hanzi>[\u3400-\u9fff々〆ヶ]{1,40}))"
     "《(?P<reading>[ぁ-ゖァ-ヺー・]{1,60})》"
 )
 """A word with its reading in kana, as in 漢字《かんじ》; of several hanzi, all in a row."""
 
-_LETTER = "[^\\W_\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]"
+_SPACED_LETTER = "[^\\W_\u3040-\u30ff\u3400-\u9fff\uac00-\ud7af]"
 """A letter or digit of a script that puts spaces between words."""
 
-_SPACE = "[ \u00a0\u202f]?"
-_NUMBER = r"([0-9]+(?:[.,][0-9]+)*)"
+_OPTIONAL_SPACE = "[ \u00a0\u202f]?"
+_NUMBER_PATTERN = r"([0-9]+(?:[.,][0-9]+)*)"
 
 
 class Replacement(NamedTuple):
@@ -67,7 +67,7 @@ class _Keys:
         letters = "".join(re.escape(first) for first in by_first if first.isalpha())
         signs = "".join(re.escape(first) for first in by_first if not first.isalnum())
         starts = [r"(?<![0-9])(?<![0-9][.,/:-])[0-9]"]
-        starts += [f"(?<!{_LETTER})[{letters}]"] if letters else []
+        starts += [f"(?<!{_SPACED_LETTER})[{letters}]"] if letters else []
         starts += [f"[{signs}]"] if signs else []
         self._starts = re.compile("|".join(starts))
 
@@ -131,8 +131,12 @@ class Expansions:
     def find(self, text: str) -> list[Replacement]:
         """Return what to replace in a text, in order and apart from each other."""
         found: list[Replacement] = []
+        ruby = (
+            Replacement(*one.span(), one["reading"].translate(_KATAKANA))
+            for one in (_RUBY_TEXT.finditer(text) if "《" in text else ())
+        )
         abbreviated = self._keys.find(text) if self._keys else ()
-        for one in sorted((*_ruby(text), *abbreviated, *self._roman(text))):
+        for one in sorted((*ruby, *abbreviated, *self._roman(text))):
             if not found or one.start >= found[-1].stop:
                 found.append(one)
         return found
@@ -182,13 +186,8 @@ def _after(words: Iterable[str]) -> re.Pattern[str] | None:
     listed = "|".join(re.escape(word) for word in sorted(words, key=lambda word: -len(word)))
     if not listed:
         return None
-    numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?!{_LETTER}|['’])"
-    return re.compile(rf"(?<!{_LETTER})(?i:{listed})[ \u00a0]*{numeral}{_DOT}")
-
-
-def _ruby(text: str) -> Iterator[Replacement]:
-    for found in _RUBY.finditer(text) if "《" in text else ():
-        yield Replacement(*found.span(), found["reading"].translate(_KATAKANA))
+    numeral = rf"(?P<numeral>[IVXLCDM]{{1,{MAX_ROMAN_CHARS}}})(?!{_SPACED_LETTER}|['’])"
+    return re.compile(rf"(?<!{_SPACED_LETTER})(?i:{listed})[ \u00a0]*{numeral}{_DOT}")
 
 
 _KATAKANA = {code: code + 0x60 for code in range(0x3041, 0x3097)}
@@ -198,22 +197,20 @@ _KATAKANA = {code: code + 0x60 for code in range(0x3041, 0x3097)}
 def _expression(key: str) -> str:
     """Return the expression of a key; spaces in it may be missing in a text."""
     parts = [
-        (_NUMBER if part == "#" else f"([0-9]{{{len(part)}}})")
+        (_NUMBER_PATTERN if part == "#" else f"([0-9]{{{len(part)}}})")
         if part.startswith("#")
-        else _SPACE
+        else _OPTIONAL_SPACE
         if part == " "
         else re.escape(part)
         for part in re.findall("#+|[^#]", key)
     ]
     if key[0].isalpha():
         parts[0] = f"[{_either(key[0])}]"
-    return "".join(parts) + _behind(key[-1])
-
-
-def _behind(last: str) -> str:
-    if last == "#" or last.isdigit():
-        return "(?![0-9]|[.,/:-][0-9])"
-    return rf"(?!{_LETTER})" if last.isalpha() or last == "." else ""
+    if key[-1] == "#" or key[-1].isdigit():
+        parts.append("(?![0-9]|[.,/:-][0-9])")
+    elif key[-1].isalpha() or key[-1] == ".":
+        parts.append(rf"(?!{_SPACED_LETTER})")
+    return "".join(parts)
 
 
 def _apart(text: str, start: int, stop: int, read: str) -> str:

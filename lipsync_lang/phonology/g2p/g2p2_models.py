@@ -19,8 +19,8 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line, package_line
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.g2p_engines import (
-    ENGINES,
-    Engine,
+    G2P_ENGINES,
+    G2PEngine,
     MissingReaderError,
     Said,
     Settings,
@@ -32,12 +32,12 @@ from lipsync_lang.phonology.labels import normalise
 if TYPE_CHECKING:
     from g2p2 import Model
 
-GROUPS = "g2p2_group_"
+GROUP_PACKAGE_PREFIX = "g2p2_group_"
 """Start of the names of the packages that hold models."""
 
 
-@ENGINES.register("g2p2")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("g2p2")
+def engine(settings: Settings) -> G2PEngine:
     """Read text with the g2p2 model of the language's code.
 
     Raises
@@ -49,7 +49,9 @@ def engine(settings: Settings) -> Engine:
     """
     model = _model(settings.code or "", settings.language)
     known = frozenset(map(normalise, settings.labels))
-    other = ENGINES.find(settings.otherwise, SpeechError)(settings) if settings.otherwise else None
+    other = (
+        G2P_ENGINES.find(settings.otherwise, SpeechError)(settings) if settings.otherwise else None
+    )
 
     @lru_cache(CACHED_WORDS)
     def read_word(word: str) -> WordReading:
@@ -58,7 +60,14 @@ def engine(settings: Settings) -> Engine:
 
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
         plainly = [read_words(text, read_word) for text in texts]
-        pointed = sorted({word.text for words in plainly for word in words if _pointed(word.text)})
+        pointed = sorted(
+            {
+                word.text
+                for words in plainly
+                for word in words
+                if any(category(character) == "Mn" for character in plain(word.text))
+            }
+        )
         said = dict(zip(pointed, map(_joined, other(pointed)), strict=True)) if other else {}
         for words in plainly:
             yield tuple(
@@ -69,11 +78,6 @@ def engine(settings: Settings) -> Engine:
             )
 
     return read
-
-
-def _pointed(word: str) -> bool:
-    """Return True for a word with vowel points."""
-    return any(category(character) == "Mn" for character in plain(word))
 
 
 def _joined(words: Sequence[Said]) -> Said:
@@ -92,7 +96,7 @@ def _model(code: str, language: str) -> "Model":
             f"get it with: {install_line('g2p2')}"
         ) from None
     for module in pkgutil.iter_modules():
-        if module.name.startswith(GROUPS):
+        if module.name.startswith(GROUP_PACKAGE_PREFIX):
             packed = files(module.name) / f"{code}.g2p.xz"
             if packed.is_file():
                 return Model.from_bytes(lzma.decompress(packed.read_bytes()))

@@ -82,17 +82,17 @@ class Settings:
     otherwise: str | None = None
 
 
-Engine = Callable[[Sequence[str]], Iterable[Sequence[Said]]]
+G2PEngine = Callable[[Sequence[str]], Iterable[Sequence[Said]]]
 """Function from texts to the words and pauses of each, in order."""
 
 Respeller = Callable[[str], list[tuple[str, str]]]
 """Function from a text to its pieces, each with the spelling to read."""
 
-Make = Callable[[Settings], Engine]
+Make = Callable[[Settings], G2PEngine]
 
 _HERE = __package__
 
-ENGINES: Extensions[Make] = Extensions(
+G2P_ENGINES: Extensions[Make] = Extensions(
     "g2p_engines",
     "G2P engine",
     modules={
@@ -105,7 +105,7 @@ ENGINES: Extensions[Make] = Extensions(
         "thaiphon": f"{_HERE}.thaiphon_g2p",
     },
 )
-"""Functions that make an engine from its settings, by name; `ENGINES.register` adds one."""
+"""Functions that make an engine from its settings, by name; `G2P_ENGINES.register` adds one."""
 
 WHISPER = "\u0325"
 """Mark in respelled text of a vowel without voice. Labels may hold it; no voice reads it."""
@@ -116,7 +116,7 @@ RESPELLERS: Extensions[Respeller] = Extensions(
 """Functions that respell text, by name."""
 
 
-def engine(name: str, settings: Settings) -> Engine:
+def engine(name: str, settings: Settings) -> G2PEngine:
     """Make the engine of a language.
 
     Raises
@@ -125,11 +125,11 @@ def engine(name: str, settings: Settings) -> Engine:
         There is no such engine, it is not installed, or it does not have the language.
     """
     try:
-        read = ENGINES.find(name, SpeechError)(settings)
+        read = G2P_ENGINES.find(name, SpeechError)(settings)
     except MissingReaderError:
         if settings.otherwise is None:
             raise
-        read = ENGINES.find(settings.otherwise, SpeechError)(settings)
+        read = G2P_ENGINES.find(settings.otherwise, SpeechError)(settings)
     if not settings.corrections:
         return read
     from lipsync_lang.phonology.g2p.corrections import corrector

@@ -85,7 +85,7 @@ class Interjections:
 
     def _said(self, token: str, spelling: str, pattern: _Pattern, drawn: list[int]) -> Said:
         labels, say = pattern.interjection
-        said = Said(token, labels, say or _shortest(spelling))
+        said = Said(token, labels, say or re.sub(r"(.)\1{2,}", r"\1", spelling))
         if pattern.part is not None:
             return said._replace(
                 labels=labels[: len(labels) // 2] * len(pattern.part.findall(spelling))
@@ -106,8 +106,3 @@ def _pattern(spelling: str, interjection: Interjection) -> _Pattern:
     runs = [(letter, len(list(run))) for letter, run in groupby(spelling)]
     whole = re.compile("".join(f"({re.escape(letter)}{{{n},}})" for letter, n in runs))
     return _Pattern(whole, None, tuple(n for _, n in runs), interjection)
-
-
-def _shortest(spelling: str) -> str:
-    """Return a spelling with each run of three or more letters cut to one."""
-    return re.sub(r"(.)\1{2,}", r"\1", spelling)

@@ -24,7 +24,7 @@ _SENTENCE = re.compile(r"[^。！？!?\n]+")
 _EDGES = " \t\r\u3000、，,・「」『』（）()【】〈〉《》［］[]…‥ー〜～―—–-"
 """Nothing is said of these where a sentence starts."""
 
-_MARKS = str.maketrans("ヲヂヅ’", f"オジズ{WHISPER}")
+_PLAIN_KANA = str.maketrans("ヲヂヅ’", f"オジズ{WHISPER}")
 """Towards the one spelling of a sound; the dictionary writes ’ after a whispered vowel."""
 
 _MANNER = {"normalize_mode": "NFKC", "predict_nani": False, "use_sudachi_kanji_yomi": False}
@@ -87,7 +87,7 @@ def _read(sentence: str) -> list[tuple[str, str]]:
         try:
             morphemes = reader.g2p_mapping(_SURROGATE.sub("\ufffd", sentence), **_MANNER)
         except ValueError:  # what it wrote cannot be traced back to the letters
-            return [(sentence, str(reader.g2p(sentence, kana=True)).translate(_MARKS))]
+            return [(sentence, str(reader.g2p(sentence, kana=True)).translate(_PLAIN_KANA))]
     if not morphemes:
         return [(sentence, sentence)]
     cuts: list[int] = []
@@ -111,7 +111,7 @@ def _read(sentence: str) -> list[tuple[str, str]]:
 
 def _said(morpheme: dict[str, str]) -> str:
     """Return the kana of a morpheme; empty if it is silent or unreadable."""
-    said = str(morpheme["pron"]).translate(_MARKS)
+    said = str(morpheme["pron"]).translate(_PLAIN_KANA)
     if said == "イウ" and morpheme["pos"] == "動詞":
         return "ユー"  # 言う: the dictionary writes the spelling
     return said if _KANA.fullmatch(said) else ""

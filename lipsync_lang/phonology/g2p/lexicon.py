@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.files.reading import MIB_BYTES, read_input
-from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import Rewriter
 from lipsync_lang.phonology.g2p.tokens import WordReading, plain, read_words
 
@@ -21,12 +21,12 @@ COMMENTS = (";;;", "#")
 MAX_LEXICON_BYTES = 256 * MIB_BYTES
 """Maximum size of a lexicon in bytes; the largest of WikiPron has 30 million."""
 
-_VARIANT = re.compile(r"\(\d+\)$")
-_PARTS = re.compile(r"-|'")
+_PRONUNCIATION_NUMBER = re.compile(r"\(\d+\)$")
+_WORD_BREAK = re.compile(r"-|'")
 
 
-@ENGINES.register("lexicon")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("lexicon")
+def engine(settings: Settings) -> G2PEngine:
     """Read text with a lexicon.
 
     Raises
@@ -46,7 +46,7 @@ def engine(settings: Settings) -> Engine:
         spelled = plain(word)
         if spelled in words:
             return WordReading(words[spelled])
-        parts = [part for part in _PARTS.split(spelled) if part]
+        parts = [part for part in _WORD_BREAK.split(spelled) if part]
         if len(parts) > 1 and all(part in words for part in parts):
             return WordReading(tuple(label for part in parts for label in words[part]))
         return rewriter.read(word) if rewriter else WordReading((), word)
@@ -85,7 +85,7 @@ def read_lexicon(path: Path) -> dict[str, tuple[str, ...]]:
                 f"{path}:{number}: {line.strip()[:60]!r} is not a word and its labels; "
                 "write the word, a tab, and the labels with spaces between them"
             )
-        words.setdefault(plain(_VARIANT.sub("", word.strip())), tuple(labels.split()))
+        words.setdefault(plain(_PRONUNCIATION_NUMBER.sub("", word.strip())), tuple(labels.split()))
     if not words:
         raise SpeechError(f"{path}: has no words; write one a line, a tab, and its labels")
     return words

@@ -25,7 +25,7 @@ from unicodedata import category, normalize
 
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
-from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
 from lipsync_lang.phonology.g2p.stated_readings import (
     StatedReading,
     compiled_readings,
@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 
 HANZI = "〇\u3400-\u9fff\uf900-\ufaff\U00020000-\U0003ffff"
 LATIN = "A-Za-zÀ-ÖØ-öø-\u024f\u1e00-\u1eff\u0300-\u036f"
-SILENT = "~～"
+LENGTHENING_SIGNS = "~～"
 """Characters that lengthen a word in writing and have no sound of their own."""
 
-_WIDE = {0xFEE0 + c: c for c in range(0x21, 0x7F)}
-_PIECE = re.compile(
+_FULL_WIDTH = {0xFEE0 + c: c for c in range(0x21, 0x7F)}
+_TEXT_PART = re.compile(
     rf"""
       (?P<hanzi>[{HANZI}]+)
     | (?P<number>(?:(?<![0-9A-Za-z.])-)?[0-9]+(?:,[0-9]{{3}})*(?:\.[0-9]+)?[%‰]?)
@@ -55,10 +55,18 @@ _PIECE = re.compile(
     """,
     re.VERBOSE,
 )
-_SIGNS = {"+": "加", "=": "等于", "&": "和", "×": "乘", "÷": "除以", "℃": "摄氏度", "°": "度"}
+_SPOKEN_SIGNS = {
+    "+": "加",
+    "=": "等于",
+    "&": "和",
+    "×": "乘",
+    "÷": "除以",
+    "℃": "摄氏度",
+    "°": "度",
+}
 
 
-class _Piece(NamedTuple):
+class _TextChunk(NamedTuple):
     """A part of a text of one kind: the user's spelling, plain letters, next character."""
 
     kind: str
@@ -67,8 +75,8 @@ class _Piece(NamedTuple):
     following: str
 
 
-@ENGINES.register("pypinyin")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("pypinyin")
+def engine(settings: Settings) -> G2PEngine:
     """Read Chinese text.
 
     Raises
@@ -85,35 +93,32 @@ def engine(settings: Settings) -> Engine:
     readings = compiled_readings(settings.readings)
 
     def read(texts: Sequence[str]) -> Iterator[tuple[Said, ...]]:
-        cut = [list(_pieces(text)) for text in texts]
-        foreign = {piece.plain for pieces in cut for piece in pieces if piece.kind == "foreign"}
+        cut = [list(_text_parts(text)) for text in texts]
+        foreign = {piece.plain for parts in cut for piece in parts if piece.kind == "foreign"}
         heard = _heard(sorted(foreign), settings) if foreign else {}
-        for pieces in cut:
-            yield tuple(said for piece in pieces for said in _read(piece, heard, readings))
+        for parts in cut:
+            yield tuple(said for piece in parts for said in _read(piece, heard, readings))
 
     return read
 
 
-def _pieces(text: str) -> Iterator[_Piece]:
+def _text_parts(text: str) -> Iterator[_TextChunk]:
     """Cut a text into hanzi, numbers, pinyin, foreign words, pauses and symbols."""
     text = normalize("NFC", text)
-    narrow = text.translate(_WIDE)
+    narrow = text.translate(_FULL_WIDTH)
     among_hanzi = bool(re.search(f"[{HANZI}]", narrow))
-    for found in _PIECE.finditer(narrow):
+    for found in _TEXT_PART.finditer(narrow):
         start, end = found.span()
-        piece = _Piece(found.lastgroup or "", text[start:end], found[0], narrow[end : end + 1])
+        piece = _TextChunk(found.lastgroup or "", text[start:end], found[0], narrow[end : end + 1])
         if piece.kind == "roman":
             yield from _roman(piece, among_hanzi=among_hanzi)
-        elif piece.kind != "symbol" or _means(piece.plain):
+        elif piece.kind != "symbol" or (
+            category(piece.plain)[0] in "LNS" and piece.plain not in LENGTHENING_SIGNS
+        ):
             yield piece
 
 
-def _means(character: str) -> bool:
-    """Return True for a letter, number or symbol that is spoken."""
-    return category(character)[0] in "LNS" and character not in SILENT
-
-
-def _roman(piece: _Piece, *, among_hanzi: bool) -> Iterator[_Piece]:
+def _roman(piece: _TextChunk, *, among_hanzi: bool) -> Iterator[_TextChunk]:
     """Yield pinyin as one piece, and anything else as foreign words and numbers."""
     letters = piece.plain.rstrip("012345")
     paper = among_hanzi and len(letters) == 1 and letters.isupper()  # A4纸
@@ -122,7 +127,7 @@ def _roman(piece: _Piece, *, among_hanzi: bool) -> Iterator[_Piece]:
         return
     for part in re.finditer(r"[0-9]+|[^0-9]+", piece.plain):
         kind = "number" if part[0].isdigit() else "foreign"
-        yield _Piece(kind, piece.text[slice(*part.span())], _bare(part[0]), "")
+        yield _TextChunk(kind, piece.text[slice(*part.span())], _bare(part[0]), "")
 
 
 def _bare(word: str) -> str:
@@ -131,20 +136,22 @@ def _bare(word: str) -> str:
 
 
 def _read(
-    piece: _Piece, heard: Mapping[str, tuple[str, ...]], readings: Sequence[StatedReading]
+    piece: _TextChunk, heard: Mapping[str, tuple[str, ...]], readings: Sequence[StatedReading]
 ) -> Iterator[Said]:
     match piece.kind:
         case "hanzi":
             yield from (said(*word) for word in words_of(piece.text, readings))
         case "number" | "sign":
-            counted = _SIGNS.get(piece.plain) or number(piece.plain, piece.following)
+            counted = _SPOKEN_SIGNS.get(piece.plain) or number(piece.plain, piece.following)
             yield said(piece.text, [s for _, word in words_of(counted) for s in word])
         case "spelled":
             yield said(piece.text, spelled(piece.plain, toneless=True))
         case "foreign" if piece.plain in heard:
             yield Said(piece.text, heard[piece.plain], piece.plain)
         case "foreign":
-            yield said(piece.text, [s for c in piece.plain.upper() for s in LETTERS.get(c, ())])
+            yield said(
+                piece.text, [s for c in piece.plain.upper() for s in LETTER_SYLLABLES.get(c, ())]
+            )
         case kind:
             yield said(piece.text, ()) if kind == "symbol" else Said(piece.text, ())
 
@@ -198,15 +205,20 @@ def words_of(hanzi: str, readings: Sequence[StatedReading] = ()) -> Iterator[tup
     An r after a syllable is the syllable ``r5``. A stated reading counts where its letters are
     whole words of the text.
     """
-    simple = _simplified(hanzi)
+    from pypinyin import Style, lazy_pinyin
+    from pypinyin.seg.mmseg import seg
+
+    simple = _converter().convert(hanzi)
+    if len(simple) != len(hanzi):
+        simple = hanzi  # places in it are places in the text
     erhua = {found.start() for found in ERHUA.finditer(simple)}
-    phrases = list(_phrases(simple))
+    phrases = list(seg.cut(simple))
     stated = stated_syllables(simple, phrases, readings)
     word: tuple[str, list[str]] = ("", [])
     start = 0
     for phrase in phrases:
         stop = start + len(phrase)
-        syllables = _syllables(phrase)
+        syllables = lazy_pinyin(phrase, Style.TONE3, errors="ignore", neutral_tone_with_five=True)
         if start in stated:
             syllables = [stated[at] for at in range(start, stop)]
         if len(syllables) == len(phrase):
@@ -221,12 +233,6 @@ def words_of(hanzi: str, readings: Sequence[StatedReading] = ()) -> Iterator[tup
     yield word
 
 
-def _simplified(hanzi: str) -> str:
-    """Return hanzi in simplified characters, one for one."""
-    whole = _converter().convert(hanzi)
-    return whole if len(whole) == len(hanzi) else hanzi
-
-
 @cache
 def _converter() -> "OpenCC":
     from opencc import OpenCC
@@ -234,25 +240,13 @@ def _converter() -> "OpenCC":
     return OpenCC("t2s")
 
 
-def _phrases(hanzi: str) -> Iterator[str]:
-    from pypinyin.seg.mmseg import seg
-
-    yield from seg.cut(hanzi)
-
-
-def _syllables(phrase: str) -> list[str]:
-    from pypinyin import Style, lazy_pinyin
-
-    return lazy_pinyin(phrase, Style.TONE3, errors="ignore", neutral_tone_with_five=True)
-
-
 # Pinyin in Latin letters
 
-MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
-MAX_WORD_CHARS = 60
+TONE_MARKS = {"\u0304": "1", "\u0301": "2", "\u030c": "3", "\u0300": "4"}
+MAX_PINYIN_CHARS = 60
 """Maximum number of letters of a word of pinyin."""
 
-_TAIL = re.compile(r"(r(?![aeiouv]))?([0-5]?)(r(?![aeiouv]))?'?")
+_SYLLABLE_END = re.compile(r"(r(?![aeiouv]))?([0-5]?)(r(?![aeiouv]))?'?")
 
 
 @cache
@@ -274,7 +268,7 @@ def spelled(word: str, *, toneless: bool) -> tuple[str, ...]:
     toneless : whether a word without any tone can be pinyin; it is read in the first
     """
     letters, marks = _unmarked(word)
-    cut = len(word) <= MAX_WORD_CHARS and (_cut(letters, 0) or _cut(letters, 0, loose=True))
+    cut = len(word) <= MAX_PINYIN_CHARS and (_cut(letters, 0) or _cut(letters, 0, loose=True))
     tones = bool(marks) or any(map(str.isdigit, letters))
     if not cut or not (tones or toneless):
         return ()
@@ -293,8 +287,8 @@ def _unmarked(word: str) -> tuple[str, dict[int, str]]:
     letters: list[str] = []
     marks: dict[int, str] = {}
     for character in normalize("NFD", word.lower()):
-        if character in MARKS:
-            marks[len(letters) - 1] = MARKS[character]
+        if character in TONE_MARKS:
+            marks[len(letters) - 1] = TONE_MARKS[character]
         elif character in ":\u0308" and letters[-1:] == ["u"]:
             letters[-1] = "v"
         elif character != "\u0302":  # ê
@@ -310,7 +304,7 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
     apostrophe before it, unless `loose`.
     """
     for end in range(min(start + 6, len(letters)), start, -1):
-        tail = _TAIL.match(letters, end)
+        tail = _SYLLABLE_END.match(letters, end)
         if letters[start:end] not in _known() or tail is None:
             continue
         here, stop = (start, end, tail.end()), tail.end()
@@ -325,13 +319,13 @@ def _cut(letters: str, start: int, *, loose: bool = False) -> tuple[tuple[int, i
 
 # Numbers
 
-DIGITS = "零一二三四五六七八九"
-MAX_NUMBER_DIGITS = 10
+HANZI_DIGITS = "零一二三四五六七八九"
+MAX_QUANTITY_DIGITS = 10
 """Maximum digits of a quantity; longer numbers without separators are read digit by digit."""
 
-_PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
-_UNITS = ("", "十", "百", "千")
-_GROUPS = ("", "万", "亿", "万")
+_COUNTED_AS_PAIR = re.compile("[个個只隻条條张張件本次天位人家点點种種块塊杯倍]")
+_POWERS_OF_TEN = ("", "十", "百", "千")
+_MYRIADS = ("", "万", "亿", "万")
 _ZEROS = (("零[十百千]", "零"), ("零+", "零"), ("零(?=[万亿])", ""), ("亿万", "亿"), ("零$", ""))
 
 
@@ -345,9 +339,9 @@ def number(digits: str, following: str = "") -> str:
     """
     whole, _, decimals = digits.strip("-%‰").partition(".")
     year = len(whole) == len("2024") and following == "年"
-    if whole == "2" and not decimals and _PAIR.match(following):
+    if whole == "2" and not decimals and _COUNTED_AS_PAIR.match(following):
         counted = "两"
-    elif year or re.fullmatch(rf"0[0-9]+|[0-9]{{{MAX_NUMBER_DIGITS + 1},}}", whole):
+    elif year or re.fullmatch(rf"0[0-9]+|[0-9]{{{MAX_QUANTITY_DIGITS + 1},}}", whole):
         counted = _one_by_one(whole)
     else:
         counted = _cardinal(whole.replace(",", ""))
@@ -357,15 +351,15 @@ def number(digits: str, following: str = "") -> str:
 
 
 def _one_by_one(digits: str) -> str:
-    return "".join(DIGITS[int(digit)] for digit in digits)
+    return "".join(HANZI_DIGITS[int(digit)] for digit in digits)
 
 
 def _cardinal(digits: str) -> str:
-    if len(digits) > len(_UNITS) * len(_GROUPS):
+    if len(digits) > len(_POWERS_OF_TEN) * len(_MYRIADS):
         return _one_by_one(digits)
     said = ""
     for place, digit in enumerate(reversed(digits)):
-        said = DIGITS[int(digit)] + (_UNITS[place % 4] or _GROUPS[place // 4]) + said
+        said = HANZI_DIGITS[int(digit)] + (_POWERS_OF_TEN[place % 4] or _MYRIADS[place // 4]) + said
     for pattern, to in _ZEROS:
         said = re.sub(pattern, to, said)
     return re.sub("^一十", "十", said) or "零"
@@ -373,14 +367,14 @@ def _cardinal(digits: str) -> str:
 
 # Foreign words
 
-_IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))
+_PINYIN_OF_IPA = dict(sound.split() for sound in ("j y", "uː u", "v f", "x h", "z s"))
 """IPA labels and their replacements: the same sound in pinyin, or one of the same mouth shape."""
 
-_NAMES = """ei1,bi4,xi1,di4,yi4,ai2 fu5,ji4,ai2 chi5,ai4,zhei4,kei4,ai2 lou5,ai2 mu5,en1,ou1,pi4,
+_SPELLED = """ei1,bi4,xi1,di4,yi4,ai2 fu5,ji4,ai2 chi5,ai4,zhei4,kei4,ai2 lou5,ai2 mu5,en1,ou1,pi4,
 qiu1,a4 er5,ai2 si5,ti4,you1,wei1,da2 bu5 liu5,ai4 ke5 si5,wai4,zei4"""
-LETTERS = {
+LETTER_SYLLABLES = {
     letter: tuple(name.split())
-    for letter, name in zip("ABCDEFGHIJKLMNOPQRSTUVWXYZ", _NAMES.split(","), strict=True)
+    for letter, name in zip("ABCDEFGHIJKLMNOPQRSTUVWXYZ", _SPELLED.split(","), strict=True)
 }
 """Names of Latin letters, as syllables."""
 
@@ -399,7 +393,7 @@ def _heard(words: Sequence[str], settings: Settings) -> dict[str, tuple[str, ...
         return {}
     found: dict[str, tuple[str, ...]] = {}
     for word, saids in zip(words, read, strict=True):
-        sounds = tuple(_IPA.get(label, label) for said in saids for label in said.labels)
+        sounds = tuple(_PINYIN_OF_IPA.get(label, label) for said in saids for label in said.labels)
         if sounds and all(known_as(label, labels) for label in sounds):
             found[word] = sounds
     return found

@@ -17,14 +17,13 @@ from typing import NamedTuple
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.phonology.g2p.contexts import (
     MAX_STEPS_PER_LETTER,
-    Context,
     ContextError,
-    compile_context,
+    Surroundings,
 )
 from lipsync_lang.phonology.g2p.g2p_engines import (
-    ENGINES,
+    G2P_ENGINES,
     WHISPER,
-    Engine,
+    G2PEngine,
     Rule,
     Said,
     Settings,
@@ -40,24 +39,21 @@ CACHED_WORDS = 20_000
 """Maximum number of cached readings of words."""
 
 
-class _Compiled(NamedTuple):
+class _CompiledRule(NamedTuple):
     number: int
     spelling: str
     to: tuple[str, ...]
-    before: Context | None
-    after: Context | None
+    around: Surroundings
 
     def fits(self, word: str, at: int) -> bool:
         """Return True if the rule applies at a place of a word."""
-        return (
-            word.startswith(self.spelling, at)
-            and (self.before is None or self.before.fits(word, at + len(self.spelling)))
-            and (self.after is None or self.after.fits(word, at))
+        return word.startswith(self.spelling, at) and self.around.fit(
+            word, at, at + len(self.spelling)
         )
 
 
 class Rewriter:
-    """Compiled rules.
+    """CompiledRule rules.
 
     Raises
     ------
@@ -66,7 +62,7 @@ class Rewriter:
     """
 
     def __init__(self, rules: Iterable[Rule], labels: Iterable[str] = ()) -> None:
-        self._rules: dict[str, list[_Compiled]] = {}
+        self._rules: dict[str, list[_CompiledRule]] = {}
         self._labels: dict[str, list[tuple[str, str]]] = {}
         rules = tuple(rules)
         for number in too_slow(rules):
@@ -112,17 +108,16 @@ class Rewriter:
         return None, None, 1
 
 
-def _compile(number: int, rule: Rule) -> _Compiled:
+def _compile(number: int, rule: Rule) -> _CompiledRule:
     try:
-        before = compile_context(rule.before, precedes=False) if rule.before else None
-        after = compile_context(rule.after, precedes=True) if rule.after else None
+        around = Surroundings.compiled(rule.before, rule.after)
     except ContextError as error:
         raise SpeechError(f"rule {number + 1} ('{rule.spelling}'): its context {error}") from None
-    return _Compiled(number, plain(rule.spelling), rule.to, before, after)
+    return _CompiledRule(number, plain(rule.spelling), rule.to, around)
 
 
-@ENGINES.register("rules")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("rules")
+def engine(settings: Settings) -> G2PEngine:
     """Read text with the rules of a pack."""
     rewriter = Rewriter(settings.rules, settings.labels)
     respell = respeller(settings.respell) if settings.respell else None
@@ -154,7 +149,7 @@ def too_slow(rules: Sequence[Rule]) -> Iterator[int]:
         made = _compile(number, rule)
         letter = made.spelling[:1]
         before = steps.get(letter, 0)
-        steps[letter] = before + sum(side.steps for side in (made.before, made.after) if side)
+        steps[letter] = before + sum(side.steps for side in made.around if side)
         if before <= MAX_STEPS_PER_LETTER < steps[letter]:
             yield number
 

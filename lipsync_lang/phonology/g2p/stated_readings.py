@@ -9,7 +9,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from lipsync_lang.errors import SpeechError
-from lipsync_lang.phonology.g2p.contexts import Context, ContextError, compile_context
+from lipsync_lang.phonology.g2p.contexts import ContextError, Surroundings
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
 
 
@@ -18,17 +18,14 @@ class StatedReading(NamedTuple):
 
     letters: str
     syllables: tuple[str, ...]
-    before: Context | None
-    after: Context | None
+    around: Surroundings
 
     def spans(self, text: str) -> Iterator[tuple[int, int]]:
         """Yield where it applies in a text."""
         at = text.find(self.letters)
         while at >= 0:
             stop = at + len(self.letters)
-            if (self.before is None or self.before.fits(text, stop)) and (
-                self.after is None or self.after.fits(text, at)
-            ):
+            if self.around.fit(text, at, stop):
                 yield at, stop
             at = text.find(self.letters, at + 1)
 
@@ -49,11 +46,10 @@ def compiled_readings(readings: Sequence[Rule]) -> tuple[StatedReading, ...]:
                 f"{len(rule.spelling)} characters; state one for each"
             )
         try:
-            before = compile_context(rule.before, precedes=False) if rule.before else None
-            after = compile_context(rule.after, precedes=True) if rule.after else None
+            around = Surroundings.compiled(rule.before, rule.after)
         except ContextError as error:
             raise SpeechError(f"reading {number} ('{rule.spelling}'): {error}") from None
-        made.append(StatedReading(rule.spelling, rule.to, before, after))
+        made.append(StatedReading(rule.spelling, rule.to, around))
     return tuple(made)
 
 

@@ -12,24 +12,24 @@ from functools import lru_cache
 from lipsync_lang.errors import SpeechError
 from lipsync_lang.extras import install_line
 from lipsync_lang.phonology.g2p.epitran import segments
-from lipsync_lang.phonology.g2p.g2p_engines import ENGINES, Engine, Said, Settings
+from lipsync_lang.phonology.g2p.g2p_engines import G2P_ENGINES, G2PEngine, Said, Settings
 from lipsync_lang.phonology.g2p.rules import CACHED_WORDS
 from lipsync_lang.phonology.g2p.tokens import TextPiece, pieces
 from lipsync_lang.phonology.labels import normalise
 
-AGAIN = "\u0e46"
+REPETITION_SIGN = "\u0e46"
 """The sign that repeats a word."""
 
-MAX_NUMBER_DIGITS = 15
+MAX_READ_DIGITS = 15
 """Maximum digits of a number; a longer one is read digit by digit."""
 
-_LETTERS = re.compile("[\u0e01-\u0e4e]")
+_SCRIPT_LETTER = re.compile("[\u0e01-\u0e4e]")
 _TONES = re.compile("[\u02e5-\u02e9/]")
 _RUN = re.compile("[0-9\u0e50-\u0e59]+|[^0-9\u0e50-\u0e59]+")
 
 
-@ENGINES.register("thaiphon")
-def engine(settings: Settings) -> Engine:
+@G2P_ENGINES.register("thaiphon")
+def engine(settings: Settings) -> G2PEngine:
     """Read text with thaiphon.
 
     Raises
@@ -58,13 +58,13 @@ def engine(settings: Settings) -> Engine:
         return tuple(label for part in ipa.split(".") for label in segments(part, known))
 
     def number(digits: str) -> tuple[str, ...]:
-        parts = [digits] if len(digits) <= MAX_NUMBER_DIGITS else [*digits]
+        parts = [digits] if len(digits) <= MAX_READ_DIGITS else [*digits]
         return labels_of("".join(num_to_thaiword(int(part)) for part in parts))
 
     def words(run: str) -> Iterator[Said]:
         last: tuple[str, ...] = ()
         for word in word_tokenize(run, keep_whitespace=False):
-            again = word == AGAIN
+            again = word == REPETITION_SIGN
             last = last if again else labels_of(word)
             yield Said(word, last, unread="" if last else word)
 
@@ -88,7 +88,7 @@ def _read(
         run = found[0]
         if run.isdigit():
             yield Said(run, number(run))
-        elif _LETTERS.search(run):
+        elif _SCRIPT_LETTER.search(run):
             yield from words(run)
         elif any(map(str.isalnum, run)):
             yield Said(run, (), unread=run)

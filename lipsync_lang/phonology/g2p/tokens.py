@@ -14,14 +14,14 @@ INNER = frozenset("'’‘-·־\u00ad")
 PAUSES = frozenset(".!?…,;:—–、。，！？；：।॥؟،؛።፣፤၊။")
 """Marks at which the voice rests."""
 
-SIGNS = frozenset("၌၍၎၏")
+SENTENCE_SIGNS = frozenset("၌၍၎၏")
 """Punctuation to Unicode, and words to their readers."""
 
 APOSTROPHES = str.maketrans("’‘", "''")
 
 JOINERS = frozenset("\u200c\u200d")
 
-_SHAPE = re.compile(
+_WORD_SHAPE = re.compile(
     r"(?P<word>[wn]+(?:(?:i|(?<=n)p(?=n))[wn]+)*)|(?P<pause>p+|(?<= )i+(?= )|\n{2,})|s+"
 )
 """Over the classes of characters: `w` letter, `n` digit, `i` inner, `p` pause, `s` symbol."""
@@ -36,7 +36,7 @@ def _class(character: str) -> str:
         return "i"
     if kind == "Nd":
         return "n"
-    if kind[0] in "LMN" or character in JOINERS or character in SIGNS:
+    if kind[0] in "LMN" or character in JOINERS or character in SENTENCE_SIGNS:
         return "w"
     return "s" if kind[0] == "S" else " "
 
@@ -57,7 +57,7 @@ class TextPiece(NamedTuple):
 def pieces(text: str) -> Iterator[TextPiece]:
     """Yield the words, pauses and symbols of a text in order; spaces and brackets are none."""
     shape = "".join(map(_class, text))
-    for found in _SHAPE.finditer(shape):
+    for found in _WORD_SHAPE.finditer(shape):
         start, end = found.span()
         yield TextPiece(text[start:end], found.lastgroup or "symbol", start)
 

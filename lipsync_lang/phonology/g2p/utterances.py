@@ -33,14 +33,14 @@ from lipsync_lang.phonology.g2p.tokens import PAUSES, TextPiece, pieces, plain
 _LEAD = frozenset((*PAUSES, *" \t\r\n\u00a0\u202f\u3000-·"))
 """Characters at the start of a part that only part it from the one before."""
 
-_ODD = re.compile(r"[-\u2010\u2011…]|\.\.|(\w)\1\1", re.IGNORECASE)
+_STUTTER_SIGN = re.compile(r"[-\u2010\u2011…]|\.\.|(\w)\1\1", re.IGNORECASE)
 """Signs of a stutter or of a word drawn out."""
 
 MAX_HALTS = 10
 """Maximum number of starts of a word, each with an ellipsis."""
 
-Words = tuple[Said, ...]
-ReadTexts = Callable[[Sequence[str]], Sequence[Words | SpeechError]]
+SaidWords = tuple[Said, ...]
+ReadTexts = Callable[[Sequence[str]], Sequence[SaidWords | SpeechError]]
 """Read texts at once: for each its words, or its error."""
 
 
@@ -88,7 +88,7 @@ class Utterances:
         self._ordinary = ordinary_spellings(forms.doubled)
         self._hyphenated = frozenset(map(plain, forms.hyphenated))
 
-    def read(self, texts: Sequence[str], read: ReadTexts) -> list[Words | SpeechError]:
+    def read(self, texts: Sequence[str], read: ReadTexts) -> list[SaidWords | SpeechError]:
         """Read texts; the engine reads their ordinary parts at once."""
         cut = [self.cut(text) for text in texts]
         plainly = [
@@ -127,7 +127,7 @@ class Utterances:
         tokens = list(pieces(text))
         shouted = text.upper() == text
         within = {p for one in replaced for p in range(one.start, one.stop)}
-        odd = bool(_ODD.search(text))
+        odd = bool(_STUTTER_SIGN.search(text))
         done = 0
         for number, token in enumerate(tokens):
             if not (odd or self._interjections.possible(token.text)):
@@ -187,8 +187,8 @@ class Utterances:
         return []
 
     def _joined(
-        self, parts: Sequence[UtterancePart], found: Mapping[str, Words | SpeechError]
-    ) -> Words | SpeechError:
+        self, parts: Sequence[UtterancePart], found: Mapping[str, SaidWords | SpeechError]
+    ) -> SaidWords | SpeechError:
         """Join the words of the parts of a text."""
         out: list[Said] = []
         for part in parts:
@@ -210,7 +210,7 @@ class Utterances:
             out.pop()
         return tuple(out)
 
-    def _words_of(self, part: UtterancePart, words: Words) -> Iterator[Said]:
+    def _words_of(self, part: UtterancePart, words: SaidWords) -> Iterator[Said]:
         if part.said is not None:
             yield part.said
             return
@@ -271,7 +271,7 @@ def _is_pause(word: Said) -> bool:
     return not word.labels and not word.unread
 
 
-def _original(part: UtterancePart, words: Words) -> list[Said]:
+def _original(part: UtterancePart, words: SaidWords) -> list[Said]:
     """Return words in the user's spelling; the words of one replacement are one."""
     if not part.replacements:
         return list(words)

@@ -2,14 +2,14 @@
 
 import re
 from itertools import chain
-from pathlib import Path
 
 import pytest
+from places import ROOT
 from ruamel.yaml import YAML
 
 from lipsync_lang.phonology.labels import Notation, recognise
 
-FOLDER = Path(__file__).parents[1] / "languages"
+FOLDER = ROOT / "languages"
 
 TABLE_1 = """
 ae ah cat

@@ -11,7 +11,7 @@ from lipsync_lang.errors import SpeechError
 from lipsync_lang.packs.library import Library
 from lipsync_lang.phonology.g2p.contexts import (
     MAX_CONTEXT_CHARS,
-    MAX_STEPS,
+    MAX_MATCH_STEPS,
     SEEN_LETTERS,
     ContextError,
     compile_context,
@@ -121,7 +121,7 @@ def test_a_set_that_would_mean_something_else_is_refused(text, cure):
     "text", ["(?>a|aa)*+$", "(?:ab)*c", "(?:a[bc]*+)*d", "(?:a|aa){0,8}b", "a*+b"]
 )
 def test_repeats_that_cannot_run_away_are_allowed(text):
-    assert compile_context(text, precedes=False).steps <= MAX_STEPS
+    assert compile_context(text, precedes=False).steps <= MAX_MATCH_STEPS
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from lipsync_lang.phonology.g2p import Said, Settings, engine
 from lipsync_lang.phonology.g2p import pinyin as module
 from lipsync_lang.phonology.g2p.g2p_engines import Rule
 from lipsync_lang.phonology.labels import Notation, recognise
-from lipsync_lang.speech.speaking import speak, transcribe
+from lipsync_lang.speech.speaking.synthesis import speak, transcribe
 
 pytest.importorskip("pypinyin", reason="pypinyin is not installed")
 pytest.importorskip("opencc", reason="OpenCC is not installed")

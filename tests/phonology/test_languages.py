@@ -11,7 +11,7 @@ from lanes import swept
 from shipped import LANGUAGES, LIBRARY
 
 from lipsync_lang.phonology.labels import Notation, normalise
-from lipsync_lang.speech.speaking import transcribe
+from lipsync_lang.speech.speaking.synthesis import transcribe
 
 every_pack = pytest.mark.parametrize("pack", LANGUAGES, indirect=True)
 

@@ -10,7 +10,7 @@ from lanes import full
 
 from lipsync_lang import SpeechError
 from lipsync_lang.phonology.espeak.phoneme_labels import words_of
-from lipsync_lang.phonology.g2p import ENGINES, RESPELLERS, Said, Settings, engine
+from lipsync_lang.phonology.g2p import G2P_ENGINES, RESPELLERS, Said, Settings, engine
 from lipsync_lang.phonology.g2p.corrections import corrector
 from lipsync_lang.phonology.g2p.epitran import segments
 from lipsync_lang.phonology.g2p.espeak_g2p import paired, parts
@@ -192,7 +192,7 @@ def test_a_lexicon_reads_compounds_falls_back_on_rules_and_names_the_rest(tmp_pa
 
 
 def test_every_engine_and_respeller_is_where_it_is_said_to_be():
-    for known in (ENGINES, RESPELLERS):
+    for known in (G2P_ENGINES, RESPELLERS):
         assert set(known.modules) == set(known.built_in())
 
 
@@ -350,9 +350,9 @@ def test_an_engine_that_is_not_installed_is_replaced_by_the_other_that_the_pack_
     def missing(settings):
         raise MissingReaderError(f"{settings.language} needs something")
 
-    find = ENGINES.find
+    find = G2P_ENGINES.find
     monkeypatch.setattr(
-        ENGINES, "find", lambda name, error: missing if name == "missing" else find(name, error)
+        G2P_ENGINES, "find", lambda name, error: missing if name == "missing" else find(name, error)
     )
     rules = (Rule("a", ("a",)),)
     read = engine("missing", Settings("x", rules=rules, otherwise="rules"))
