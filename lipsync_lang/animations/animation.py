@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any, Literal, Self, get_args
+from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -19,11 +19,50 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from lipsync_lang.animations.explanation import Explanation
-    from lipsync_lang.animations.keys import Curve
+    from lipsync_lang.animations.keys import KeyedCurve
     from lipsync_lang.animations.notebook import PageFrame
 
-Frames = Literal["pandas", "polars"]
+FrameLibrary = Literal["pandas", "polars"]
 """Supported data frame libraries, in order of preference."""
+
+
+class AnimationSource(Protocol):
+    """The maker of an animation, which can explain it."""
+
+    def explain(self, animation: "Animation", seconds: float) -> "Explanation":
+        """Explain the weight of each pose at a time in seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExportSettings:
+    """Settings of output files, for all formats that can follow them.
+
+    Parameters
+    ----------
+    offset : start of the sound on the timeline of the file, in seconds
+    key_error : maximum error of keyframes, in formats with keyframes; None for the default of the
+        format, which has straight lines between them
+    key_lines : True for straight lines within `key_error`, False for cubic curves in formats that
+        have tangents
+    against : other animations of the line by name, for formats that compare
+
+    Raises
+    ------
+    LipsyncError
+        `key_error` is out of range.
+    """
+
+    offset: float = 0.0
+    key_error: float | None = None
+    key_lines: bool = False
+    against: Mapping[str, "Animation"] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Refuse an error of keys that is out of range."""
+        from lipsync_lang.animations.keys import checked
+
+        if self.key_error is not None:
+            checked(self.key_error, lines=self.key_lines)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,18 +76,12 @@ class Animation:
     weights : (T, P) in [0, 1]; rig channels may have other ranges
     fps : frames per second
     schedule : the performed schedule
-    performer : the performer that made the animation; needed by `explain`
-    asked : performance options: line name, styles and dials
+    source : the maker of the animation, for `explain`; None for curves of another program
     channels : the model channel of each column; empty if unknown
     model : the model file of the character or its pose set
-    offset : start of the sound on the timeline of output files, in seconds
-    key_error : maximum error of keyframes, in formats with keyframes; None for the default of the
-        format, which has straight lines between them
-    key_lines : True for straight lines within `key_error`, False for cubic curves in formats that
-        have tangents
     neutral : the name of the neutral pose, if any
     contacts : poses that must stay visible at every contact, with the levels that contacts hold
-    against : other animations of the line by name, for formats that compare
+    export : settings of output files
     """
 
     times: npt.NDArray[np.float64]
@@ -56,16 +89,12 @@ class Animation:
     weights: npt.NDArray[np.float64]
     fps: float
     schedule: Schedule
-    performer: Any = None
-    asked: Mapping[str, Any] = field(default_factory=dict)
+    source: AnimationSource | None = None
     channels: tuple[Channel, ...] = ()
     model: Path | None = None
-    offset: float = 0.0
-    key_error: float | None = None
-    key_lines: bool = False
     neutral: str | None = None
     contacts: Mapping[str, float] = field(default_factory=dict)
-    against: Mapping[str, "Animation"] = field(default_factory=dict)
+    export: ExportSettings = field(default_factory=ExportSettings)
 
     @property
     def title(self) -> str:
@@ -82,6 +111,11 @@ class Animation:
         return self.channels or tuple(map(Channel, self.poses))
 
     @property
+    def offset(self) -> float:
+        """Start of the sound on the timeline of output files, in seconds."""
+        return self.export.offset
+
+    @property
     def begins(self) -> float:
         """Start of the sound in seconds, in formats without negative time.
 
@@ -94,25 +128,20 @@ class Animation:
         """(T,) seconds from the start of a file without negative time."""
         return np.maximum(self.times + self.begins, 0.0)
 
-    def keyframes(self, suits: float, *, lines: bool = False) -> "list[Curve]":
+    def keyframes(self, suits: float, *, lines: bool = False) -> "list[KeyedCurve]":
         """Return a minimal set of keyframes for each column within an error.
 
         Parameters
         ----------
-        suits : default error of the format; the animation's own `key_error` takes precedence
+        suits : default error of the format; `ExportSettings.key_error` takes precedence
         lines : straight lines in any case, for formats without tangents
-
-        Raises
-        ------
-        LipsyncError
-            `key_error` is out of range.
         """
-        from lipsync_lang.animations.keys import checked, cubic_curves, curves
+        from lipsync_lang.animations.keys import cubic_curves, curves
 
-        if self.key_error is None:
+        error = self.export.key_error
+        if error is None:
             return curves(self.poses, self.timeline, self.weights, suits)
-        error = checked(self.key_error, lines=self.key_lines)
-        if lines or self.key_lines:
+        if lines or self.export.key_lines:
             return curves(self.poses, self.timeline, self.weights, error)
         return cubic_curves(self.poses, self.timeline, self.weights, error, self.contacts)
 
@@ -120,17 +149,12 @@ class Animation:
         """Return only the frames that straight lines within `key_error` need; all of them without.
 
         For formats whose curves share their times and have no tangents.
-
-        Raises
-        ------
-        LipsyncError
-            `key_error` is out of range.
         """
-        from lipsync_lang.animations.keys import checked, needed
+        from lipsync_lang.animations.keys import needed
 
-        if self.key_error is None:
+        if self.export.key_error is None:
             return self
-        kept = needed(self.times, self.weights, checked(self.key_error, lines=self.key_lines))
+        kept = needed(self.times, self.weights, self.export.key_error)
         return replace(self, times=self.times[kept], weights=self.weights[kept])
 
     def __repr__(self) -> str:
@@ -192,7 +216,7 @@ class Animation:
             return np.array(self.weights, dtype)
         return np.asarray(self.weights, dtype)
 
-    def to_frame(self, library: Frames | None = None) -> Any:
+    def to_frame(self, library: FrameLibrary | None = None) -> Any:
         """Return a data frame: one row per frame, with `time_s` and a column per pose.
 
         Parameters
@@ -212,8 +236,8 @@ class Animation:
         ['time_s', 'open', 'W']
         """
         if library is not None:
-            refuse_other("library", library, Frames)
-        wanted = get_args(Frames) if library is None else (library,)
+            refuse_other("library", library, FrameLibrary)
+        wanted = get_args(FrameLibrary) if library is None else (library,)
         for name in wanted:
             try:
                 module = import_module(name)
@@ -255,7 +279,7 @@ class Animation:
         path : the output file; its suffix selects the format (``lipsync-lang formats`` lists them).
             ``-`` is standard output
         writer : format name, to override the suffix
-        keys : maximum error of keyframes; by default, the animation's own `key_error`
+        keys : maximum error of keyframes; by default, that of the `export` settings
         lines : straight lines within `keys`, also in formats with tangents; 0 drops only frames on
             a straight line
 
@@ -265,17 +289,15 @@ class Animation:
             The format is unknown, the file cannot be written, or `keys` is out of range.
         """
         from lipsync_lang.animations.animation_writers import save
-        from lipsync_lang.animations.keys import checked
         from lipsync_lang.files import argument_path
 
         shown = self
         if keys is not None:
-            shown = replace(self, key_error=checked(keys, lines=lines), key_lines=lines)
+            shown = replace(self, export=replace(self.export, key_error=keys, key_lines=lines))
         save(shown, argument_path(path), writer)
 
     def explain(self, seconds: float) -> "Explanation":
         """Explain the weight of each pose at a time in seconds."""
-        if self.performer is None:
+        if self.source is None:
             raise LipsyncError("this animation was read from a file, so it cannot be explained")
-        explanation: Explanation = self.performer.explain(self, seconds)
-        return explanation
+        return self.source.explain(self, seconds)

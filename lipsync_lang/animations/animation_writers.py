@@ -27,7 +27,7 @@ class Writer(Format):
     """True if files of this format tell the files and lines of packs that made a value."""
 
 
-WRITERS: Formats[Writer] = Formats("writers", "format", room=__package__)
+WRITERS: Formats[Writer] = Formats("writers", "format", package="lipsync_lang.animations.writers")
 
 
 def writer(

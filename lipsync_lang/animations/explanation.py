@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
-PAIR = 2
+BIGRAM_SIZE = 2
 """Phonemes of a bigram."""
 
 
@@ -28,7 +28,7 @@ class BigramAt:
     @property
     def unit(self) -> str:
         """The kind of unit."""
-        return "bigram" if len(self.pair) == PAIR else "trigram"
+        return "bigram" if len(self.pair) == BIGRAM_SIZE else "trigram"
 
 
 @dataclass(frozen=True)

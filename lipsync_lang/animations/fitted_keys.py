@@ -8,12 +8,13 @@ both sides. `rigs.splines` has the formula of the curves.
 
 import numpy as np
 
-from lipsync_lang.rigs.splines import Floats, Spline, hermite
+from lipsync_lang.arrays import Floats
+from lipsync_lang.rigs.splines import Spline, hermite
 
 CONTACT_TOLERANCE = 1e-3
 """Shortfall of a pose from the floor of its contact that nobody sees."""
 
-SHARES = (0.5, 0.25, 0.75, 0.0, 1.0)
+SLOPE_SHARES = (0.5, 0.25, 0.75, 0.0, 1.0)
 """Shares of the later slope of a key in the one slope that is tried for both sides."""
 
 NEGATIVE_TOLERANCE = 1e-3
@@ -44,7 +45,7 @@ def fit(times: Floats, values: Floats, error: float, floors: Floats | None = Non
     if floors is not None:
         held = (floors > 0) & (values >= floors - CONTACT_TOLERANCE)
         low = np.where(held, np.maximum(low, floors - CONTACT_TOLERANCE), low)
-    spans = _Spans(times, values, low, values + error)
+    spans = _CurveSpans(times, values, low, values + error)
     still = spans.still
     keys, slopes = [0], []
     # runs and what is between them take turns
@@ -67,7 +68,7 @@ def fit(times: Floats, values: Floats, error: float, floors: Floats | None = Non
     )
 
 
-class _Spans:
+class _CurveSpans:
     """Frames, and what a curve may show at each: (T, C) bounds."""
 
     def __init__(self, times: Floats, values: Floats, low: Floats, high: Floats) -> None:
@@ -129,14 +130,14 @@ class _Spans:
         return hermite(inner / (self.times[last] - self.times[first]))
 
 
-def _join(spans: _Spans, keys: list[int], table: Floats) -> None:
+def _join(spans: _CurveSpans, keys: list[int], table: Floats) -> None:
     """Give keys one slope on both sides where their spans stay within bounds: (K - 1, 2, C)."""
     for number in range(1, len(keys) - 1):
         before, after = table[number - 1].copy(), table[number].copy()
         first, key, last = keys[number - 1 : number + 2]
         # a run stays flat
         runs = [spans.still[key - 1], spans.still[key]]
-        for share in [float(runs[1])] if any(runs) else SHARES:
+        for share in [float(runs[1])] if any(runs) else SLOPE_SHARES:
             joint = table[number - 1, 1] * (1 - share) + table[number, 0] * share
             before[1] = after[0] = joint
             if spans.fits(first, key, before) and spans.fits(key, last, after):

@@ -11,15 +11,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import OutputError
 from lipsync_lang.rigs.channel import Channel
 from lipsync_lang.rigs.model import some
 from lipsync_lang.rigs.shape_matching import places
-
-Floats = npt.NDArray[np.float64]
 
 
 class FormatNames(NamedTuple):
@@ -32,7 +30,7 @@ class FormatNames(NamedTuple):
 @cache
 def names(file: str) -> FormatNames:
     """Read a name list from `names/`."""
-    text = (Path(__file__).parent / "names" / file).read_text(encoding="utf-8")
+    text = (Path(__file__).parent / "writers" / "names" / file).read_text(encoding="utf-8")
     shapes, _, turns = text.partition("\n\n")
     return FormatNames(tuple(shapes.split()), tuple(turns.split()))
 

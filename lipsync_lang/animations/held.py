@@ -1,33 +1,29 @@
 """Reduction of blended poses to one shape at a time, for programs that swap drawings.
 
 Dynamic programming finds the sequence of poses with the largest total weight, with each pose shown
-for at least `HOLD` seconds. This removes flicker. The middle of a contact has a weight above all
+for at least `HOLD_SECONDS`. This removes flicker. The middle of a contact has a weight above all
 poses that it can displace, so that closed lips stay visible. An animation with only weights of 0
 and 1 is already held and is used as it is; of two contacts on one frame, the first pose is shown.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
 from math import ceil, floor
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import OutputError
 
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
-
-HOLD = 0.1
+HOLD_SECONDS = 0.1
 """Minimum duration of a shape in seconds; shorter shapes flicker."""
 
-REST = 0.25
+REST_WEIGHT = 0.25
 """Weight of the neutral face; weaker poses are not shown."""
 
-NEAR = 1e-6
+FRAME_TOLERANCE = 1e-6
 """Tolerance for equal times, in frames."""
 
 
@@ -56,9 +52,10 @@ def held(animation: Animation, rest: str) -> list[HeldShape]:
             "the timeline; give a later offset"
         )
     begin, weights = _frames(animation, end)
-    shown = strongest(weights, _contacts(animation), _least(animation))
+    contacts = [animation.poses.index(pose) for pose in animation.contacts]
+    shown = strongest(weights, contacts, _least(animation))
     names = (*animation.poses, animation.neutral or rest)
-    starts = [0, *(np.flatnonzero(np.diff(shown)) + 1).tolist()]
+    starts = [0, *_changes(shown)]
     times = [0.0, *(begin + start / animation.fps for start in starts[1:]), end]
     return [
         HeldShape(names[shown[start]], *span)
@@ -87,9 +84,9 @@ def strongest(weights: Floats, contacts: list[int], frames: int) -> Ints:
     """
     count, poses = weights.shape
     least = min(frames, count)
-    score = np.column_stack([weights, np.full(count, REST)])
+    score = np.column_stack([weights, np.full(count, REST_WEIGHT)])
     best = score.argmax(axis=1)
-    for low, high in _runs(best):
+    for low, high in pairwise([0, *_changes(best), count]):
         if best[low] in contacts:
             score[(low + high) // 2, best[low]] += 4.0 * least
     total = np.vstack([np.zeros(poses + 1), np.cumsum(score, axis=0)])
@@ -124,9 +121,10 @@ def _best_other(worth: Floats, start: int) -> Floats:
     return others
 
 
-def _runs(values: Ints) -> Iterator[tuple[int, int]]:
-    """Yield the start and stop index of each run of equal values."""
-    return pairwise([0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)])
+def _changes(values: Ints) -> list[int]:
+    """Return the indices of values that differ from the one before."""
+    changes: list[int] = (np.flatnonzero(np.diff(values)) + 1).tolist()
+    return changes
 
 
 def _frames(animation: Animation, end: float) -> tuple[float, Floats]:
@@ -137,22 +135,18 @@ def _frames(animation: Animation, end: float) -> tuple[float, Floats]:
     fps = animation.fps
     room = 2 * _least(animation)
     times = animation.times + animation.offset
-    inside = (times > (NEAR - 1) / fps) & (times < end - NEAR / fps)
+    inside = (times > (FRAME_TOLERANCE - 1) / fps) & (times < end - FRAME_TOLERANCE / fps)
     shapes = np.isin(np.arange(len(animation.poses)), shape_columns(animation))
     weights = animation.weights[inside] * shapes
     if not inside.any():
         return 0.0, np.zeros((1, len(animation.poses)))
     first, last = times[inside][[0, -1]]
-    before = min(room, max(0, floor(first * fps + NEAR)))
-    after = min(room, max(0, ceil((end - last) * fps - NEAR) - 1))
+    before = min(room, max(0, floor(first * fps + FRAME_TOLERANCE)))
+    after = min(room, max(0, ceil((end - last) * fps - FRAME_TOLERANCE) - 1))
     return first - before / fps, np.pad(weights, ((before, after), (0, 0)))
-
-
-def _contacts(animation: Animation) -> list[int]:
-    return [animation.poses.index(pose) for pose in animation.contacts]
 
 
 def _least(animation: Animation) -> int:
     """Return the minimum number of frames per shape."""
     drawn = np.isin(animation.weights, (0.0, 1.0)).all()
-    return 1 if drawn else ceil(HOLD * animation.fps - NEAR)
+    return 1 if drawn else ceil(HOLD_SECONDS * animation.fps - FRAME_TOLERANCE)

@@ -11,13 +11,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from lipsync_lang.animations.fitted_keys import fit
+from lipsync_lang.arrays import Floats, Ints
 from lipsync_lang.errors import LipsyncError
-
-Floats = npt.NDArray[np.float64]
-Ints = npt.NDArray[np.int64]
 
 ERROR = 0.005
 """Default maximum error, in units of pose weight."""
@@ -28,11 +25,11 @@ LARGEST_ERROR = 0.5
 LINES = "lines:"
 """Prefix of an error of straight lines."""
 
-ROUNDING = 5e-5
+DECIMAL_ROUNDING = 5e-5
 """Margin of the error for decimal rounding in files."""
 
 
-class Curve(NamedTuple):
+class KeyedCurve(NamedTuple):
     """Keyframes of one channel."""
 
     name: str
@@ -59,7 +56,7 @@ def keyframes(times: Floats, values: Floats, error: float) -> Ints:
     error : maximum distance between a frame and the line; 0 drops only frames on a straight line
     """
     count = len(times)
-    error = max(error - ROUNDING, 0.0)
+    error = max(error - DECIMAL_ROUNDING, 0.0)
     if count <= 2:  # noqa: PLR2004 both ends
         return np.arange(count)
     held = np.diff(values) == 0
@@ -97,7 +94,7 @@ def _chain(times: Floats, values: Floats, error: float) -> Ints:
 
 def curves(
     names: tuple[str, ...], times: Floats, weights: Floats, error: float = ERROR
-) -> list[Curve]:
+) -> list[KeyedCurve]:
     """Return the keyframes of every channel of an animation.
 
     Parameters
@@ -112,7 +109,9 @@ def curves(
         frames = keyframes(times, weights[:, number], error)
         at, values = times[frames], weights[frames, number]
         slopes = np.diff(values) / np.diff(at)
-        found.append(Curve(name, frames, at, values, np.append(0, slopes), np.append(slopes, 0)))
+        found.append(
+            KeyedCurve(name, frames, at, values, np.append(0, slopes), np.append(slopes, 0))
+        )
     return found
 
 
@@ -122,7 +121,7 @@ def cubic_curves(
     weights: Floats,
     error: float,
     floors: Mapping[str, float],
-) -> list[Curve]:
+) -> list[KeyedCurve]:
     """Return keyframes with slopes of every channel of an animation.
 
     Parameters
@@ -144,7 +143,7 @@ def cubic_curves(
         spline = fit(times, column, margin(error), floor)
         keys = spline.frames
         parts = (spline.values[:, 0], spline.arriving[:, 0], spline.leaving[:, 0])
-        found.append(Curve(name, keys, times[keys], *parts, cubic=True))
+        found.append(KeyedCurve(name, keys, times[keys], *parts, cubic=True))
     return found
 
 
@@ -169,7 +168,7 @@ def checked(error: float, *, lines: bool = False) -> float:
 
 def margin(error: float) -> float:
     """Return the error of cubic keys without the rounding of files; see `checked`."""
-    return max(checked(error) - ROUNDING, error / 2)
+    return max(checked(error) - DECIMAL_ROUNDING, error / 2)
 
 
 def parse_keys(text: str) -> tuple[float, bool]:

@@ -5,13 +5,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from lipsync_lang.animations.animation import Animation
 from lipsync_lang.animations.fixed import shape_columns
-from lipsync_lang.animations.keys import Curve
-
-Floats = npt.NDArray[np.float64]
+from lipsync_lang.animations.keys import KeyedCurve
+from lipsync_lang.arrays import Floats
 
 
 class MovingShape(NamedTuple):
@@ -33,8 +31,11 @@ def shapes(animation: Animation) -> list[MovingShape]:
     Otherwise each column is one shape. The larger of two columns for one shape is used.
     """
     columns: dict[tuple[str, str], list[int]] = defaultdict(list)
-    for mesh, name, column in on_model(animation) or _by_name(animation):
+    for mesh, name, column in on_model(animation):
         columns[mesh, name].append(column)
+    for column in () if columns else shape_columns(animation):
+        channel = animation.columns[column]
+        columns[channel.mesh or "", channel.name].append(column)
     weights, poses, floors = animation.weights, animation.poses, animation.contacts
     return [
         MovingShape(
@@ -46,7 +47,7 @@ def shapes(animation: Animation) -> list[MovingShape]:
     ]
 
 
-def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[Curve]:
+def keys(animation: Animation, found: list[MovingShape], suits: float) -> list[KeyedCurve]:
     """Return the keyframes of each shape; see `Animation.keyframes`."""
     names = tuple(str(number) for number in range(len(found)))  # meshes may share a name
     floors = {number: shape.floor for number, shape in zip(names, found, strict=True)}
@@ -69,8 +70,3 @@ def on_model(animation: Animation) -> list[tuple[str, str, int]]:
         for column, names in on_mesh(animation.columns, mesh).shapes.items()
         for name in names
     ]
-
-
-def _by_name(animation: Animation) -> list[tuple[str, str, int]]:
-    columns = animation.columns
-    return [(columns[n].mesh or "", columns[n].name, n) for n in shape_columns(animation)]

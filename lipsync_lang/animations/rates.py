@@ -13,7 +13,7 @@ from lipsync_lang.errors import LipsyncError
 NTSC = Fraction(1000, 1001)
 """Ratio of NTSC rates to their nominal whole rates."""
 
-NEAR = 0.006
+RATE_TOLERANCE = 0.006
 """Tolerance in frames per second; wide enough for 23.98 as 24000/1001."""
 
 TIMECODE = re.compile(r"(\d{1,2}):([0-5]?\d):([0-5]?\d)([:;])(\d{1,3})")
@@ -31,8 +31,8 @@ def exact(fps: float) -> float:
     if not isfinite(fps) or fps == int(fps):
         return float(fps)
     meant = float(round(fps / NTSC) * NTSC)
-    odd = abs(fps - round(fps)) > NEAR
-    return meant if odd and abs(fps - meant) <= NEAR else float(fps)
+    odd = abs(fps - round(fps)) > RATE_TOLERANCE
+    return meant if odd and abs(fps - meant) <= RATE_TOLERANCE else float(fps)
 
 
 def checked_rate(fps: float) -> float:

@@ -11,7 +11,7 @@ from functools import lru_cache
 
 from lipsync_lang.phonology.g2p.tokens import PAUSES, plain
 
-MAX_WORDS = 5
+MAX_ASIDE_WORDS = 5
 """Maximum number of words of an aside that is recognised by its form."""
 
 MAX_CHARS, MAX_UNCASED_CHARS = 40, 12
@@ -20,9 +20,9 @@ MAX_CHARS, MAX_UNCASED_CHARS = 40, 12
 OPEN_END = "..."
 """Mark at the end of a listed word, for all words with this start."""
 
-ENDS = frozenset(".!?…。！？")
+SENTENCE_ENDS = frozenset(".!?…。！？")
 
-QUOTES = frozenset("\"'»«“”„‘’—–-[](){}")
+QUOTE_SIGNS = frozenset("\"'»«“”„‘’—–-[](){}")
 
 
 def is_aside(
@@ -42,17 +42,20 @@ def is_aside(
     >>> is_aside("never", "I ", " said so.", [], starred=True)
     False
     """
-    begins, ends = _begins(before), _ends(after)
+    last, first = before.rstrip()[-1:], after.lstrip()[:1]
+    begins = not last or last in PAUSES or last in QUOTE_SIGNS
+    ends = not first or not first.islower()
     if starred and not (begins and ends):
         return False
     longest = MAX_CHARS if _has_case(said) else MAX_UNCASED_CHARS
     if listed and len(said) <= longest and _pattern(tuple(listed)).search(plain(said)):
         return True
-    if not (begins and ends and 0 < len(said.split()) <= MAX_WORDS and _has_case(said)):
+    if not (begins and ends and 0 < len(said.split()) <= MAX_ASIDE_WORDS and _has_case(said)):
         return False
     if starred:
-        first, last = before.rstrip()[-1:], after.lstrip()[:1]
-        apart = (not first or first in ENDS) and (not last or last.isupper()) and first + last
+        apart = (
+            (not last or last in SENTENCE_ENDS) and (not first or first.isupper()) and last + first
+        )
         return said[0].islower() and bool(apart)
     closed = said.rstrip()[-1] in PAUSES
     return not closed and (said[0].islower() or (said.isupper() and not after.strip()))
@@ -60,18 +63,6 @@ def is_aside(
 
 def _has_case(text: str) -> bool:
     return text.lower() != text.upper()
-
-
-def _begins(before: str) -> bool:
-    """Return True if a sentence may begin after this text."""
-    last = before.rstrip()[-1:]
-    return not last or last in PAUSES or last in QUOTES
-
-
-def _ends(after: str) -> bool:
-    """Return True if a sentence may begin with this text."""
-    first = after.lstrip()[:1]
-    return not first or not first.islower()
 
 
 @lru_cache(256)

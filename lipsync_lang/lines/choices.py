@@ -16,9 +16,9 @@ MAX_DEPTH = 8
 
 ICU = re.compile(r"\s*\$?([\w.-]+)\s*,\s*(?:plural|select|selectordinal)\s*,")
 FLUENT = re.compile(r"\s*\$?-?([\w.-]+)(?:\([^()]*\))?\s*->")
-INK = re.compile(r"\s*[&!~]?\s*(?:\w[\w .()!=<>&]{0,80}:(?=\s))?")
+INK_CHOICE = re.compile(r"\s*[&!~]?\s*(?:\w[\w .()!=<>&]{0,80}:(?=\s))?")
 BRANCH = re.compile(r"(?:^|(?<=[\s}]))(=\d+|\w+)\s*\{")
-VARIANT = re.compile(r"(\*?)\[\s*([\w.-]+)\s*\]")
+FLUENT_VARIANT = re.compile(r"(\*?)\[\s*([\w.-]+)\s*\]")
 LITERAL = re.compile(r"\s*\"([^\"{}]*)\"\s*")
 
 
@@ -65,7 +65,7 @@ def _branch(inner: str, values: Mapping[str, str]) -> str | None:
         return _of_fluent(inner[found.end() :], values.get(found[1]))
     if found := LITERAL.fullmatch(inner):
         return found[1]
-    found = INK.match(inner)
+    found = INK_CHOICE.match(inner)
     head = found.end() if found else 0
     if "|" not in inner and not (head and inner[:head].rstrip().endswith(":")):
         return None
@@ -93,7 +93,7 @@ def _of_icu(branches: str, name: str, values: Mapping[str, str]) -> str | None:
 
 
 def _of_fluent(variants: str, value: str | None) -> str | None:
-    found = list(VARIANT.finditer(variants))
+    found = list(FLUENT_VARIANT.finditer(variants))
     if not found:
         return None
     stops = [one.start() for one in found[1:]] + [len(variants)]

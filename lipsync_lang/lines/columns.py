@@ -16,17 +16,19 @@ from lipsync_lang.phonology.language_names import folded_language
 if TYPE_CHECKING:
     from lipsync_lang.lines.line_readers import LineFile
 
-TEXTS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
-NAMES = ("line_id", "lineid", "id", "key", "name", "identifier")
-SPEAKERS = ("speaker", "character", "who", "actor", "role")
+TEXT_COLUMNS = ("text", "line", "dialogue", "dialog", "subtitle", "message", "source", "string")
+NAME_COLUMNS = ("line_id", "lineid", "id", "key", "name", "identifier")
+SPEAKER_COLUMNS = ("speaker", "character", "who", "actor", "role")
 """Names of columns, in small letters, most likely first."""
 
 LIKENESS = 0.75
 """Least similarity of a mistyped column; languages are more alike than that by chance."""
 
 _BRACKETED = re.compile(r"(.*?)[-([{]+([^()\[\]{}]*)[)\]}]+")
-_BESIDE_TEXT = re.compile(rf"(?:(?:{'|'.join(TEXTS)})-(.+)|(.+)-(?:{'|'.join(TEXTS)}))")
-_REGION = re.compile(r"-(?:[a-z]{2}|[0-9]{3})")
+_BESIDE_TEXT = re.compile(
+    rf"(?:(?:{'|'.join(TEXT_COLUMNS)})-(.+)|(.+)-(?:{'|'.join(TEXT_COLUMNS)}))"
+)
+_REGION = r"-(?:[a-z]{2}|[0-9]{3})"
 
 
 def first_column(head: Sequence[str], known: Sequence[str], taken: Collection[int] = ()) -> int:
@@ -69,10 +71,12 @@ def known_column(
 
 def text_column(head: Sequence[str]) -> int:
     """Return the index of the column that is most likely the text in any language, or -1."""
-    known = first_column(head, TEXTS)
+    known = first_column(head, TEXT_COLUMNS)
     if known >= 0:
         return known
-    other = [i for i, name in enumerate(head) if name.casefold() not in (*NAMES, *SPEAKERS)]
+    other = [
+        i for i, name in enumerate(head) if name.casefold() not in (*NAME_COLUMNS, *SPEAKER_COLUMNS)
+    ]
     return other[0] if len(other) == 1 else -1
 
 
@@ -90,9 +94,10 @@ def language_column(head: Sequence[str], names: Sequence[str]) -> int:
         if name in wholes and _is_free(head, wholes.index(name)):
             return wholes.index(name)
     for name in asked:
+        regional = re.compile(re.escape(name) + _REGION)
         for matches in (
             [at for at, form in enumerate(forms) if name in form],
-            [at for at, form in enumerate(forms) if any(_is_regional(one, name) for one in form)],
+            [at for at, form in enumerate(forms) if any(map(regional.fullmatch, form))],
         ):
             if len(matches) == 1 and _is_free(head, matches[0]):
                 return matches[0]
@@ -107,12 +112,8 @@ def lacking(source: "LineFile", head: Sequence[str], what: str) -> LipsyncError:
 
 def _is_free(head: Sequence[str], at: int) -> bool:
     """Return False for the only column of ids: the tag "id" of a language is a usual name there."""
-    ids = head[at].casefold() in NAMES
-    return not ids or first_column(head, NAMES, [at]) >= 0
-
-
-def _is_regional(form: str, name: str) -> bool:
-    return form.startswith(name) and bool(_REGION.fullmatch(form[len(name) :]))
+    ids = head[at].casefold() in NAME_COLUMNS
+    return not ids or first_column(head, NAME_COLUMNS, [at]) >= 0
 
 
 def _forms(whole: str) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import BinaryIO, TextIO
 
 from lipsync_lang.errors import LipsyncError
 
-BYTE_ORDER_MARKS = {
+WIDE_MARKS = {
     codecs.BOM_UTF32_LE: "utf-32",
     codecs.BOM_UTF32_BE: "utf-32",
     codecs.BOM_UTF16_LE: "utf-16",
@@ -24,11 +24,13 @@ MAX_LINE_CHARS = 1_000_000
 """Maximum length of a line, in characters."""
 
 
-Open = Callable[[], BinaryIO]
+OpenFile = Callable[[], BinaryIO]
 """Function that opens a file at its start; called more than once."""
 
 
-def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[tuple[int, str]]:
+def numbered(
+    path: Path, opened: OpenFile, encoding: str | None = None
+) -> Iterator[tuple[int, str]]:
     """Yield (number from 1, line without its end) for the lines of a file.
 
     `path` is for messages only.
@@ -41,7 +43,9 @@ def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[
     try:
         with opened() as stream:
             head = stream.read(4)
-        chosen = encoding or _marked(head)
+        marks = WIDE_MARKS.items()
+        marked = next((name for mark, name in marks if head.startswith(mark)), "utf-8-sig")
+        chosen = encoding or marked
         with opened() as stream, TextIOWrapper(stream, chosen, newline=None) as text:
             yield from _lines(path, text)
     except UnicodeError as error:
@@ -53,12 +57,6 @@ def numbered(path: Path, opened: Open, encoding: str | None = None) -> Iterator[
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or error
         raise LipsyncError(f"{path}: cannot be read: {why}; check the path") from None
-
-
-def _marked(head: bytes) -> str:
-    return next(
-        (name for mark, name in BYTE_ORDER_MARKS.items() if head.startswith(mark)), "utf-8-sig"
-    )
 
 
 def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
@@ -78,7 +76,9 @@ def _lines(path: Path, text: TextIO) -> Iterator[tuple[int, str]]:
         yield number, line.removesuffix("\n")
 
 
-def _misread(path: Path, opened: Open, asked: str | None, chosen: str, error: UnicodeError) -> str:
+def _misread(
+    path: Path, opened: OpenFile, asked: str | None, chosen: str, error: UnicodeError
+) -> str:
     where = f"{path}:{_faulty(opened)}" if chosen == "utf-8-sig" else str(path)
     why = getattr(error, "reason", error)
     if asked:
@@ -92,7 +92,7 @@ def _misread(path: Path, opened: Open, asked: str | None, chosen: str, error: Un
     )
 
 
-def _faulty(opened: Open) -> int:
+def _faulty(opened: OpenFile) -> int:
     """Return the number of the first line that is not UTF-8."""
     number = 0
     with opened() as stream:

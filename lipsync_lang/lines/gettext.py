@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
 
-STATED = re.compile(r'\s*(?:(msgctxt|msgid_plural|msgid|msgstr)(?:\[(\d+)\])?\s*)?"(.*)"\s*$')
-ESCAPED = re.compile(r"\\(.)", re.DOTALL)
+ENTRY_LINE = re.compile(r'\s*(?:(msgctxt|msgid_plural|msgid|msgstr)(?:\[(\d+)\])?\s*)?"(.*)"\s*$')
+ESCAPED_CHARACTER = re.compile(r"\\(.)", re.DOTALL)
 ESCAPES = {"n": "\n", "t": "\t", "r": "\r", "a": "", "b": "", "f": "", "v": ""}
 CHARSET = re.compile(rb"charset=([\w.:-]+)", re.ASCII)
 
@@ -42,7 +42,11 @@ class Entry:
 def read(source: LineFile) -> Iterator[Line]:
     """Translations of gettext; untranslated entries give their originals."""
     source = replace(source, encoding=source.encoding or _charset(source))
-    translated = any(any(entry.translations()) for entry in _sound(source))
+    translated = any(
+        any(entry.translations())
+        for entry in _entries(source)
+        if entry.texts.get("msgid") and not entry.fuzzy
+    )
     left = 0
     for entry in _entries(source):
         if entry.fuzzy or not entry.texts.get("msgid"):
@@ -69,10 +73,6 @@ def _charset(source: LineFile) -> str | None:
     return None if name in ("", "charset", "utf-8", "utf8") else name
 
 
-def _sound(source: LineFile) -> Iterator[Entry]:
-    return (e for e in _entries(source) if e.texts.get("msgid") and not e.fuzzy)
-
-
 def _entries(source: LineFile) -> Iterator[Entry]:
     entry, key = Entry(), ""
     for number, text in source.numbered():
@@ -82,7 +82,7 @@ def _entries(source: LineFile) -> Iterator[Entry]:
                 entry, key = Entry(), ""
             entry.fuzzy |= text.startswith("#,") and "fuzzy" in text
             continue
-        found = STATED.match(text)
+        found = ENTRY_LINE.match(text)
         if found is None or not (found[1] or key):
             raise source.fault(number, f'not gettext: {text.strip()[:40]}; write msgid "..."')
         if found[1] in ("msgctxt", "msgid") and "msgid" in entry.texts:
@@ -91,10 +91,7 @@ def _entries(source: LineFile) -> Iterator[Entry]:
         if found[1]:
             key = f"{found[1]} {found[2] or ''}".rstrip()
             entry.places[key] = number
-        entry.texts[key] = entry.texts.get(key, "") + _unescaped(found[3])
+        more = ESCAPED_CHARACTER.sub(lambda one: ESCAPES.get(one[1], one[1]), found[3])
+        entry.texts[key] = entry.texts.get(key, "") + more
     if entry.texts.keys() - {"msgctxt"}:
         yield entry
-
-
-def _unescaped(text: str) -> str:
-    return ESCAPED.sub(lambda found: ESCAPES.get(found[1], found[1]), text)

@@ -87,7 +87,7 @@ class LineFile:
         return LipsyncError(f"{self.path}:{number}: {what}")
 
 
-Read = Callable[[LineFile], Iterable[Line]]
+ReadLines = Callable[[LineFile], Iterable[Line]]
 
 
 class Table(NamedTuple):
@@ -97,29 +97,29 @@ class Table(NamedTuple):
     rows: Iterator[tuple[int | str, Sequence[str]]]
 
 
-Open = Callable[[LineFile], Table]
+OpenTable = Callable[[LineFile], Table]
 
 
 @dataclass(frozen=True)
 class LineReader(Format):
     """A script format and its reader."""
 
-    read: Read
-    table: Open | None = None
+    read: ReadLines
+    table: OpenTable | None = None
     """Function that opens a table, whose text is in `column`; None for files without columns."""
 
 
-READERS: Formats[LineReader] = Formats("line_readers", "format", room=__package__)
+LINE_READERS: Formats[LineReader] = Formats("line_readers", "format", package=__package__)
 
 
 def reader(
-    name: str, *, suffixes: Sequence[str], table: Open | None = None
-) -> Callable[[Read], Read]:
+    name: str, *, suffixes: Sequence[str], table: OpenTable | None = None
+) -> Callable[[ReadLines], ReadLines]:
     """Register a function ``(source) -> lines`` as the reader of a format."""
 
-    def register(read: Read) -> Read:
+    def register(read: ReadLines) -> ReadLines:
         made = LineReader(name, tuple(suffixes), summary(read), read, table)
-        READERS.add(name, made, read.__module__)
+        LINE_READERS.add(name, made, read.__module__)
         return read
 
     return register
@@ -128,10 +128,10 @@ def reader(
 @cache
 def by_suffix() -> dict[str, LineReader]:
     """Return the reader of each suffix; text formats win over timed phonemes."""
-    from lipsync_lang.lines.timings import NAME
+    from lipsync_lang.lines.timings import SCHEDULE_FORMAT
 
     known: dict[str, LineReader] = {}
-    for one in sorted(READERS.values(), key=lambda one: one.name == NAME):
+    for one in sorted(LINE_READERS.values(), key=lambda one: one.name == SCHEDULE_FORMAT):
         for suffix in one.suffixes:
             known.setdefault(suffix, one)
     return known
@@ -171,7 +171,8 @@ def read_lines(  # noqa: PLR0913 the files, and options by keyword
         its turn). Files of a folder that are of no known format are left out with a remark.
     """
     found = line_files(paths, remark)
-    if column is not None and not any(_has_columns(file) for file, _ in found):
+    tables = (file == STANDARD_STREAM or _format_of(file).table is not None for file, _ in found)
+    if column is not None and not any(tables):
         remark(f"`column={column!r}`: not used, because no file is a table")
     stated = LineFile(Path(), remark, column, encoding, None, cleaning, tuple(names), speaker)
     return _read(found, stated)
@@ -202,12 +203,14 @@ def heads(
 
     Standard input, which can be read only once, is left out.
     """
+    from lipsync_lang.lines.timings import is_timed
+
     found: dict[Path, list[str]] = {}
     for path, _ in line_files(paths, lambda _: None):
-        opens = None if path == STANDARD_STREAM else by_suffix()[path.suffix.lower()].table
+        opens = None if path == STANDARD_STREAM else _format_of(path).table
         if opens is not None and path.is_file():
             source = LineFile(path, lambda _: None, encoding=encoding)
-            if not _is_timed(source):
+            if not is_timed(source):
                 found[path] = opens(source).head
     return found
 
@@ -225,8 +228,8 @@ def _known(path: Path) -> Path:
     return path
 
 
-def _has_columns(path: Path) -> bool:
-    return path == STANDARD_STREAM or by_suffix()[path.suffix.lower()].table is not None
+def _format_of(path: Path) -> LineReader:
+    return by_suffix()[path.suffix.lower()]
 
 
 def _below(folder: Path, remark: Remark) -> Iterator[Path]:
@@ -255,19 +258,13 @@ def _below(folder: Path, remark: Remark) -> Iterator[Path]:
 
 def _reader(source: LineFile) -> LineReader:
     """Return the reader of a file by its suffix, or that of timings if it begins like them."""
-    from lipsync_lang.lines.timings import NAME
+    from lipsync_lang.lines.timings import SCHEDULE_FORMAT, is_timed
 
     if source.path == STANDARD_STREAM:
-        return READERS["text" if source.column is None else "table"]
-    if source.column is None and _is_timed(source):
-        return READERS[NAME]
-    return by_suffix()[source.path.suffix.lower()]
-
-
-def _is_timed(source: LineFile) -> bool:
-    from lipsync_lang.lines.timings import is_timed
-
-    return is_timed(source)
+        return LINE_READERS["text" if source.column is None else "table"]
+    if source.column is None and is_timed(source):
+        return LINE_READERS[SCHEDULE_FORMAT]
+    return _format_of(source.path)
 
 
 def _read(files: Iterable[tuple[Path, bool]], stated: LineFile) -> Iterator[Line]:

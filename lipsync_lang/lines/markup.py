@@ -25,26 +25,46 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from html import unescape
 from typing import NamedTuple
+from unicodedata import normalize
 
 from lipsync_lang.lines.asides import is_aside
 from lipsync_lang.lines.choices import chosen
 from lipsync_lang.phonology.g2p.tokens import PAUSES
-from lipsync_lang.phonology.letters import ordinary
 
-RUBY = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
-ALIAS = r"<sub\s[^<>]*?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
-TAG = r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
+UNUSUAL = re.compile(
+    "(?:["
+    "０-９Ａ-Ｚａ-ｚ＇－＋＝％＆＃＠＄＾＿｜￠-￦"  # full width
+    "\uff66-\uffdc"  # half-width kana and hangul
+    "\u2460-\u2473\u3380-\u33df\u203c\u2047-\u2049"  # numbers in circles, units, double marks
+    "\u01c4-\u01cc\u01f1-\u01f3\u0132\u0133\ufb00-\ufb4f"  # ligatures
+    "\ufb50-\ufd3d\ufd50-\ufdfb\ufe70-\ufefc"  # shapes of Arabic letters
+    "\U0001d400-\U0001d7ff"  # letters of formulas
+    "]|(?<=[0-9０-９])[．，：／](?=[0-9０-９]))+"
+)
+"""Compatibility characters that are ordinary letters, digits and signs in another shape."""
+
+UNSEEN = re.compile("[\u00ad\u034f\u061c\u200e\u200f\u202a-\u202e\u2060-\u2069\ufeff]+")
+"""Soft hyphens, directions of writing, and spaces without width."""
+
+APOSTROPHE = re.compile("(?<=[^\\W\\d_])[’‘ʼ´`′](?=[^\\W\\d_])")
+"""An apostrophe within a word, in any of its spellings."""
+
+RUBY_TAG = r"<(?P<r>rt|rp)\b[^<>]*>(?:(?!<r[tp]\b).)*?</(?P=r)>|\{rt\}(?:(?!\{rt\}).)*?\{/rt\}"
+ALIAS_TAG = r"<sub\s[^<>]*?\balias\s*=\s*[\"'](?P<alias>[^<>\"']*)[\"'][^<>]*>[^<>]*</sub>"
+MARKUP_TAG = (
+    r"<!--.{0,500}?-->|<<[^<>]*>>|</?[A-Za-z][^<>]*>|</>|<#[0-9A-Fa-f]{3,8}>|<\d\d[\d:.,]*>"
+)
 BRACES = r"\{\{\s*-?\$?[\w.]+\s*\}\}|\{\{|\}\}|\{[^{}]*\}"
 BRACKETS = r"\[\[|\]\]|\[[^\[\]]*(?:\[[^\[\]]*\][^\[\]]*)*\]"
-PERCENT = (
+PERCENT_PLACEHOLDER = (
     r"%%|%[A-Za-z_]\w+%(?!%)|%\(\w+\)[-+#0]*\d*(?:\.\d+)?[a-z]"
     r"|%(?:\d+\$)?[-+#0]*\d*(?:\.\d+)?[sdifuxc@](?!\w)"
 )
 DOLLAR = r"[$#]\{[^{}]*\}|@\w+@|\$[A-Za-z_]\w*"
-CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
+RPG_CODE = r"\\[A-Za-z]{1,6}\[[^\[\]]*\]|\\[A-Z](?![a-z])|\\[.|!^<>]"
 """Codes of RPG Maker: colours, names, waits."""
-ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
-ASIDE = (
+TEXT_ESCAPE = r"\\[nrt]|\\(?P<kept>[\\\"'%\[{ ])"
+ASIDE_FORMS = (
     r"\((?P<round>[^()\[\]{}<>]{1,80})\)|(?P<doublewidth>（[^（）]{1,80}）)"
     r"|(?<![*\\\w])\*{1,2}(?P<star>[^*\n]{1,80})\*{1,2}(?![*\w])"
 )
@@ -55,29 +75,29 @@ ADDRESS = (
 HASHTAG = r"(?<![\w&#])#(?=\w*[^\W\d_])\w+"
 WAY_ON = r"(?:->|<-) ?[\w.]+$|<>|(?<= )# ?[^\W\d_]\w*(?:: ?[\w.-]+)?$"
 """Marks of Ink: diverts, the glue between two lines, and tags."""
-SIGN = (
+SYMBOL = (
     "[\u2190-\u21ff\u2300-\u23ff\u2500-\u27bf\u27f0-\u27ff\u2900-\u297f\u2b00-\u2bff"
     "\u2022\u203b\u20e3\u3004\u3012\u3013\u3020\u3030\u303d\u3297\u3299\ufe0e\ufe0f"
     "\U0001f000-\U0001fbff\U000e0020-\U000e007f|^`_]"
 )
 """Arrows, shapes, notes of music, emoji and their parts, and marks of typewriters."""
-FACES = (
+EMOTICONS = (
     r"(?<!\S)(?:[:;=][-'o^]?[)(\]\[DPpOo3/|*]+|[xX]D+|\^[_.-]?\^|[Tt>oO-][_.][Tt<oO-])"
     r"(?![^\s.,!?])"
 )
 """Emoticons."""
 BULLET = r"^(?:[-+*]+ )+(?=\D)"
-SIGNS = rf"{BULLET}|{SIGN}(?:\u200d?{SIGN})*|<3+(?!\d)|[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
+SYMBOLS = rf"{BULLET}|{SYMBOL}(?:\u200d?{SYMBOL})*|<3+(?!\d)|[-=]+>|<[-=]+|>{{2,}}|<{{2,}}"
 WAVES = r"(?<!\d)[~〜～]+|[~〜～]+(?!\d)"
 
-MARKS = (
-    f"{RUBY}|{ALIAS}|{DOLLAR}|{WAY_ON}|{TAG}|{BRACES}|{BRACKETS}|{PERCENT}|(?P<code>{CODE})|{ESCAPE}"
-    f"|{ASIDE}|{HASHTAG}|(?P<sign>{SIGNS})|(?P<soundless>{WAVES})"
+MARKUP_FORMS = (
+    f"{RUBY_TAG}|{ALIAS_TAG}|{DOLLAR}|{WAY_ON}|{MARKUP_TAG}|{BRACES}|{BRACKETS}|{PERCENT_PLACEHOLDER}|(?P<code>{RPG_CODE})|{TEXT_ESCAPE}"
+    f"|{ASIDE_FORMS}|{HASHTAG}|(?P<sign>{SYMBOLS})|(?P<soundless>{WAVES})"
 )
-MARKUP = rf"(?![^\W_]|[\s.,!?'\"])(?:{MARKS})|{ADDRESS}|(?P<face>{FACES})"
+MARKUP = rf"(?![^\W_]|[\s.,!?'\"])(?:{MARKUP_FORMS})|{ADDRESS}|(?P<face>{EMOTICONS})"
 """Markup; nearly all of it begins with a character that is neither a letter nor a pause."""
 SUSPECT = re.compile(
-    r"[][<>{}%$\\(（*~〜～#&@/=]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|" + SIGN
+    r"[][<>{}%$\\(（*~〜～#&@/=]|^[-+]|www\.|[:;]-?[DPpOo3]|[xX]D|[Tto]\.[Tto]|" + SYMBOL
 )
 """A trace of markup; text without one is spoken as it is."""
 DOUBLED = {"{{": "", "}}": "", "[[": "", "]]": "", "%%": "%"}
@@ -87,16 +107,16 @@ SOUNDLESS = re.compile(r"[<#]|\[/|\{(?:[/\\]|rt\}|\w+=)")
 PAUSING = re.compile(r"<break\b|\{[wp](?:=[\d.]*)?\}", re.IGNORECASE)
 BREAKING = re.compile(r"</?(?:br|div|h[1-6]|li|p|s|t[dr])\b|\{br\}", re.IGNORECASE)
 """Tags that separate words."""
-EMPHASIS = re.compile(r"</?emphasis\b", re.IGNORECASE)
+EMPHASIS_TAG = re.compile(r"</?emphasis\b", re.IGNORECASE)
 ENTITY = re.compile(r"&(?:amp;)*(#?\w{1,32};)")
 STRAY = re.compile(r"[{}\[\]]|</?(?!\s*\d)|>(?!\s*\d)")
-NAMED = re.compile(r"[ =].*", re.DOTALL)
+TAG_VALUES = re.compile(r"[ =].*", re.DOTALL)
 """Pattern of the values of a tag, after its name."""
-NAME = re.compile(r"[\w.-]+")
-LOOSE = re.compile(r" ([,.])(?!\S)")
-PAUSE = "\0"
+PLACEHOLDER_NAME = re.compile(r"[\w.-]+")
+LOOSE_PUNCTUATION = re.compile(r" ([,.])(?!\S)")
+PAUSE_MARK = "\0"
 """Placeholder for a pause, until the text around it is known."""
-PAUSED = re.compile(rf"(?P<before>[^\s{PAUSE}]?)\s*(?:{PAUSE}\s*)+(?P<after>\S?)")
+PAUSED = re.compile(rf"(?P<before>[^\s{PAUSE_MARK}]?)\s*(?:{PAUSE_MARK}\s*)+(?P<after>\S?)")
 TAGS_BEFORE = re.compile(r"(?: |\{[^{}]*\}|<[^<>]*>)+$")
 TAGS_AFTER = re.compile(r"^(?: |\{[^{}]*\}|<[^<>]*>)+")
 SEEN_CHARS = 200
@@ -148,9 +168,15 @@ def spoken(text: str, cleaning: Cleaning = AS_WRITTEN) -> SpokenText:
     if not cleaning.unspoken and not SUSPECT.search(text):
         return SpokenText(" ".join(text.split()))
     text = ENTITY.sub(
-        lambda found: unescape(f"&{found[1]}"), " ".join(text.replace(PAUSE, " ").split())
+        lambda found: unescape(f"&{found[1]}"), " ".join(text.replace(PAUSE_MARK, " ").split())
     )
-    return TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
+    found = TextCleaner(chosen(text, cleaning.values), cleaning).spoken()
+    # The signs beside a stray mark may be markup without it, such as an emoticon.
+    again = spoken(found.text, cleaning) if found.remarks else found
+    if again.text == found.text:
+        return found
+    gaps = {len(spoken(found.text[:gap], cleaning).text) for gap in found.gaps} | {*again.gaps}
+    return SpokenText(again.text, found.dropped + again.dropped, tuple(sorted(gaps)), found.remarks)
 
 
 class TextCleaner:
@@ -180,9 +206,9 @@ class TextCleaner:
             done = at = found.end()
         self._say(self._sound(done, len(self.text)))
         tidy = " ".join(PAUSED.sub(_paused, "".join(self._left)).split())
-        said = LOOSE.sub(r"\1", tidy).replace(f" {PAUSE}", PAUSE)
+        said = LOOSE_PUNCTUATION.sub(r"\1", tidy).replace(f" {PAUSE_MARK}", PAUSE_MARK)
         gaps = _places(said, self._gaps)
-        said = said.replace(PAUSE, ",")
+        said = said.replace(PAUSE_MARK, ",")
         return SpokenText(said, tuple(self._dropped), gaps, tuple(self._remarks))
 
     def _say(self, text: str) -> None:
@@ -210,8 +236,11 @@ class TextCleaner:
             return instead
         self._dropped.append(whole)
         if aside or PAUSING.match(whole):
-            return PAUSE
-        parts = found["sign"] and self._parts_words(found)
+            return PAUSE_MARK
+        before = self.text[max(found.start() - 1, 0) : found.start()]
+        after = self.text[found.end() : found.end() + 1]
+        # A sign between two words, as in "one->two", stands for the space that it lacks.
+        parts = found["sign"] and before.isalnum() and after.isalnum()
         return " " if parts or BREAKING.match(whole) else ""
 
     def _meant(self, found: re.Match[str]) -> str | None:
@@ -219,7 +248,7 @@ class TextCleaner:
         whole = found[0]
         if whole[0] == "\\" and found["code"] is None:
             return found["kept"] or " "
-        if EMPHASIS.match(whole):
+        if EMPHASIS_TAG.match(whole):
             return "*"
         if found["alias"] is not None or whole in DOUBLED:
             return found["alias"] or DOUBLED.get(whole, "")
@@ -227,7 +256,7 @@ class TextCleaner:
 
     def _is_tag(self, whole: str) -> bool:
         """Return True for a word in brackets with a later closing one."""
-        return NAMED.sub("", whole[:-1]) in self._closed
+        return TAG_VALUES.sub("", whole[:-1]) in self._closed
 
     def _is_aside(self, found: re.Match[str], said: str) -> bool:
         start, stop = found.span()
@@ -241,7 +270,7 @@ class TextCleaner:
         values = self.cleaning.values
         if not values or whole[0] not in "{[%$<\\":
             return None
-        name = NAME.search(whole)
+        name = PLACEHOLDER_NAME.search(whole)
         known = values.get(whole, values.get(name[0]) if name else None)
         return None if known is None else ordinary(known)
 
@@ -256,10 +285,6 @@ class TextCleaner:
             or found["soundless"]
             or SOUNDLESS.match(whole)
         )
-
-    def _parts_words(self, found: re.Match[str]) -> bool:
-        before = self.text[max(found.start() - 1, 0) : found.start()]
-        return before.isalnum() and self.text[found.end() : found.end() + 1].isalnum()
 
 
 @lru_cache(64)
@@ -278,12 +303,12 @@ def _paused(found: re.Match[str]) -> str:
     """Return a pause with the characters around it; adjacent pauses are merged."""
     before, after = found["before"], found["after"]
     needless = not before or not after or before in PAUSES or after in PAUSES
-    return f"{before} {after}" if needless else f"{before}{PAUSE} {after}"
+    return f"{before} {after}" if needless else f"{before}{PAUSE_MARK} {after}"
 
 
 def _solid(text: str) -> int:
     """Count the characters that are neither spaces nor pauses."""
-    return len("".join(text.replace(PAUSE, " ").split()))
+    return len("".join(text.replace(PAUSE_MARK, " ").split()))
 
 
 def _places(text: str, counts: Sequence[int]) -> tuple[int, ...]:
@@ -293,6 +318,26 @@ def _places(text: str, counts: Sequence[int]) -> tuple[int, ...]:
     """
     if not counts:
         return ()
-    solid = (at for at, one in enumerate(text, 1) if not one.isspace() and one != PAUSE)
+    solid = (at for at, one in enumerate(text, 1) if not one.isspace() and one != PAUSE_MARK)
     ends = [0, *solid]
     return tuple(ends[count] for count in counts)
+
+
+def ordinary(text: str) -> str:
+    """Return a text in ordinary letters.
+
+    Unicode writes one letter in several ways. Engines, lexicons and rules know one of them, and
+    misread the others without a word: a decomposed ``ü`` becomes an ``u``, a full-width ``５`` is
+    lost.
+
+    Letters are composed (NFC); letters and digits of full width, half width or another shape become
+    their ordinary selves; an apostrophe within a word is ``'``. Characters without a shape of their
+    own, such as marks of direction, are left out.
+
+    >>> ordinary("u\u0308ber ５０ lʼami")
+    "über 50 l'ami"
+    """
+    if text.isascii():
+        return APOSTROPHE.sub("'", text) if "`" in text else text
+    text = UNUSUAL.sub(lambda found: normalize("NFKC", found[0]), UNSEEN.sub("", text))
+    return APOSTROPHE.sub("'", normalize("NFC", text))

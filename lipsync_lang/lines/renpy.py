@@ -37,19 +37,19 @@ BLOCKS = re.compile(
 
 TRANSLATES = re.compile(r"translate\s+\w+\s+(?P<name>\w+)\s*:")
 
-OTHER = re.compile(
+OTHER_STATEMENTS = re.compile(
     r"(?:call|camera|default|define|elif|else|hide|if|image|import|in|init|jump|label|menu|nvl|old|on"
     r"|pass|pause|play|queue|return|rpy|scene|show|stop|translate|voice|while|window|with)"
 )
 """First words of statements without dialogue."""
 
-NARRATOR = frozenset(("extend", "new", "narrator"))
+NOT_SPEAKERS = frozenset(("extend", "new", "narrator"))
 """First words of say statements that are not the name of a speaker."""
 
 MAX_STATEMENT_LINES = 200
 """Maximum number of lines of the file in one statement."""
 
-QUOTES = {'"""': 3, "'''": 3}
+TRIPLE_QUOTES = {'"""': 3, "'''": 3}
 
 
 @reader("renpy", suffixes=[".rpy"])
@@ -71,12 +71,16 @@ def read(source: LineFile) -> Iterator[Line]:
 
 def _said(source: LineFile, number: int, text: str, name: str) -> Iterator[Line]:
     found = SAYS.match(text)
-    if found is None or not _ends(text[found.end() :]) or OTHER.fullmatch(found["who"] or ""):
+    if (
+        found is None
+        or not _ends(text[found.end() :])
+        or OTHER_STATEMENTS.fullmatch(found["who"] or "")
+    ):
         return
     who = found["who"] or _inner(found["name"] or "''")
-    speaker = "" if who in NARRATOR else who
+    speaker = "" if who in NOT_SPEAKERS else who
     whole = found["what"]
-    if whole[:3] not in QUOTES:
+    if whole[:3] not in TRIPLE_QUOTES:
         if _inner(whole).strip():
             yield source.line(number, _inner(whole), name=name, speaker=speaker)
         return

@@ -5,7 +5,7 @@ from html import unescape
 
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
-from lipsync_lang.schedules.subtitles import cues, joined, speaker_of
+from lipsync_lang.schedules.readers.subtitles import cues, joined, speaker_of
 
 
 @reader("subtitles", suffixes=[".srt", ".vtt"])

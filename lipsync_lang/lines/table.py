@@ -8,8 +8,8 @@ import csv
 from collections.abc import Iterator, Sequence
 
 from lipsync_lang.lines.columns import (
-    NAMES,
-    SPEAKERS,
+    NAME_COLUMNS,
+    SPEAKER_COLUMNS,
     first_column,
     known_column,
     lacking,
@@ -47,8 +47,8 @@ def lines_of(source: LineFile, table: Table) -> Iterator[Line]:
     """Yield the rows that have a text as lines."""
     head = table.head
     text = _text(source, head)
-    name = first_column(head, NAMES, [text])
-    speaker = known_column(source, head, source.speaker, SPEAKERS, [text, name])
+    name = first_column(head, NAME_COLUMNS, [text])
+    speaker = known_column(source, head, source.speaker, SPEAKER_COLUMNS, [text, name])
     for number, row in table.rows:
         if text < len(row) and row[text].strip():
             yield source.line(number, row[text], name=cell(row, name), speaker=cell(row, speaker))

@@ -6,11 +6,13 @@ from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
 from lipsync_lang.schedules.schedule import Schedule
 from lipsync_lang.schedules.timing_file import HEAD_BYTES, TimingFile, timing_bytes
-from lipsync_lang.schedules.timing_readers import READERS, timings_of
+from lipsync_lang.schedules.timing_readers import TIMING_READERS, timings_of
 
-NAME = "schedule"
+SCHEDULE_FORMAT = "schedule"
 
-SUFFIXES = tuple(sorted({s for one in READERS.values() if not one.script for s in one.suffixes}))
+TIMING_SUFFIXES = tuple(
+    sorted({s for one in TIMING_READERS.values() if not one.script for s in one.suffixes})
+)
 """Suffixes of timings that are not read as scripts."""
 
 
@@ -21,10 +23,10 @@ def is_timed(source: LineFile) -> bool:
             begins = TimingFile(source.path, stream.read(HEAD_BYTES))
     except OSError:
         return False
-    return any(one.sniff(begins) for one in READERS.ending(source.path) if not one.script)
+    return any(one.sniff(begins) for one in TIMING_READERS.ending(source.path) if not one.script)
 
 
-@reader(NAME, suffixes=SUFFIXES)
+@reader(SCHEDULE_FORMAT, suffixes=TIMING_SUFFIXES)
 def read(source: LineFile) -> Iterator[Line]:
     """Timed phonemes or words, in every readable format of timings; a file is a line."""
     content = timing_bytes(source.path) if source.content is None else source.content

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 MAX_PART_BYTES = 512 * MIB_BYTES
 """Maximum unpacked size of a part of the file; a million rows have less."""
 
-MAX_ROWS = 1_048_576
+MAX_SHEET_ROWS = 1_048_576
 """Maximum number of rows of a sheet; no program stores more, so more rows are damage."""
 
 MAX_COLUMNS = 1_024
@@ -46,12 +46,16 @@ def read(source: LineFile) -> Iterator[Line]:
     return lines_of(source, open_sheets(source))
 
 
-Row = tuple[int, list[str]]
-Sheet = tuple[str, Iterator[Row]]
+SheetRow = tuple[int, list[str]]
+NamedSheet = tuple[str, Iterator[SheetRow]]
 
 
 def _rows(
-    source: LineFile, title: str, first: list[str], rows: Iterator[Row], others: Iterator[Sheet]
+    source: LineFile,
+    title: str,
+    first: list[str],
+    rows: Iterator[SheetRow],
+    others: Iterator[NamedSheet],
 ) -> Iterator[tuple[int | str, Sequence[str]]]:
     """Yield the rows of the first sheet, and those of the others with its columns."""
     yield from rows
@@ -75,7 +79,7 @@ def _head(row: Sequence[str]) -> list[str]:
     return names
 
 
-def _sheets(source: LineFile) -> Iterator[Sheet]:
+def _sheets(source: LineFile) -> Iterator[NamedSheet]:
     """Yield the title and the rows of each sheet, in order."""
     openpyxl = _openpyxl()
     with source.open() as stream:
@@ -89,11 +93,11 @@ def _sheets(source: LineFile) -> Iterator[Sheet]:
                 yield sheet.title, _cells(source, sheet)
 
 
-def _cells(source: LineFile, sheet: Any) -> Iterator[Row]:
+def _cells(source: LineFile, sheet: Any) -> Iterator[SheetRow]:
     """Yield (number, cells) of the rows that are not empty."""
     try:
         sheet.reset_dimensions()  # the size that a file states may be wrong
-        for number, row in enumerate(islice(sheet.iter_rows(values_only=True), MAX_ROWS), 1):
+        for number, row in enumerate(islice(sheet.iter_rows(values_only=True), MAX_SHEET_ROWS), 1):
             cells = [_text(value) for value in row[:MAX_COLUMNS]]
             if any(cells):
                 yield number, cells

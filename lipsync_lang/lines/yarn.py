@@ -11,15 +11,15 @@ from collections.abc import Iterator
 from lipsync_lang.lines.line import Line
 from lipsync_lang.lines.line_readers import LineFile, reader
 
-COMMENT = re.compile(r"(?<![\\:])//.*")
+YARN_COMMENT = re.compile(r"(?<![\\:])//.*")
 """Pattern of a comment, but not within the address of a page."""
 
 COMMAND = re.compile(r"<<(?:[^<>]|>(?!>)|<(?!<))*>>")
 JUMP = re.compile(r"\[\[(?:(?P<text>[^\[\]|]*)\|)?[^\[\]|]*\]\]\s*$")
 """Pattern of an option of the first version: ``[[Text|Node]]``, or a jump without a text."""
 
-SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
-ESCAPE = re.compile(r"\\([:#/<>])")
+YARN_SPEAKER = re.compile(r"(?P<who>[^\s:.,;!?\"<{\[\\#][^:.,;!?\"<{\[\\#\n]{0,39}):(?:\s+|$)")
+YARN_ESCAPE = re.compile(r"\\([:#/<>])")
 LINE_TAG = "line:"
 
 
@@ -43,15 +43,15 @@ def read(source: LineFile) -> Iterator[Line]:
 
 def _spoken(source: LineFile, number: int, text: str) -> Iterator[Line]:
     """Yield the line of a row, if it has one."""
-    text = COMMAND.sub(" ", COMMENT.sub("", text)).strip()
+    text = COMMAND.sub(" ", YARN_COMMENT.sub("", text)).strip()
     text, tags = _untagged(text)
     names = [tag.removeprefix(LINE_TAG) for tag in tags if tag.startswith(LINE_TAG)]
     text = text.removeprefix("->").removeprefix("=>").strip()
     if jump := JUMP.match(text):
         text = jump["text"] or ""
-    found = SPEAKER.match(text)
+    found = YARN_SPEAKER.match(text)
     speaker = found["who"].strip() if found else ""
-    said = ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
+    said = YARN_ESCAPE.sub(r"\1", text[found.end() if found else 0 :]).strip()
     if said:
         yield source.line(number, said, name="".join(names[-1:]), speaker=speaker)
 

@@ -9,11 +9,16 @@ One file per input format; `reader` is all that makes a format known.
 
 from lipsync_lang.schedules.schedule import SILENCE, Audio, Schedule, Word
 from lipsync_lang.schedules.timed_words import TimedWord, TimedWords
-from lipsync_lang.schedules.timing_readers import READERS, read_schedule, read_timings, reader
+from lipsync_lang.schedules.timing_readers import (
+    TIMING_READERS,
+    read_schedule,
+    read_timings,
+    reader,
+)
 
 __all__ = [
-    "READERS",
     "SILENCE",
+    "TIMING_READERS",
     "Audio",
     "Schedule",
     "TimedWord",

@@ -1,6 +1,6 @@
 """Timings in JSON as three lists of one length: labels, starts, and ends or durations."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from lipsync_lang.schedules.rows import LabelRow
 from lipsync_lang.schedules.timing_file import TimingFile
@@ -26,17 +26,10 @@ def listed_rows(  # noqa: PLR0913 optional parts of a format
     line : the line of the lists, if each line of the file is JSON
     durations : True if `ends` are durations
     """
-    lists = [one for one in (labels, starts, ends) if isinstance(one, list)]
-    if not _alike(lists):
+    given = (labels, starts, ends)
+    lists = [one for one in given if isinstance(one, list)]
+    if len(lists) != len(given) or len(set(map(len, lists))) != 1:
         raise source.fault(f"needs three lists of one length; the form is {form}", line)
     for label, first, second in zip(*lists, strict=True):
         start, end = source.number(first, line), source.number(second, line)
         yield LabelRow(str(label), start, start + end if durations else end, line)
-
-
-def _alike(lists: Sequence[Sequence[object]]) -> bool:
-    """Return True for three lists of one length."""
-    match lists:
-        case [one, other, third]:
-            return len(one) == len(other) == len(third)
-    return False

@@ -113,7 +113,11 @@ class Schedule:
 
     def __post_init__(self) -> None:
         """Raise an error for faulty times, labels and words."""
-        times = _boundaries(self.source, self.times)
+        try:
+            times = np.array(self.times, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            what = "boundaries must be numbers of seconds"
+            raise ScheduleError(f"{self.source}: {what}") from None
         times.setflags(write=False)
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "labels", tuple(self.labels))
@@ -270,13 +274,6 @@ def _check_length(here: str, start: float, end: float) -> None:
         )
 
 
-def _boundaries(source: str, times: object) -> npt.NDArray[np.float64]:
-    try:
-        return np.array(times, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise ScheduleError(f"{source}: boundaries must be numbers of seconds") from None
-
-
 def _check(source: str, labels: Sequence[str], times: npt.NDArray[np.float64]) -> None:
     if not labels:
         raise ScheduleError(f"{source}: has no phonemes; give at least one, with its start and end")
@@ -321,11 +318,6 @@ def _check_stress(source: str, stress: Sequence[object], count: int) -> None:
             )
 
 
-def _is_emphasis(value: object) -> bool:
-    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    return number and 0 <= value <= MAX_EMPHASIS  # type: ignore[operator]  # a number
-
-
 def _check_words(source: str, words: Sequence[Word], count: int) -> None:
     for word in words:
         if not 0 <= word.first < word.stop <= count:
@@ -333,7 +325,9 @@ def _check_words(source: str, words: Sequence[Word], count: int) -> None:
                 f"{source}: word {word.text!r} covers phonemes {word.first} to {word.stop - 1}, "
                 f"but the schedule has 0 to {count - 1}"
             )
-        if not _is_emphasis(word.emphasis):
+        is_number = isinstance(word.emphasis, (int, float, np.number))
+        is_bool = isinstance(word.emphasis, bool)
+        if is_bool or not is_number or not 0 <= word.emphasis <= MAX_EMPHASIS:
             raise ScheduleError(
                 f"{source}: word {word.text!r}: emphasis is {word.emphasis!r}; it is a number from "
                 f"0 to {MAX_EMPHASIS:g}"

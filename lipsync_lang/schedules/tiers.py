@@ -6,13 +6,14 @@ with it.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
 from lipsync_lang.errors import did_you_mean, shortlist
+from lipsync_lang.files.xml_text import xml_text
 from lipsync_lang.schedules.rows import LabelRow, schedule_of
-from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
 from lipsync_lang.schedules.timed_words import are_words, words_of_rows
 from lipsync_lang.schedules.timing_file import TimingFile
 from lipsync_lang.schedules.timing_readers import Timings
@@ -20,13 +21,13 @@ from lipsync_lang.schedules.timing_readers import Timings
 PHONES = re.compile(r"(ph(on(e(me)?)?s?|onetic|onalign)?|segments?|mau)", re.IGNORECASE)
 """Names of phone tiers in MFA, FAVE, MAUS, SPPAS, EMU, DoReCo, and among users of Praat."""
 
-WORDS = re.compile(r"(words?|wd|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
+WORD_TIER_NAME = re.compile(r"(words?|wd|tokens?|ort(-mau)?|tokensalign)", re.IGNORECASE)
 """Names of word tiers in the same programs."""
 
-CONFIDENCE = "confidence"
+CONFIDENCE_TIER = "confidence"
 """The tier of the probabilities that words are said, beside the words."""
 
-SURE = re.compile(r"(phon|tokens)align", re.IGNORECASE)
+ALIGNED_TIER_NAME = re.compile(r"(phon|tokens)align", re.IGNORECASE)
 """Names of aligned tiers, beside which SPPAS keeps tiers of the text's phones and words."""
 
 PROBABILITY = re.compile(r"0(\.\d+)?|1(\.0*)?", re.ASCII)
@@ -34,10 +35,22 @@ PROBABILITY = re.compile(r"0(\.\d+)?|1(\.0*)?", re.ASCII)
 MAX_NAMES = 4
 """Maximum number of names of tiers in a message."""
 
-SPEAKER = re.compile(
+SPEAKER_TIER_NAME = re.compile(
     r"(?:(?P<before>.*\S)\s+-\s+)?(?P<role>[^@]*|.*)(?:@(?P<after>[^@]+))?", re.DOTALL
 )
 """Aligners put the speaker before the tier's name, `Name - phones`; in ELAN it often ends it."""
+
+TIME_DIGITS = 6
+"""Decimals of a written time in seconds: microseconds."""
+
+CONFIDENCE_DIGITS = 2
+"""Decimals of a written confidence."""
+
+TimeSpan = tuple[float, float]
+"""Start and end in the file's unit or in seconds."""
+
+LabelSpan = tuple[str, float, float]
+"""Label, start and end in seconds."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +89,12 @@ class Tier:
 
     def holds_words(self) -> bool:
         """Return True for a tier of words by name, or of labels that cannot be phones."""
-        if WORDS.fullmatch(self.role) or PHONES.fullmatch(self.role) or not self.spoken:
-            return bool(WORDS.fullmatch(self.role))
+        if WORD_TIER_NAME.fullmatch(self.role) or PHONES.fullmatch(self.role) or not self.spoken:
+            return bool(WORD_TIER_NAME.fullmatch(self.role))
         return are_words(row.label for row in self.spoken)
 
     def _part(self, group: str) -> str:
-        match = SPEAKER.fullmatch(self.name)
+        match = SPEAKER_TIER_NAME.fullmatch(self.name)
         return ((match and match[group]) or "").strip()
 
 
@@ -96,10 +109,11 @@ def read_tiers(source: TimingFile, tiers: Sequence[Tier], *, guess: bool = False
     chosen = only(source, found, f"tiers {alike}")
     if chosen.holds_words():
         return words_of_rows(source, chosen.rows, guess=guess)
-    words = _sure([t for t in tiers if WORDS.fullmatch(t.role) and t.speaker == chosen.speaker])
+    own = [tier for tier in tiers if tier.speaker == chosen.speaker]
+    words = _sure([tier for tier in own if WORD_TIER_NAME.fullmatch(tier.role)])
     remarks = [] if chosen.spoken else [f"{source.path}: tier '{chosen.name}' has no labels"]
     spans = words[0].rows if len(words) == 1 else ()
-    sure = [t for t in tiers if t.role == CONFIDENCE and t.speaker == chosen.speaker]
+    sure = [tier for tier in own if tier.role == CONFIDENCE_TIER]
     used = (chosen, *(words if spans else ()), *sure)
     others = [tier for tier in tiers if tier.spoken and all(tier is not one for one in used)]
     if others and source.tier is None:
@@ -130,7 +144,7 @@ def only(source: TimingFile, tiers: Sequence[Tier], what: str = "tiers look like
     found = list(tiers)
     if source.tier is not None:
         found = [tier for tier in tiers if tier.name == source.tier]
-        for role in () if found else (PHONES, WORDS):
+        for role in () if found else (PHONES, WORD_TIER_NAME):
             own = (tier for tier in tiers if tier.speaker == source.tier)
             found = found or [tier for tier in own if role.fullmatch(tier.role)]
     if not found:
@@ -159,7 +173,7 @@ def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
     found = _sure([tier for tier in named if tier.spoken]) or named
     found = found or [tier for tier in tiers if tier.looks_like_phones()]
     spoken = [tier for tier in tiers if tier.spoken]
-    found = found or [tier for tier in spoken if WORDS.fullmatch(tier.role)]
+    found = found or [tier for tier in spoken if WORD_TIER_NAME.fullmatch(tier.role)]
     found = found or [tier for tier in spoken if len(spoken) == 1 and tier.holds_words()]
     if tiers and not found:
         raise source.fault(
@@ -171,8 +185,37 @@ def _phones(source: TimingFile, tiers: Sequence[Tier]) -> list[Tier]:
 
 def _sure(tiers: list[Tier]) -> list[Tier]:
     """Return the aligned tiers, or else all."""
-    return [tier for tier in tiers if SURE.fullmatch(tier.role)] or tiers
+    return [tier for tier in tiers if ALIGNED_TIER_NAME.fullmatch(tier.role)] or tiers
 
 
 def _list(tiers: Sequence[Tier]) -> str:
     return shortlist((f"'{tier.name}'" for tier in tiers), MAX_NAMES)
+
+
+def tiers_of(schedule: Schedule) -> dict[str, list[LabelSpan]]:
+    """Return the tiers of a schedule from time zero on: words, phones and maybe confidences.
+
+    Texts have single spaces and no line breaks. Times have `TIME_DIGITS` decimals.
+    """
+    times = [round(float(time), TIME_DIGITS) for time in schedule.times]
+    words = [(word, times[word.first], times[word.stop]) for word in schedule.words]
+    sure = [
+        (f"{word.confidence:.{CONFIDENCE_DIGITS}f}", start, end)
+        for word, start, end in words
+        if word.confidence is not None
+    ]
+    tiers = {
+        "words": _from_zero((word.text, start, end) for word, start, end in words),
+        "phones": _from_zero(zip(schedule.labels, times, times[1:], strict=False)),
+        CONFIDENCE_TIER: _from_zero(sure),
+    }
+    return {name: spans for name, spans in tiers.items() if spans or name != CONFIDENCE_TIER}
+
+
+def _from_zero(spans: Iterable[LabelSpan]) -> list[LabelSpan]:
+    """Return spans from time zero on, with texts of one line, of characters that readers take."""
+    return [
+        (" ".join(xml_text(label).split()) or SILENCE, max(start, 0.0), end)
+        for label, start, end in spans
+        if end > 0
+    ]

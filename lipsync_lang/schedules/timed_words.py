@@ -26,7 +26,7 @@ LONG_WORD_SECONDS = 30.0
 """Longest plausible median duration in seconds, of words and cues; longer is another unit."""
 
 
-SILENT = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
+SILENT_WORD = re.compile(r"!?sil\w*|sp|spn|pau|<.*>|\[.*\]|\{.*\}|#", re.IGNORECASE)
 """Marks of silence and noise among words."""
 
 MAX_PHONE_LETTERS = 3
@@ -79,7 +79,7 @@ class TimedWords:
 
 def are_words(labels: Iterable[str]) -> bool:
     """Return True if labels are too long for phones, or in a script that has words alone."""
-    spoken = (one.strip() for one in labels if not SILENT.fullmatch(one.strip()))
+    spoken = (one.strip() for one in labels if not SILENT_WORD.fullmatch(one.strip()))
     letters = [_letters(one) for one in spoken if one]
     return bool(letters) and median(letters) > MAX_PHONE_LETTERS
 
@@ -99,7 +99,7 @@ def words_of_rows(
     guess: bool = False,
 ) -> TimedWords:
     """Make timed words of labels, without marks of silence, as `timed_words_of` does."""
-    spoken = (row for row in rows if not SILENT.fullmatch(row.label.strip()))
+    spoken = (row for row in rows if not SILENT_WORD.fullmatch(row.label.strip()))
     words = (TimedWord(row.label, row.start, row.end, line=row.line) for row in spoken)
     return timed_words_of(source, words, rate=rate, guess=guess)
 

@@ -44,7 +44,7 @@ DOCTYPE = re.compile(
 )
 """A type of documents that is only named; the file with its definition is never read."""
 
-TAG = re.compile(
+ROOT_TAG = re.compile(
     r"\s*+(?:(?><\?.*?\?>|<!--.*?-->|<!DOCTYPE\b[^<>\[]*+>)\s*+)*+<([A-Za-z_][\w.:-]*)", re.DOTALL
 )
 """The first element of an XML file."""
@@ -175,7 +175,7 @@ class TimingFile:
     @property
     def root(self) -> str | None:
         """The name of the outermost element; None if the file does not look like XML."""
-        found = TAG.match(self.head)
+        found = ROOT_TAG.match(self.head)
         return found[1] if found else None
 
     @cached_property

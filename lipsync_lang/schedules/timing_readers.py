@@ -38,7 +38,9 @@ class ScheduleReader(Format):
     """True if a file is a script as well, of which each cue is a line."""
 
 
-READERS: Formats[ScheduleReader] = Formats("readers", "format", room=__package__)
+TIMING_READERS: Formats[ScheduleReader] = Formats(
+    "readers", "format", package="lipsync_lang.schedules.readers"
+)
 
 
 def reader(
@@ -55,7 +57,7 @@ def reader(
 
     def register(read: Read) -> Read:
         made = ScheduleReader(name, suffixes, summary(read), sniff, read, tiers, script)
-        READERS.add(name, made, read.__module__)
+        TIMING_READERS.add(name, made, read.__module__)
         return read
 
     return register
@@ -154,9 +156,12 @@ def timings_of(source: TimingFile, read_as: str | None = None) -> Timings:
 def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
     """Return the reader of a file: the named one, or the one for its content and suffix."""
     if name is not None:
-        return READERS.find(name, ScheduleError)
-    named = READERS.ending(source.path)
-    for readers in (READERS.built_in(), READERS):  # a plug-in reads what no built-in one knows
+        return TIMING_READERS.find(name, ScheduleError)
+    named = TIMING_READERS.ending(source.path)
+    for readers in (
+        TIMING_READERS.built_in(),
+        TIMING_READERS,
+    ):  # a plug-in reads what no built-in one knows
         alike = [one for one in readers.values() if one.sniff(source)]
         found = [one for one in alike if one in named] or alike
         if len(found) > 1:
@@ -166,20 +171,16 @@ def find_reader(source: TimingFile, name: str | None = None) -> ScheduleReader:
             return found[0]
     if len(named) == 1:
         return named[0]
-    _check_form(source)
-    if named:
-        titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
-        raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
-    raise source.fault(
-        f"no reader for this suffix; known: {', '.join(READERS.suffixes())} "
-        "(`lipsync-lang formats`)"
-    )
-
-
-def _check_form(source: TimingFile) -> None:
-    """Raise an error for damaged JSON and XML."""
+    # Damaged JSON and XML have no format because they cannot be parsed: say where the damage is.
     start = source.text.lstrip()[:1]
     if start in ("{", "["):
         _ = source.json
     elif start == "<":
         _ = source.xml
+    if named:
+        titles = "".join(f"\n  {one.name}: {one.title}" for one in named)
+        raise source.fault(f"has none of the formats that end in '{source.path.suffix}':{titles}")
+    raise source.fault(
+        f"no reader for this suffix; known: {', '.join(TIMING_READERS.suffixes())} "
+        "(`lipsync-lang formats`)"
+    )

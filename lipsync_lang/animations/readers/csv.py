@@ -6,15 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import (
-    Floats,
-    Recording,
-    fail,
-    reader,
-    text_of,
-)
+from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.arrays import Floats
 
-TIMES = {
+TIME_COLUMNS = {
     "time": 1.0,
     "times": 1.0,
     "seconds": 1.0,
@@ -60,7 +55,7 @@ def table_of(
     if gaps:
         rows[1:] = [[value.strip() or "nan" for value in row] for row in rows[1:]]
     head = [name.strip() for name in rows[0]]
-    unit = TIMES.get(_plain(head[0]))
+    unit = TIME_COLUMNS.get("".join(filter(str.isalpha, head[0].lower())))
     if unit is None:
         fail(
             f"{path}:1", f"its first column is '{head[0]}', not a time", "name it time_s or time_ms"
@@ -68,10 +63,6 @@ def table_of(
     values = np.array([_numbers(path, n, row, len(head)) for n, row in enumerate(rows[1:], 2)])
     table = values.reshape(-1, len(head))
     return table[:, 0] * unit, tuple(head[1:]), table[:, 1:]
-
-
-def _plain(name: str) -> str:
-    return "".join(letter for letter in name.lower() if letter.isalpha())
 
 
 def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:

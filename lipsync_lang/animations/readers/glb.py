@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import Floats, Recording, fail, reader
-from lipsync_lang.rigs.accessors import MAX_VALUES, Accessors
-from lipsync_lang.rigs.container import Json
+from lipsync_lang.animations.animation_readers import Recording, fail, reader
+from lipsync_lang.arrays import Floats
+from lipsync_lang.json_object import Json
+from lipsync_lang.rigs.accessors import MAX_ACCESSOR_VALUES, Accessors
 from lipsync_lang.rigs.model import Model, numbers, read_model
 from lipsync_lang.rigs.tracks import drives
 
@@ -28,12 +29,15 @@ def read_glb(path: Path, content: bytes) -> Recording:
     if not curves:
         fail(path, "its last animation moves no morph target", "bake shape keys into it")
     frames = max((times for times, _ in curves.values()), key=len)
-    if len(frames) * len(curves) > MAX_VALUES:
+    if len(frames) * len(curves) > MAX_ACCESSOR_VALUES:
         what = f"has {len(curves)} shapes at {len(frames)} times, too many to judge"
         fail(path, what, "export the shapes that move, one line at a time")
     values = np.column_stack([np.interp(frames, *curve) for curve in curves.values()])
     remarks = [f"{path}: has {len(takes)} animations; the last is judged"] * (len(takes) > 1)
-    shift = _audio_start(path, takes[-1])
+    extras = takes[-1].get("extras")
+    shift = 0.0
+    if isinstance(extras, dict) and "audio_start" in extras:
+        [shift] = numbers(path, "audio_start of its animation", [extras["audio_start"]], 1)
     return Recording(str(path), frames - shift, tuple(curves), values, remarks=tuple(remarks))
 
 
@@ -54,11 +58,3 @@ def _curves(model: Model, take: Json) -> dict[str, tuple[Floats, Floats]]:
             if name not in curves or not curves[name][1].any():
                 curves[name] = (drive.times, column)
     return curves
-
-
-def _audio_start(path: Path, take: Json) -> float:
-    """Return the start of the sound in seconds of the animation."""
-    extras = take.get("extras")
-    if not isinstance(extras, dict) or "audio_start" not in extras:
-        return 0.0
-    return numbers(path, "audio_start of its animation", [extras["audio_start"]], 1)[0]

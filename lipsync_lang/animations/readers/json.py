@@ -6,18 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import (
-    Floats,
-    Recording,
-    fail,
-    reader,
-    text_of,
-)
+from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.arrays import Floats
 from lipsync_lang.errors import ScheduleError
 from lipsync_lang.schedules.schedule import Schedule
 
-MARK = "lipsync-lang animation "
-FORM = f'it is {{"format": "{MARK}1", "fps": ..., "start": ..., "poses": [...], "frames": [...]}}'
+ANIMATION_MARK = "lipsync-lang animation "
+ANIMATION_FORM = (
+    f'it is {{"format": "{ANIMATION_MARK}1", "fps": ..., "start": ..., "poses": [...], '
+    '"frames": [...]}'
+)
 
 
 @reader("json", suffix=".json")
@@ -26,51 +24,47 @@ def read_json(path: Path, content: bytes) -> Recording:
     try:
         document = json.loads(text_of(path, content))
     except json.JSONDecodeError as error:
-        fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", FORM)
+        fail(f"{path}:{error.lineno}:{error.colno}", f"not JSON: {error.msg}", ANIMATION_FORM)
     except ValueError:  # a number with thousands of digits
-        fail(path, "has a number that an animation cannot have", FORM)
+        fail(path, "has a number that an animation cannot have", ANIMATION_FORM)
     except RecursionError:
-        fail(path, "is nested too deep for an animation", FORM)
-    if not isinstance(document, dict) or not str(document.get("format")).startswith(MARK):
-        fail(path, "is JSON, but not an animation of this program", FORM)
-    names, frames = _names(path, document), _frames(path, document)
+        fail(path, "is nested too deep for an animation", ANIMATION_FORM)
+    if not isinstance(document, dict) or not str(document.get("format")).startswith(ANIMATION_MARK):
+        fail(path, "is JSON, but not an animation of this program", ANIMATION_FORM)
+    names = document.get("poses")
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        fail(path, "its poses are not a list of names", ANIMATION_FORM)
+    frames = _frames(path, document)
     fps, start = (_number(path, document, key) for key in ("fps", "start"))
     if fps <= 0:
         fail(path, f"has {fps:g} frames per second", "give a number above 0")
     with np.errstate(over="ignore"):  # of infinite times, the caller says so
         times = start + np.arange(len(frames)) / fps
-    return Recording(str(path), times, names, frames, _schedule(path, document))
-
-
-def _names(path: Path, document: dict[str, Any]) -> tuple[str, ...]:
-    names = document.get("poses")
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        fail(path, "its poses are not a list of names", FORM)
-    return tuple(names)
+    return Recording(str(path), times, tuple(names), frames, _schedule(path, document))
 
 
 def _number(path: Path, document: dict[str, Any], key: str) -> float:
     value = document.get(key)
     if not isinstance(value, (int, float)) or isinstance(value, bool):
-        fail(path, f"its `{key}` is not a number", FORM)
+        fail(path, f"its `{key}` is not a number", ANIMATION_FORM)
     try:
         return float(value)
     except OverflowError:
-        fail(path, f"its `{key}` is larger than any number of an animation", FORM)
+        fail(path, f"its `{key}` is larger than any number of an animation", ANIMATION_FORM)
 
 
 def _frames(path: Path, document: dict[str, Any]) -> Floats:
     rows, count = document.get("frames"), len(document["poses"])
     if not isinstance(rows, list):
-        fail(path, "its frames are not a list", FORM)
+        fail(path, "its frames are not a list", ANIMATION_FORM)
     for number, row in enumerate(rows):
         good = isinstance(row, list) and len(row) == count
         if not good or not all(isinstance(v, (int, float)) for v in row):
-            fail(path, f"frame {number} is not a list of {count} numbers", FORM)
+            fail(path, f"frame {number} is not a list of {count} numbers", ANIMATION_FORM)
     try:
         return np.array(rows, float).reshape(len(rows), count)
     except OverflowError:
-        fail(path, "a value of its frames is larger than any weight", FORM)
+        fail(path, "a value of its frames is larger than any weight", ANIMATION_FORM)
 
 
 def _schedule(path: Path, document: dict[str, Any]) -> Schedule | None:

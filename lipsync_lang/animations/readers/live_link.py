@@ -10,23 +10,18 @@ from pathlib import Path
 
 import numpy as np
 
-from lipsync_lang.animations.readers.animation_readers import (
-    Floats,
-    Recording,
-    fail,
-    reader,
-    text_of,
-)
+from lipsync_lang.animations.animation_readers import Recording, fail, reader, text_of
+from lipsync_lang.arrays import Floats
 
-CODE = re.compile(r"(\d{1,6}):(\d{1,6}):(\d{1,6})[:;](\d{1,6}(?:\.\d+)?)")
+TIMECODE_CELL = re.compile(r"(\d{1,6}):(\d{1,6}):(\d{1,6})[:;](\d{1,6}(?:\.\d+)?)")
 
 RATES = (24, 25, 30, 48, 50, 60, 90, 100, 120, 240)
 """Common frame rates of cameras and timecode, in frames per second."""
 
-USUAL = 60
+DEFAULT_FPS = 60
 """Default frame rate for takes too short for an estimate, in frames per second."""
 
-LEADING = 2
+LEADING_COLUMNS = 2
 """Number of columns before the curves: timecode and count."""
 
 
@@ -47,13 +42,20 @@ def read_live_link(path: Path, content: bytes) -> Recording:
     seconds, frames = np.array(codes).T
     rate = _rate(seconds, frames)
     times = seconds + frames / rate
-    values = np.array([_values(path, line, row) for line, row in enumerate(takes, 2)])
+    weights = []
+    for line, row in enumerate(takes, 2):
+        try:
+            weights.append([float(value or 0) for value in row[LEADING_COLUMNS:]])
+        except ValueError as error:
+            why = f"has text in the place of a number ({error})"
+            fail(f"{path}:{line}", why, "export it again")
+    values = np.array(weights)
     kept = np.append(True, np.diff(times) > 0)  # stalled cameras repeat a timecode
     lost = int((~kept).sum())
     remarks = [f"{path}: {rate} frames a second, judging by its timecodes"]
     if lost:
         remarks.append(f"{path}: {lost} frames repeat a timecode and are left out")
-    names = tuple(name[:1].lower() + name[1:] for name in head[LEADING:])
+    names = tuple(name[:1].lower() + name[1:] for name in head[LEADING_COLUMNS:])
     return Recording(str(path), times[kept] - times[0], names, values[kept], remarks=tuple(remarks))
 
 
@@ -61,7 +63,7 @@ def _code(path: Path, line: int, row: list[str], count: int) -> tuple[float, flo
     """Return the whole seconds and the frames of a timecode."""
     if len(row) != count:
         fail(f"{path}:{line}", f"has {len(row)} values for {count} columns", "export it again")
-    found = CODE.fullmatch(row[0].strip())
+    found = TIMECODE_CELL.fullmatch(row[0].strip())
     if found is None:
         fail(
             f"{path}:{line}",
@@ -72,16 +74,9 @@ def _code(path: Path, line: int, row: list[str], count: int) -> tuple[float, flo
     return hours * 3600 + minutes * 60 + seconds, frames
 
 
-def _values(path: Path, line: int, row: list[str]) -> list[float]:
-    try:
-        return [float(value or 0) for value in row[LEADING:]]
-    except ValueError as error:
-        fail(f"{path}:{line}", f"has text in the place of a number ({error})", "export it again")
-
-
 def _rate(seconds: Floats, frames: Floats) -> int:
     """Estimate the frame rate from whole seconds, or from the largest frame number."""
     most = int(frames.max()) + 1
-    if seconds[-1] - seconds[0] < LEADING:
-        return next((rate for rate in RATES if rate >= max(most, USUAL)), most)
+    if seconds[-1] - seconds[0] < LEADING_COLUMNS:
+        return next((rate for rate in RATES if rate >= max(most, DEFAULT_FPS)), most)
     return next((rate for rate in RATES if rate >= most), most)

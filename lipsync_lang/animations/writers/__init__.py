@@ -1,0 +1,8 @@
+"""Writers of animations, one module per output format.
+
+To add one, write a module here with a function ``(animation, stream) -> None`` under
+``@writer("name", suffix=".suffix")`` of `animation_writers`, or ``@binary_writer`` for bytes. It
+knows only `Animation`, and imports heavy libraries inside the function. The first line of its
+docstring appears in `formats` and in the documentation. Then run `docs/build_reference.py`; the
+tests sweep over all writers.
+"""

@@ -1,0 +1,38 @@
+"""Blend shapes in the JSON format of the Azure speech service.
+
+One JSON object holds the number of its first frame and a (T, 55) list of values from 0 to 1: the
+52 ARKit shapes, then rotations of head and eyes. The rate is always 60 frames per second
+(learn.microsoft.com, "Get facial position with viseme"). The offset is rounded to whole frames;
+weights are clipped to 0 to 1.
+"""
+
+import json
+from collections.abc import Iterator
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.fixed import doubts, first_frame, laid_out, names
+from lipsync_lang.errors import OutputError
+
+AZURE = "Azure"
+FPS = 60
+AZURE_NAMES = "azure.txt"
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield warnings about omitted channels and a delayed sound."""
+    return doubts(animation, names(AZURE_NAMES), AZURE)
+
+
+@writer("azure", suffix=".azure.json", remarks=remarks)
+def write_azure(animation: Animation, out: TextIO) -> None:
+    """Azure's blend shapes: 55 weights for each of 60 frames a second."""
+    if animation.fps != FPS:
+        raise OutputError(
+            f"{AZURE}'s blend shapes are {FPS} frames a second, and this is {animation.fps:g}; "
+            f"perform it with `fps={FPS}`"
+        )
+    table = laid_out(animation, names(AZURE_NAMES), AZURE)
+    rows = ",\n".join(json.dumps(row) for row in table.round(6).tolist())
+    out.write(f'{{"FrameIndex": {first_frame(animation)}, "BlendShapes": [\n{rows}\n]}}\n')

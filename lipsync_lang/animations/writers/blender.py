@@ -1,0 +1,70 @@
+"""A Blender script that sets keyframes on the shape keys of a face.
+
+Blender cannot import curve files but runs Python. The script holds the keyframes as JSON, followed
+by the code from `templates/blender.txt`. It applies them to all meshes with matching shape keys;
+known alternative spellings match too. Curves are linear between keys, or Bezier curves with `keys`:
+handles a third of the way to the next key make them cubic in time. The sound starts at frame 1
+plus the offset; movement before the sound is at earlier frames.
+"""
+
+import json
+from collections.abc import Iterator
+from math import ceil
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.fixed import boneless, shape_columns
+from lipsync_lang.animations.keys import ERROR
+from lipsync_lang.animations.moving_shapes import on_model
+from lipsync_lang.arrays import Floats
+
+TEMPLATE = Path(__file__).parent / "templates" / "blender.txt"
+FIRST = 1
+"""First frame number of a Blender scene."""
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield warnings about channels that the script omits."""
+    return boneless(animation, "Blender")
+
+
+@writer("blender", suffix=".py", remarks=remarks)
+def write_blender(animation: Animation, out: TextIO) -> None:
+    """A script for Blender's text editor: keyframes of shape keys."""
+    curves, on_meshes = animation.keyframes(ERROR), on_model(animation)
+    rate = max(1, round(animation.fps))
+    channels: list[dict[str, object]] = []
+    for number in shape_columns(animation):
+        channel, curve = animation.columns[number], curves[number]
+        spellings = [name for _, name, column in on_meshes if column == number]
+        channels.append(
+            {
+                "names": list(dict.fromkeys([channel.name, *spellings, *channel.names])),
+                "mesh": channel.mesh,
+                "frames": _frames(animation, curve.times - animation.begins),
+                "values": curve.values.round(6).tolist(),
+            }
+        )
+        if curve.cubic:
+            slopes = np.column_stack((curve.arriving, curve.leaving)) / animation.fps
+            channels[-1]["slopes"] = slopes.round(8).tolist()
+    take = {
+        "name": animation.title,
+        "fps": rate,
+        "fps_base": rate / animation.fps,
+        "end": ceil(_frames(animation, animation.times)[-1]),
+        "channels": channels,
+    }
+    [sound] = _frames(animation, np.zeros(1))
+    script = TEMPLATE.read_text(encoding="utf-8").replace("@SOUND@", f"{sound:g}")
+    out.write(script.replace("@TAKE@", json.dumps(take)))
+
+
+def _frames(animation: Animation, times: Floats) -> list[float]:
+    """Convert seconds of the sound to scene frames."""
+    frames: list[float] = (FIRST + (times + animation.offset) * animation.fps).round(5).tolist()
+    return frames

@@ -1,0 +1,324 @@
+"""The animation embedded in the character's glTF model (GLB).
+
+Existing content stays unchanged: the animation is appended to the JSON lists and the binary data.
+The JSON is edited directly, because glTF libraries drop unknown fields.
+
+glTF has no negative time. If movement starts before the sound, all times are shifted, and
+`audio_start` in the animation's extras is the start of the sound in seconds. Every frame is a key
+by default; with straight lines within an error, only the frames needed by any column. With `keys`,
+each sampler is a cubic spline, whose numbers share their keys: all shapes of a mesh, or all
+components of a bone's transform.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from functools import lru_cache, reduce
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import binary_writer
+from lipsync_lang.animations.fitted_keys import fit
+from lipsync_lang.animations.keys import margin, needed
+from lipsync_lang.arrays import Floats
+from lipsync_lang.errors import OutputError
+from lipsync_lang.json_object import Json
+from lipsync_lang.rigs.channel import Channel
+from lipsync_lang.rigs.container import (
+    BINARY_CHUNK,
+    JSON_CHUNK,
+    binary_of,
+    fail,
+    has_binary,
+    read_chunk,
+    write_parts,
+)
+from lipsync_lang.rigs.model import Mesh, Model, known_model, numbers, some
+from lipsync_lang.rigs.shape_matching import Placement, on_mesh
+from lipsync_lang.rigs.transforms import parts, product, turns
+
+FLOAT_COMPONENT = 5126
+TINY_CHANGE = 1e-6
+IDENTITY = (0.0, 0.0, 0.0, 1.0)
+
+
+def unplaced(animation: Animation) -> Iterator[str]:
+    """Yield warnings about channels missing from the model, and other doubts."""
+    if animation.model is None:
+        return
+    channels = animation.columns
+    model = _model(animation.model, channels)
+    placed = [_placing(channels, mesh) for mesh in model.meshes]
+    shown = {number for one in placed for number in one.shapes}
+    moved = np.abs(animation.weights).max(axis=0, initial=0.0) > 0
+    lost = [
+        channel.node or channel.name
+        for number, channel in enumerate(channels)
+        if number not in shown and channel.node not in model.nodes and moved[number]
+    ]
+    if lost:
+        yield f"{model.path} has nothing for {', '.join(lost)}"
+    yield from (f"{model.path}: {doubt}" for one in placed for doubt in one.doubts)
+
+
+def _model(path: Path, channels: tuple[Channel, ...]) -> Model:
+    return known_model(path, bones=any(channel.node is not None for channel in channels))
+
+
+@lru_cache(maxsize=64)
+def _placing(channels: tuple[Channel, ...], mesh: Mesh) -> Placement:
+    return on_mesh(channels, mesh)
+
+
+@binary_writer("glb", suffix=".glb", remarks=unplaced)
+def write_glb(animation: Animation, out: BinaryIO) -> None:
+    """The character's 3D model with the animation added, all else in it kept."""
+    if animation.model is None:
+        raise OutputError(
+            "there is no model to animate; name one (`model`), or state `model:` in the character"
+        )
+    channels = animation.columns
+    model = _model(animation.model, channels)
+    times = animation.timeline.astype("<f4")
+    frames = np.flatnonzero(np.append(True, np.diff(times) > 0))
+    error = animation.export.key_error
+    if animation.export.key_lines and error is not None:
+        kept = needed(times[frames].astype(float), animation.weights[frames], error)
+        frames, error = frames[kept], None
+    take = _NewAnimation(model, times[frames], error)
+    floors = [animation.contacts.get(pose, 0.0) for pose in animation.poses]
+    _move_shapes(take, channels, animation.weights[frames], floors)
+    _move_nodes(take, channels, animation.weights[frames])
+    if not take.channels:
+        raise _nothing_moves(model, channels)
+    take.finish(animation.title, {"audio_start": round(animation.begins, 6)})
+    _write(out, take)
+
+
+class _NewAnimation:
+    """An animation under construction: new JSON rows and binary data."""
+
+    def __init__(self, model: Model, times: npt.NDArray[np.float32], error: float | None) -> None:
+        self.model = model
+        self.times = times.astype(float)
+        self.error = None if error is None else margin(error)
+        self.changed: Json = {}
+        self.appended: dict[str, list[Json]] = {}
+        self.binary = binary_of(model.path, model.document, model.chunks)
+        self.data: list[bytes] = []
+        self.samplers: list[Json] = []
+        self.channels: list[Json] = []
+        self._accessors: list[Json] = []
+        self._lines = None if self.error else self._clock(times)
+
+    def _accessor(self, kind: str, values: npt.NDArray[np.float32]) -> Json:
+        """Append values to the binary data and return their accessor."""
+        offset = sum(map(len, self.data))
+        self.data.append(values.astype("<f4").tobytes())
+        count = values.size if kind == "SCALAR" else len(values)
+        view = len(self.model.document.get("bufferViews", ()))
+        place = {"bufferView": view, "byteOffset": offset}
+        return {**place, "componentType": FLOAT_COMPONENT, "count": count, "type": kind}
+
+    def _clock(self, times: npt.NDArray[np.float32]) -> int:
+        """Append times and return the index of their accessor."""
+        bounds = {"min": [float(times[0])], "max": [float(times[-1])]}
+        return self._add(self._accessor("SCALAR", times) | bounds)
+
+    def _add(self, accessor: Json) -> int:
+        self._accessors.append(accessor)
+        return len(self.model.document.get("accessors", ())) + len(self._accessors) - 1
+
+    def sample(
+        self, kind: str, values: Floats, span: float = 1.0, floors: Floats | None = None
+    ) -> int:
+        """Append values over time and return the index of the new sampler.
+
+        Parameters
+        ----------
+        values : (T, n)
+        span : the range of the values, of which the error of keys is a share
+        floors : (n,) levels that contacts hold
+        """
+        clock, rows, way = self._lines, values, "LINEAR"
+        if self.error:
+            spline = fit(self.times, values, self.error * span, floors)
+            clock, way = self._clock(self.times[spline.frames].astype(np.float32)), "CUBICSPLINE"
+            parts = (spline.arriving, spline.values, spline.leaving)
+            rows = np.stack(parts, axis=1).reshape(-1, values.shape[1])
+        output = self._add(self._accessor(kind, rows.astype(np.float32)))
+        self.samplers.append({"input": clock, "output": output, "interpolation": way})
+        return len(self.samplers) - 1
+
+    def drive(self, node: int, path: str, sampler: int) -> None:
+        """Connect a sampler to a property of a node."""
+        self.channels.append({"sampler": sampler, "target": {"node": node, "path": path}})
+
+    def replace_node(self, number: int, node: Json) -> None:
+        """Replace a node of the model."""
+        nodes = self.changed.setdefault("nodes", list(self.model.document["nodes"]))
+        nodes[number] = node
+
+    def finish(self, name: str, extras: Json) -> None:
+        """Append the collected rows to the lists of the model."""
+        self.data.insert(0, b"\0" * (-len(self.binary) % 4))
+        start = len(self.binary) + len(self.data[0])
+        length = sum(map(len, self.data[1:]))
+        view = {"buffer": 0, "byteOffset": start, "byteLength": length}
+        first, *others = self.model.document.get("buffers") or [{}]
+        kept = {key: value for key, value in first.items() if key != "uri"}
+        self.changed["buffers"] = [kept | {"byteLength": start + length}, *others]
+        taken = [row.get("name") for row in self.model.document.get("animations", ())]
+        number, free = 1, name
+        while free in taken:
+            number += 1
+            free = f"{name} {number}"
+        animation = {"name": free, "channels": self.channels}
+        self.appended["bufferViews"] = [view]
+        self.appended["accessors"] = self._accessors
+        self.appended["animations"] = [animation | {"samplers": self.samplers, "extras": extras}]
+
+    def text(self) -> str:
+        """Return the document as JSON; what stays the same is not formatted again."""
+        model = self.model
+        texts = {**model.texts, **{name: model.text(new) for name, new in self.changed.items()}}
+        for name, rows in self.appended.items():
+            known, more = texts.get(name, "[]"), model.text(rows)
+            texts[name] = more if known == "[]" else f"{known[:-1]},{more[1:]}"
+        return "{" + ",".join(f"{model.text(name)}:{text}" for name, text in texts.items()) + "}"
+
+
+# Morph targets
+
+
+def _move_shapes(
+    take: _NewAnimation, channels: tuple[Channel, ...], values: Floats, floors: Sequence[float]
+) -> None:
+    """Animate the morph weights of every node whose mesh has a matching shape.
+
+    The larger of two columns for one target is used.
+    """
+    driven = {mesh.number: _columns(mesh, channels) for mesh in take.model.meshes}
+    samplers: dict[tuple[int, tuple[float, ...]], int] = {}
+    for number, mesh, rest in _shown(take.model):
+        columns, key = driven[mesh.number], (mesh.number, rest)
+        if columns and key not in samplers:
+            levels = np.zeros(len(rest))
+            weights = np.tile(np.array(rest), (len(values), 1))
+            for target, sources in columns.items():
+                levels[target] = max(floors[source] for source in sources)
+                weights[:, target] = values[:, sources].max(axis=1)
+            samplers[key] = take.sample("SCALAR", weights, floors=levels)
+        if columns:
+            take.drive(number, "weights", samplers[key])
+
+
+def _shown(model: Model) -> Iterator[tuple[int, Mesh, tuple[float, ...]]]:
+    """Yield the nodes with morph targets, and their weights at rest."""
+    meshes = {mesh.number: mesh for mesh in model.meshes}
+    for number, node in enumerate(model.document.get("nodes", ())):
+        mesh = meshes.get(node.get("mesh", -1))
+        if mesh is not None:
+            rest, what = node.get("weights", [*mesh.rest]), f"weights of node {number}"
+            yield number, mesh, numbers(model.path, what, rest, len(mesh.rest))
+
+
+def _columns(mesh: Mesh, channels: tuple[Channel, ...]) -> dict[int, list[int]]:
+    """Map each morph target of a mesh to its columns."""
+    columns: dict[int, list[int]] = defaultdict(list)
+    for column, shapes in _placing(channels, mesh).shapes.items():
+        for shape in shapes:
+            columns[mesh.shapes.index(shape)].append(column)
+    return columns
+
+
+# Nodes
+
+
+def _move_nodes(take: _NewAnimation, channels: Sequence[Channel], values: Floats) -> None:
+    """Rotate and translate bone nodes relative to their rest transform."""
+    moves: dict[str, list[tuple[Channel, Floats]]] = defaultdict(list)
+    for column, channel in enumerate(channels):
+        if channel.node is not None:
+            moves[channel.node].append((channel, values[:, column]))
+    for number, node in enumerate(take.model.document.get("nodes", ())):
+        if node.get("name", "") in moves:
+            _move_node(take, number, moves[node["name"]])
+
+
+def _move_node(take: _NewAnimation, number: int, moves: list[tuple[Channel, Floats]]) -> None:
+    path, node = take.model.path, take.model.document["nodes"][number]
+    what = f"node '{node['name']}'"
+    node = _parted(path, what, node)
+    take.replace_node(number, node)
+    rotations = [_turned(c, v) for c, v in moves if c.rotation is not None]
+    if rotations:
+        rest = numbers(path, f"rotation of {what}", node.get("rotation", [*IDENTITY]), 4)
+        length = float(np.linalg.norm(rest))
+        if length < TINY_CHANGE:
+            fail(path, f"rotation of {what}: is 0 throughout")
+        values = reduce(product, rotations, np.array([rest]) / length)
+        take.drive(number, "rotation", take.sample("VEC4", values, _range(values)))
+    shifts = [np.outer(v, c.translation) for c, v in moves if c.translation is not None]
+    if shifts:
+        rest = numbers(path, f"translation of {what}", node.get("translation", [0.0] * 3), 3)
+        values = np.array(rest) + sum(shifts)
+        take.drive(number, "translation", take.sample("VEC3", values, _range(values)))
+
+
+def _range(values: Floats) -> float:
+    """Return the widest range of a component; 1 for values that stand still."""
+    return float(np.ptp(values, axis=0).max()) or 1.0
+
+
+def _turned(channel: Channel, degrees: Floats) -> Floats:
+    axis = np.array(channel.rotation, dtype=np.float64)
+    if not axis.any():
+        raise OutputError(
+            f"'{channel.name}': a rotation about (0, 0, 0) has no effect; give it an axis, "
+            "as (1, 0, 0)"
+        )
+    return turns(axis, degrees)
+
+
+def _parted(path: Path, what: str, node: Json) -> Json:
+    """Return a node with its matrix decomposed, because glTF cannot animate a matrix."""
+    if "matrix" not in node:
+        return node
+    found = parts(np.reshape(numbers(path, f"matrix of {what}", node["matrix"], 16), (4, 4)))
+    if found is None:
+        mend = "apply its transform in your 3D program and export the model again"
+        fail(path, f"{what} is sheared or flat, so it cannot be animated", mend)
+    own = {name: part.tolist() for name, part in found._asdict().items()}
+    return {key: value for key, value in node.items() if key != "matrix"} | own
+
+
+# GLB file
+
+
+def _write(out: BinaryIO, take: _NewAnimation) -> None:
+    model = take.model
+    encoded = take.text().encode("utf-8", "backslashreplace")
+    others = model.chunks[has_binary(model.chunks) :]
+    chunks: list[tuple[int, list[bytes]]] = [
+        (JSON_CHUNK, [encoded, b" " * (-len(encoded) % 4)]),
+        (BINARY_CHUNK, [take.binary, *take.data]),
+        *(
+            (chunk.kind, [read_chunk(model.path, chunk), b"\0" * (-chunk.length % 4)])
+            for chunk in others
+        ),
+    ]
+    write_parts(out, chunks)
+
+
+def _nothing_moves(model: Model, channels: Sequence[Channel]) -> OutputError:
+    wanted = [channel.node or channel.name for channel in channels]
+    shapes = dict.fromkeys(shape for names in model.shapes.values() for shape in names)
+    return OutputError(
+        f"{model.path}: no shape has the name of a pose: it has "
+        f"{some(shapes)}; the poses are {some(wanted)}. Give the character a rig that says which "
+        "pose moves what (`lipsync-lang characters new` drafts one)"
+    )

@@ -1,0 +1,36 @@
+"""CSV recordings of Live Link Face, the face capture app for Unreal Engine.
+
+One row per frame, in the column order of the app: a timecode `HH:MM:SS:FF.mmm` with thousandths of
+a frame, the number of values, the 52 ARKit shapes, and the rotations of head and eyes. Weights are
+clipped to 0 to 1. Timecode counts whole frames, so one timecode second at 23.976 fps lasts 1.001 s.
+"""
+
+from collections.abc import Iterator
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.fixed import doubts, laid_out, names
+from lipsync_lang.animations.rates import timecode
+
+LIVE_LINK_FACE = "Live Link Face"
+LIVE_LINK_NAMES = "live-link-face.txt"
+THOUSAND = 1000
+
+
+def remarks(animation: Animation) -> Iterator[str]:
+    """Yield warnings about omitted channels and a delayed sound."""
+    return doubts(animation, names(LIVE_LINK_NAMES), LIVE_LINK_FACE)
+
+
+@writer("live-link-face", suffix=".live-link.csv", remarks=remarks)
+def write_live_link_face(animation: Animation, out: TextIO) -> None:
+    """A take of Live Link Face: a timecode and 61 values per frame."""
+    held = names(LIVE_LINK_NAMES)
+    table = laid_out(animation, held, LIVE_LINK_FACE)
+    columns = [*held.shapes, *held.turns]
+    out.write(",".join(["Timecode", "BlendShapeCount", *columns]) + "\n")
+    row = ",".join(["%s", str(len(columns)), *["%.6f"] * len(columns)]) + "\n"
+    for time, weights in zip(animation.timeline.tolist(), table.tolist(), strict=True):
+        frame, part = divmod(round(time * animation.fps * THOUSAND), THOUSAND)
+        out.write(row % (f"{timecode(frame, animation.fps)}.{part:03d}", *weights))

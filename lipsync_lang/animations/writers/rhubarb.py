@@ -1,0 +1,94 @@
+"""The three output formats of Rhubarb Lip Sync: TSV, XML and JSON.
+
+Based on its README and exporters (github.com/DanielSWolf/rhubarb-lip-sync). Shapes are A to H, and
+X for rest. Times are seconds with two decimals, from 0 to the end of the sound; each shape ends at
+the start of the next. `soundFile` is the source of the schedule, because the name of the output
+audio file is unknown here.
+"""
+
+import json
+from html import escape
+from pathlib import Path
+from typing import TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.held import HeldShape, held
+from lipsync_lang.errors import OutputError
+
+RHUBARB_NAMES = Path(__file__).parent / "names" / "rhubarb.txt"
+
+
+@writer("rhubarb-tsv", suffix=".tsv")
+def write_tsv(animation: Animation, out: TextIO) -> None:
+    """Rhubarb's table of mouth shapes: the start of each, and the end of the sound."""
+    shapes = _shapes(animation)
+    out.writelines(f"{shape.start:.2f}\t{shape.name}\n" for shape in shapes)
+    out.write(f"{shapes[-1].end:.2f}\t{_known()[-1]}\n")
+
+
+@writer("rhubarb-xml", suffix=".xml")
+def write_xml(animation: Animation, out: TextIO) -> None:
+    """Rhubarb's mouth shapes as XML: the start and end of each."""
+    shapes = _shapes(animation)
+    cues = "".join(
+        f'    <mouthCue start="{shape.start:.2f}" end="{shape.end:.2f}">{shape.name}</mouthCue>\n'
+        for shape in shapes
+    )
+    out.write(
+        '<?xml version="1.0" encoding="utf-8"?>\n'
+        "<rhubarbResult>\n"
+        "  <metadata>\n"
+        f"    <soundFile>{escape(_printable(animation.schedule.source), quote=False)}</soundFile>\n"
+        f"    <duration>{shapes[-1].end:.2f}</duration>\n"
+        "  </metadata>\n"
+        "  <mouthCues>\n"
+        f"{cues}"
+        "  </mouthCues>\n"
+        "</rhubarbResult>\n"
+    )
+
+
+@writer("rhubarb-json", suffix=".rhubarb.json")
+def write_json(animation: Animation, out: TextIO) -> None:
+    """Rhubarb's mouth shapes as JSON: the start and end of each."""
+    shapes = _shapes(animation)
+    cues = ",\n".join(
+        f'    {{ "start": {shape.start:.2f}, "end": {shape.end:.2f}, "value": "{shape.name}" }}'
+        for shape in shapes
+    )
+    out.write(
+        "{\n"
+        '  "metadata": {\n'
+        f'    "soundFile": {json.dumps(animation.schedule.source, ensure_ascii=False)},\n'
+        f'    "duration": {shapes[-1].end:.2f}\n'
+        "  },\n"
+        '  "mouthCues": [\n'
+        f"{cues}\n"
+        "  ]\n"
+        "}\n"
+    )
+
+
+def _known() -> list[str]:
+    """Return the shape names, with the rest shape last."""
+    return RHUBARB_NAMES.read_text("utf-8").split()
+
+
+def _shapes(animation: Animation) -> list[HeldShape]:
+    """Return the held shapes under Rhubarb's names, ignoring case."""
+    known = {name.casefold(): name for name in _known()}
+    others = [pose for pose in animation.poses if pose.casefold() not in known]
+    if others:
+        raise OutputError(
+            f"Rhubarb's mouth shapes are {', '.join(known.values())}, and {', '.join(others)} "
+            f"{'is' if len(others) == 1 else 'are'} unknown; perform on a character that has "
+            "those shapes (-c rhubarb)"
+        )
+    shapes = held(animation, _known()[-1])
+    return [shape._replace(name=known[shape.name.casefold()]) for shape in shapes]
+
+
+def _printable(text: str) -> str:
+    """Remove the characters that XML 1.0 cannot represent."""
+    return "".join(c if c in "\t\n\r" or c.isprintable() else "\ufffd" for c in text)

@@ -1,0 +1,62 @@
+"""Subtitles: one cue per word, from the start of its first phoneme to the end of its last.
+
+SubRip (.srt) has no specification: cues are numbered, times are `HH:MM:SS,mmm`, and text is not
+escaped. In WebVTT (.vtt, www.w3.org/TR/webvtt1), times are `HH:MM:SS.mmm`, and `&`, `<` and `>` are
+escaped. Speech before time 0 is cut.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple, TextIO
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.errors import OutputError
+
+ARROW = "-->"
+"""Separator between the two times of a cue; not allowed within its text."""
+
+
+class _WordCue(NamedTuple):
+    start: int
+    """Milliseconds."""
+    end: int
+    text: str
+
+
+@writer("srt", suffix=".srt")
+def write_srt(animation: Animation, out: TextIO) -> None:
+    """Subtitles for video players: each word while it is spoken."""
+    for number, cue in enumerate(_cues(animation), 1):
+        span = f"{_clock(cue.start, ',')} {ARROW} {_clock(cue.end, ',')}"
+        out.write(f"{number}\n{span}\n{cue.text.replace(ARROW, '→')}\n\n")
+
+
+@writer("vtt", suffix=".vtt")
+def write_vtt(animation: Animation, out: TextIO) -> None:
+    """Subtitles for web pages: each word while it is spoken."""
+    out.write("WEBVTT\n")
+    for cue in _cues(animation):
+        text = cue.text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+        out.write(f"\n{_clock(cue.start, '.')} {ARROW} {_clock(cue.end, '.')}\n{text}\n")
+
+
+def _cues(animation: Animation) -> Iterator[_WordCue]:
+    """Yield the cues of words on the timeline; the minimum duration is 1 ms."""
+    schedule = animation.schedule
+    if not schedule.words:
+        raise OutputError(
+            f"there are no words to write: {schedule.source} has only phonemes; speak text, or "
+            "give a schedule with a tier of words"
+        )
+    for word in schedule.words:
+        ends = schedule.times[[word.first, word.stop]] + animation.offset
+        start, end = (max(0, round(1000 * seconds)) for seconds in ends.tolist())
+        text = " ".join(word.text.split())
+        if end > 0 and text:
+            yield _WordCue(start, max(end, start + 1), text)
+
+
+def _clock(milliseconds: int, point: str) -> str:
+    seconds, rest = divmod(milliseconds, 1000)
+    hours, minutes = seconds // 3600, seconds // 60 % 60
+    return f"{hours:02d}:{minutes:02d}:{seconds % 60:02d}{point}{rest:03d}"

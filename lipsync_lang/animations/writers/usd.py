@@ -1,0 +1,84 @@
+"""Universal Scene Description: a SkelAnimation of blend shapes, as text.
+
+The file holds only the animation; the model binds it by `skel:animationSource` and matches shapes
+by name (openusd.org, "UsdSkel schemas"). Time codes are frames, so rates such as 24000/1001 stay
+exact. The sound starts at time code 0 plus the offset; earlier movement has lower time codes. Every
+sample holds the weights of all shapes. USD joins samples by straight lines: with `keys`, the file
+holds the samples that lines within this error need.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import TextIO
+
+import numpy as np
+
+from lipsync_lang.animations.animation import Animation
+from lipsync_lang.animations.animation_writers import writer
+from lipsync_lang.animations.fixed import boneless
+from lipsync_lang.animations.moving_shapes import shapes
+from lipsync_lang.animations.writers.glb import unplaced
+from lipsync_lang.arrays import Floats
+from lipsync_lang.errors import OutputError
+
+PRIM_NAME = "Speech"
+"""Name of the animation prim."""
+
+
+def doubts(animation: Animation) -> Iterator[str]:
+    """Yield warnings about channels that the file omits."""
+    yield from unplaced(animation)
+    yield from boneless(animation, "a .usda")
+
+
+@writer("usd", suffix=".usda", remarks=doubts)
+def write_usd(animation: Animation, out: TextIO) -> None:
+    """A USD SkelAnimation of blend shapes, to be bound to a model."""
+    animation = animation.thinned()
+    columns = _columns(animation)
+    frames = (animation.times + animation.offset) * animation.fps
+    codes = [_code(frame) for frame in frames.tolist()]
+    rate = repr(float(animation.fps)).removesuffix(".0")
+    tokens = ", ".join(map(_token, columns))
+    out.write(
+        f'#usda 1.0\n(\n    defaultPrim = "{PRIM_NAME}"\n'
+        f"    endTimeCode = {codes[-1]}\n"
+        f"    framesPerSecond = {rate}\n"
+        "    metersPerUnit = 1\n"
+        f"    startTimeCode = {codes[0]}\n"
+        f"    timeCodesPerSecond = {rate}\n"
+        '    upAxis = "Y"\n)\n\n'
+        f'def SkelAnimation "{PRIM_NAME}"\n{{\n'
+        f"    uniform token[] blendShapes = [{tokens}]\n"
+        "    float[] blendShapeWeights.timeSamples = {\n"
+    )
+    row = "        %s: [" + ", ".join(["%.6g"] * len(columns)) + "],\n"
+    table = np.column_stack(list(columns.values())).round(6) + 0.0
+    out.writelines(
+        row % (code, *weights) for code, weights in zip(codes, table.tolist(), strict=True)
+    )
+    out.write("    }\n}\n")
+
+
+def _columns(animation: Animation) -> dict[str, Floats]:
+    """Return the curve of each shape by name; meshes are merged, as USD matches by name only."""
+    moves: dict[str, list[Floats]] = defaultdict(list)
+    for shape in shapes(animation):
+        moves[shape.name].append(shape.values)
+    apart = [n for n, (first, *rest) in moves.items() if any((first != o).any() for o in rest)]
+    if apart:
+        raise OutputError(
+            f"{', '.join(apart)}: moves differently on different meshes, but USD identifies "
+            "shapes by name; rename it on one of the meshes"
+        )
+    return {name: found[0] for name, found in moves.items()}
+
+
+def _code(frame: float) -> str:
+    """Format a time code: a frame number, with a fraction if needed."""
+    return f"{round(frame, 6) + 0.0:.6f}".rstrip("0").rstrip(".")
+
+
+def _token(name: str) -> str:
+    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + escaped.replace("\n", "\\n").replace("\r", "\\r").replace("\t", "\\t") + '"'

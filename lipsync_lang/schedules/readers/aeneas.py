@@ -1,0 +1,50 @@
+"""aeneas: a sync map of fragments in JSON.
+
+A fragment has its begin and end in seconds, as text, and the rows of its text. Fragments of several
+levels contain smaller ones; the smallest are read.
+"""
+
+from collections.abc import Iterator
+
+from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+AENEAS_FORM = (
+    '{"fragments": [{"id": "f000001", "begin": "0.000", "end": "2.680", "lines": ["Hello."]}]}'
+)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the JSON has fragments."""
+    return source.holds("fragments")
+
+
+@reader("aeneas", ".json", sniff=sniff)
+def read_aeneas(source: TimingFile) -> TimedWords:
+    """Sync maps of aeneas: the smallest fragments of the text with their times."""
+    whole = source.json
+    fragments = whole.get("fragments") if isinstance(whole, dict) else None
+    return timed_words_of(source, list(_smallest(source, fragments)))
+
+
+def _smallest(source: TimingFile, fragments: object) -> Iterator[TimedWord]:
+    """Yield fragments without children."""
+    waiting = [fragments]
+    while waiting:
+        level = waiting.pop()
+        if not isinstance(level, list):
+            raise source.fault(f"has no list of fragments; the form is {AENEAS_FORM}")
+        for fragment in level:
+            lines = fragment.get("lines") if isinstance(fragment, dict) else None
+            if not isinstance(lines, list):
+                raise source.fault(f"a fragment has no lines; the form is {AENEAS_FORM}")
+            if fragment.get("children"):
+                waiting.append(fragment["children"])
+            else:
+                times = (fragment.get(name) for name in ("begin", "end"))
+                start, end = (
+                    source.time(one) if isinstance(one, str) else source.number(one)
+                    for one in times
+                )
+                yield TimedWord(" ".join(map(str, lines)), start, end)

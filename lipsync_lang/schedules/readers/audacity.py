@@ -1,0 +1,37 @@
+"""Audacity's label track: a start, an end and a text in every line, with tabs between.
+
+A line that begins with a backslash holds the frequencies of the label above, and is skipped.
+"""
+
+import re
+
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.timed_words import are_words, words_of_rows
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+LABEL = re.compile(r"(-?\d+(?:[.,]\d+)?)\t(-?\d+(?:[.,]\d+)?)(?:\t(.*))?")
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the first line is a label with two decimal times, as Audacity writes them."""
+    found = LABEL.fullmatch(source.head.lstrip("\n").split("\n", 1)[0])
+    return bool(found and not found[1].isdecimal() and not found[2].isdecimal())
+
+
+@reader("audacity", ".txt", sniff=sniff)
+def read_audacity(source: TimingFile) -> Timings:
+    """Audacity label tracks of phonemes or words, exported as text."""
+    rows = []
+    for number, line in source.lines:
+        if line.startswith("\\"):
+            continue
+        found = LABEL.fullmatch(line)
+        if not found:
+            what = "is not a label; write START, END and TEXT, separated by tabs"
+            raise source.fault(what, number)
+        start, end = (source.time(found[at].replace(",", "."), number) for at in (1, 2))
+        rows.append(LabelRow(found[3] or "", start, end, number))
+    if are_words(row.label for row in rows):
+        return words_of_rows(source, rows, guess=True)
+    return schedule_of(source, rows, guess=True)

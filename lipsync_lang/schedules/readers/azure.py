@@ -1,0 +1,107 @@
+"""Viseme events of Microsoft's Azure speech, as programs that receive them write them down.
+
+An event has the audio offset, in ticks of 100 ns, at which a viseme starts, and the viseme's
+number, 0 to 21. Programs write these as JSON: in one list, or one on each line, under the names
+of their SDK (`AudioOffset` and `VisemeId`, `audioOffset` and `visemeId`, `audio_offset` and
+`viseme_id`, `privAudioOffset` and `privVisemeId`), some with offsets turned to milliseconds or
+seconds, or as the service sends them, within
+``{"Metadata": [{"Type": "Viseme", "Data": {"Offset": ..., "VisemeId": ...}}, ...]}``, where word
+boundaries and the end of the session may stand beside them.
+"""
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from statistics import median
+
+from lipsync_lang.json_object import Json
+from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+AZURE_NOTATION = "azure"
+
+TICKS_PER_SECOND = 1e7
+"""Ticks per second."""
+
+UNITS = {"ticks": TICKS_PER_SECOND, "milliseconds": 1000.0, "seconds": 1.0}
+"""Units per second of offsets, the smallest unit first."""
+
+SHORT_SECONDS = 0.002
+"""No text has visemes that are this close to each other in the median."""
+
+LAST_VISEME = 21
+"""The last viseme; the first, 0, is silence."""
+
+VISEME = re.compile(r'"(priv)?viseme_?id"\s*:', re.IGNORECASE)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True for a JSON object or list with viseme numbers."""
+    return source.head.lstrip()[:1] in ("{", "[") and VISEME.search(source.head) is not None
+
+
+@reader(AZURE_NOTATION, ".json", ".jsonl", sniff=sniff)
+def read_azure(source: TimingFile) -> Schedule:
+    """Viseme events of Azure speech, in a JSON list or one on each line."""
+    starts: list[Start] = []
+    words: list[LabelRow] = []
+    end = None
+    for line, event in _events(source):
+        at = source.number(event.get("offset"), line)
+        if "visemeid" in event:
+            starts.append((_number(source, event["visemeid"], line), at, line))
+        elif event.get("type") == "SessionEnd":
+            end = at
+        elif isinstance(event.get("text"), dict) and event["text"].get("BoundaryType") == "Word":
+            length = source.number(event.get("duration"), line)
+            words.append(LabelRow(str(event["text"].get("Text")), at, at + length, line))
+    unit = _unit([at for _, at, _ in starts])
+    rate = UNITS[unit]
+    rows, told = until_next(source, starts, rest="0", end=end, rate=rate)
+    if rate != TICKS_PER_SECOND and source.rate is None:
+        told.append(
+            f"{source.path}: its offsets are read as {unit}; if they are not, state how many make "
+            f"a second (`rate={rate:g}`)"
+        )
+    return shapes_of(source, rows, notation=AZURE_NOTATION, words=words, rate=rate, remarks=told)
+
+
+def _unit(offsets: list[float]) -> str:
+    """Return the likeliest unit of the starts of visemes."""
+    ordered = sorted(offsets)
+    steps = [after - before for before, after in pairwise(ordered) if after > before]
+    if not steps:
+        return next(iter(UNITS))
+    return next((u for u in UNITS if median(steps) / UNITS[u] >= SHORT_SECONDS), "seconds")
+
+
+def _events(source: TimingFile) -> Iterator[tuple[int | None, Json]]:
+    """Yield (line, event); field names have one spelling for all SDKs."""
+    for line, value in source.events:
+        inner = value.get("Metadata") if isinstance(value, dict) else None
+        for one in inner if isinstance(inner, list) else [value]:
+            if not isinstance(one, dict):
+                raise source.fault("an event needs an audio offset and a viseme ID", line)
+            data = one.get("Data")
+            flat = {**one, **data} if isinstance(data, dict) else one
+            yield line, {_plain(name): value for name, value in flat.items()}
+
+
+def _plain(name: str) -> str:
+    """Return the name of a field without the case, the prefixes and the unit of its program."""
+    plain = re.sub(r"^(priv)?(audio)?", "", name.replace("_", "").lower())
+    return "offset" if plain.startswith("offset") else plain
+
+
+def _number(source: TimingFile, value: object, line: int | None) -> str:
+    """Return the label of a viseme."""
+    if isinstance(value, str) and value.isdecimal() and len(value) <= len(str(LAST_VISEME)):
+        value = int(value)
+    if isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= LAST_VISEME:
+        return str(value)
+    raise source.fault(
+        f"{str(value)[:20]!r} is not a viseme; visemes are numbered 0 to {LAST_VISEME}", line
+    )

@@ -1,0 +1,48 @@
+"""Azure's recognition of speech: words and, where pronunciation is assessed, their phonemes.
+
+Offsets and durations count ticks of 100 ns. The first of several readings of the sound is the best.
+Results are a JSON object, or several in a list or one on each line.
+"""
+
+from lipsync_lang.json_object import Json
+from lipsync_lang.schedules.readers.azure import TICKS_PER_SECOND
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.timed_words import TimedWord, timed_words_of
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+NBEST_FIELD = "NBest"
+
+RECOGNITION_FORM = (
+    '{"NBest": [{"Words": [{"Word": "maps", "Offset": 1000000, "Duration": 5200000, "Phonemes": '
+    '[{"Phoneme": "m", "Offset": 1000000, "Duration": 900000}]}]}]}'
+)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True for JSON that names the readings of the sound."""
+    return source.mentions(NBEST_FIELD)
+
+
+@reader("azure-recognition", ".json", ".jsonl", sniff=sniff)
+def read_azure_recognition(source: TimingFile) -> Timings:
+    """Words that Azure has recognised, with phonemes where it has assessed their pronunciation."""
+    phones: list[LabelRow] = []
+    words: list[LabelRow] = []
+    for line, result in source.events:
+        for best in source.objects(result, NBEST_FIELD, RECOGNITION_FORM, line)[:1]:
+            for word in source.objects(best, "Words", RECOGNITION_FORM, line):
+                words.append(_row(source, word, "Word", line))
+                spelled = source.objects(word, "Phonemes", RECOGNITION_FORM, line)
+                phones += [_row(source, phone, "Phoneme", line) for phone in spelled]
+    if phones or not words:
+        return schedule_of(source, phones, words=words, rate=TICKS_PER_SECOND)
+    timed = [TimedWord(w.label, w.start, w.end, line=w.line) for w in words]
+    return timed_words_of(source, timed, rate=TICKS_PER_SECOND)
+
+
+def _row(source: TimingFile, told: Json, name: str, line: int | None) -> LabelRow:
+    start = source.number(told.get("Offset"), line)
+    return LabelRow(
+        str(told.get(name, "")), start, start + source.number(told.get("Duration"), line), line
+    )

@@ -1,0 +1,87 @@
+"""SmartBody: behaviour markup (BML) with lips, and the replies of its speech relays.
+
+Times are seconds. In BML, ``<lips viseme="Ih" articulation="1.0" start="0.17" end="0.31"/>`` states
+both ends of a shape, and ``<sync time="0.17"/>If`` when a word starts. A reply has
+``<viseme start="0.17" type="Ih" articulation="1.0"/>``, without an end, within
+``<word start= end=>``, which does not say what the word is. Where several shapes start at the same
+time, as for characters whose shapes are layered, the one articulated most strongly is read.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lipsync_lang.schedules.mouth_shapes import shapes_of, until_next
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+SMARTBODY_NOTATION = "smartbody"
+
+
+class LipShape(NamedTuple):
+    """A shape with its times and the weight of its articulation; replies give no end."""
+
+    label: str
+    start: float
+    end: float | None
+    weight: float
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True for XML with lips or visemes."""
+    return source.root is not None and ("<lips " in source.head or "<viseme " in source.head)
+
+
+@reader("bml", ".bml", ".xml", sniff=sniff)
+def read_bml(source: TimingFile) -> Schedule:
+    """SmartBody's BML with lips, and the replies of its speech relays with visemes."""
+    shapes = list(_shapes(source))
+    if not shapes and source.xml.find(".//curve") is not None:
+        raise source.fault("has finished curves, not visemes; no timings can be read")
+    strongest: dict[float, LipShape] = {}
+    for shape in shapes:
+        before = strongest.setdefault(shape.start, shape)
+        if shape.weight > before.weight:
+            strongest[shape.start] = shape
+    told = []
+    if len(strongest) < len(shapes):
+        weaker = len(shapes) - len(strongest)
+        told.append(
+            f"{source.path}: {weaker} weaker shapes start with a stronger one and are left out"
+        )
+    stated = [LabelRow(s.label, s.start, s.end) for s in strongest.values() if s.end is not None]
+    words = list(_words(source))
+    ends = [source.time(word.get("end")) for word in source.xml.iter("word")]
+    open_ended = [(s.label, s.start, None) for s in strongest.values() if s.end is None]
+    rows, guessed = until_next(source, open_ended, rest=SILENCE, end=max(ends, default=None))
+    remarks = [*told, *guessed]
+    return shapes_of(
+        source, stated + rows, words=words, notation=SMARTBODY_NOTATION, remarks=remarks
+    )
+
+
+def _shapes(source: TimingFile) -> Iterator[LipShape]:
+    for element in source.xml.iter():
+        if element.tag not in ("lips", "viseme"):
+            continue
+        name = "viseme" if element.tag == "lips" else "type"
+        label, weight = element.get(name), element.get("articulation")
+        if label is None:
+            raise source.fault(f"a <{element.tag}> has no `{name}`; export it again")
+        yield LipShape(
+            label,
+            source.time(element.get("start")),
+            source.time(element.get("end")) if element.tag == "lips" else None,
+            source.time(weight) if weight is not None else 1.0,
+        )
+
+
+def _words(source: TimingFile) -> Iterator[LabelRow]:
+    """Yield the words between time marks."""
+    marks = [mark for mark in source.xml.iter("sync") if mark.get("time") is not None]
+    times = [source.time(mark.get("time")) for mark in marks]
+    for number, mark in enumerate(marks[:-1]):
+        text = (mark.tail or "").strip()
+        if text and times[number] < times[number + 1]:
+            yield LabelRow(text, times[number], times[number + 1])

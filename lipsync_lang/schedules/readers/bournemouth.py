@@ -1,0 +1,81 @@
+"""The Bournemouth Forced Aligner: segments of speech with their phones and words, in JSON.
+
+Times are milliseconds. A phone may end before the next one of its word starts, where the aligner is
+sure of the middle alone: it lasts until the next one then.
+"""
+
+from bisect import bisect_right
+from operator import attrgetter
+
+from lipsync_lang.json_object import Json
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+MILLISECONDS_PER_SECOND = 1000.0
+
+BOURNEMOUTH_FORM = (
+    '{"segments": [{"phoneme_ts": [{"ipa_label": "m", "start_ms": 0, "end_ms": 80}], '
+    '"words_ts": [{"word": "maps", "start_ms": 0, "end_ms": 400}]}]}'
+)
+
+
+_start = attrgetter("start")
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the first segment has phones."""
+    segments = source.document.get("segments") if source.holds("segments") else None
+    first = segments[0] if isinstance(segments, list) and segments else None
+    return isinstance(first, dict) and "phoneme_ts" in first
+
+
+@reader("bournemouth", ".json", sniff=sniff)
+def read_bournemouth(source: TimingFile) -> Schedule:
+    """Phones and words of the Bournemouth Forced Aligner."""
+    rows: list[LabelRow] = []
+    words: list[LabelRow] = []
+    told: set[str] = set()
+    for segment in source.objects(source.json, "segments", BOURNEMOUTH_FORM):
+        spans = sorted(_rows(source, segment, "words_ts", "word"), key=_start)
+        phones = sorted(
+            _rows(source, segment, "phoneme_ts", "ipa_label", "phoneme_label"), key=_start
+        )
+        joined = _joined(phones, spans)
+        if joined != phones:
+            told.add(
+                f"{source.path}: there are gaps between the sounds of a word; each sound is "
+                "extended to the next"
+            )
+        rows += joined
+        words += spans
+    return schedule_of(source, rows, words=words, rate=MILLISECONDS_PER_SECOND, remarks=told)
+
+
+def _joined(phones: list[LabelRow], words: list[LabelRow]) -> list[LabelRow]:
+    """Let each phone last until the next one of its word."""
+    starts = [word.start for word in words]
+    stops = [word.end for word in words]
+    # The last word that starts before a phone's middle is the phone's, unless it has ended.
+    middles = [(phone.start + phone.end) / 2 for phone in phones]
+    numbers = [bisect_right(starts, middle) - 1 for middle in middles]
+    inside = [n >= 0 and middle < stops[n] for n, middle in zip(numbers, middles, strict=True)]
+    joined = list(phones)
+    for at in range(len(phones) - 1):
+        together = inside[at] and inside[at + 1] and numbers[at] == numbers[at + 1]
+        if together and phones[at].end < phones[at + 1].start:
+            joined[at] = phones[at]._replace(end=phones[at + 1].start)
+    return joined
+
+
+def _rows(source: TimingFile, segment: Json, name: str, *labels: str) -> list[LabelRow]:
+    """Return the rows of a list; the first of `labels` that a row has is its label."""
+    return [
+        LabelRow(
+            next((str(one[label]) for label in labels if label in one), ""),
+            source.number(one.get("start_ms")),
+            source.number(one.get("end_ms")),
+        )
+        for one in source.objects(segment, name, BOURNEMOUTH_FORM)
+    ]

@@ -1,0 +1,49 @@
+"""Charsiu: lists of start, end and label, as JSON.
+
+The aligner returns a list of phones or, for a text, a list of phones and a list of words; scripts
+write them down as they are. Times are seconds. Its tables and TextGrids are read as such.
+"""
+
+from collections.abc import Sequence
+
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+CHARSIU_FORM = '[[[0.0, 0.1, "[SIL]"], [0.1, 0.19, "M"], ...], [[0.1, 0.62, "maps"], ...]]'
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the JSON starts with a list of two times and a label, or a list of those."""
+    first = _first(source.document)
+    return _is_row(first) or _is_row(_first(first))
+
+
+def _first(whole: object) -> object:
+    return whole[0] if isinstance(whole, list) and whole else None
+
+
+def _is_row(value: object) -> bool:
+    """Return True for a list of start, end and label."""
+    match value:
+        case [_, _, str()]:
+            return True
+    return False
+
+
+@reader("charsiu", ".json", sniff=sniff)
+def read_charsiu(source: TimingFile) -> Schedule:
+    """Phones of Charsiu as lists of start, end and label; words in a second list."""
+    whole = source.json
+    if not isinstance(whole, list) or not whole:
+        raise source.fault(f"has no lists of sounds; the form is {CHARSIU_FORM}")
+    phones, words, *_ = [whole, []] if _is_row(whole[0]) else [*whole, []]
+    spoken = [row for row in _rows(source, words) if not row.label.startswith("[")]
+    return schedule_of(source, _rows(source, phones), words=spoken)
+
+
+def _rows(source: TimingFile, rows: object) -> Sequence[LabelRow]:
+    if not isinstance(rows, list) or not all(_is_row(row) for row in rows):
+        raise source.fault(f"needs lists of start, end and label; the form is {CHARSIU_FORM}")
+    return [LabelRow(row[2], source.number(row[0]), source.number(row[1])) for row in rows]

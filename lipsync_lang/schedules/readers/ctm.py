@@ -1,0 +1,56 @@
+"""CTM of phones or words: ``file channel start duration label [confidence]`` in every line.
+
+Lines that begin with two semicolons are comments. Kaldi appends the place in the word to a phone
+(``_B``, ``_I``, ``_E`` or ``_S``), which is removed from the label.
+"""
+
+import re
+from collections import defaultdict
+from dataclasses import replace
+
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.tiers import Tier, only
+from lipsync_lang.schedules.timed_words import are_words, words_of_rows
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+CTM_COMMENT = ";;"
+CTM_CONFIDENCE = r"0?\.\d+|[01]|1\.0*"
+CTM_LINE = re.compile(
+    r"\s*(\S+)\s+(\S+)\s+(-?[\d.]+)\s+(-?[\d.]+)\s+(\S+?)(?:_[BIES])?(?:\s+(\S.*))?\s*"
+)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the first line that is not a comment is a phone."""
+    lines = [line for line in source.head.split("\n") if line.strip()]
+    return bool(CTM_LINE.fullmatch(next((x for x in lines if not x.startswith(CTM_COMMENT)), "")))
+
+
+@reader("ctm", ".ctm", sniff=sniff, tiers=True)
+def read_ctm(source: TimingFile) -> Timings:
+    """CTM of phones or words, as Kaldi writes it; of several files or channels, one is named."""
+    tiers: dict[tuple[str, str], list[LabelRow]] = defaultdict(list)
+    sure: dict[int | None, float] = {}
+    for number, line in source.lines:
+        if line.startswith(CTM_COMMENT):
+            continue
+        found = CTM_LINE.fullmatch(line)
+        if not found:
+            raise source.fault("is not a sound; write FILE CHANNEL START DURATION LABEL", number)
+        start, length = source.time(found[3], number), source.time(found[4], number)
+        if re.fullmatch(CTM_CONFIDENCE, found[6] or ""):
+            sure[number] = float(found[6])
+        tiers[found[1], found[2]].append(LabelRow(found[5], start, start + length, number))
+    rows = only(source, _named(tiers), "files or channels").rows
+    if are_words(row.label for row in rows):
+        words = words_of_rows(source, rows)
+        rated = (replace(word, confidence=sure.get(word.line)) for word in words.words)
+        return replace(words, words=tuple(rated))
+    return schedule_of(source, rows)
+
+
+def _named(tiers: dict[tuple[str, str], list[LabelRow]]) -> list[Tier]:
+    """Return tiers named after the file, the channel or both, whichever differ."""
+    telling = [at for at in (0, 1) if len({key[at] for key in tiers}) > 1] or [0]
+    return [Tier(" ".join(key[at] for at in telling), tuple(rows)) for key, rows in tiers.items()]

@@ -1,0 +1,164 @@
+"""ELAN: tiers of annotations in XML (`.eaf`).
+
+An annotation lies between two time slots, in milliseconds. Slots without a value part the time
+between their neighbours evenly, as ELAN shows them. An annotation that refers to another has its
+time; several that refer to one share it evenly, in their order.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.tiers import Tier, TimeSpan, read_tiers
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+MILLISECONDS_PER_SECOND = 1000.0
+
+
+class Reference(NamedTuple):
+    """An annotation's parent, and its place among those of the tier that share the parent."""
+
+    parent: str
+    place: int
+    among: int
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True for XML with ELAN's outermost element."""
+    return source.root == "ANNOTATION_DOCUMENT"
+
+
+@reader("elan", ".eaf", sniff=sniff, tiers=True)
+def read_elan(source: TimingFile) -> Timings:
+    """ELAN's .eaf with a tier of phones; the words of its speaker are taken along."""
+    document = source.xml
+    if document.tag != "ANNOTATION_DOCUMENT":
+        raise source.fault("is not an ELAN document; save it again in ELAN")
+    elements = list(document.iter("TIER"))
+    _check_parents(source, elements)
+    spans = _spans(source, document, elements)
+    rate = source.rate or MILLISECONDS_PER_SECOND
+    tiers = []
+    timeless = 0
+    for element in elements:
+        rows = []
+        for one in _annotations(element):
+            text, span = (one.findtext("ANNOTATION_VALUE") or "").strip(), spans.get(_id(one))
+            if span:
+                rows.append(LabelRow(text, span[0] / rate, span[1] / rate))
+            timeless += bool(text) and span is None
+        tiers.append(Tier(element.get("TIER_ID", "").strip(), tuple(rows)))
+    told = f"{source.path}: annotations without a time are left out: {timeless}"
+    timings = read_tiers(replace(source, rate=None), tiers)
+    return replace(timings, remarks=(*timings.remarks, told)) if timeless else timings
+
+
+def _annotations(tier: "Element") -> Iterator["Element"]:
+    for annotation in tier.iter("ANNOTATION"):
+        yield from annotation
+
+
+def _id(annotation: "Element") -> str:
+    return annotation.get("ANNOTATION_ID", "")
+
+
+def _check_parents(source: TimingFile, tiers: list["Element"]) -> None:
+    """Raise an error if a tier is its own parent, directly or through others."""
+    parents = {tier.get("TIER_ID", ""): tier.get("PARENT_REF") for tier in tiers}
+    sound: set[str] = set()
+    for first in parents:
+        chain: dict[str, None] = {}
+        at: str | None = first
+        while at is not None and at in parents and at not in sound:
+            if at in chain:
+                raise source.fault(
+                    f"tier '{at}' is its own parent; give it another parent in ELAN (Change "
+                    "Parent)",
+                    source.line_of(f'TIER_ID="{at}"'),
+                )
+            chain[at] = None
+            at = parents[at]
+        sound.update(chain)
+
+
+def _spans(source: TimingFile, document: "Element", tiers: list["Element"]) -> dict[str, TimeSpan]:
+    """Return the start and end of each annotation that has any, by its ID."""
+    slots = {
+        slot.get("TIME_SLOT_ID", ""): source.time(slot.get("TIME_VALUE"))
+        for slot in document.iter("TIME_SLOT")
+        if slot.get("TIME_VALUE") is not None
+    }
+    spans: dict[str, TimeSpan] = {}
+    references: dict[str, Reference] = {}
+    for tier in tiers:
+        found = list(_annotations(tier))
+        spans |= _aligned(found, slots)
+        references |= _references(found)
+    _refer(source, references, spans)
+    return spans
+
+
+def _aligned(annotations: list["Element"], slots: dict[str, float]) -> dict[str, TimeSpan]:
+    """Return the spans of a tier's annotations between slots; chains without times share theirs."""
+    spans: dict[str, TimeSpan] = {}
+    chain: list[str] = []
+    start: float | None = None
+    due: str | None = None
+    for one in annotations:
+        first, last = one.get("TIME_SLOT_REF1"), one.get("TIME_SLOT_REF2")
+        if first is None or last is None:
+            continue
+        if first in slots or first != due:
+            chain, start = [], slots.get(first)
+        chain.append(_id(one))
+        due = last
+        if last in slots:
+            if start is not None:
+                step = (slots[last] - start) / len(chain)
+                ends = [start + step * (n + 1) for n in range(len(chain) - 1)] + [slots[last]]
+                spans |= dict(zip(chain, zip([start, *ends], ends, strict=False), strict=True))
+            chain, start, due = [], slots[last], None
+    return spans
+
+
+def _references(annotations: list["Element"]) -> dict[str, Reference]:
+    """Return what a tier's annotations refer to, by their ID."""
+    parents = [(_id(one), ref) for one in annotations if (ref := one.get("ANNOTATION_REF"))]
+    counts = Counter(parent for _, parent in parents)
+    places: defaultdict[str, int] = defaultdict(int)
+    found = {}
+    for name, parent in parents:
+        found[name] = Reference(parent, places[parent], counts[parent])
+        places[parent] += 1
+    return found
+
+
+def _refer(
+    source: TimingFile, references: dict[str, Reference], spans: dict[str, TimeSpan]
+) -> None:
+    """Add the spans of annotations that refer to others."""
+    timeless: set[str] = set()
+    for first in references:
+        chain: dict[str, Reference] = {}
+        name = first
+        while name in references and name not in spans and name not in timeless:
+            if name in chain:
+                raise source.fault(
+                    f"annotation '{name}' refers to itself; delete it in ELAN, and create it again",
+                    source.line_of(f'ANNOTATION_ID="{name}"'),
+                )
+            chain[name] = references[name]
+            name = references[name].parent
+        if name not in spans:
+            timeless.update(chain)
+            continue
+        for below, (parent, place, among) in reversed(chain.items()):
+            start, end = spans[parent]
+            step = (end - start) / among
+            spans[below] = (start + place * step, start + (place + 1) * step)

@@ -1,0 +1,97 @@
+"""ElevenLabs: the times of characters that come with its speech, as JSON.
+
+An answer has an `alignment` with characters, their starts, and their ends in seconds or durations
+in milliseconds. Answers of a stream are in one list, or one on each line. Characters between spaces
+make a word.
+"""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from lipsync_lang.schedules.parallel_lists import listed_rows
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.timed_words import TimedWord, TimedWords, timed_words_of
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+MILLISECONDS_PER_SECOND = 1000.0
+
+STARTS = re.compile(r'"char(acter)?_?start_?times?_?\w{2,7}"\s*:', re.IGNORECASE)
+"""The name of the list of starts, which ends with its unit."""
+
+ELEVENLABS_FORM = (
+    '{"alignment": {"characters": ["H", "i"], "character_start_times_seconds": [0.0, 0.1], '
+    '"character_end_times_seconds": [0.1, 0.3]}}'
+)
+
+CONTAINERS = ("alignment", "normalizedalignment")
+"""Fields that hold times, the better one first: the other's numbers are written out."""
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the file names starts of characters, at its start or within an alignment."""
+    if STARTS.search(source.head):
+        return '"timestampInfo"' not in source.head  # another service's
+    whole = source.document
+    first = whole[0] if isinstance(whole, list) and whole else whole
+    held = [_plain(_plain(first).get(name)) for name in CONTAINERS]
+    return any(times.keys() & {"characters", "chars"} for times in held)
+
+
+@reader("elevenlabs", ".json", ".jsonl", sniff=sniff)
+def read_elevenlabs(source: TimingFile) -> TimedWords:
+    """Times of characters that ElevenLabs gives with its speech, joined to words."""
+    words: list[list[LabelRow]] = [[]]
+    rate, latest = None, 0.0
+    for line, letters, times in _answers(source):
+        rate = MILLISECONDS_PER_SECOND if "charstarttimesms" in times else None
+        for one in _characters(source, line, letters, times):
+            if one.start < latest:
+                raise source.fault(f"{one.label!r} starts before the character before it", line)
+            latest = one.start
+            if one.label.isspace():
+                words.append([])
+            else:
+                words[-1].append(one)
+    joined = [
+        TimedWord("".join(one.label for one in spelled), spelled[0].start, spelled[-1].end)
+        for spelled in words
+        if spelled
+    ]
+    return timed_words_of(source, joined, rate=rate)
+
+
+def _answers(source: TimingFile) -> Iterator[tuple[int | None, object, dict[str, Any]]]:
+    """Yield the line, the characters and the lists of times of each answer that has any."""
+    for line, answer in source.events:
+        plain = _plain(answer)
+        held = next((plain[name] for name in CONTAINERS if plain.get(name)), plain)
+        times = {re.sub("^character", "char", name): one for name, one in _plain(held).items()}
+        if "chars" in times:  # an answer without times ends a stream
+            yield line, times["chars"], times
+
+
+def _characters(
+    source: TimingFile, line: int | None, letters: object, times: dict[str, Any]
+) -> Iterator[LabelRow]:
+    lists = {
+        part: next((one for name, one in times.items() if name.startswith(f"char{part}")), None)
+        for part in ("start", "end", "duration")
+    }
+    starts, ends, lengths = lists.values()
+    return listed_rows(
+        source,
+        letters,
+        starts,
+        lengths if ends is None else ends,
+        form=ELEVENLABS_FORM,
+        line=line,
+        durations=ends is None,
+    )
+
+
+def _plain(whole: object) -> dict[str, Any]:
+    """Return an object with one spelling of its names."""
+    fields = whole if isinstance(whole, dict) else {}
+    return {name.replace("_", "").lower(): value for name, value in fields.items()}

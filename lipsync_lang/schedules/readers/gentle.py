@@ -1,0 +1,65 @@
+"""Gentle's JSON: words with their times, and the lengths of the phones in each.
+
+Times are seconds. The letter after the underscore of a phone such as `ae_I` is its place in the
+word. Words that Gentle did not find in the sound have no times: the mouth rests there, and a
+remark names them.
+"""
+
+import re
+
+from lipsync_lang.errors import shortlist
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+MAX_SHOWN_WORDS = 8
+"""Words in a remark."""
+
+PLACE = re.compile(r"_[BEIS]$")
+"""A phone at the beginning, end or inside of a word, or a single phone."""
+
+GENTLE_FORM = (
+    '{"words": [{"word": "a", "start": 0.1, "phones": [{"phone": "ah_S", "duration": 0.1}]}]}'
+)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the first word has phones, or states how it was aligned."""
+    words = source.document.get("words") if source.holds("words") else None
+    first = words[0] if isinstance(words, list) and words else None
+    return isinstance(first, dict) and bool(first.keys() & {"case", "phones", "alignedWord"})
+
+
+@reader("gentle", ".json", sniff=sniff)
+def read_gentle(source: TimingFile) -> Schedule:
+    """Words and phones of the aligner Gentle."""
+    words = source.json.get("words") if isinstance(source.json, dict) else None
+    if not isinstance(words, list) or not all(isinstance(word, dict) for word in words):
+        raise source.fault(f"has no list of words; the form is {GENTLE_FORM}")
+    rows: list[LabelRow] = []
+    spans: list[LabelRow] = []
+    lost: list[str] = []
+    for word in words:
+        text = str(word.get("word") or word.get("alignedWord") or "")
+        if word.get("start") is None:
+            lost.append(text)
+            continue
+        start = at = source.number(word["start"])
+        for phone in _phones(source, word):
+            end = at + source.number(phone.get("duration"))
+            rows.append(LabelRow(PLACE.sub("", str(phone.get("phone", ""))), at, end))
+            at = end
+        spans.append(LabelRow(text, start, at))
+    if lost and not rows:
+        raise source.fault("no word was found in the recording; align it again")
+    shown = shortlist(lost, MAX_SHOWN_WORDS)
+    told = [f"{source.path}: not found in the recording, so the mouth rests: {shown}"]
+    return schedule_of(source, rows, words=spans, remarks=told if lost else ())
+
+
+def _phones(source: TimingFile, word: dict[str, object]) -> list[dict[str, object]]:
+    phones = word.get("phones")
+    if not isinstance(phones, list) or not all(isinstance(phone, dict) for phone in phones):
+        raise source.fault(f"a word has no list of phones; the form is {GENTLE_FORM}")
+    return phones

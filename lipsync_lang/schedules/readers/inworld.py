@@ -1,0 +1,67 @@
+"""Inworld: the times of words and of the phones in them that come with its speech, as JSON.
+
+Answers of a stream are in one list, or one on each line, some within a ``result``. Times are
+seconds. A voice without phones gives words alone.
+"""
+
+from collections.abc import Iterator
+
+from lipsync_lang.json_object import Json
+from lipsync_lang.schedules.parallel_lists import listed_rows
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.timed_words import TimedWord, timed_words_of
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+INWORLD_FIELD = "timestampInfo"
+
+INWORLD_FORM = (
+    '{"timestampInfo": {"wordAlignment": {"words": ["maps"], "wordStartTimeSeconds": [0.1], '
+    '"wordEndTimeSeconds": [0.62], "phoneticDetails": [{"wordIndex": 0, "phones": [{"phoneSymbol": '
+    '"m", "startTimeSeconds": 0.1, "durationSeconds": 0.09}]}]}}}'
+)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True for JSON that names the field with the times."""
+    return source.mentions(INWORLD_FIELD)
+
+
+@reader("inworld", ".json", ".jsonl", sniff=sniff)
+def read_inworld(source: TimingFile) -> Timings:
+    """Times of words and phones that Inworld gives with its speech."""
+    phones: list[LabelRow] = []
+    words: list[LabelRow] = []
+    for line, answer in source.events:
+        whole = _object(source, answer, line)
+        stamps = _object(source, whole.get("result", whole), line).get(INWORLD_FIELD)
+        if stamps is None:
+            continue
+        aligned = _object(source, _object(source, stamps, line).get("wordAlignment"), line)
+        words += _words(source, aligned, line)
+        phones += _phones(source, aligned, line)
+    if phones or not words:
+        return schedule_of(source, phones, words=words)
+    return timed_words_of(source, [TimedWord(w.label, w.start, w.end, line=w.line) for w in words])
+
+
+def _words(source: TimingFile, aligned: Json, line: int | None) -> Iterator[LabelRow]:
+    """Yield the words; spaces and punctuation stand among them."""
+    lists = [aligned.get(f"word{what}") for what in ("StartTimeSeconds", "EndTimeSeconds")]
+    for row in listed_rows(source, aligned.get("words"), *lists, form=INWORLD_FORM, line=line):
+        if any(letter.isalnum() for letter in row.label):
+            yield row
+
+
+def _phones(source: TimingFile, aligned: Json, line: int | None) -> Iterator[LabelRow]:
+    for detail in source.objects(aligned, "phoneticDetails", INWORLD_FORM, line):
+        for phone in source.objects(detail, "phones", INWORLD_FORM, line):
+            start = source.number(phone.get("startTimeSeconds"), line)
+            end = start + source.number(phone.get("durationSeconds"), line)
+            yield LabelRow(str(phone.get("phoneSymbol", "")), start, end, line)
+
+
+def _object(source: TimingFile, value: object, line: int | None) -> Json:
+    if not isinstance(value, dict):
+        raise source.fault(f"has no alignment of words; the form is {INWORLD_FORM}", line)
+    return value

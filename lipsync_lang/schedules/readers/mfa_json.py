@@ -1,0 +1,51 @@
+"""Tiers as JSON: the Montreal Forced Aligner's form, and the two that praatio saves TextGrids in.
+
+Tiers are a mapping from names, or a list in which each has its name. Entries of intervals are
+``[start, end, label]``.
+"""
+
+from typing import Any
+
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+TIERS_FORM = '{"tiers": {"phones": {"type": "interval", "entries": [[START, END, "LABEL"], ...]}}}'
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the JSON has tiers."""
+    return source.holds("tiers")
+
+
+@reader("mfa-json", ".json", sniff=sniff, tiers=True)
+def read_mfa_json(source: TimingFile) -> Timings:
+    """Tiers as JSON, as the Montreal Forced Aligner and praatio write them."""
+    document = source.json
+    tiers = document.get("tiers") if isinstance(document, dict) else None
+    if isinstance(tiers, dict):
+        return read_tiers(source, _intervals(source, list(tiers.items())))
+    if isinstance(tiers, list) and all(isinstance(tier, dict) for tier in tiers):
+        return read_tiers(source, _intervals(source, [(tier.get("name"), tier) for tier in tiers]))
+    raise source.fault(f"has no tiers; the form is {TIERS_FORM}")
+
+
+def _intervals(source: TimingFile, tiers: list[tuple[Any, Any]]) -> list[Tier]:
+    """Return the tiers whose type or class is intervals."""
+    found = []
+    for name, tier in tiers:
+        if not isinstance(tier, dict) or not isinstance(tier.get("entries"), list):
+            raise source.fault(f"tier {name!r} has no entries; the form is {TIERS_FORM}")
+        kind = tier.get("type", tier.get("class"))
+        if isinstance(kind, str) and kind.casefold().startswith("interval"):
+            rows = tuple(_row(source, name, entry) for entry in tier["entries"])
+            found.append(Tier(str(name).strip(), rows))
+    return found
+
+
+def _row(source: TimingFile, name: object, entry: object) -> LabelRow:
+    match entry:
+        case [start, end, str(label)]:
+            return LabelRow(label, source.number(start), source.number(end))
+    raise source.fault(f"tier {name!r}: an entry is [start, end, label], not {str(entry)[:80]}")

@@ -1,0 +1,57 @@
+"""Switch data of Moho, OpenToonz, Papagayo and Rhubarb Lip Sync (`.dat`).
+
+The first line is `MohoSwitch1`. Each other line has a frame, counted from 1, and the name of the
+drawing shown from that frame on. The frames per second are the animation's and are not in the file.
+"""
+
+import re
+
+from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
+from lipsync_lang.schedules.readers import papagayo, rhubarb
+from lipsync_lang.schedules.schedule import SILENCE, Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+MOHO_HEADER = "MohoSwitch1"
+
+MOHO_FPS = 24.0
+"""Default of the programs that write the format."""
+
+REST_DRAWING = "rest"
+"""Name of the neutral drawing."""
+
+DRAWING_LINE = re.compile(r"\s*(\d{1,9})\s+(\S.*?)\s*", re.ASCII)
+
+LETTER = re.compile(r"[A-HX]")
+"""A shape of Rhubarb Lip Sync, under its own name."""
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the file has the header of switch data."""
+    return source.head.split("\n", 1)[0].strip() == MOHO_HEADER
+
+
+@reader("moho", ".dat", sniff=sniff)
+def read_moho(source: TimingFile) -> Schedule:
+    """Switch data of Moho: the frame from which each drawing is shown, at 24 frames a second."""
+    starts: list[Start] = []
+    for number, line in source.lines[1:] if sniff(source) else source.lines:
+        found = DRAWING_LINE.fullmatch(line)
+        if found is None:
+            raise source.fault(f"{line.strip()[:40]!r} is not a frame and a drawing", number)
+        label = SILENCE if found[2].casefold() == REST_DRAWING else found[2]
+        starts.append((label, source.time(found[1], number) - 1, number))
+    letters = all(LETTER.fullmatch(label) for label, _, _ in starts if label != SILENCE)
+    rows, told = until_next(source, starts, rest=SILENCE, rate=MOHO_FPS)
+    if source.rate is None:
+        told.append(
+            f"{source.path}: does not state its frame rate; {MOHO_FPS:g} "
+            "frames per second are assumed; if that is wrong, state the rate (`rate=30`)"
+        )
+    return shapes_of(
+        source,
+        rows,
+        notation=rhubarb.RHUBARB_NOTATION if letters else papagayo.PRESTON_BLAIR_NOTATION,
+        rate=MOHO_FPS,
+        remarks=told,
+    )

@@ -1,0 +1,164 @@
+"""Papagayo and Papagayo-NG: `.pgo`, text, and `.pg2`, JSON.
+
+Both count frames from 0. Voices have phrases, phrases have words, and words have the start frames
+of their mouth shapes. A word includes its last frame. Between words the mouth rests. A `.pg2` names
+the set of its shapes; those of a `.pgo` are Preston Blair's, the program's default.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from lipsync_lang.errors import did_you_mean
+from lipsync_lang.schedules.mouth_shapes import Start, shapes_of
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+PRESTON_BLAIR_NOTATION = "preston-blair"
+
+SOUND_SET_PREFIX = "cmu"
+"""Prefix of the name of a set with sounds instead of mouth shapes."""
+
+PAPAGAYO_HEADER = "lipsync version 1"
+
+
+class PapagayoWord(NamedTuple):
+    """A word: its first and last frame, and the start frames of its mouth shapes."""
+
+    text: str
+    first: float
+    last: float
+    starts: Sequence[Start]
+    line: int | None
+
+
+Voices = dict[str, list[PapagayoWord]]
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the file has the program's header, or voices and a frame rate."""
+    return source.head.startswith(PAPAGAYO_HEADER) or source.holds("voices", "fps")
+
+
+@reader("papagayo", ".pgo", ".pg2", sniff=sniff, tiers=True)
+def read_papagayo(source: TimingFile) -> Schedule:
+    """Papagayo's .pgo and .pg2: mouth shapes or sounds by frames, with words; one voice."""
+    written = source.holds("voices", "fps")
+    fps, notation, voices = _of_json(source) if written else _of_text(source)
+    words = _voice(source, voices)
+    rows, spans = [], []
+    for number, word in enumerate(words):
+        following = words[number + 1].first if number + 1 < len(words) else float("inf")
+        end = min(word.last + 1, max(following, word.last))
+        spans.append(LabelRow(word.text, word.first, end, word.line))
+        stops = [*(start for _, start, _ in word.starts[1:]), end]
+        rows += [
+            LabelRow(s[0], s[1], stop, s[2]) for s, stop in zip(word.starts, stops, strict=True)
+        ]
+    if notation is None:
+        return schedule_of(source, rows, words=spans, rate=fps)
+    return shapes_of(source, rows, words=spans, notation=notation, rate=fps)
+
+
+def _voice(source: TimingFile, voices: Voices) -> list[PapagayoWord]:
+    """Return the words of the voice named by ``source.tier``, or of the only one that speaks."""
+    speaking = [name for name, words in voices.items() if words]
+    names = ", ".join(map(repr, voices))
+    if source.tier is not None:
+        if source.tier not in voices:
+            hint = did_you_mean(source.tier, voices)
+            raise source.fault(f"no voice is named {source.tier!r}; {hint}")
+        speaking = [source.tier]
+    if len(speaking) > 1:
+        raise source.fault(f"has several voices: {names}; choose one (`tier={speaking[0]!r}`)")
+    return sorted(voices[speaking[0]], key=lambda word: word.first) if speaking else []
+
+
+class _PapagayoLines:
+    """Lines of a `.pgo`, taken one after the other."""
+
+    def __init__(self, source: TimingFile) -> None:
+        self.source = source
+        self.rows = source.text.split("\n")
+        self.number = 0
+
+    def next(self) -> str:
+        """Return the next line; raise an error at the end of the file."""
+        if self.number == len(self.rows):
+            raise self.source.fault("ends too early; save it again", self.number)
+        self.number += 1
+        return self.rows[self.number - 1].strip()
+
+    def count(self, text: str | None = None) -> int:
+        """Return a number of frames or of items."""
+        text = self.next() if text is None else text
+        if not text.isdecimal() or len(text) > 9:  # noqa: PLR2004 no line has a billion frames
+            raise self.source.fault(f"{text[:40]!r} is not a number of frames", self.number)
+        return int(text)
+
+    def fields(self, count: int) -> list[str]:
+        """Return the fields of the next line; the first may contain spaces."""
+        found = self.next().rsplit(None, count - 1)
+        if len(found) != count:
+            raise self.source.fault(f"needs {count} parts, but has {len(found)}", self.number)
+        return found
+
+
+def _of_text(source: TimingFile) -> tuple[float, str, Voices]:
+    lines = _PapagayoLines(source)
+    if lines.next() != PAPAGAYO_HEADER:
+        raise source.fault(f"does not start with '{PAPAGAYO_HEADER}'", 1)
+    lines.next()  # the sound
+    fps = lines.count()
+    if not fps:
+        raise source.fault("has 0 frames per second", lines.number)
+    lines.count()  # the length of the sound
+    voices: Voices = {}
+    for _ in range(lines.count()):
+        words = voices.setdefault(lines.next(), [])
+        lines.next()  # its text
+        for _ in range(lines.count()):
+            for _ in range(3):  # a phrase, its first and its last frame
+                lines.next()
+            words += [_word(lines) for _ in range(lines.count())]
+    return fps, PRESTON_BLAIR_NOTATION, voices
+
+
+def _word(lines: _PapagayoLines) -> PapagayoWord:
+    text, first, last, count = lines.fields(4)
+    at, start, end = lines.number, lines.count(first), lines.count(last)
+    starts: list[Start] = []
+    for _ in range(lines.count(count)):
+        frame, label = lines.fields(2)
+        starts.append((label, lines.count(frame), lines.number))
+    return PapagayoWord(text, start, end, starts, at)
+
+
+def _of_json(source: TimingFile) -> tuple[float, str | None, Voices]:
+    whole = source.json
+    fps = source.number(whole["fps"])
+    if fps <= 0:
+        raise source.fault("the field fps must be above 0")
+    name = str(whole.get("phoneme_set") or PRESTON_BLAIR_NOTATION)
+    notation = None if name.lower().startswith(SOUND_SET_PREFIX) else name.lower().replace("_", "-")
+    voices: Voices = {}
+    for voice in _parts(source, whole, "voices"):
+        words = voices.setdefault(str(voice.get("name", "")), [])
+        for phrase in _parts(source, voice, "phrases"):
+            for word in _parts(source, phrase, "words"):
+                starts: list[Start] = [
+                    (str(part.get("text", "")), source.number(part.get("frame")), None)
+                    for part in _parts(source, word, "phonemes")
+                ]
+                first = source.number(word.get("start_frame"))
+                last = source.number(word.get("end_frame"))
+                words.append(PapagayoWord(str(word.get("text", "")), first, last, starts, None))
+    return fps, notation, voices
+
+
+def _parts(source: TimingFile, whole: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
+    parts = whole.get(name)
+    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+        raise source.fault(f"`{name}` must be a list of objects")
+    yield from parts

@@ -1,0 +1,65 @@
+"""Rhubarb Lip Sync: mouth shapes in its TSV, XML and JSON.
+
+Times are seconds. In TSV a line is a start and a shape, and the last line is the end of the
+recording with a closed mouth. XML and JSON state the end of every shape.
+"""
+
+import re
+from collections.abc import Iterator
+
+from lipsync_lang.schedules.mouth_shapes import Start, shapes_of, until_next
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+RHUBARB_NOTATION = "rhubarb"
+
+RHUBARB_LINE = re.compile(r"(\d+(?:\.\d*)?)\t([A-Z])", re.ASCII)
+"""A line of TSV."""
+
+RHUBARB_FORM = '{"mouthCues": [{"start": 0.0, "end": 0.05, "value": "X"}, ...]}'
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the file has mouth cues, or a line of a time and one capital letter."""
+    if source.root == "rhubarbResult" or source.holds("mouthCues"):
+        return True
+    first = source.head.lstrip().split("\n", 1)[0]
+    return RHUBARB_LINE.fullmatch(first.rstrip()) is not None
+
+
+@reader(RHUBARB_NOTATION, ".tsv", ".xml", ".json", sniff=sniff)
+def read_rhubarb(source: TimingFile) -> Schedule:
+    """Mouth shapes of Rhubarb Lip Sync, as TSV, XML or JSON."""
+    if source.head.lstrip().startswith("<"):
+        return shapes_of(source, _of_xml(source), notation=RHUBARB_NOTATION)
+    if source.holds("mouthCues"):
+        return shapes_of(source, _of_json(source), notation=RHUBARB_NOTATION)
+    starts = list(_of_tsv(source))
+    end = starts[-1][1] if starts else None
+    rows, told = until_next(source, starts[:-1], rest="", end=end)
+    return shapes_of(source, rows, notation=RHUBARB_NOTATION, remarks=told)
+
+
+def _of_tsv(source: TimingFile) -> Iterator[Start]:
+    for number, line in source.lines:
+        found = RHUBARB_LINE.fullmatch(line.rstrip())
+        if found is None:
+            raise source.fault(f"{line[:40]!r} is not a time, a tab and a shape", number)
+        yield found[2], source.time(found[1], number), number
+
+
+def _of_xml(source: TimingFile) -> Iterator[LabelRow]:
+    for cue in source.xml.iter("mouthCue"):
+        yield LabelRow(
+            (cue.text or "").strip(), source.time(cue.get("start")), source.time(cue.get("end"))
+        )
+
+
+def _of_json(source: TimingFile) -> Iterator[LabelRow]:
+    cues = source.json["mouthCues"]
+    for cue in cues if isinstance(cues, list) else [cues]:
+        if not isinstance(cue, dict) or not isinstance(cue.get("value"), str):
+            raise source.fault(f"a cue has no value; the form is {RHUBARB_FORM}")
+        yield LabelRow(cue["value"], source.number(cue.get("start")), source.number(cue.get("end")))

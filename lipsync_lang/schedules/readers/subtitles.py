@@ -1,0 +1,148 @@
+"""Subtitles as timings: SubRip (`.srt`) and WebVTT (`.vtt`).
+
+A cue is timed as a whole, or in WebVTT word by word (``hello<00:00:01.500> world``). Cues of one
+speaker (``<v Ann>``) are asked for by name where there are several. Captions that roll, as of
+YouTube, repeat the row before; the repetition is left out.
+"""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from html import unescape
+from typing import NamedTuple
+
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+CLOCK = r"(?:\d{1,9}:)?\d\d?:\d\d[.,]\d{1,9}"
+
+CUE_TIMES = re.compile(rf"\s*({CLOCK})\s*-->\s*({CLOCK})", re.ASCII)
+"""The row above a cue's text."""
+
+STAMP = re.compile(rf"<({CLOCK})>", re.ASCII)
+"""The time at which the next word of a cue starts."""
+
+VOICE = re.compile(r"<v(?:\.[^\s<>]*+)?\s++([^<>]++)>")
+"""The speaker of a cue."""
+
+CUE_TAG = re.compile(r"<[^<>]*>|\{\\[^{}]*\}")
+"""Styles, in WebVTT and in SubRip."""
+
+DASH = re.compile(r"^\s*[-–]\s*")
+"""The start of a row in a dialogue."""
+
+CUE_ASIDE = re.compile(r"(WEBVTT|NOTE|STYLE|REGION)\b")
+
+
+class Cue(NamedTuple):
+    """The rows of a cue with their lines in the file, its name, and its times as written.
+
+    `times` is None for rows that an empty line parts from their cue.
+    """
+
+    rows: list[tuple[int, str]]
+    name: str
+    times: tuple[str, str] | None
+
+
+def cues(numbered: Iterable[tuple[int, str]]) -> Iterator[Cue]:
+    """Yield the cues of a file's numbered rows; comments and styles are left out."""
+    found = False
+    for part in _parts(numbered):
+        at = next((i for i, (_, text) in enumerate(part) if CUE_TIMES.match(text)), None)
+        if at is None:
+            if found and not CUE_ASIDE.match(part[0][1]):
+                yield Cue(part, "", None)
+            continue
+        found = True
+        times = CUE_TIMES.match(part[at][1])
+        start, end = times.groups() if times else ("", "")
+        yield Cue(part[at + 1 :], part[at - 1][1].strip() if at else "", (start, end))
+
+
+def joined(rows: list[tuple[int, str]]) -> str:
+    """Return the text of rows, without the dashes of a dialogue."""
+    return " ".join(DASH.sub("", text) for _, text in rows)
+
+
+def speaker_of(text: str) -> str:
+    """Return the speaker that a cue names; may be empty."""
+    voice = VOICE.search(text)
+    return voice[1].strip() if voice else ""
+
+
+def _parts(numbered: Iterable[tuple[int, str]]) -> Iterator[list[tuple[int, str]]]:
+    """Yield groups of rows, parted by empty ones."""
+    part: list[tuple[int, str]] = []
+    for number, text in numbered:
+        if text.strip():
+            part.append((number, text))
+        elif part:
+            yield part
+            part = []
+    if part:
+        yield part
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if a row has the times of a cue."""
+    return any(CUE_TIMES.match(row) for row in source.head.split("\n"))
+
+
+@reader("subtitles", ".srt", ".vtt", sniff=sniff, tiers=True, script=True)
+def read_subtitles(source: TimingFile) -> Timings:
+    """Subtitles, SubRip and WebVTT: words or whole cues with their times, of one speaker."""
+    rolling = STAMP.search(source.text) is not None
+    speakers: defaultdict[str, list[LabelRow]] = defaultdict(list)
+    before: set[str] = set()
+    repeated = 0
+    for rows, times in _whole(source):
+        line = rows[0][0]
+        start, end = (_seconds(source, one, line) for one in times)
+        fresh = [row for row in rows if not (rolling and _plain(row[1]) in before)]
+        before = {_plain(text) for _, text in rows}
+        repeated += len(rows) - len(fresh)
+        text = joined(fresh)
+        speakers[speaker_of(text)] += _words(source, text, start, end, line)
+    said = [(f"{name} - words" if name else "words", rows) for name, rows in speakers.items()]
+    timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in said if rows])
+    told = f"{source.path}: rows that repeat the previous cue are left out: {repeated}"
+    return replace(timings, remarks=(*timings.remarks, told)) if repeated else timings
+
+
+def _whole(source: TimingFile) -> Iterator[tuple[list[tuple[int, str]], tuple[str, str]]]:
+    """Yield the rows of each cue, also those after an empty line, and its times."""
+    rows: list[tuple[int, str]] = []
+    times = ("", "")
+    for cue in cues(enumerate(source.text.split("\n"), 1)):
+        if cue.times is not None:
+            if rows:
+                yield rows, times
+            rows, times = [], cue.times
+        rows += cue.rows
+    if rows:
+        yield rows, times
+
+
+def _plain(text: str) -> str:
+    return " ".join(unescape(CUE_TAG.sub("", text)).split())
+
+
+def _words(
+    source: TimingFile, text: str, start: float, end: float, line: int | None
+) -> Iterator[LabelRow]:
+    """Yield the parts of a cue between its times."""
+    first, *rest = STAMP.split(text)
+    starts = [start, *(_seconds(source, stamp, line) for stamp in rest[::2])]
+    for said, begins, ends in zip([first, *rest[1::2]], starts, [*starts[1:], end], strict=True):
+        if label := _plain(said):
+            yield LabelRow(label, begins, ends, line)
+
+
+def _seconds(source: TimingFile, clock: str, line: int | None) -> float:
+    *larger, seconds = clock.replace(",", ".").split(":")
+    minutes = sum(int(part) * 60**place for place, part in enumerate(reversed(larger)))
+    return source.number(minutes * 60 + float(seconds), line)

@@ -1,0 +1,41 @@
+"""TIMIT's phones: a first sample, a last sample and a phone on each line, at 16 kHz.
+
+The words are in a file of the same name with `.wrd` beside it.
+"""
+
+import re
+
+from lipsync_lang.schedules.rows import LabelRow, schedule_of
+from lipsync_lang.schedules.timed_words import words_of_rows
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+SAMPLES_PER_SECOND = 16_000.0
+
+TIMIT_LINE = re.compile(r"\s*(\d+)\s+(\d+)\s+(\S+)\s*", re.ASCII)
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the file starts with two whole numbers and a label."""
+    return TIMIT_LINE.fullmatch(source.head.lstrip().split("\n", 1)[0]) is not None
+
+
+@reader("timit", ".phn", ".wrd", sniff=sniff)
+def read_timit(source: TimingFile) -> Timings:
+    """TIMIT's .PHN, in samples at 16 kHz unless a rate is given; words from .WRD beside it."""
+    if source.path.suffix.lower() == ".wrd":
+        return words_of_rows(source, _rows(source), rate=SAMPLES_PER_SECOND)
+    beside = source.beside(".wrd") if source.path.suffix.lower() == ".phn" else None
+    words = _rows(beside) if beside is not None else []
+    return schedule_of(source, _rows(source), words=words, rate=SAMPLES_PER_SECOND)
+
+
+def _rows(source: TimingFile) -> list[LabelRow]:
+    rows: list[LabelRow] = []
+    for number, line in source.lines:
+        found = TIMIT_LINE.fullmatch(line)
+        if found is None:
+            raise source.fault(f"{line.strip()[:40]!r} is not two samples and a label", number)
+        start, end = source.time(found[1], number), source.time(found[2], number)
+        rows.append(LabelRow(found[3], start, end, number))
+    return rows

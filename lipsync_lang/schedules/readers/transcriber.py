@@ -1,0 +1,65 @@
+"""Transcriber: turns of speakers with the times of their parts, in XML (`.trs`).
+
+A part of a turn is what stands between two `Sync` elements. Where speakers talk at once, `Who` says
+which of the turn's speakers the text after it is of. Noises are events, which are not spoken.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from lipsync_lang.schedules.rows import LabelRow
+from lipsync_lang.schedules.tiers import Tier, read_tiers
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import Timings, reader
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+TRANSCRIBER_ROOT = "Trans"
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True for XML with Transcriber's outermost element."""
+    return source.root == TRANSCRIBER_ROOT
+
+
+@reader("transcriber", ".trs", sniff=sniff, tiers=True)
+def read_transcriber(source: TimingFile) -> Timings:
+    """Turns of Transcriber's .trs, of one speaker; each part is timed as a whole."""
+    document = source.xml
+    names = {one.get("id", ""): one.get("name") or "" for one in document.iter("Speaker")}
+    said: defaultdict[str, list[LabelRow]] = defaultdict(list)
+    for turn in document.iter("Turn"):
+        speakers = turn.get("speaker", "").split()
+        for who, row in _parts(source, turn):
+            key = speakers[who] if who < len(speakers) else ""
+            said[names.get(key) or key].append(row)
+    tiers = [(f"{name} - words" if name else "words", rows) for name, rows in said.items()]
+    timings = read_tiers(source, [Tier(name, tuple(rows)) for name, rows in tiers])
+    noises = sorted({one.get("desc") or "?" for one in document.iter("Event")})
+    told = f"{source.path}: noises and other events are left out: {', '.join(noises[:8])}"
+    return replace(timings, remarks=(*timings.remarks, told)) if noises else timings
+
+
+def _parts(source: TimingFile, turn: "Element") -> Iterator[tuple[int, LabelRow]]:
+    """Yield the words of a turn with their times, and the number of their speaker."""
+    spoken = defaultdict(list, {0: [turn.text or ""]})
+    start, who = source.time(turn.get("startTime")), 0
+    for element in turn:
+        if element.tag == "Sync":
+            end = source.time(element.get("time"))
+            yield from _rows(spoken, start, end)
+            spoken, start, who = defaultdict(list), end, 0
+        elif element.tag == "Who":
+            who = max(round(source.time(element.get("nb"))) - 1, 0)
+        inside = "" if element.tag == "Event" else element.text or ""
+        spoken[who] += [inside, element.tail or ""]
+    yield from _rows(spoken, start, source.time(turn.get("endTime")))
+
+
+def _rows(spoken: dict[int, list[str]], start: float, end: float) -> Iterator[tuple[int, LabelRow]]:
+    for who, texts in spoken.items():
+        if label := " ".join(" ".join(texts).split()):
+            yield who, LabelRow(label, start, end)

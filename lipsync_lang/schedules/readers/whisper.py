@@ -1,0 +1,143 @@
+"""Whisper and its relatives: words or segments with their times, as JSON.
+
+Read are WhisperX, whisper-timestamped, faster-whisper, stable-ts, whisper.cpp, the answers of
+OpenAI's service and of Hugging Face's pipelines, and Vosk's results, which look the same. A word
+without times, such as a number in WhisperX, shares those of the word before it. A segment without
+words is timed as a whole.
+"""
+
+from collections import defaultdict
+from typing import Any, NamedTuple
+
+from lipsync_lang.json_object import Json
+from lipsync_lang.schedules.tiers import Tier, only
+from lipsync_lang.schedules.timed_words import (
+    TYPICAL_WORD_SECONDS,
+    TimedWord,
+    TimedWords,
+    timed_words_of,
+)
+from lipsync_lang.schedules.timing_file import TimingFile
+from lipsync_lang.schedules.timing_readers import reader
+
+MILLISECONDS_PER_SECOND = 1000.0
+
+SEGMENT_LISTS = ("segments", "transcription", "chunks", "result", "words")
+"""Fields of the document that hold segments or words, in the order in which they are looked for."""
+
+TEXT_FIELDS = ("word", "text")
+CONFIDENCES = ("probability", "confidence", "score", "conf", "p")
+
+WHISPER_FORM = '{"segments": [{"words": [{"word": "maps", "start": 0.1, "end": 0.62}, ...]}, ...]}'
+
+
+class RecognisedPart(NamedTuple):
+    """A word or a segment with the name of its speaker; times of None are unknown."""
+
+    text: str
+    start: float | None
+    end: float | None
+    confidence: float | None
+    speaker: str
+
+
+def sniff(source: TimingFile) -> bool:
+    """Return True if the first item of a known list has a text, and times or words."""
+    if source.holds("phonemes"):
+        return False
+    items = _items(source.document)
+    first = items[0] if isinstance(items, list) and items else None
+    if not isinstance(first, dict) or not first.keys() & {*TEXT_FIELDS, "words"}:
+        return False
+    return bool(first.keys() & {"start", "timestamp", "offsets", "timestamps"}) and (
+        first.keys().isdisjoint({"phoneme_ts", "case", "phones", "alignedWord"})
+    )
+
+
+@reader("whisper", ".json", sniff=sniff, tiers=True)
+def read_whisper(source: TimingFile) -> TimedWords:
+    """Words of Whisper's relatives (WhisperX, faster-whisper, whisper.cpp, ...) and of Vosk."""
+    said: defaultdict[str, list[TimedWord]] = defaultdict(list)
+    for item in _objects(source, _items(source.json)):
+        words = item.get("words") or item.get("tokens")
+        for one in (
+            _joined(source, item, words) if isinstance(words, list) else [_said(source, item)]
+        ):
+            if one.start is not None:
+                end = one.start + TYPICAL_WORD_SECONDS if one.end is None else one.end
+                said[one.speaker].append(TimedWord(one.text, one.start, end, one.confidence))
+    speakers = [Tier(name, ()) for name in said]
+    chosen = only(source, speakers, "speakers").name if speakers else ""
+    rate = MILLISECONDS_PER_SECOND if source.holds("transcription") else None
+    return timed_words_of(source, said[chosen], rate=rate, guess=True)
+
+
+def _items(document: object) -> object:
+    """Return the list of segments or words of a document."""
+    if not isinstance(document, dict):
+        return document
+    lists = [document[name] for name in SEGMENT_LISTS if isinstance(document.get(name), list)]
+    words = document.get("words")
+    if not lists:
+        return None
+    nested = any(isinstance(one, dict) and one.get("words") for one in lists[0])
+    return words if words and isinstance(words, list) and not nested else lists[0]
+
+
+def _objects(source: TimingFile, items: object) -> list[Json]:
+    if not isinstance(items, list) or not all(isinstance(one, dict) for one in items):
+        raise source.fault(f"has no list of segments or words; the form is {WHISPER_FORM}")
+    return items
+
+
+def _joined(source: TimingFile, item: Json, words: list[Any]) -> list[RecognisedPart]:
+    """Return the words of a segment; untimed ones and parts of words are joined to a neighbour."""
+    in_parts = not item.get("words")  # tokens of the model, which split words
+    groups: list[list[RecognisedPart]] = []
+    timed = False
+    for word in _objects(source, words):
+        one = _said(source, {"speaker": item.get("speaker"), **word})
+        if one.text.startswith("[_"):  # a mark of the model's, not a word
+            continue
+        inside = in_parts and not one.text.startswith(" ")
+        if groups and (inside or one.start is None or not timed):
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+            timed = False
+        timed = timed or one.start is not None
+    if groups and not any(one.start is not None for one in groups[0]):
+        return [_said(source, item)]
+    joined = []
+    for parts in groups:
+        times = [one for one in parts if one.start is not None]
+        ends = [one.end for one in times if one.end is not None]
+        text = ("" if in_parts else " ").join(one.text for one in parts)
+        joined.append(times[0]._replace(text=text, end=ends[-1] if ends else None))
+    return joined
+
+
+def _said(source: TimingFile, item: Json) -> RecognisedPart:
+    text = next((item[name] for name in TEXT_FIELDS if isinstance(item.get(name), str)), "")
+    start, end = _times(source, item)
+    sure = next((item[name] for name in CONFIDENCES if name in item), None)
+    speaker = item.get("speaker")
+    is_sound = item.get("type") == "audio_event"
+    return RecognisedPart(
+        "" if is_sound else text,
+        start,
+        end,
+        float(sure) if isinstance(sure, (int, float)) and 0 <= sure <= 1 else None,
+        speaker if isinstance(speaker, str) else "",
+    )
+
+
+def _times(source: TimingFile, item: Json) -> tuple[float | None, float | None]:
+    """Return the start and end of a word or segment; None for a time that is not stated."""
+    pair: list[Any] = [item.get("start"), item.get("end")]
+    if isinstance(item.get("timestamp"), list):
+        pair = [*item["timestamp"], None, None][:2]
+    elif isinstance(item.get("offsets"), dict):
+        pair = [item["offsets"].get("from"), item["offsets"].get("to")]
+    start, end = (None if one is None else source.number(one) for one in pair)
+    return start, end

@@ -1,0 +1,22 @@
+"""Timings as a table of comma-separated values, for spreadsheets."""
+
+import csv
+from io import StringIO
+
+from lipsync_lang.schedules.schedule import Schedule
+from lipsync_lang.schedules.tiers import CONFIDENCE_TIER, tiers_of
+
+
+def table_text(schedule: Schedule) -> str:
+    """Return a schedule as a CSV table: begin, end, label and type of each word and phone."""
+    out = StringIO()
+    tiers = tiers_of(schedule)
+    sure = tiers.pop(CONFIDENCE_TIER, [])
+    rated = {start: label for label, start, _ in sure}
+    rows = csv.writer(out, lineterminator="\n")
+    rows.writerow(["Begin", "End", "Label", "Type", *(["Confidence"] if sure else [])])
+    for kind, spans in tiers.items():
+        for label, start, end in spans:
+            rate = rated.get(start, "") if kind == "words" else ""
+            rows.writerow([start, end, label, kind, *([rate] if sure else [])])
+    return out.getvalue()
